@@ -1,0 +1,37 @@
+use super::DVec2;
+
+/// What a ray meets first: how far away, which object, and where on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The ray's parameter, `0 < t <= t_max`; infinity for a miss.
+    pub t: f64,
+    /// The object's index in the scene; -1 for a miss.
+    pub object: i32,
+    /// Which part of the object: a mesh's triangle, a box's face, ...; -1 for a miss.
+    pub primitive: i32,
+    /// In a triangle the weights of its corners 1 and 2 (corner 0 has the rest); NaN elsewhere.
+    pub barycentric: DVec2,
+}
+
+impl Hit {
+    /// The ray met nothing.
+    pub const MISS: Self = Self {
+        t: f64::INFINITY,
+        object: -1,
+        primitive: -1,
+        barycentric: DVec2::NAN,
+    };
+
+    /// Whether the ray met nothing.
+    pub fn is_miss(&self) -> bool {
+        self.t == f64::INFINITY
+    }
+
+    /// Whether this is the first of the two: the smaller `t`, at the same `t` the lower
+    /// (object, primitive). So the order in which candidates are tried never shows.
+    pub fn precedes(&self, other: &Self) -> bool {
+        self.t < other.t
+            || (self.t == other.t
+                && (self.object, self.primitive) < (other.object, other.primitive))
+    }
+}

@@ -1,0 +1,48 @@
+//! Rays, hits, boxes, transforms, colours. Imports nothing of this crate; glam is the vector maths.
+
+mod bounds;
+mod color;
+mod hit;
+mod ray;
+mod transform;
+
+pub use bounds::Bounds;
+pub use color::{Color, srgb_decode, srgb_encode};
+pub use hit::Hit;
+pub use ray::Ray;
+pub use transform::Transform;
+
+pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+
+/// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the largest will do.
+pub fn unit(v: DVec3) -> DVec3 {
+    const TWO_TO_600: f64 = f64::from_bits((1023 + 600) << 52);
+    let largest = v.abs().max_element();
+    // The squares of extreme lengths leave the range of float64; a power of two scales without rounding.
+    let v = if largest > 1e150 {
+        v * (1.0 / TWO_TO_600)
+    } else if largest < 1e-150 {
+        v * TWO_TO_600
+    } else {
+        v
+    };
+    v / v.length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_has_length_one_at_every_scale() {
+        for scale in [1e-300, 1e-160, 1e-10, 1.0, 1e10, 1e160, 1e307] {
+            let v = unit(DVec3::new(3.0, -4.0, 12.0) * scale);
+            assert!((v.length() - 1.0).abs() < 4.0 * f64::EPSILON, "{scale}");
+            assert!(
+                (v - DVec3::new(3.0, -4.0, 12.0) / 13.0).length() < 1e-15,
+                "{scale}"
+            );
+        }
+        assert!(unit(DVec3::ZERO).is_nan());
+    }
+}

@@ -1,0 +1,45 @@
+use super::DVec3;
+
+/// The points `origin + t * direction` with `0 < t <= t_max`, in world space unless said otherwise.
+///
+/// `direction` need not be of length one: `t` is in units of its length, a distance only when that
+/// is one (as it is for every camera's rays).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where the ray starts; not itself part of the ray.
+    pub origin: DVec3,
+    /// Where it goes; anything but zero.
+    pub direction: DVec3,
+    /// The largest `t` that counts.
+    pub t_max: f64,
+}
+
+impl Ray {
+    /// The ray without an end.
+    pub fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self {
+            origin,
+            direction,
+            t_max: f64::INFINITY,
+        }
+    }
+
+    /// The same ray, ending at `t_max` (which still counts).
+    pub fn up_to(self, t_max: f64) -> Self {
+        Self { t_max, ..self }
+    }
+
+    /// The point at the parameter `t`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+
+    /// Whether this ray can meet anything: all numbers finite, the direction not zero, `t_max`
+    /// positive. Any other ray is a miss, and only that.
+    pub fn is_valid(&self) -> bool {
+        self.origin.is_finite()
+            && self.direction.is_finite()
+            && self.direction != DVec3::ZERO
+            && self.t_max > 0.0
+    }
+}

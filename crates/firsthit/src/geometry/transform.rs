@@ -1,0 +1,90 @@
+use super::{DAffine3, DVec3, Ray, unit};
+use crate::error::{Error, Result};
+
+/// Where an object stands in the world: any affine map that can be undone, mirrored ones included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    world_from_object: DAffine3,
+    object_from_world: DAffine3,
+}
+
+impl Transform {
+    /// The object's coordinates are the world's. Rays pass through it without any rounding.
+    pub const IDENTITY: Self = Self {
+        world_from_object: DAffine3::IDENTITY,
+        object_from_world: DAffine3::IDENTITY,
+    };
+
+    /// The transform that takes object space to the world.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when the map flattens space (its determinant is zero in float64) or holds a
+    /// NaN or an infinity.
+    pub fn new(world_from_object: DAffine3) -> Result<Self> {
+        let object_from_world = world_from_object.inverse();
+        if !(world_from_object.is_finite() && object_from_world.is_finite()) {
+            let expected = "an affine map that can be undone";
+            return Err(Error::argument(
+                "transform",
+                expected,
+                format!("{world_from_object:?}"),
+            ));
+        }
+        Ok(Self {
+            world_from_object,
+            object_from_world,
+        })
+    }
+
+    /// Moved by `offset`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when `offset` is not finite.
+    pub fn translation(offset: DVec3) -> Result<Self> {
+        Self::new(DAffine3::from_translation(offset))
+    }
+
+    /// The map from object space to the world.
+    pub fn world_from_object(&self) -> &DAffine3 {
+        &self.world_from_object
+    }
+
+    /// The map from the world to object space.
+    pub fn object_from_world(&self) -> &DAffine3 {
+        &self.object_from_world
+    }
+
+    /// Whether this is exactly the identity.
+    pub fn is_identity(&self) -> bool {
+        self.world_from_object == DAffine3::IDENTITY
+    }
+
+    /// Whether a box stays a box: every axis goes to an axis.
+    pub fn keeps_axes(&self) -> bool {
+        let m = self.world_from_object.matrix3;
+        [m.x_axis, m.y_axis, m.z_axis]
+            .iter()
+            .all(|column| column.to_array().iter().filter(|&&x| x != 0.0).count() == 1)
+    }
+
+    /// A world ray in object space. Its `t` is the same: the direction is not normalised.
+    pub fn ray_in_object(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.object_from_world.transform_point3(ray.origin),
+            direction: self.object_from_world.transform_vector3(ray.direction),
+            t_max: ray.t_max,
+        }
+    }
+
+    /// An object-space normal in the world, of length one.
+    ///
+    /// It goes by the inverse transpose, not by the cofactors: so a mirrored object keeps its outside.
+    pub fn normal_in_world(&self, normal: DVec3) -> DVec3 {
+        if self.is_identity() {
+            return normal;
+        }
+        unit(self.object_from_world.matrix3.transpose() * normal)
+    }
+}

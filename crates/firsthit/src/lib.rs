@@ -1,0 +1,6 @@
+pub mod error;
+pub mod geometry;
+pub mod io;
+pub mod shape;
+pub mod watch;
+pub use error::{Error, Result};

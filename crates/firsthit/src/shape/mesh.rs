@@ -1,0 +1,351 @@
+use std::sync::Arc;
+
+use super::triangle::{Shear, TriangleHit};
+use crate::error::{Error, Result};
+use crate::geometry::{Bounds, DVec2, DVec3, unit};
+
+/// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
+/// which halves the memory, float64 otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Positions {
+    /// Every coordinate is a float32.
+    Single(Vec<[f32; 3]>),
+    /// At least one coordinate needs float64.
+    Double(Vec<[f64; 3]>),
+}
+
+impl Positions {
+    /// The points in the smaller type if that loses nothing.
+    pub fn compact(points: Vec<[f64; 3]>) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "the round trip is what is tested"
+        )]
+        let single = |x: f64| x as f32;
+        if points.iter().flatten().all(|&x| f64::from(single(x)) == x) {
+            Self::Single(points.iter().map(|point| point.map(single)).collect())
+        } else {
+            Self::Double(points)
+        }
+    }
+
+    /// How many points there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Single(points) => points.len(),
+            Self::Double(points) => points.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The point `index`.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such point.
+    pub fn get(&self, index: u32) -> DVec3 {
+        match self {
+            Self::Single(points) => DVec3::from(points[index as usize].map(f64::from)),
+            Self::Double(points) => DVec3::from(points[index as usize]),
+        }
+    }
+}
+
+/// Values at the corners of a mesh's triangles: normals, texture coordinates, colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attribute<const N: usize> {
+    /// The values.
+    pub values: Vec<[f32; N]>,
+    /// For each triangle the indices of its corners' values; `None`: the indices of its vertices.
+    pub corners: Option<Vec<[u32; 3]>>,
+}
+
+impl<const N: usize> Attribute<N> {
+    /// A value for each vertex.
+    pub fn per_vertex(values: Vec<[f32; N]>) -> Self {
+        Self {
+            values,
+            corners: None,
+        }
+    }
+
+    /// The value between the corners of a triangle, by barycentric weights.
+    fn interpolate(&self, triangle: usize, vertices: [u32; 3], weights: [f64; 3]) -> [f64; N] {
+        let corners = self
+            .corners
+            .as_ref()
+            .map_or(vertices, |corners| corners[triangle]);
+        let values = corners.map(|corner| self.values[corner as usize]);
+        std::array::from_fn(|n| (0..3).map(|k| weights[k] * f64::from(values[k][n])).sum())
+    }
+
+    fn check(&self, name: &'static str, positions: usize, triangles: &[[u32; 3]]) -> Result<()> {
+        let count = self.values.len();
+        match &self.corners {
+            None if count != positions => Err(Error::argument(name, "as many as vertices", count)),
+            Some(corners) if corners.len() != triangles.len() => Err(Error::argument(
+                name,
+                "three indices for each triangle",
+                corners.len(),
+            )),
+            Some(corners) => check_indices(name, corners, count),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    positions: Arc<Positions>,
+    triangles: Vec<[u32; 3]>,
+    bounds: Bounds,
+    faces: Option<Vec<u32>>,
+    normals: Option<Attribute<3>>,
+    uvs: Option<Attribute<2>>,
+    colors: Option<Attribute<3>>,
+}
+
+impl Mesh {
+    /// The mesh of `triangles`, which index `positions`; counter-clockwise is front. Several meshes may
+    /// share their positions: surfaces that meet there have no cracks between them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for an index without a vertex and for a triangle whose corner is NaN or
+    /// infinite, [`Error::Limit`] for more triangles than an identifier can name.
+    pub fn new(positions: impl Into<Arc<Positions>>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        let positions = positions.into();
+        if i32::try_from(triangles.len()).is_err() {
+            let (got, limit) = (triangles.len().to_string(), i32::MAX.to_string());
+            return Err(Error::Limit {
+                what: "triangles in a mesh",
+                got,
+                limit,
+            });
+        }
+        check_indices("triangles", &triangles, positions.len())?;
+        let corners = triangles.iter().flatten();
+        if let Some(&bad) = corners.clone().find(|&&k| !positions.get(k).is_finite()) {
+            let got = format!("{} at index {bad}", positions.get(bad));
+            return Err(Error::argument("vertices", "finite", got));
+        }
+        let bounds = Bounds::of(corners.map(|&k| positions.get(k)));
+        Ok(Self {
+            positions,
+            triangles,
+            bounds,
+            faces: None,
+            normals: None,
+            uvs: None,
+            colors: None,
+        })
+    }
+
+    /// The same mesh, its triangles knowing which polygon of the file they were part of.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when there are not as many `faces` as triangles.
+    pub fn with_faces(mut self, faces: Vec<u32>) -> Result<Self> {
+        if faces.len() != self.triangles.len() {
+            return Err(Error::argument(
+                "faces",
+                "one for each triangle",
+                faces.len(),
+            ));
+        }
+        self.faces = Some(faces);
+        Ok(self)
+    }
+
+    /// The same mesh with shading normals, in object space; they need not be of length one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_normals(mut self, normals: Attribute<3>) -> Result<Self> {
+        normals.check("normals", self.positions.len(), &self.triangles)?;
+        self.normals = Some(normals);
+        Ok(self)
+    }
+
+    /// The same mesh with texture coordinates.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_uvs(mut self, uvs: Attribute<2>) -> Result<Self> {
+        uvs.check("uvs", self.positions.len(), &self.triangles)?;
+        self.uvs = Some(uvs);
+        Ok(self)
+    }
+
+    /// The same mesh with linear colours, which the object's own colour multiplies.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_colors(mut self, colors: Attribute<3>) -> Result<Self> {
+        colors.check("colors", self.positions.len(), &self.triangles)?;
+        self.colors = Some(colors);
+        Ok(self)
+    }
+
+    /// The vertices, shared with other meshes perhaps: some may belong to no triangle of this one.
+    pub fn positions(&self) -> &Arc<Positions> {
+        &self.positions
+    }
+
+    /// The triangles' vertex indices, in file order.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The smallest box around all triangles.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The three corners of a triangle, in object space.
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|vertex| self.positions.get(vertex))
+    }
+
+    /// The polygon that a triangle was part of; without polygons, the triangle's own index.
+    pub fn face(&self, triangle: usize) -> usize {
+        self.faces
+            .as_ref()
+            .map_or(triangle, |faces| faces[triangle] as usize)
+    }
+
+    /// Where the ray of `shear` meets a triangle, wherever that is along the ray.
+    pub fn intersect(&self, triangle: usize, shear: &Shear) -> Option<TriangleHit> {
+        shear.intersect(self.corners(triangle))
+    }
+
+    /// The triangle's own normal, counter-clockwise front, of length one; NaN if it has no area.
+    pub fn normal(&self, triangle: usize) -> DVec3 {
+        let [a, b, c] = self.corners(triangle);
+        // Edges of length one first, lest the product of tiny edges leave the range of float64.
+        unit(unit(b - a).cross(unit(c - a)))
+    }
+
+    /// The shading normal in object space, not of length one; `None` where the mesh has none.
+    pub fn shading_normal(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
+        self.normals
+            .as_ref()
+            .map(|normals| DVec3::from(self.between(normals, triangle, barycentric)))
+    }
+
+    /// The texture coordinates; `None` where the mesh has none.
+    pub fn uv(&self, triangle: usize, barycentric: DVec2) -> Option<DVec2> {
+        self.uvs
+            .as_ref()
+            .map(|uvs| DVec2::from(self.between(uvs, triangle, barycentric)))
+    }
+
+    /// The linear colour; `None` where the mesh has none.
+    pub fn color(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
+        self.colors
+            .as_ref()
+            .map(|colors| DVec3::from(self.between(colors, triangle, barycentric)))
+    }
+
+    fn between<const N: usize>(
+        &self,
+        attribute: &Attribute<N>,
+        triangle: usize,
+        barycentric: DVec2,
+    ) -> [f64; N] {
+        let weights = [
+            1.0 - barycentric.x - barycentric.y,
+            barycentric.x,
+            barycentric.y,
+        ];
+        attribute.interpolate(triangle, self.triangles[triangle], weights)
+    }
+}
+
+fn check_indices(name: &'static str, triangles: &[[u32; 3]], count: usize) -> Result<()> {
+    match triangles
+        .iter()
+        .position(|corners| corners.iter().any(|&k| k as usize >= count))
+    {
+        None => Ok(()),
+        Some(bad) => {
+            let got = format!("{:?} in triangle {bad}, of {count}", triangles[bad]);
+            Err(Error::argument(name, "indices of what is there", got))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Mesh {
+        let points = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ];
+        Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+    }
+
+    #[test]
+    fn positions_stay_double_when_single_would_round() {
+        assert!(matches!(
+            Positions::compact(vec![[0.5, 1.0, -2.0]]),
+            Positions::Single(_)
+        ));
+        let tenth = Positions::compact(vec![[0.1, 1.0, -2.0]]);
+        assert!(matches!(tenth, Positions::Double(_)));
+        assert_eq!(tenth.get(0).x, 0.1);
+    }
+
+    #[test]
+    fn indices_without_a_vertex_are_refused() {
+        let points = vec![[0.0; 3]; 3];
+        let error = Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 1, 3]]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "triangles must be indices of what is there, got [0, 1, 3] in triangle 1, of 3"
+        );
+    }
+
+    #[test]
+    fn a_corner_that_is_not_finite_is_refused_and_an_unused_vertex_is_not() {
+        let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f64::NAN; 3]];
+        assert!(Mesh::new(Positions::compact(points.clone()), vec![[0, 1, 2]]).is_ok());
+        assert!(Mesh::new(Positions::compact(points), vec![[0, 1, 3]]).is_err());
+    }
+
+    #[test]
+    fn attributes_are_weighted_by_the_corners() {
+        let colors = Attribute::per_vertex(vec![
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0; 3],
+        ]);
+        let mesh = square().with_colors(colors).unwrap();
+        assert_eq!(
+            mesh.color(0, DVec2::new(0.5, 0.25)).unwrap(),
+            DVec3::new(0.25, 0.5, 0.25)
+        );
+        assert_eq!(mesh.color(1, DVec2::new(0.0, 1.0)).unwrap(), DVec3::ONE);
+    }
+
+    #[test]
+    fn tiny_triangles_have_normals_too() {
+        let points = vec![[0.0; 3], [1e-200, 0.0, 0.0], [0.0, 1e-200, 0.0]];
+        let mesh = Mesh::new(Positions::compact(points), vec![[0, 1, 2]]).unwrap();
+        assert_eq!(mesh.normal(0), DVec3::Z);
+    }
+}

@@ -1,0 +1,3 @@
+pub mod mesh;
+pub mod triangle;
+pub use mesh::*;
