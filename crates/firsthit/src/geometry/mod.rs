@@ -9,7 +9,7 @@ mod transform;
 pub use bounds::Bounds;
 pub use color::{Color, srgb_decode, srgb_encode};
 pub use hit::Hit;
-pub use ray::Ray;
+pub use ray::{Ray, Rays};
 pub use transform::Transform;
 
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};

@@ -43,3 +43,37 @@ impl Ray {
             && self.t_max > 0.0
     }
 }
+
+/// Rays by number, made when they are needed.
+pub trait Rays: Sync {
+    /// How many there are.
+    fn len(&self) -> usize;
+
+    /// The ray `index`, below [`Rays::len`].
+    fn ray(&self, index: usize) -> Ray;
+
+    /// Whether there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Rays for [Ray] {
+    fn len(&self) -> usize {
+        <[Ray]>::len(self)
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self[index]
+    }
+}
+
+impl Rays for Vec<Ray> {
+    fn len(&self) -> usize {
+        Vec::len(self)
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self[index]
+    }
+}

@@ -1,8 +1,9 @@
 use std::sync::Arc;
 
 use super::triangle::{Shear, TriangleHit};
+use super::{Crossing, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, unit};
+use crate::geometry::{Bounds, DVec2, DVec3, Ray, unit};
 
 /// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
 /// which halves the memory, float64 otherwise.
@@ -271,6 +272,32 @@ impl Mesh {
     }
 }
 
+impl Surface for Arc<Mesh> {
+    fn bounds(&self) -> Bounds {
+        Mesh::bounds(self)
+    }
+
+    /// Brute force over all triangles: scenes put a tree over them.
+    fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let shear = Shear::new(ray);
+        let mut first: Option<Crossing> = None;
+        for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
+            if let Some(TriangleHit { t, barycentric }) = Mesh::intersect(self, triangle, &shear)
+                && t > 0.0
+                && t <= ray.t_max
+                && first.is_none_or(|first| t < first.t)
+            {
+                first = Some(Crossing { t, primitive, barycentric });
+            }
+        }
+        first
+    }
+
+    fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
+        usize::try_from(primitive).map_or(DVec3::NAN, |triangle| Mesh::normal(self, triangle))
+    }
+}
+
 fn check_indices(name: &'static str, triangles: &[[u32; 3]], count: usize) -> Result<()> {
     match triangles
         .iter()
@@ -281,6 +308,41 @@ fn check_indices(name: &'static str, triangles: &[[u32; 3]], count: usize) -> Re
             let got = format!("{:?} in triangle {bad}, of {count}", triangles[bad]);
             Err(Error::argument(name, "indices of what is there", got))
         }
+    }
+}
+
+#[cfg(test)]
+impl super::conformance::Conforming for Arc<Mesh> {
+    /// An octahedron and a pyramid that leans.
+    fn examples() -> Vec<Self> {
+        let mesh = |points: &[[f64; 3]], triangles: &[[u32; 3]]| {
+            Self::new(Mesh::new(Positions::compact(points.to_vec()), triangles.to_vec()).unwrap())
+        };
+        let tips = [[1., 0., 0.], [0., 1., 0.], [-1., 0., 0.], [0., -1., 0.], [0., 0., 1.], [0., 0., -1.]];
+        let around = [[0, 1], [1, 2], [2, 3], [3, 0]];
+        let sides: Vec<_> = around.iter().flat_map(|&[a, b]| [[a, b, 4], [b, a, 5]]).collect();
+        let pyramid = [[0.1, 0., 0.], [2., 0., 0.3], [2., 2., 0.], [0., 2.2, 0.], [0.7, 0.1, 3.1]];
+        let faces = [[0, 3, 2], [0, 2, 1], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        vec![mesh(&tips, &sides), mesh(&pyramid, &faces)]
+    }
+
+    /// To the nearest triangle; inside, where every normal points away, negative.
+    fn distance(&self, point: DVec3) -> f64 {
+        let to = |triangle| {
+            let [a, b, c] = self.corners(triangle);
+            let inside = [(a, b), (b, c), (c, a)]
+                .iter()
+                .all(|&(p, q)| (q - p).cross(point - p).dot(Mesh::normal(self, triangle)) >= 0.0);
+            let edge = |p: DVec3, q: DVec3| {
+                let along = ((point - p).dot(q - p) / (q - p).length_squared()).clamp(0.0, 1.0);
+                (point - p - along * (q - p)).length()
+            };
+            let height = (point - a).dot(Mesh::normal(self, triangle));
+            if inside { height.abs() } else { edge(a, b).min(edge(b, c)).min(edge(c, a)) }
+        };
+        let distance = (0..self.triangles.len()).map(to).fold(f64::INFINITY, f64::min);
+        let behind = |triangle| (point - self.corners(triangle)[0]).dot(Mesh::normal(self, triangle)) < 0.0;
+        if (0..self.triangles.len()).all(behind) { -distance } else { distance }
     }
 }
 

@@ -1,3 +1,143 @@
-pub mod mesh;
+//! What rays can meet: a file per shape, each in its own object space.
+
+mod cone;
+mod cuboid;
+mod cylinder;
+mod disc;
+mod interval;
+mod mesh;
+mod plane;
+mod sphere;
 pub mod triangle;
-pub use mesh::*;
+
+#[cfg(test)]
+mod conformance;
+
+use std::sync::Arc;
+
+pub use cone::Cone;
+pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
+pub use disc::Disc;
+pub use mesh::{Attribute, Mesh, Positions};
+pub use plane::Plane;
+pub use sphere::Sphere;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Bounds, DVec2, DVec3, Ray};
+
+/// Where a ray crosses a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// The ray's parameter.
+    pub t: f64,
+    /// Which part of the shape.
+    pub primitive: i32,
+    /// In a triangle the weights of corners 1 and 2, else NaN.
+    pub barycentric: DVec2,
+}
+
+impl Crossing {
+    fn at(t: f64, primitive: i32) -> Self {
+        Self { t, primitive, barycentric: DVec2::NAN }
+    }
+}
+
+/// What every shape can do, in its object space.
+pub trait Surface {
+    /// A box around the shape; everything for an infinite one.
+    fn bounds(&self) -> Bounds;
+
+    /// The first crossing with `0 < t <= ray.t_max`; at the same `t` the lower primitive. Surfaces are
+    /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length.
+    fn intersect(&self, ray: &Ray) -> Option<Crossing>;
+
+    /// The normal at a point of the surface, of length one, outwards for closed shapes.
+    fn normal(&self, point: DVec3, primitive: i32) -> DVec3;
+}
+
+/// Makes [`Shape`] and everything that depends on the list of shapes.
+macro_rules! shapes {
+    ($($(#[$doc:meta])* $name:literal => $kind:ident($type:ty);)*) => {
+        /// Any shape.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum Shape {
+            $($(#[$doc])* $kind($type),)*
+        }
+
+        impl Shape {
+            /// Every shape's name.
+            pub const NAMES: &[&'static str] = &[$($name),*];
+
+            /// The shape's name.
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$kind(_) => $name,)* }
+            }
+        }
+
+        impl Surface for Shape {
+            fn bounds(&self) -> Bounds {
+                match self { $(Self::$kind(shape) => Surface::bounds(shape),)* }
+            }
+
+            fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+                match self { $(Self::$kind(shape) => Surface::intersect(shape, ray),)* }
+            }
+
+            fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
+                match self { $(Self::$kind(shape) => Surface::normal(shape, point, primitive),)* }
+            }
+        }
+
+        $(impl From<$type> for Shape {
+            fn from(shape: $type) -> Self {
+                Self::$kind(shape)
+            }
+        })*
+
+        #[cfg(test)]
+        impl Shape {
+            /// Examples of every shape, for the tests that all shapes must pass.
+            fn examples() -> Vec<Self> {
+                let mut all = Vec::new();
+                $(all.extend(<$type as conformance::Conforming>::examples().into_iter().map(Self::from));)*
+                all
+            }
+
+            fn distance(&self, point: DVec3) -> f64 {
+                match self { $(Self::$kind(shape) => conformance::Conforming::distance(shape, point),)* }
+            }
+        }
+    };
+}
+
+shapes! {
+    /// Triangles over shared vertices; many objects can share one mesh.
+    "mesh" => Mesh(Arc<Mesh>);
+    /// A sphere.
+    "sphere" => Sphere(Sphere);
+    /// An infinite plane.
+    "plane" => Plane(Plane);
+    /// A flat round disc.
+    "disc" => Disc(Disc);
+    /// A box, its sides along the axes of object space.
+    "box" => Box(Cuboid);
+    /// A cylinder with both lids.
+    "cylinder" => Cylinder(Cylinder);
+    /// A cone, or a part of one, with its lids.
+    "cone" => Cone(Cone);
+}
+
+fn require_finite(name: &'static str, value: DVec3) -> Result<DVec3> {
+    if value.is_finite() { Ok(value) } else { Err(Error::argument(name, "finite", value)) }
+}
+
+fn require_direction(name: &'static str, value: DVec3) -> Result<DVec3> {
+    let fine = value.is_finite() && value != DVec3::ZERO;
+    if fine { Ok(value) } else { Err(Error::argument(name, "a finite direction, not zero", value)) }
+}
+
+fn require_positive(name: &'static str, value: f64) -> Result<f64> {
+    let fine = value > 0.0 && value.is_finite();
+    if fine { Ok(value) } else { Err(Error::argument(name, "positive and finite", value)) }
+}

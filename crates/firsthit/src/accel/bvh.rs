@@ -1,0 +1,144 @@
+use super::{Candidates, build};
+use crate::geometry::{Bounds, DVec3, Ray};
+
+/// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
+///
+/// The boxes are rounded outwards, and the ray is given a width that covers all rounding on the way
+/// (see [`Slab`]), so nothing that the float64 test would accept is ever left out.
+#[derive(Debug, Clone)]
+pub struct Bvh {
+    /// The middle of everything: far from the world's origin, float32 still resolves the boxes.
+    pub(super) origin: DVec3,
+    /// The largest distance of a box from `origin` along an axis.
+    pub(super) extent: f64,
+    /// See [`Bvh::build`].
+    pub(super) slack: f64,
+    /// The root first; the children of a node stand side by side.
+    pub(super) nodes: Vec<Node>,
+    /// The indices of the boxes, those of a leaf side by side.
+    pub(super) order: Vec<u32>,
+}
+
+/// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
+/// two nodes from `first` on. Two nodes fill one cache line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Node {
+    pub(super) low: [f32; 3],
+    pub(super) first: u32,
+    pub(super) high: [f32; 3],
+    pub(super) count: u32,
+}
+
+/// No tree is deeper: the builder falls back to halving from depth [`build::SAH_DEPTH`] on.
+const STACK: usize = build::SAH_DEPTH + 33;
+
+impl Bvh {
+    /// What the float64 triangle test needs as `slack`: sixteen times its rounding.
+    pub const TRIANGLES: f64 = f64::EPSILON * 16.0;
+    /// What objects with transforms need: rays are rounded on their way into object space.
+    pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
+
+    /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
+    /// out. `slack` is the rounding of the test that decides about the candidates, as a share of the
+    /// coordinates it works with.
+    ///
+    /// Built by all threads of the current rayon pool, and the same for any number of them.
+    pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
+        build::build(count, bounds, slack)
+    }
+
+    /// What the tree takes in memory.
+    pub fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>() + self.order.capacity() * size_of::<u32>()
+    }
+}
+
+impl Candidates for Bvh {
+    fn visit(&self, ray: &Ray, mut visit: impl FnMut(u32, f64) -> f64) {
+        let slab = Slab::new(self, ray);
+        let mut t_max = ray.t_max;
+        let mut stack = [(0_u32, 0.0_f64); STACK];
+        let mut height = 0;
+        let Some(mut node) = self.nodes.first() else { return };
+        if slab.entry(node).is_nan() {
+            return;
+        }
+        loop {
+            if node.count == 0 {
+                let [left, right] = [node.first, node.first + 1];
+                let left_t = slab.entry(&self.nodes[left as usize]);
+                let right_t = slab.entry(&self.nodes[right as usize]);
+                let [(near, near_t), far] =
+                    if right_t < left_t { [(right, right_t), (left, left_t)] } else { [(left, left_t), (right, right_t)] };
+                if far.1 <= t_max {
+                    stack[height] = far;
+                    height += 1;
+                }
+                if near_t <= t_max {
+                    node = &self.nodes[near as usize];
+                    continue;
+                }
+            } else {
+                for &index in &self.order[node.first as usize..(node.first + node.count) as usize] {
+                    t_max = visit(index, t_max);
+                    if t_max < 0.0 {
+                        return;
+                    }
+                }
+            }
+            // The farther children wait on the stack; a hit since then may have made them too far.
+            node = loop {
+                if height == 0 {
+                    return;
+                }
+                height -= 1;
+                let (index, entry) = stack[height];
+                if entry <= t_max {
+                    break &self.nodes[index as usize];
+                }
+            };
+        }
+    }
+}
+
+/// A ray made ready for boxes, as wide as all rounding together.
+///
+/// Three roundings must never lose a candidate: that of the slab test, that of the test that decides
+/// (it may accept a ray that passes a triangle at the distance of its rounding), and that of the `t` it
+/// gives (which the tree compares with the box's). All are a few units in the last place of the
+/// coordinates relative to the ray's start, which are at most `|o| + extent` as long as the ray is in the
+/// box. Widening every box by `margin = slack * (|o| + extent)` covers the first two; it also moves each
+/// entry forwards by `margin / |d|` along the axis of the largest `d`, at least, which covers the third.
+/// The margin costs nothing: it is in the two origins. (Ize, "Robust BVH Ray Traversal", Journal of
+/// Computer Graphics Techniques 2(2), 2013, widens by relative amounts; that fails at the local origin.)
+struct Slab {
+    /// The origin moved so far forwards, or backwards, that the boxes seem wider.
+    low_origin: DVec3,
+    high_origin: DVec3,
+    inverse: DVec3,
+}
+
+impl Slab {
+    fn new(bvh: &Bvh, ray: &Ray) -> Self {
+        let origin = ray.origin - bvh.origin;
+        let margin = DVec3::splat(bvh.slack * (origin.abs().max_element() + bvh.extent));
+        Self { low_origin: origin + margin, high_origin: origin - margin, inverse: ray.direction.recip() }
+    }
+
+    /// The smallest `t >= 0` in the box; NaN, which no comparison lets through, when the ray passes it.
+    ///
+    /// Along an axis with a zero direction the distances are infinite, or NaN when the origin is on the
+    /// border of the widened box, where nothing is: `min` and `max` then take the other, infinite one.
+    #[inline]
+    fn entry(&self, node: &Node) -> f64 {
+        let low = (DVec3::from(node.low.map(f64::from)) - self.low_origin) * self.inverse;
+        let high = (DVec3::from(node.high.map(f64::from)) - self.high_origin) * self.inverse;
+        let mut entry = 0.0_f64;
+        let mut exit = f64::INFINITY;
+        for axis in 0..3 {
+            entry = entry.max(low[axis].min(high[axis]));
+            exit = exit.min(low[axis].max(high[axis]));
+        }
+        if entry <= exit { entry } else { f64::NAN }
+    }
+}

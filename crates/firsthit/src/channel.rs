@@ -1,0 +1,225 @@
+//! What can be asked about hits: the table of output channels.
+
+use rayon::prelude::*;
+
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::geometry::{Color, Hit, Ray, Rays};
+use crate::image::{Channel, Data, Picture};
+use crate::scene::Scene;
+use crate::shade::Shade;
+use crate::shoot::{Hits, filled};
+
+/// Rays, what they met, and all that channels are made from.
+#[derive(Clone, Copy)]
+pub struct Shots<'a> {
+    /// The scene that was shot at.
+    pub scene: &'a Scene,
+    /// The rays.
+    pub rays: &'a dyn Rays,
+    /// What they met.
+    pub hits: &'a Hits,
+    /// The camera that made the rays, if one did.
+    pub camera: Option<&'a Camera>,
+}
+
+impl std::fmt::Debug for Shots<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Shots").field("rays", &self.rays.len()).field("camera", &self.camera).finish_non_exhaustive()
+    }
+}
+
+/// A kind of output: its name, what it says, and how it is made from hits.
+#[derive(Debug)]
+pub struct Kind {
+    /// The channel's name, in files too.
+    pub name: &'static str,
+    /// One line for help texts: what it is, its unit, and its value for a miss.
+    pub about: &'static str,
+    /// Numbers for each ray.
+    pub components: usize,
+    /// How it becomes a picture.
+    pub picture: Picture,
+    make: Make,
+}
+
+#[derive(Debug)]
+enum Make {
+    /// From a scene, a ray and its hit.
+    Doubles(fn(&Scene, &Ray, &Hit, &mut [f64])),
+    Integers(fn(&Scene, &Hit) -> i32),
+    Flags(fn(&Scene, &Ray, &Hit) -> bool),
+    /// From a camera, a row, a column and `t`.
+    Distance(fn(&Camera, usize, usize, f64) -> f64),
+    /// From a shader.
+    Color,
+}
+
+/// Every channel. A new one is a new row.
+pub const KINDS: &[Kind] = &[
+    Kind {
+        name: "color",
+        about: "linear red, green, blue (Rec. 709); the background for a miss",
+        components: 3,
+        picture: Picture::Color,
+        make: Make::Color,
+    },
+    Kind {
+        name: "t",
+        about: "distance from the ray's start along the ray (in lengths of the direction); inf for a miss",
+        components: 1,
+        picture: Picture::Distance,
+        make: Make::Doubles(|_, _, hit, out| out[0] = hit.t),
+    },
+    Kind {
+        name: "range",
+        about: "distance from the camera's position along the ray; inf for a miss",
+        components: 1,
+        picture: Picture::Distance,
+        make: Make::Distance(Camera::range),
+    },
+    Kind {
+        name: "z",
+        about: "distance from the camera's position along its aim; inf for a miss",
+        components: 1,
+        picture: Picture::Distance,
+        make: Make::Distance(Camera::z),
+    },
+    Kind {
+        name: "object",
+        about: "identifier of the object; -1 for a miss",
+        components: 1,
+        picture: Picture::Identifier,
+        make: Make::Integers(|_, hit| hit.object),
+    },
+    Kind {
+        name: "primitive",
+        about: "identifier of the object's part, such as the triangle; -1 for a miss",
+        components: 1,
+        picture: Picture::Identifier,
+        make: Make::Integers(|_, hit| hit.primitive),
+    },
+    Kind {
+        name: "face",
+        about: "identifier of the polygon that the triangle was part of; -1 for a miss",
+        components: 1,
+        picture: Picture::Identifier,
+        make: Make::Integers(Scene::face),
+    },
+    Kind {
+        name: "normal",
+        about: "geometric normal in the world, of length one, outwards; NaN for a miss",
+        components: 3,
+        picture: Picture::Direction,
+        make: Make::Doubles(|scene, ray, hit, out| out.copy_from_slice(&scene.normal(ray, hit).to_array())),
+    },
+    Kind {
+        name: "position",
+        about: "where the hit is in the world; NaN for a miss",
+        components: 3,
+        picture: Picture::Position,
+        make: Make::Doubles(|_, ray, hit, out| {
+            if !hit.is_miss() {
+                out.copy_from_slice(&ray.at(hit.t).to_array());
+            }
+        }),
+    },
+    Kind {
+        name: "barycentric",
+        about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
+        components: 3,
+        picture: Picture::Position,
+        make: Make::Doubles(|_, _, hit, out| {
+            let [b, c] = hit.barycentric.to_array();
+            out.copy_from_slice(&[1.0 - b - c, b, c]);
+        }),
+    },
+    Kind {
+        name: "uv",
+        about: "texture coordinates; NaN for a miss and where there are none",
+        components: 2,
+        picture: Picture::Position,
+        make: Make::Doubles(|scene, _, hit, out| out.copy_from_slice(&scene.uv(hit).to_array())),
+    },
+    Kind {
+        name: "front",
+        about: "whether the front of the surface was met; false for a miss",
+        components: 1,
+        picture: Picture::Mask,
+        make: Make::Flags(|scene, ray, hit| scene.is_front(ray, scene.normal(ray, hit))),
+    },
+];
+
+/// The kind of that name.
+///
+/// # Errors
+///
+/// [`Error::Argument`] for a name that no kind has.
+pub fn kind(name: &str) -> Result<&'static Kind> {
+    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
+        Error::argument("channel", "a channel's name", format!("{name:?}; there are {}", names.join(", ")))
+    })
+}
+
+impl Kind {
+    /// Whether it takes a camera: rays from elsewhere do not have it.
+    pub fn needs_camera(&self) -> bool {
+        matches!(self.make, Make::Distance(_))
+    }
+
+    /// Whether it takes a shader.
+    pub fn needs_shade(&self) -> bool {
+        matches!(self.make, Make::Color)
+    }
+
+    /// The channel, by all threads of the current rayon pool. `shade` is called for the `color` channel.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] when it does not fit into memory, [`Error::Argument`] for a channel that needs a
+    /// camera where there is none.
+    pub fn make(&self, shots: &Shots<'_>, shade: &dyn Shade) -> Result<Channel> {
+        let count = shots.rays.len();
+        let all = || (0..count).into_par_iter().with_min_len(1024);
+        let data = match self.make {
+            Make::Doubles(value) => {
+                let mut values = filled(count.saturating_mul(self.components), f64::NAN)?;
+                values.par_chunks_mut(self.components).with_min_len(1024).enumerate().for_each(|(k, out)| {
+                    value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k), out);
+                });
+                Data::Float64(values)
+            }
+            Make::Integers(value) => Data::Int32(all().map(|k| value(shots.scene, &shots.hits.get(k))).collect()),
+            Make::Flags(value) => {
+                Data::Bool(all().map(|k| value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k))).collect())
+            }
+            Make::Distance(value) => {
+                let camera = shots.camera.ok_or_else(|| {
+                    Error::argument("channel", "one that rays without a camera have", self.name)
+                })?;
+                let columns = camera.columns();
+                let distance = |k| value(camera, k / columns, k % columns, shots.hits.t[k]);
+                Data::Float64(all().map(distance).collect())
+            }
+            Make::Color => colors(shots, shade)?,
+        };
+        Ok(Channel { name: self.name, components: self.components, data, picture: self.picture })
+    }
+}
+
+fn colors(shots: &Shots<'_>, shade: &dyn Shade) -> Result<Data> {
+    let mut values = filled(shots.rays.len().saturating_mul(3), 0.0_f32)?;
+    values.par_chunks_mut(3).with_min_len(256).enumerate().for_each(|(k, out)| {
+        let ray = shots.rays.ray(k);
+        let hit = shots.hits.get(k);
+        out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
+    });
+    Ok(Data::Float32(values))
+}
+
+/// A colour as it is stored.
+#[expect(clippy::cast_possible_truncation, reason = "colours are stored as float32")]
+pub(crate) fn single(color: Color) -> [f32; 3] {
+    color.to_array().map(|x| x as f32)
+}

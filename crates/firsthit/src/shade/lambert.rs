@@ -1,0 +1,85 @@
+//! Matte surfaces: the light that falls on them, by the cosine of its angle (Lambert, "Photometria", 1760).
+
+use crate::geometry::{Color, DVec3, Hit, Ray, unit};
+use crate::scene::{Light, Scene};
+use crate::shoot::occluded;
+
+/// The settings of the Lambert shader. Surfaces are lit on both sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lambert {
+    /// Light from everywhere, which nothing blocks.
+    pub ambient: Color,
+    /// Whether things cast shadows.
+    pub shadows: bool,
+}
+
+impl Default for Lambert {
+    fn default() -> Self {
+        Self { ambient: Color::splat(0.25), shadows: true }
+    }
+}
+
+pub(super) fn shade(settings: &Lambert, scene: &Scene, ray: &Ray, hit: &Hit) -> Color {
+    let Some(color) = scene.color(hit) else { return Color::ZERO };
+    let geometric = scene.normal(ray, hit);
+    if !geometric.is_finite() {
+        return color * settings.ambient;
+    }
+    let smooth = scene.shading_normal(hit, geometric);
+    let side = if scene.is_front(ray, geometric) { 1.0 } else { -1.0 };
+    let point = Lit { position: ray.at(hit.t), geometric: side * geometric, smooth: side * smooth };
+    let start = off_the_surface(ray, &point);
+    let mut light = settings.ambient;
+    for source in scene.lights() {
+        let Some(arriving) = Arriving::new(source, &point) else { continue };
+        let shadowed = settings.shadows && occluded(scene, start, arriving.towards, arriving.distance);
+        if !shadowed {
+            light += arriving.light;
+        }
+    }
+    color * light
+}
+
+/// A point of a surface with its normals on the side that is seen.
+struct Lit {
+    position: DVec3,
+    geometric: DVec3,
+    smooth: DVec3,
+}
+
+/// Light on its way to a point.
+struct Arriving {
+    /// Where it comes from, of any length.
+    towards: DVec3,
+    /// How far away its source is, in lengths of `towards`.
+    distance: f64,
+    /// What a white surface gets of it.
+    light: Color,
+}
+
+impl Arriving {
+    /// `None` where the light is on the other side.
+    fn new(source: &Light, point: &Lit) -> Option<Self> {
+        let (towards, distance, light) = match *source {
+            Light::Directional { direction, color } => (-direction, f64::INFINITY, color),
+            Light::Point { position, intensity } => {
+                let towards = position - point.position;
+                (towards, 1.0, intensity / towards.length_squared())
+            }
+        };
+        let cosine = unit(towards).dot(point.smooth);
+        // Written so that a NaN (the point is where the light is) fails.
+        (cosine > 0.0 && towards.dot(point.geometric) > 0.0)
+            .then(|| Self { towards, distance, light: cosine * light })
+    }
+}
+
+/// Where shadow rays start: off the surface by more than the rounding of the point on it, so that they do
+/// not meet the surface they start from. (The idea is that of Wächter and Binder, "A Fast and Robust
+/// Method for Avoiding Self-Intersection", Ray Tracing Gems (2019), chapter 6.)
+fn off_the_surface(ray: &Ray, point: &Lit) -> DVec3 {
+    // The point carries the rounding of the largest coordinate on the way to it. In float64 a millionth of
+    // a millionth of it is both far above that and far below anything to be seen.
+    let largest = point.position.abs().max(ray.origin.abs()).max_element();
+    point.position + 1e-12 * largest.max(1e-300) * point.geometric
+}

@@ -1,0 +1,101 @@
+//! Hits to linear colours: a file per shader.
+
+mod lambert;
+mod normal;
+mod unlit;
+
+pub use lambert::Lambert;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Color, DVec3, Hit, Ray};
+use crate::scene::{Background, Scene};
+
+/// The colour that a ray sees. Replaceable: any function of the right form is one.
+///
+/// ```
+/// use firsthit::{Color, DVec3, Hit, Shade};
+///
+/// // Fog: what is farther away fades.
+/// let fog = |t: f64, _p: DVec3, _u_r: DVec3, _o: &Hit| Color::splat(libm::exp(-0.1 * t));
+/// assert_eq!(fog.shade(f64::INFINITY, DVec3::ZERO, DVec3::X, &Hit::MISS), Color::ZERO);
+/// ```
+pub trait Shade: Sync {
+    /// The linear colour of the ray `p + t * u_r` that met `o`. It is asked for misses too: there `t` is
+    /// infinity, `o.object` is -1, and the shader itself returns the background.
+    fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color;
+}
+
+impl<F: Fn(f64, DVec3, DVec3, &Hit) -> Color + Sync> Shade for F {
+    fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color {
+        self(t, p, u_r, o)
+    }
+}
+
+/// Makes [`Shader`] and everything that depends on the list of shaders. A shader is a function of the
+/// scene, the ray and its hit, called for hits alone.
+macro_rules! shaders {
+    ($($(#[$doc:meta])* $name:literal => $kind:ident($settings:ty), $shade:path;)*) => {
+        /// The shaders that come with the library, by name.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum Shader {
+            $($(#[$doc])* $kind($settings),)*
+        }
+
+        impl Shader {
+            /// Every shader's name.
+            pub const NAMES: &[&'static str] = &[$($name),*];
+
+            /// The shader of that name, with its usual settings.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`] for a name that is not in [`Shader::NAMES`].
+            pub fn named(name: &str) -> Result<Self> {
+                match name {
+                    $($name => Ok(Self::$kind(<$settings>::default())),)*
+                    _ => Err(Error::argument("shader", concat!("one of" $(, " ", $name)*), name)),
+                }
+            }
+
+            fn color(&self, scene: &Scene, ray: &Ray, hit: &Hit) -> Color {
+                match self { $(Self::$kind(settings) => $shade(settings, scene, ray, hit),)* }
+            }
+        }
+    };
+}
+
+shaders! {
+    /// Lit by the scene's lights, with shadows.
+    "lambert" => Lambert(Lambert), lambert::shade;
+    /// The object's colour as it is.
+    "unlit" => Unlit(()), unlit::shade;
+    /// The geometric normal as a colour: from -1..1 to 0..1 along each axis.
+    "normal" => Normal(()), normal::shade;
+}
+
+impl Default for Shader {
+    fn default() -> Self {
+        Self::Lambert(Lambert::default())
+    }
+}
+
+/// A [`Shader`] at work: with the scene that it looks at, and what misses see.
+#[derive(Debug, Clone)]
+pub struct Shading<'a> {
+    /// Where to look up what was hit.
+    pub scene: &'a Scene,
+    /// How hits get their colour.
+    pub shader: Shader,
+    /// What misses see.
+    pub background: Background,
+}
+
+impl Shade for Shading<'_> {
+    fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color {
+        if t == f64::INFINITY {
+            self.background.color(u_r)
+        } else {
+            self.shader.color(self.scene, &Ray::new(p, u_r), o)
+        }
+    }
+}

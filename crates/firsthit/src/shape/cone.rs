@@ -1,0 +1,152 @@
+use super::interval::Interval;
+use super::{Crossing, Surface, require_finite};
+use crate::error::{Error, Result};
+use crate::geometry::{Bounds, DVec3, Ray, unit};
+
+/// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
+/// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    bottom: DVec3,
+    top: DVec3,
+    axis: DVec3,
+    height: f64,
+    bottom_radius: f64,
+    top_radius: f64,
+}
+
+impl Cone {
+    /// The cone around the axis from `bottom` to `top`; a `top_radius` of zero gives it a tip.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a `top` at the `bottom`, a negative radius, two radii of zero, and numbers
+    /// that are not finite.
+    pub fn new(bottom: DVec3, top: DVec3, bottom_radius: f64, top_radius: f64) -> Result<Self> {
+        require_finite("bottom", bottom)?;
+        require_finite("top", top)?;
+        for (name, radius) in [("bottom_radius", bottom_radius), ("top_radius", top_radius)] {
+            if !(radius >= 0.0 && radius.is_finite()) {
+                return Err(Error::argument(name, "zero or positive, and finite", radius));
+            }
+        }
+        if bottom_radius == 0.0 && top_radius == 0.0 {
+            return Err(Error::argument("bottom_radius", "positive where top_radius is zero", bottom_radius));
+        }
+        if top == bottom {
+            return Err(Error::argument("top", "another point than bottom", top));
+        }
+        let axis = unit(top - bottom);
+        Ok(Self { bottom, top, axis, height: (top - bottom).dot(axis), bottom_radius, top_radius })
+    }
+
+    /// How much the radius grows along the axis.
+    fn slope(&self) -> f64 {
+        (self.top_radius - self.bottom_radius) / self.height
+    }
+
+    /// The stretch of the line `at + t * along` (relative to the bottom) that is inside.
+    fn inside(&self, at: DVec3, along: DVec3) -> Option<Interval> {
+        let (z, dz) = (at.dot(self.axis), along.dot(self.axis));
+        let slab = Interval::line().between([(0.0, 1), (self.height, 2)], z, dz)?;
+        let (across, d_across) = (at - z * self.axis, along - dz * self.axis);
+        let (radius, d_radius) = (self.bottom_radius + self.slope() * z, self.slope() * dz);
+        // Inside is where a t^2 + 2 b t + c <= 0. Between the lids the radius is not negative, so the
+        // cone's mirror image beyond its tip does not count.
+        let a = d_across.length_squared() - d_radius * d_radius;
+        let b = across.dot(d_across) - radius * d_radius;
+        let c = across.length_squared() - radius * radius;
+        let discriminant = b * b - a * c;
+        if a == 0.0 && b == 0.0 || discriminant < 0.0 {
+            // No roots: all of the line is inside, or nothing.
+            let all = if a == 0.0 { c <= 0.0 } else { a < 0.0 };
+            return all.then_some(slab);
+        }
+        let q = -(b + discriminant.sqrt().copysign(b));
+        let (t0, t1) = (q / a, c / q);
+        if a > 0.0 {
+            return Some(slab.from(t0.min(t1), 0).until(t0.max(t1), 0));
+        }
+        if a == 0.0 {
+            return Some(if b > 0.0 { slab.until(t1, 0) } else { slab.from(t1, 0) });
+        }
+        // Steeper than the side: outside between the roots, of which one half is the mirror image's.
+        let (before, after) = (slab.until(t0.min(t1), 0), slab.from(t0.max(t1), 0));
+        Some(if before.is_empty() { after } else { before })
+    }
+}
+
+impl Surface for Cone {
+    fn bounds(&self) -> Bounds {
+        let sines = (DVec3::ONE - self.axis * self.axis).max(DVec3::ZERO).map(f64::sqrt);
+        let lid = |center: DVec3, radius: f64| Bounds { low: center - radius * sines, high: center + radius * sines };
+        lid(self.bottom, self.bottom_radius).union(lid(self.top, self.top_radius))
+    }
+
+    fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let at = ray.origin - self.bottom;
+        // From far away the quadratic's terms would be all rounding: start it where the line is nearest.
+        let size = self.height + self.bottom_radius + self.top_radius;
+        let far = at.length_squared() > 64.0 * size * size;
+        let start = if far { -at.dot(ray.direction) / ray.direction.length_squared() } else { 0.0 };
+        self.inside(at + start * ray.direction, ray.direction)?.first(start, ray.t_max)
+    }
+
+    fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
+        match primitive {
+            1 => -self.axis,
+            2 => self.axis,
+            _ => {
+                let at = point - self.bottom;
+                let across = at - at.dot(self.axis) * self.axis;
+                // At the tip every direction is as good.
+                let outwards = if across == DVec3::ZERO { self.axis.any_orthonormal_vector() } else { unit(across) };
+                unit(outwards - self.slope() * self.axis)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+impl super::conformance::Conforming for Cone {
+    fn examples() -> Vec<Self> {
+        vec![
+            Self::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap(),
+            Self::new(DVec3::new(0.0, 1.0, 0.0), DVec3::new(2.0, 2.0, -1.0), 0.2, 0.9).unwrap(),
+            Self::new(DVec3::ZERO, DVec3::new(0.1, 0.0, 0.0), 3.0, 2.0).unwrap(),
+        ]
+    }
+
+    /// In the half-plane through the axis the cone is a polygon with three sides that count.
+    fn distance(&self, point: DVec3) -> f64 {
+        let at = point - self.bottom;
+        let z = at.dot(self.axis);
+        let r = (at - z * self.axis).length();
+        let to = |(r0, z0): (f64, f64), (r1, z1): (f64, f64)| {
+            let along = ((r - r0) * (r1 - r0) + (z - z0) * (z1 - z0)) / ((r1 - r0) * (r1 - r0) + (z1 - z0) * (z1 - z0));
+            let along = if along.is_nan() { 0.0 } else { along.clamp(0.0, 1.0) };
+            (r - r0 - along * (r1 - r0)).hypot(z - z0 - along * (z1 - z0))
+        };
+        let (bottom, top) = ((self.bottom_radius, 0.0), (self.top_radius, self.height));
+        let distance = to(bottom, top).min(to((0.0, 0.0), bottom)).min(to((0.0, self.height), top));
+        let inside = z > 0.0 && z < self.height && r < self.bottom_radius + self.slope() * z;
+        if inside { -distance } else { distance }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mirror_image_beyond_the_tip_is_not_there() {
+        let cone = Cone::new(DVec3::ZERO, DVec3::Z, 1.0, 0.0).unwrap();
+        assert!(cone.intersect(&Ray::new(DVec3::new(-5.0, 0.0, 1.5), DVec3::X)).is_none());
+        let hit = cone.intersect(&Ray::new(DVec3::new(-5.0, 0.0, 0.5), DVec3::X)).unwrap();
+        assert_eq!((hit.t, hit.primitive), (4.5, 0));
+        let down = cone.intersect(&Ray::new(DVec3::new(0.25, 0.0, 5.0), DVec3::NEG_Z)).unwrap();
+        assert_eq!((down.t, down.primitive), (4.25, 0));
+        let up = cone.intersect(&Ray::new(DVec3::new(0.25, 0.0, -5.0), DVec3::Z)).unwrap();
+        assert_eq!((up.t, up.primitive), (5.0, 1));
+    }
+}

@@ -1,0 +1,76 @@
+use super::interval::Interval;
+use super::{Crossing, Surface, require_finite};
+use crate::error::{Error, Result};
+use crate::geometry::{Bounds, DVec3, Ray};
+
+/// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cuboid {
+    bounds: Bounds,
+}
+
+impl Cuboid {
+    /// The box between two corners.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when `high` is not above `low` along every axis, and for numbers that are not
+    /// finite.
+    pub fn new(low: DVec3, high: DVec3) -> Result<Self> {
+        require_finite("low", low)?;
+        require_finite("high", high)?;
+        if !low.cmplt(high).all() {
+            return Err(Error::argument("high", "above low along every axis", format!("{high} (low is {low})")));
+        }
+        Ok(Self { bounds: Bounds { low, high } })
+    }
+}
+
+impl Surface for Cuboid {
+    fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let mut inside = Interval::line();
+        for (axis, faces) in [[0, 1], [2, 3], [4, 5]].into_iter().enumerate() {
+            let planes = [(self.bounds.low[axis], faces[0]), (self.bounds.high[axis], faces[1])];
+            inside = inside.between(planes, ray.origin[axis], ray.direction[axis])?;
+        }
+        inside.first(0.0, ray.t_max)
+    }
+
+    fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
+        let faces = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
+        usize::try_from(primitive).ok().and_then(|face| faces.get(face)).copied().unwrap_or(DVec3::NAN)
+    }
+}
+
+#[cfg(test)]
+impl super::conformance::Conforming for Cuboid {
+    fn examples() -> Vec<Self> {
+        vec![
+            Self::new(-DVec3::ONE, DVec3::ONE).unwrap(),
+            Self::new(DVec3::new(0.25, -3.0, 1.0), DVec3::new(0.5, 4.0, 1.1)).unwrap(),
+        ]
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        let beyond = (self.bounds.low - point).max(point - self.bounds.high);
+        beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_at_an_edge_meets_the_lower_face() {
+        let cuboid = Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap();
+        let hit = cuboid.intersect(&Ray::new(DVec3::new(-2.0, -2.0, 0.5), DVec3::new(1.0, 1.0, 0.0))).unwrap();
+        assert_eq!((hit.t, hit.primitive), (1.0, 0));
+        let corner = cuboid.intersect(&Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE)).unwrap();
+        assert_eq!((corner.t, corner.primitive), (2.0, 1));
+    }
+}

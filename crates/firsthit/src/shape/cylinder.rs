@@ -1,0 +1,51 @@
+use super::{Cone, Crossing, Surface};
+use crate::error::Result;
+use crate::geometry::{Bounds, DVec3, Ray};
+
+/// A round bar with both lids. Its primitives: 0 the side, 1 the bottom, 2 the top.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cylinder {
+    /// A cone that does not taper is all there is to it.
+    cone: Cone,
+}
+
+impl Cylinder {
+    /// The cylinder around the axis from `bottom` to `top`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a `top` at the `bottom`, a radius that is not
+    /// positive, and numbers that are not finite.
+    pub fn new(bottom: DVec3, top: DVec3, radius: f64) -> Result<Self> {
+        super::require_positive("radius", radius)?;
+        Ok(Self { cone: Cone::new(bottom, top, radius, radius)? })
+    }
+}
+
+impl Surface for Cylinder {
+    fn bounds(&self) -> Bounds {
+        self.cone.bounds()
+    }
+
+    fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        self.cone.intersect(ray)
+    }
+
+    fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
+        self.cone.normal(point, primitive)
+    }
+}
+
+#[cfg(test)]
+impl super::conformance::Conforming for Cylinder {
+    fn examples() -> Vec<Self> {
+        vec![
+            Self::new(DVec3::NEG_Z, DVec3::Z, 1.0).unwrap(),
+            Self::new(DVec3::new(1.0, 1.0, 0.0), DVec3::new(-1.0, 2.0, 3.0), 0.4).unwrap(),
+        ]
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        super::conformance::Conforming::distance(&self.cone, point)
+    }
+}

@@ -1,0 +1,60 @@
+use super::plane::Plane;
+use super::{Crossing, Surface, require_positive};
+use crate::error::Result;
+use crate::geometry::{Bounds, DVec3, Ray};
+
+/// The part of a plane within `radius` of `center`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disc {
+    plane: Plane,
+    center: DVec3,
+    radius: f64,
+}
+
+impl Disc {
+    /// The disc around `center`, seen from the front against `normal` (of any length but zero).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a normal of length zero, a radius that is not
+    /// positive, and numbers that are not finite.
+    pub fn new(center: DVec3, normal: DVec3, radius: f64) -> Result<Self> {
+        Ok(Self { plane: Plane::new(center, normal)?, center, radius: require_positive("radius", radius)? })
+    }
+}
+
+impl Surface for Disc {
+    fn bounds(&self) -> Bounds {
+        let normal = self.plane.normal(self.center, 0);
+        // How far a circle reaches along an axis: the sine of the angle between axis and normal.
+        let reach = self.radius * (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt);
+        Bounds { low: self.center - reach, high: self.center + reach }
+    }
+
+    fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let t = self.plane.crossing(ray)?;
+        let inside = (ray.at(t) - self.center).length_squared() <= self.radius * self.radius;
+        inside.then(|| Crossing::at(t, 0))
+    }
+
+    fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
+        self.plane.normal(point, primitive)
+    }
+}
+
+#[cfg(test)]
+impl super::conformance::Conforming for Disc {
+    fn examples() -> Vec<Self> {
+        vec![
+            Self::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap(),
+            Self::new(DVec3::new(1.0, 0.0, -1.0), DVec3::new(3.0, -1.0, 2.0), 2.0).unwrap(),
+        ]
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        let normal = self.plane.normal(point, 0);
+        let height = (point - self.center).dot(normal);
+        let outside = ((point - self.center - height * normal).length() - self.radius).max(0.0);
+        height.hypot(outside)
+    }
+}

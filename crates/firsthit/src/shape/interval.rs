@@ -1,0 +1,68 @@
+//! A convex solid along a ray: one stretch of the ray is inside.
+//!
+//! A solid that is the common part of simpler ones is cut out of the ray part by part. What remains is
+//! a stretch with two ends, or nothing: so there is no seam between a lid and a side to slip through.
+
+use super::Crossing;
+
+/// The stretch inside, each end with the part of the surface where it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Interval {
+    enter: Crossing,
+    exit: Crossing,
+}
+
+impl Interval {
+    /// The whole line.
+    pub(super) fn line() -> Self {
+        let end = |t| Crossing::at(t, i32::MAX);
+        Self { enter: end(f64::NEG_INFINITY), exit: end(f64::INFINITY) }
+    }
+
+    /// What is left from `t` on, `primitive` being the surface there; on a tie the lower one stays.
+    pub(super) fn from(mut self, t: f64, primitive: i32) -> Self {
+        if t > self.enter.t || (t == self.enter.t && primitive < self.enter.primitive) {
+            self.enter = Crossing::at(t, primitive);
+        }
+        self
+    }
+
+    /// What is left up to `t`.
+    pub(super) fn until(mut self, t: f64, primitive: i32) -> Self {
+        if t < self.exit.t || (t == self.exit.t && primitive < self.exit.primitive) {
+            self.exit = Crossing::at(t, primitive);
+        }
+        self
+    }
+
+    /// What is left between the planes where a coordinate is `low` and `high`; the ray has the
+    /// coordinate `at` at its start and `speed` along. `None` when it runs beside them.
+    pub(super) fn between(self, [low, high]: [(f64, i32); 2], at: f64, speed: f64) -> Option<Self> {
+        if speed == 0.0 {
+            return (low.0 <= at && at <= high.0).then_some(self);
+        }
+        let [low_t, high_t] = [low, high].map(|(plane, _)| (plane - at) / speed);
+        let (near, far) = if speed > 0.0 { ((low_t, low.1), (high_t, high.1)) } else { ((high_t, high.1), (low_t, low.1)) };
+        Some(self.from(near.0, near.1).until(far.0, far.1))
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.enter.t > self.exit.t
+    }
+
+    pub(super) fn contains(&self, t: f64) -> bool {
+        self.enter.t <= t && t <= self.exit.t
+    }
+
+    /// The first end with `0 < t <= t_max`, `t` being counted from `start` before the interval's zero.
+    pub(super) fn first(self, start: f64, t_max: f64) -> Option<Crossing> {
+        if self.is_empty() {
+            return None;
+        }
+        [self.enter, self.exit]
+            .map(|end| Crossing { t: end.t + start, ..end })
+            .into_iter()
+            .find(|end| end.t > 0.0)
+            .filter(|end| end.t <= t_max && end.t.is_finite())
+    }
+}

@@ -1,0 +1,58 @@
+use super::{Crossing, Surface, require_direction, require_finite};
+use crate::error::Result;
+use crate::geometry::{Bounds, DVec3, Ray, unit};
+
+/// The infinite plane through a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    point: DVec3,
+    normal: DVec3,
+}
+
+impl Plane {
+    /// The plane through `point`, seen from the front against `normal` (of any length but zero).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a normal of length zero and for numbers that are
+    /// not finite.
+    pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
+        let normal = unit(require_direction("normal", normal)?);
+        Ok(Self { point: require_finite("point", point)?, normal })
+    }
+
+    /// The parameter at which the ray crosses the plane, if it does.
+    pub(super) fn crossing(&self, ray: &Ray) -> Option<f64> {
+        let t = (self.point - ray.origin).dot(self.normal) / ray.direction.dot(self.normal);
+        // Written so that a NaN (the ray runs in the plane) and an infinity (beside it) fail.
+        (t > 0.0 && t <= ray.t_max && t.is_finite()).then_some(t)
+    }
+}
+
+impl Surface for Plane {
+    fn bounds(&self) -> Bounds {
+        Bounds::EVERYTHING
+    }
+
+    fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        self.crossing(ray).map(|t| Crossing::at(t, 0))
+    }
+
+    fn normal(&self, _point: DVec3, _primitive: i32) -> DVec3 {
+        self.normal
+    }
+}
+
+#[cfg(test)]
+impl super::conformance::Conforming for Plane {
+    fn examples() -> Vec<Self> {
+        vec![
+            Self::new(DVec3::ZERO, DVec3::Z).unwrap(),
+            Self::new(DVec3::new(1.0, -2.0, 0.5), DVec3::new(1.0, 2.0, -0.5)).unwrap(),
+        ]
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        (point - self.point).dot(self.normal)
+    }
+}
