@@ -25,7 +25,10 @@ pub struct Shots<'a> {
 
 impl std::fmt::Debug for Shots<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Shots").field("rays", &self.rays.len()).field("camera", &self.camera).finish_non_exhaustive()
+        f.debug_struct("Shots")
+            .field("rays", &self.rays.len())
+            .field("camera", &self.camera)
+            .finish_non_exhaustive()
     }
 }
 
@@ -111,7 +114,9 @@ pub const KINDS: &[Kind] = &[
         about: "geometric normal in the world, of length one, outwards; NaN for a miss",
         components: 3,
         picture: Picture::Direction,
-        make: Make::Doubles(|scene, ray, hit, out| out.copy_from_slice(&scene.normal(ray, hit).to_array())),
+        make: Make::Doubles(|scene, ray, hit, out| {
+            out.copy_from_slice(&scene.normal(ray, hit).to_array())
+        }),
     },
     Kind {
         name: "position",
@@ -158,7 +163,11 @@ pub const KINDS: &[Kind] = &[
 pub fn kind(name: &str) -> Result<&'static Kind> {
     let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
     KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
-        Error::argument("channel", "a channel's name", format!("{name:?}; there are {}", names.join(", ")))
+        Error::argument(
+            "channel",
+            "a channel's name",
+            format!("{name:?}; there are {}", names.join(", ")),
+        )
     })
 }
 
@@ -185,15 +194,25 @@ impl Kind {
         let data = match self.make {
             Make::Doubles(value) => {
                 let mut values = filled(count.saturating_mul(self.components), f64::NAN)?;
-                values.par_chunks_mut(self.components).with_min_len(1024).enumerate().for_each(|(k, out)| {
-                    value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k), out);
-                });
+                values
+                    .par_chunks_mut(self.components)
+                    .with_min_len(1024)
+                    .enumerate()
+                    .for_each(|(k, out)| {
+                        value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k), out);
+                    });
                 Data::Float64(values)
             }
-            Make::Integers(value) => Data::Int32(all().map(|k| value(shots.scene, &shots.hits.get(k))).collect()),
-            Make::Flags(value) => {
-                Data::Bool(all().map(|k| value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k))).collect())
-            }
+            Make::Integers(value) => Data::Int32(
+                all()
+                    .map(|k| value(shots.scene, &shots.hits.get(k)))
+                    .collect(),
+            ),
+            Make::Flags(value) => Data::Bool(
+                all()
+                    .map(|k| value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k)))
+                    .collect(),
+            ),
             Make::Distance(value) => {
                 let camera = shots.camera.ok_or_else(|| {
                     Error::argument("channel", "one that rays without a camera have", self.name)
@@ -204,22 +223,34 @@ impl Kind {
             }
             Make::Color => colors(shots, shade)?,
         };
-        Ok(Channel { name: self.name, components: self.components, data, picture: self.picture })
+        Ok(Channel {
+            name: self.name,
+            components: self.components,
+            data,
+            picture: self.picture,
+        })
     }
 }
 
 fn colors(shots: &Shots<'_>, shade: &dyn Shade) -> Result<Data> {
     let mut values = filled(shots.rays.len().saturating_mul(3), 0.0_f32)?;
-    values.par_chunks_mut(3).with_min_len(256).enumerate().for_each(|(k, out)| {
-        let ray = shots.rays.ray(k);
-        let hit = shots.hits.get(k);
-        out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
-    });
+    values
+        .par_chunks_mut(3)
+        .with_min_len(256)
+        .enumerate()
+        .for_each(|(k, out)| {
+            let ray = shots.rays.ray(k);
+            let hit = shots.hits.get(k);
+            out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
+        });
     Ok(Data::Float32(values))
 }
 
 /// A colour as it is stored.
-#[expect(clippy::cast_possible_truncation, reason = "colours are stored as float32")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "colours are stored as float32"
+)]
 pub(crate) fn single(color: Color) -> [f32; 3] {
     color.to_array().map(|x| x as f32)
 }

@@ -45,7 +45,9 @@ pub mod watch;
 
 pub use camera::{Camera, Projection, RayStart, View};
 pub use error::{Error, Result};
-pub use geometry::{Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Hit, Ray, Rays, Transform};
+pub use geometry::{
+    Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Hit, Ray, Rays, Transform,
+};
 pub use render::render;
 pub use scene::{Background, Light, Object, Scene};
 pub use shade::{Shade, Shader, Shading};

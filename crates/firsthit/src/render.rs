@@ -34,7 +34,12 @@ pub fn render(
         return Err(Error::argument("samples", "at least 1", samples));
     }
     let hits = shoot_all(scene, camera, watch)?;
-    let shots = Shots { scene, rays: camera, hits: &hits, camera: Some(camera) };
+    let shots = Shots {
+        scene,
+        rays: camera,
+        hits: &hits,
+        camera: Some(camera),
+    };
     let mut frame = Frame::new(vec![camera.rows(), camera.columns()]);
     for kind in channels {
         frame.push(if kind.needs_shade() && samples > 1 {
@@ -62,16 +67,27 @@ fn antialiased(
         let hit = shoot(scene, ray.origin, ray.direction);
         shade.shade(hit.t, ray.origin, ray.direction, &hit)
     };
-    colors.par_chunks_mut(3).with_min_len(64).enumerate().try_for_each(|(pixel, out)| {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
-        let (row, column) = (pixel / columns, pixel % columns);
-        let sum: Color = (0..samples).map(|k| see(row, column, offset(pixel as u64, k, samples))).sum();
-        out.copy_from_slice(&single(sum / f64::from(samples)));
-        watch.advance(u64::from(samples));
-        Ok(())
-    })?;
+    colors
+        .par_chunks_mut(3)
+        .with_min_len(64)
+        .enumerate()
+        .try_for_each(|(pixel, out)| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            let (row, column) = (pixel / columns, pixel % columns);
+            let sum: Color = (0..samples)
+                .map(|k| see(row, column, offset(pixel as u64, k, samples)))
+                .sum();
+            out.copy_from_slice(&single(sum / f64::from(samples)));
+            watch.advance(u64::from(samples));
+            Ok(())
+        })?;
     let data = Data::Float32(colors);
-    Ok(Channel { name: kind.name, components: kind.components, data, picture: kind.picture })
+    Ok(Channel {
+        name: kind.name,
+        components: kind.components,
+        data,
+        picture: kind.picture,
+    })
 }

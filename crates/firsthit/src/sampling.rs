@@ -15,7 +15,10 @@ pub(crate) fn offset(pixel: u64, k: u32, count: u32) -> DVec2 {
     // The strips when the points are dealt out as evenly as whole numbers go.
     let (k64, strips, all) = (u64::from(k), u64::from(count.isqrt()), u64::from(count));
     let strip = k64 * strips / all;
-    let (start, end) = ((strip * all).div_ceil(strips), ((strip + 1) * all).div_ceil(strips));
+    let (start, end) = (
+        (strip * all).div_ceil(strips),
+        ((strip + 1) * all).div_ceil(strips),
+    );
     let (first, cells) = (start as f64, (end - start) as f64);
     let x = (f64::from(k) - first + random(pixel, k, 0)) / cells;
     // Strips are as high as they have cells, so all cells have one size.
@@ -32,7 +35,8 @@ fn random(pixel: u64, k: u32, dimension: u64) -> f64 {
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     };
-    let seed = mix(pixel.wrapping_add(GOLDEN)).wrapping_add((2 * u64::from(k) + dimension).wrapping_mul(GOLDEN));
+    let seed = mix(pixel.wrapping_add(GOLDEN))
+        .wrapping_add((2 * u64::from(k) + dimension).wrapping_mul(GOLDEN));
     (mix(seed.wrapping_add(GOLDEN)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
@@ -51,7 +55,10 @@ mod tests {
                 let (start, end) = (edge(strip), edge(strip + 1));
                 for k in start..end {
                     let p = points[k as usize] * f64::from(count);
-                    assert!(p.y >= f64::from(start) && p.y < f64::from(end), "{count} {k} {p}");
+                    assert!(
+                        p.y >= f64::from(start) && p.y < f64::from(end),
+                        "{count} {k} {p}"
+                    );
                     let x = points[k as usize].x * f64::from(end - start);
                     assert_eq!(x.floor(), f64::from(k - start), "{count} {k}");
                 }

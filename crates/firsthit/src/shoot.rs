@@ -33,7 +33,13 @@ pub trait Search {
     /// Visits the objects that the ray may meet, see [`Candidates::visit`].
     fn objects(scene: &Scene, ray: &Ray, visit: impl FnMut(u32, f64) -> f64);
     /// Visits the triangles of the mesh of an object that the ray, in object space, may meet.
-    fn triangles(scene: &Scene, object: u32, mesh: &Mesh, ray: &Ray, visit: impl FnMut(u32, f64) -> f64);
+    fn triangles(
+        scene: &Scene,
+        object: u32,
+        mesh: &Mesh,
+        ray: &Ray,
+        visit: impl FnMut(u32, f64) -> f64,
+    );
 }
 
 /// The trees propose.
@@ -49,7 +55,13 @@ impl Search for Trees {
         scene.tree().visit(&ray, visit);
     }
 
-    fn triangles(scene: &Scene, object: u32, _: &Mesh, ray: &Ray, visit: impl FnMut(u32, f64) -> f64) {
+    fn triangles(
+        scene: &Scene,
+        object: u32,
+        _: &Mesh,
+        ray: &Ray,
+        visit: impl FnMut(u32, f64) -> f64,
+    ) {
         if let Some(tree) = scene.mesh_tree(object as usize) {
             tree.visit(ray, visit);
         }
@@ -96,7 +108,11 @@ fn search<S: Search>(scene: &Scene, ray: &Ray, mut accept: impl FnMut(Hit) -> f6
         let object = &scene.objects()[index as usize];
         let ray = object.transform().ray_in_object(&ray.up_to(t_max));
         // A transform can take a ray's numbers out of the range of float64.
-        if ray.is_valid() { search_object::<S>(scene, index, object, &ray, &mut accept) } else { t_max }
+        if ray.is_valid() {
+            search_object::<S>(scene, index, object, &ray, &mut accept)
+        } else {
+            t_max
+        }
     });
 }
 
@@ -113,17 +129,27 @@ fn search_object<S: Search>(
     if let Shape::Mesh(mesh) = object.shape() {
         let shear = Shear::new(ray);
         S::triangles(scene, index, mesh, ray, |triangle, limit| {
-            if let Some(hit) = mesh.intersect(triangle as usize, &shear)
+            if let Some(hit) = mesh.intersect_triangle(triangle as usize, &shear)
                 && hit.t > 0.0
                 && hit.t <= limit
             {
                 let primitive = identifier(triangle);
-                t_max = limit.min(accept(Hit { t: hit.t, object: id, primitive, barycentric: hit.barycentric }));
+                t_max = limit.min(accept(Hit {
+                    t: hit.t,
+                    object: id,
+                    primitive,
+                    barycentric: hit.barycentric,
+                }));
             }
             t_max
         });
     } else if let Some(hit) = object.shape().intersect(ray) {
-        t_max = t_max.min(accept(Hit { t: hit.t, object: id, primitive: hit.primitive, barycentric: hit.barycentric }));
+        t_max = t_max.min(accept(Hit {
+            t: hit.t,
+            object: id,
+            primitive: hit.primitive,
+            barycentric: hit.barycentric,
+        }));
     }
     t_max
 }
@@ -200,7 +226,8 @@ pub fn shoot_all<R: Rays + ?Sized>(scene: &Scene, rays: &R, watch: &dyn Watch) -
             }
             for k in 0..t.len() {
                 let hit = first_hit::<Trees>(scene, &rays.ray(batch * BATCH + k));
-                (t[k], object[k], primitive[k], barycentric[k]) = (hit.t, hit.object, hit.primitive, hit.barycentric);
+                (t[k], object[k], primitive[k], barycentric[k]) =
+                    (hit.t, hit.object, hit.primitive, hit.barycentric);
             }
             watch.advance(t.len() as u64);
             Ok(())

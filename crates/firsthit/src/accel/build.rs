@@ -40,7 +40,13 @@ pub(super) fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f6
         .map(&bounds)
         .reduce(|| Bounds::EMPTY, Bounds::union);
     if all.is_empty() {
-        return Bvh { origin: DVec3::ZERO, extent: 0.0, slack, nodes: Vec::new(), order: Vec::new() };
+        return Bvh {
+            origin: DVec3::ZERO,
+            extent: 0.0,
+            slack,
+            nodes: Vec::new(),
+            order: Vec::new(),
+        };
     }
     let origin = all.centre();
     let mut items: Vec<Item> = (0..count)
@@ -58,22 +64,41 @@ pub(super) fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f6
     let shifted = nodes.into_iter().map(|node| shift(node, 1));
     let nodes: Vec<Node> = std::iter::once(shift(root, 1)).chain(shifted).collect();
     let order = items.into_iter().map(|item| item.index).collect();
-    Bvh { origin, extent: (all.high - origin).max(origin - all.low).max_element(), slack, nodes, order }
+    Bvh {
+        origin,
+        extent: (all.high - origin).max(origin - all.low).max_element(),
+        slack,
+        nodes,
+        order,
+    }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounding is what this is for")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding is what this is for"
+)]
 fn rounded_down(point: DVec3) -> [f32; 3] {
     point.to_array().map(|x| (x as f32).next_down())
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounding is what this is for")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding is what this is for"
+)]
 fn rounded_up(point: DVec3) -> [f32; 3] {
     point.to_array().map(|x| (x as f32).next_up())
 }
 
 /// The same node after its subtree moved by `offset`.
 fn shift(node: Node, offset: u32) -> Node {
-    if node.count == 0 { Node { first: node.first + offset, ..node } } else { node }
+    if node.count == 0 {
+        Node {
+            first: node.first + offset,
+            ..node
+        }
+    } else {
+        node
+    }
 }
 
 fn subtree(items: &mut [Item], start: u32, depth: usize) -> Subtree {
@@ -95,14 +120,22 @@ fn subtree(items: &mut [Item], start: u32, depth: usize) -> Subtree {
     nodes.extend([shift(left.root, left_at), shift(right.root, right_at)]);
     nodes.extend(left.nodes.into_iter().map(|node| shift(node, left_at)));
     nodes.extend(right.nodes.into_iter().map(|node| shift(node, right_at)));
-    Subtree { root: inner(around, 0), nodes }
+    Subtree {
+        root: inner(around, 0),
+        nodes,
+    }
 }
 
 /// Appends the nodes below a range's root; the recursion ends, because from [`SAH_DEPTH`] on it halves.
 fn append(items: &mut [Item], start: u32, depth: usize, nodes: &mut Vec<Node>) -> Node {
     let (low, high) = around(items);
     if items.len() <= LEAF {
-        return Node { low, high, first: start, count: index(items.len()) };
+        return Node {
+            low,
+            high,
+            first: start,
+            count: index(items.len()),
+        };
     }
     let middle = split(items, depth);
     let (left, right) = items.split_at_mut(middle);
@@ -115,7 +148,12 @@ fn append(items: &mut [Item], start: u32, depth: usize, nodes: &mut Vec<Node>) -
 }
 
 fn inner((low, high): ([f32; 3], [f32; 3]), first: u32) -> Node {
-    Node { low, high, first, count: 0 }
+    Node {
+        low,
+        high,
+        first,
+        count: 0,
+    }
 }
 
 /// Counts stay below 2^32: there are at most two nodes for each item, and items have an `i32` identifier.
@@ -125,16 +163,26 @@ fn index(count: usize) -> u32 {
 
 fn around(items: &[Item]) -> ([f32; 3], [f32; 3]) {
     let one = |items: &[Item]| {
-        items.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |all, item| union(all, (item.low, item.high)))
+        items
+            .iter()
+            .fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |all, item| {
+                union(all, (item.low, item.high))
+            })
     };
     if items.len() < CHUNK {
         return one(items);
     }
-    items.par_chunks(CHUNK).map(one).reduce(|| ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), union)
+    items
+        .par_chunks(CHUNK)
+        .map(one)
+        .reduce(|| ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), union)
 }
 
 fn union(a: ([f32; 3], [f32; 3]), b: ([f32; 3], [f32; 3])) -> ([f32; 3], [f32; 3]) {
-    (std::array::from_fn(|k| a.0[k].min(b.0[k])), std::array::from_fn(|k| a.1[k].max(b.1[k])))
+    (
+        std::array::from_fn(|k| a.0[k].min(b.0[k])),
+        std::array::from_fn(|k| a.1[k].max(b.1[k])),
+    )
 }
 
 /// Reorders a range so that it falls into two parts, and returns where the second one starts.
@@ -143,11 +191,19 @@ fn split(items: &mut [Item], depth: usize) -> usize {
     if depth >= SAH_DEPTH {
         return half;
     }
-    let Some(grid) = Grid::new(items) else { return half };
+    let Some(grid) = Grid::new(items) else {
+        return half;
+    };
     let bins = grid.fill(items);
-    let Some((axis, plane)) = cheapest(&bins) else { return half };
+    let Some((axis, plane)) = cheapest(&bins) else {
+        return half;
+    };
     let middle = partition(items, |item| grid.bin(item, axis) < plane);
-    if middle == 0 || middle == items.len() { half } else { middle }
+    if middle == 0 || middle == items.len() {
+        half
+    } else {
+        middle
+    }
 }
 
 fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
@@ -171,8 +227,10 @@ struct Bin {
 
 type Bins = [[Bin; BINS]; 3];
 
-const NO_BINS: Bins =
-    [[Bin { count: 0, bounds: ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]) }; BINS]; 3];
+const NO_BINS: Bins = [[Bin {
+    count: 0,
+    bounds: ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]),
+}; BINS]; 3];
 
 /// How the middles of a range's boxes fall into bins along each axis.
 struct Grid {
@@ -184,15 +242,20 @@ impl Grid {
     /// `None` when all middles are at one point.
     fn new(items: &[Item]) -> Option<Self> {
         let one = |items: &[Item]| {
-            items.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |all, item| {
-                let middle = middle(item);
-                union(all, (middle, middle))
-            })
+            items
+                .iter()
+                .fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |all, item| {
+                    let middle = middle(item);
+                    union(all, (middle, middle))
+                })
         };
         let (low, high) = if items.len() < CHUNK {
             one(items)
         } else {
-            items.par_chunks(CHUNK).map(one).reduce(|| ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), union)
+            items
+                .par_chunks(CHUNK)
+                .map(one)
+                .reduce(|| ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), union)
         };
         // A scale of zero puts everything into one bin, which leaves nothing to split along that axis.
         let scale: [f32; 3] = std::array::from_fn(|k| {
@@ -202,7 +265,11 @@ impl Grid {
         (scale != [0.0; 3]).then_some(Self { low, scale })
     }
 
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast of a float saturates")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a cast of a float saturates"
+    )]
     fn bin(&self, item: &Item, axis: usize) -> usize {
         let place = (middle(item)[axis] - self.low[axis]) * self.scale[axis];
         (place as usize).min(BINS - 1)
@@ -229,7 +296,10 @@ impl Grid {
 
 fn merge(mut a: Bins, b: Bins) -> Bins {
     for (a, b) in a.iter_mut().flatten().zip(b.iter().flatten()) {
-        *a = Bin { count: a.count + b.count, bounds: union(a.bounds, b.bounds) };
+        *a = Bin {
+            count: a.count + b.count,
+            bounds: union(a.bounds, b.bounds),
+        };
     }
     a
 }
@@ -246,12 +316,18 @@ fn cheapest(bins: &Bins) -> Option<(usize, usize)> {
         let mut right_costs = [0.0; BINS];
         let mut right = NO_BINS[0][0];
         for k in (1..BINS).rev() {
-            right = Bin { count: right.count + bins[k].count, bounds: union(right.bounds, bins[k].bounds) };
+            right = Bin {
+                count: right.count + bins[k].count,
+                bounds: union(right.bounds, bins[k].bounds),
+            };
             right_costs[k] = cost(&right);
         }
         let mut left = NO_BINS[0][0];
         for k in 1..BINS {
-            left = Bin { count: left.count + bins[k - 1].count, bounds: union(left.bounds, bins[k - 1].bounds) };
+            left = Bin {
+                count: left.count + bins[k - 1].count,
+                bounds: union(left.bounds, bins[k - 1].bounds),
+            };
             let cost = cost(&left) + right_costs[k];
             let splits = left.count > 0 && bins[k..].iter().any(|bin| bin.count > 0);
             if splits && cost < best.0 {
@@ -267,7 +343,8 @@ fn cost(bin: &Bin) -> f64 {
         return 0.0;
     }
     // In float64: the product of two coordinates of 1e30 is nothing that float32 holds.
-    let [x, y, z] = std::array::from_fn(|k| f64::from(bin.bounds.1[k]) - f64::from(bin.bounds.0[k]));
+    let [x, y, z] =
+        std::array::from_fn(|k| f64::from(bin.bounds.1[k]) - f64::from(bin.bounds.0[k]));
     (x * y + y * z + z * x) * f64::from(bin.count)
 }
 
@@ -310,11 +387,14 @@ mod tests {
     #[test]
     fn the_tree_is_the_same_for_any_number_of_threads() {
         let bounds = |k: u32| {
-            let x = DVec3::new(f64::from(k * 7919 % 1009), f64::from(k * 104_729 % 997), f64::from(k % 89));
+            let x = DVec3::new(f64::from(k % 1009), f64::from(k % 997), f64::from(k % 89));
             Bounds::of([x, x + DVec3::splat(f64::from(k % 13))])
         };
         let trees = [1, 2, 7].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
             pool.install(|| Bvh::build(100_000, bounds, Bvh::TRIANGLES))
         });
         for tree in &trees[1..] {
@@ -325,7 +405,17 @@ mod tests {
 
     #[test]
     fn empty_boxes_are_left_out() {
-        let bvh = Bvh::build(3, |k| if k == 1 { Bounds::of([DVec3::ONE]) } else { Bounds::EMPTY }, 0.0);
+        let bvh = Bvh::build(
+            3,
+            |k| {
+                if k == 1 {
+                    Bounds::of([DVec3::ONE])
+                } else {
+                    Bounds::EMPTY
+                }
+            },
+            0.0,
+        );
         assert_eq!(bvh.order, [1]);
         assert!(Bvh::build(0, |_| Bounds::EMPTY, 0.0).nodes.is_empty());
     }

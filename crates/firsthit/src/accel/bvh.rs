@@ -59,7 +59,9 @@ impl Candidates for Bvh {
         let mut t_max = ray.t_max;
         let mut stack = [(0_u32, 0.0_f64); STACK];
         let mut height = 0;
-        let Some(mut node) = self.nodes.first() else { return };
+        let Some(mut node) = self.nodes.first() else {
+            return;
+        };
         if slab.entry(node).is_nan() {
             return;
         }
@@ -68,8 +70,11 @@ impl Candidates for Bvh {
                 let [left, right] = [node.first, node.first + 1];
                 let left_t = slab.entry(&self.nodes[left as usize]);
                 let right_t = slab.entry(&self.nodes[right as usize]);
-                let [(near, near_t), far] =
-                    if right_t < left_t { [(right, right_t), (left, left_t)] } else { [(left, left_t), (right, right_t)] };
+                let [(near, near_t), far] = if right_t < left_t {
+                    [(right, right_t), (left, left_t)]
+                } else {
+                    [(left, left_t), (right, right_t)]
+                };
                 if far.1 <= t_max {
                     stack[height] = far;
                     height += 1;
@@ -122,7 +127,11 @@ impl Slab {
     fn new(bvh: &Bvh, ray: &Ray) -> Self {
         let origin = ray.origin - bvh.origin;
         let margin = DVec3::splat(bvh.slack * (origin.abs().max_element() + bvh.extent));
-        Self { low_origin: origin + margin, high_origin: origin - margin, inverse: ray.direction.recip() }
+        Self {
+            low_origin: origin + margin,
+            high_origin: origin - margin,
+            inverse: ray.direction.recip(),
+        }
     }
 
     /// The smallest `t >= 0` in the box; NaN, which no comparison lets through, when the ray passes it.

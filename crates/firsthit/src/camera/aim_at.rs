@@ -21,12 +21,27 @@ impl Camera {
         rows: usize,
         columns: usize,
     ) -> Result<Self> {
-        require("target", "another point than position", target != position, target)?;
+        require(
+            "target",
+            "another point than position",
+            target != position,
+            target,
+        )?;
         let height = 2.0 * half_height(vertical_fov_degrees)?;
         let width = height * columns as f64 / rows.max(1) as f64;
         let ray_start = RayStart::Eye;
         let aim = target - position;
-        Self::new(View { position, aim, up, width, height, rows, columns, ray_start, ..View::default() })
+        Self::new(View {
+            position,
+            aim,
+            up,
+            width,
+            height,
+            rows,
+            columns,
+            ray_start,
+            ..View::default()
+        })
     }
 
     /// The camera of `view` moved back along its aim, and for parallel rays with its viewplane sized,
@@ -38,32 +53,60 @@ impl Camera {
     /// [`Camera::new`] refuses.
     pub fn framing(view: View, bounds: Bounds) -> Result<Self> {
         let finite = bounds.is_finite() && !bounds.is_empty();
-        require("bounds", "finite, to be framed", finite, format!("{bounds:?}"))?;
-        let camera = Self::new(View { ray_start: RayStart::Eye, ..view })?;
+        require(
+            "bounds",
+            "finite, to be framed",
+            finite,
+            format!("{bounds:?}"),
+        )?;
+        let camera = Self::new(View {
+            ray_start: RayStart::Eye,
+            ..view
+        })?;
         let centre = bounds.centre();
         let corners = bounds.corners().map(|corner| {
             let corner = corner - centre;
-            (corner.dot(camera.right).abs(), corner.dot(camera.upwards).abs(), corner.dot(camera.aim()))
+            (
+                corner.dot(camera.right).abs(),
+                corner.dot(camera.upwards).abs(),
+                corner.dot(camera.aim()),
+            )
         });
         // A single point still needs some distance.
         let smallest = 1e-6 * centre.abs().max_element().max(1e-30);
         let radius = (0.5 * bounds.size().length()).max(smallest);
-        let largest = |f: &dyn Fn((f64, f64, f64)) -> f64| corners.map(f).into_iter().fold(smallest, f64::max);
+        let largest = |f: &dyn Fn((f64, f64, f64)) -> f64| {
+            corners.map(f).into_iter().fold(smallest, f64::max)
+        };
         let margin = 1.05;
-        let View { width, height, focal_length, .. } = *camera.view();
+        let View {
+            width,
+            height,
+            focal_length,
+            ..
+        } = *camera.view();
         match view.projection {
             Projection::Perspective => {
                 // A corner at depth d + z is inside when x / (d + z) is at most width / 2 / focal_length.
                 let (slope_x, slope_y) = (0.5 * width / focal_length, 0.5 * height / focal_length);
-                let back = largest(&|(x, y, z)| (margin * x / slope_x).max(margin * y / slope_y) - z);
+                let back =
+                    largest(&|(x, y, z)| (margin * x / slope_x).max(margin * y / slope_y) - z);
                 let position = centre - camera.aim() * back.max(margin * radius);
-                Self::new(View { position, ..*camera.view() })
+                Self::new(View {
+                    position,
+                    ..*camera.view()
+                })
             }
             Projection::Orthographic => {
                 let aspect = width / height;
                 let height = 2.0 * margin * largest(&|(x, y, _)| y.max(x / aspect));
                 let position = centre - camera.aim() * (2.0 * radius);
-                Self::new(View { position, height, width: height * aspect, ..*camera.view() })
+                Self::new(View {
+                    position,
+                    height,
+                    width: height * aspect,
+                    ..*camera.view()
+                })
             }
         }
     }
@@ -79,12 +122,20 @@ impl View {
     pub fn with_vertical_fov(self, vertical_fov_degrees: f64) -> Result<Self> {
         let height = 2.0 * half_height(vertical_fov_degrees)?;
         let width = height * self.columns as f64 / self.rows.max(1) as f64;
-        Ok(Self { focal_length: 1.0, width, height, ..self })
+        Ok(Self {
+            focal_length: 1.0,
+            width,
+            height,
+            ..self
+        })
     }
 
     /// The same view, aimed at `target`.
     pub fn aimed_at(self, target: DVec3) -> Self {
-        Self { aim: unit(target - self.position), ..self }
+        Self {
+            aim: unit(target - self.position),
+            ..self
+        }
     }
 }
 

@@ -139,15 +139,27 @@ impl Camera {
     /// precision, a `focal_length`, `width` or `height` that is not positive, `rows` or `columns` below
     /// one, and any NaN or infinity.
     pub fn new(view: View) -> Result<Self> {
-        require("position", "finite", view.position.is_finite(), view.position)?;
+        require(
+            "position",
+            "finite",
+            view.position.is_finite(),
+            view.position,
+        )?;
         for (name, direction) in [("aim", view.aim), ("up", view.up)] {
             let fine = direction.is_finite() && direction != DVec3::ZERO;
             require(name, "a finite direction, not zero", fine, direction)?;
         }
-        for (name, length) in
-            [("focal_length", view.focal_length), ("width", view.width), ("height", view.height)]
-        {
-            require(name, "positive and finite", length > 0.0 && length.is_finite(), length)?;
+        for (name, length) in [
+            ("focal_length", view.focal_length),
+            ("width", view.width),
+            ("height", view.height),
+        ] {
+            require(
+                name,
+                "positive and finite",
+                length > 0.0 && length.is_finite(),
+                length,
+            )?;
         }
         require("rows", "at least 1", view.rows >= 1, view.rows)?;
         require("columns", "at least 1", view.columns >= 1, view.columns)?;
@@ -160,7 +172,11 @@ impl Camera {
         require("up", "in another direction than aim", apart, both)?;
         let right = unit(across);
         // u_y = u_z x u_x with u_z = -u_c.
-        Ok(Self { view: View { aim, ..view }, right, upwards: (-aim).cross(right) })
+        Ok(Self {
+            view: View { aim, ..view },
+            right,
+            upwards: (-aim).cross(right),
+        })
     }
 
     /// What the camera was made from, `aim` at length one.
@@ -205,7 +221,13 @@ impl Camera {
 
     /// The same camera with its rays starting elsewhere.
     pub fn starting_at(self, ray_start: RayStart) -> Self {
-        Self { view: View { ray_start, ..self.view }, ..self }
+        Self {
+            view: View {
+                ray_start,
+                ..self.view
+            },
+            ..self
+        }
     }
 
     /// The ray through the centre of the pixel in array row `row` (0 is the top) and `column`, its
@@ -217,7 +239,9 @@ impl Camera {
     /// The ray through a point of a pixel: `offset` runs from 0 to 1 rightwards and upwards, the
     /// centre being at (0.5, 0.5).
     pub fn ray_within(&self, row: usize, column: usize, offset: DVec2) -> Ray {
-        self.view.projection.ray(self, self.viewplane_point(row, column, offset))
+        self.view
+            .projection
+            .ray(self, self.viewplane_point(row, column, offset))
     }
 
     /// The distance from `position` along the pixel's ray to its parameter `t`.
@@ -239,7 +263,15 @@ impl Camera {
     /// A point of the viewplane, relative to `position`: far from the world's origin the pixel's place
     /// would drown in the rounding of world coordinates.
     fn viewplane_point(&self, row: usize, column: usize, offset: DVec2) -> DVec3 {
-        let View { width, height, rows, columns, focal_length, aim, .. } = self.view;
+        let View {
+            width,
+            height,
+            rows,
+            columns,
+            focal_length,
+            aim,
+            ..
+        } = self.view;
         // The one place where rows are flipped: the formula counts them from the bottom.
         let i = (rows - 1 - row) as f64;
         let j = column as f64;
@@ -255,7 +287,11 @@ fn require(
     fine: bool,
     got: impl std::fmt::Display,
 ) -> Result<()> {
-    if fine { Ok(()) } else { Err(Error::argument(name, expected, got)) }
+    if fine {
+        Ok(())
+    } else {
+        Err(Error::argument(name, expected, got))
+    }
 }
 
 /// The rays through the pixels' centres, row by row from the top.

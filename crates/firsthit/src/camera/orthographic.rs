@@ -1,6 +1,6 @@
 //! All rays are parallel to the aim.
 
-use super::{Camera, Reach, RayStart};
+use super::{Camera, RayStart, Reach};
 use crate::geometry::{DVec3, Ray};
 
 pub(super) fn ray(camera: &Camera, point: DVec3) -> Ray {
@@ -16,5 +16,8 @@ pub(super) fn reach(camera: &Camera, _point: DVec3) -> Reach {
         RayStart::Viewplane => camera.view.focal_length,
         RayStart::Eye => 0.0,
     };
-    Reach { offset, cosine: 1.0 }
+    Reach {
+        offset,
+        cosine: 1.0,
+    }
 }

@@ -1,6 +1,6 @@
 //! All rays pass through the camera's position.
 
-use super::{Camera, Reach, RayStart};
+use super::{Camera, RayStart, Reach};
 use crate::geometry::{DVec3, Ray, unit};
 
 pub(super) fn ray(camera: &Camera, point: DVec3) -> Ray {
@@ -17,5 +17,8 @@ pub(super) fn reach(camera: &Camera, point: DVec3) -> Reach {
         RayStart::Viewplane => distance,
         RayStart::Eye => 0.0,
     };
-    Reach { offset, cosine: camera.view.focal_length / distance }
+    Reach {
+        offset,
+        cosine: camera.view.focal_length / distance,
+    }
 }

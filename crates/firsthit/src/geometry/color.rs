@@ -40,7 +40,7 @@ mod tests {
             );
         }
         assert_eq!(srgb_encode(f64::NAN), 0.0);
-        assert_eq!(srgb_encode(7.0), 1.0);
+        assert_eq!(srgb_encode(7.0), srgb_encode(1.0));
     }
 
     /// The middle grey that everybody knows: byte 188 is half the light.

@@ -21,7 +21,11 @@ impl Background {
     pub fn color(&self, direction: DVec3) -> Color {
         match *self {
             Self::Uniform(color) => color,
-            Self::Gradient { horizon, zenith, up } => {
+            Self::Gradient {
+                horizon,
+                zenith,
+                up,
+            } => {
                 let height = unit(direction).dot(unit(up)).clamp(0.0, 1.0);
                 horizon.lerp(zenith, height)
             }

@@ -40,22 +40,41 @@ impl Scene {
     ///
     /// [`Error::Limit`] for more objects than an identifier can name.
     pub fn new(objects: Vec<Object>) -> Result<Self> {
-        let count = i32::try_from(objects.len()).ok().and_then(|count| u32::try_from(count).ok());
+        let count = i32::try_from(objects.len())
+            .ok()
+            .and_then(|count| u32::try_from(count).ok());
         let Some(count) = count else {
             let (got, limit) = (objects.len().to_string(), i32::MAX.to_string());
-            return Err(Error::Limit { what: "objects in a scene", got, limit });
+            return Err(Error::Limit {
+                what: "objects in a scene",
+                got,
+                limit,
+            });
         };
         let trees = mesh_trees(&objects);
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
-        let unbounded = (0..count).filter(|&k| is_unbounded(&bounds[k as usize])).collect();
+        let unbounded = (0..count)
+            .filter(|&k| is_unbounded(&bounds[k as usize]))
+            .collect();
         let padded = |k: u32| {
             let bounds = bounds[k as usize];
-            if is_unbounded(&bounds) { Bounds::EMPTY } else { padded(bounds) }
+            if is_unbounded(&bounds) {
+                Bounds::EMPTY
+            } else {
+                padded(bounds)
+            }
         };
         let tree = Bvh::build(count, padded, Bvh::OBJECTS);
         let finite = bounds.iter().filter(|bounds| !is_unbounded(bounds));
         let bounds = finite.copied().fold(Bounds::EMPTY, Bounds::union);
-        Ok(Self { objects, trees, tree, unbounded, bounds, lights: Vec::new() })
+        Ok(Self {
+            objects,
+            trees,
+            tree,
+            unbounded,
+            bounds,
+            lights: Vec::new(),
+        })
     }
 
     /// The same scene with other lights.
@@ -80,7 +99,10 @@ impl Scene {
 
     /// How many triangles there are in the world: those of a shared mesh once for each object.
     pub fn triangles(&self) -> u64 {
-        self.objects.iter().map(|object| object.triangles() as u64).sum()
+        self.objects
+            .iter()
+            .map(|object| object.triangles() as u64)
+            .sum()
     }
 
     /// The object that was hit; `None` for a miss.
@@ -91,9 +113,13 @@ impl Scene {
     /// The geometric normal in the world where `ray` has its `hit`: the face's own, of length one,
     /// outwards for closed shapes. NaN for a miss, and for a triangle without an area.
     pub fn normal(&self, ray: &Ray, hit: &Hit) -> DVec3 {
-        let Some(object) = self.object(hit) else { return DVec3::NAN };
+        let Some(object) = self.object(hit) else {
+            return DVec3::NAN;
+        };
         let point = object.transform().ray_in_object(ray).at(hit.t);
-        object.transform().normal_in_world(object.shape().normal(point, hit.primitive))
+        object
+            .transform()
+            .normal_in_world(object.shape().normal(point, hit.primitive))
     }
 
     /// The normal to shade with: interpolated where the mesh has normals at its vertices, on the same
@@ -101,7 +127,9 @@ impl Scene {
     pub fn shading_normal(&self, hit: &Hit, normal: DVec3) -> DVec3 {
         let smooth = || {
             let (object, mesh, triangle) = self.mesh(hit)?;
-            let smooth = object.transform().normal_in_world(mesh.shading_normal(triangle, hit.barycentric)?);
+            let smooth = object
+                .transform()
+                .normal_in_world(mesh.shading_normal(triangle, hit.barycentric)?);
             (smooth.is_finite() && smooth.dot(normal) > 0.0).then_some(smooth)
         };
         smooth().unwrap_or(normal)
@@ -115,26 +143,34 @@ impl Scene {
     /// The linear colour of the object where it was hit; `None` for a miss.
     pub fn color(&self, hit: &Hit) -> Option<Color> {
         let object = self.object(hit)?;
-        let own = self.mesh(hit).and_then(|(_, mesh, triangle)| mesh.color(triangle, hit.barycentric));
+        let own = self
+            .mesh(hit)
+            .and_then(|(_, mesh, triangle)| mesh.color(triangle, hit.barycentric));
         Some(object.color() * own.unwrap_or(Color::ONE))
     }
 
     /// The texture coordinates where a mesh that has them was hit; else NaN.
     pub fn uv(&self, hit: &Hit) -> DVec2 {
-        let uv = self.mesh(hit).and_then(|(_, mesh, triangle)| mesh.uv(triangle, hit.barycentric));
+        let uv = self
+            .mesh(hit)
+            .and_then(|(_, mesh, triangle)| mesh.uv(triangle, hit.barycentric));
         uv.unwrap_or(DVec2::NAN)
     }
 
     /// The polygon of the file that the triangle hit was part of; of other shapes the primitive.
     pub fn face(&self, hit: &Hit) -> i32 {
-        let face = self.mesh(hit).and_then(|(_, mesh, triangle)| i32::try_from(mesh.face(triangle)).ok());
+        let face = self
+            .mesh(hit)
+            .and_then(|(_, mesh, triangle)| i32::try_from(mesh.face(triangle)).ok());
         face.unwrap_or(hit.primitive)
     }
 
     fn mesh(&self, hit: &Hit) -> Option<(&Object, &Mesh, usize)> {
         let object = self.object(hit)?;
         match object.shape() {
-            Shape::Mesh(mesh) => Some((object, mesh.as_ref(), usize::try_from(hit.primitive).ok()?)),
+            Shape::Mesh(mesh) => {
+                Some((object, mesh.as_ref(), usize::try_from(hit.primitive).ok()?))
+            }
             _ => None,
         }
     }
@@ -153,7 +189,12 @@ impl Scene {
 
     /// What the trees take in memory, each shared one once.
     pub fn tree_bytes(&self) -> usize {
-        let distinct: HashMap<_, _> = self.trees.iter().flatten().map(|tree| (Arc::as_ptr(tree), tree.bytes())).collect();
+        let distinct: HashMap<_, _> = self
+            .trees
+            .iter()
+            .flatten()
+            .map(|tree| (Arc::as_ptr(tree), tree.bytes()))
+            .collect();
         distinct.values().sum::<usize>() + self.tree.bytes()
     }
 }
@@ -163,8 +204,13 @@ fn mesh_trees(objects: &[Object]) -> Vec<Option<Arc<Bvh>>> {
     let mut built: HashMap<*const Mesh, Arc<Bvh>> = HashMap::new();
     let mut tree = |mesh: &Arc<Mesh>| {
         Arc::clone(built.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
-            let count = u32::try_from(mesh.triangles().len()).expect("a mesh has at most i32::MAX triangles");
-            Arc::new(Bvh::build(count, |k| Bounds::of(mesh.corners(k as usize)), Bvh::TRIANGLES))
+            let count = u32::try_from(mesh.triangles().len())
+                .expect("a mesh has at most i32::MAX triangles");
+            Arc::new(Bvh::build(
+                count,
+                |k| Bounds::of(mesh.corners(k as usize)),
+                Bvh::TRIANGLES,
+            ))
         }))
     };
     objects
@@ -184,5 +230,12 @@ fn is_unbounded(bounds: &Bounds) -> bool {
 fn padded(bounds: Bounds) -> Bounds {
     let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
     let rounding = DVec3::splat(Bvh::OBJECTS * largest);
-    if bounds.is_empty() { bounds } else { Bounds { low: bounds.low - rounding, high: bounds.high + rounding } }
+    if bounds.is_empty() {
+        bounds
+    } else {
+        Bounds {
+            low: bounds.low - rounding,
+            high: bounds.high + rounding,
+        }
+    }
 }

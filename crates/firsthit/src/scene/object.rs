@@ -17,12 +17,20 @@ impl Object {
 
     /// The shape where it is, without a name, in a neutral colour.
     pub fn new(shape: impl Into<Shape>) -> Self {
-        Self { name: String::new(), shape: shape.into(), transform: Transform::IDENTITY, color: Self::NEUTRAL }
+        Self {
+            name: String::new(),
+            shape: shape.into(),
+            transform: Transform::IDENTITY,
+            color: Self::NEUTRAL,
+        }
     }
 
     /// The same object with a name.
     pub fn named(self, name: impl Into<String>) -> Self {
-        Self { name: name.into(), ..self }
+        Self {
+            name: name.into(),
+            ..self
+        }
     }
 
     /// The same object, its shape taken to the world by `transform`.
@@ -71,7 +79,9 @@ impl Object {
             shape if self.transform.is_identity() => shape.bounds(),
             Shape::Mesh(mesh) if !self.transform.keeps_axes() => {
                 let corners = mesh.triangles().iter().flatten();
-                Bounds::of(corners.map(|&vertex| world_from_object.transform_point3(mesh.positions().get(vertex))))
+                Bounds::of(corners.map(|&vertex| {
+                    world_from_object.transform_point3(mesh.positions().get(vertex))
+                }))
             }
             shape => shape.bounds().transformed(world_from_object),
         }

@@ -15,24 +15,40 @@ pub struct Lambert {
 
 impl Default for Lambert {
     fn default() -> Self {
-        Self { ambient: Color::splat(0.25), shadows: true }
+        Self {
+            ambient: Color::splat(0.25),
+            shadows: true,
+        }
     }
 }
 
 pub(super) fn shade(settings: &Lambert, scene: &Scene, ray: &Ray, hit: &Hit) -> Color {
-    let Some(color) = scene.color(hit) else { return Color::ZERO };
+    let Some(color) = scene.color(hit) else {
+        return Color::ZERO;
+    };
     let geometric = scene.normal(ray, hit);
     if !geometric.is_finite() {
         return color * settings.ambient;
     }
     let smooth = scene.shading_normal(hit, geometric);
-    let side = if scene.is_front(ray, geometric) { 1.0 } else { -1.0 };
-    let point = Lit { position: ray.at(hit.t), geometric: side * geometric, smooth: side * smooth };
+    let side = if scene.is_front(ray, geometric) {
+        1.0
+    } else {
+        -1.0
+    };
+    let point = Lit {
+        position: ray.at(hit.t),
+        geometric: side * geometric,
+        smooth: side * smooth,
+    };
     let start = off_the_surface(ray, &point);
     let mut light = settings.ambient;
     for source in scene.lights() {
-        let Some(arriving) = Arriving::new(source, &point) else { continue };
-        let shadowed = settings.shadows && occluded(scene, start, arriving.towards, arriving.distance);
+        let Some(arriving) = Arriving::new(source, &point) else {
+            continue;
+        };
+        let shadowed =
+            settings.shadows && occluded(scene, start, arriving.towards, arriving.distance);
         if !shadowed {
             light += arriving.light;
         }
@@ -62,15 +78,21 @@ impl Arriving {
     fn new(source: &Light, point: &Lit) -> Option<Self> {
         let (towards, distance, light) = match *source {
             Light::Directional { direction, color } => (-direction, f64::INFINITY, color),
-            Light::Point { position, intensity } => {
+            Light::Point {
+                position,
+                intensity,
+            } => {
                 let towards = position - point.position;
                 (towards, 1.0, intensity / towards.length_squared())
             }
         };
         let cosine = unit(towards).dot(point.smooth);
         // Written so that a NaN (the point is where the light is) fails.
-        (cosine > 0.0 && towards.dot(point.geometric) > 0.0)
-            .then(|| Self { towards, distance, light: cosine * light })
+        (cosine > 0.0 && towards.dot(point.geometric) > 0.0).then(|| Self {
+            towards,
+            distance,
+            light: cosine * light,
+        })
     }
 }
 

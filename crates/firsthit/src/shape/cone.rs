@@ -27,17 +27,32 @@ impl Cone {
         require_finite("top", top)?;
         for (name, radius) in [("bottom_radius", bottom_radius), ("top_radius", top_radius)] {
             if !(radius >= 0.0 && radius.is_finite()) {
-                return Err(Error::argument(name, "zero or positive, and finite", radius));
+                return Err(Error::argument(
+                    name,
+                    "zero or positive, and finite",
+                    radius,
+                ));
             }
         }
         if bottom_radius == 0.0 && top_radius == 0.0 {
-            return Err(Error::argument("bottom_radius", "positive where top_radius is zero", bottom_radius));
+            return Err(Error::argument(
+                "bottom_radius",
+                "positive where top_radius is zero",
+                bottom_radius,
+            ));
         }
         if top == bottom {
             return Err(Error::argument("top", "another point than bottom", top));
         }
         let axis = unit(top - bottom);
-        Ok(Self { bottom, top, axis, height: (top - bottom).dot(axis), bottom_radius, top_radius })
+        Ok(Self {
+            bottom,
+            top,
+            axis,
+            height: (top - bottom).dot(axis),
+            bottom_radius,
+            top_radius,
+        })
     }
 
     /// How much the radius grows along the axis.
@@ -68,7 +83,11 @@ impl Cone {
             return Some(slab.from(t0.min(t1), 0).until(t0.max(t1), 0));
         }
         if a == 0.0 {
-            return Some(if b > 0.0 { slab.until(t1, 0) } else { slab.from(t1, 0) });
+            return Some(if b > 0.0 {
+                slab.until(t1, 0)
+            } else {
+                slab.from(t1, 0)
+            });
         }
         // Steeper than the side: outside between the roots, of which one half is the mirror image's.
         let (before, after) = (slab.until(t0.min(t1), 0), slab.from(t0.max(t1), 0));
@@ -78,8 +97,13 @@ impl Cone {
 
 impl Surface for Cone {
     fn bounds(&self) -> Bounds {
-        let sines = (DVec3::ONE - self.axis * self.axis).max(DVec3::ZERO).map(f64::sqrt);
-        let lid = |center: DVec3, radius: f64| Bounds { low: center - radius * sines, high: center + radius * sines };
+        let sines = (DVec3::ONE - self.axis * self.axis)
+            .max(DVec3::ZERO)
+            .map(f64::sqrt);
+        let lid = |center: DVec3, radius: f64| Bounds {
+            low: center - radius * sines,
+            high: center + radius * sines,
+        };
         lid(self.bottom, self.bottom_radius).union(lid(self.top, self.top_radius))
     }
 
@@ -88,8 +112,13 @@ impl Surface for Cone {
         // From far away the quadratic's terms would be all rounding: start it where the line is nearest.
         let size = self.height + self.bottom_radius + self.top_radius;
         let far = at.length_squared() > 64.0 * size * size;
-        let start = if far { -at.dot(ray.direction) / ray.direction.length_squared() } else { 0.0 };
-        self.inside(at + start * ray.direction, ray.direction)?.first(start, ray.t_max)
+        let start = if far {
+            -at.dot(ray.direction) / ray.direction.length_squared()
+        } else {
+            0.0
+        };
+        self.inside(at + start * ray.direction, ray.direction)?
+            .first(start, ray.t_max)
     }
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
@@ -100,7 +129,11 @@ impl Surface for Cone {
                 let at = point - self.bottom;
                 let across = at - at.dot(self.axis) * self.axis;
                 // At the tip every direction is as good.
-                let outwards = if across == DVec3::ZERO { self.axis.any_orthonormal_vector() } else { unit(across) };
+                let outwards = if across == DVec3::ZERO {
+                    self.axis.any_orthonormal_vector()
+                } else {
+                    unit(across)
+                };
                 unit(outwards - self.slope() * self.axis)
             }
         }
@@ -112,7 +145,13 @@ impl super::conformance::Conforming for Cone {
     fn examples() -> Vec<Self> {
         vec![
             Self::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap(),
-            Self::new(DVec3::new(0.0, 1.0, 0.0), DVec3::new(2.0, 2.0, -1.0), 0.2, 0.9).unwrap(),
+            Self::new(
+                DVec3::new(0.0, 1.0, 0.0),
+                DVec3::new(2.0, 2.0, -1.0),
+                0.2,
+                0.9,
+            )
+            .unwrap(),
             Self::new(DVec3::ZERO, DVec3::new(0.1, 0.0, 0.0), 3.0, 2.0).unwrap(),
         ]
     }
@@ -123,12 +162,19 @@ impl super::conformance::Conforming for Cone {
         let z = at.dot(self.axis);
         let r = (at - z * self.axis).length();
         let to = |(r0, z0): (f64, f64), (r1, z1): (f64, f64)| {
-            let along = ((r - r0) * (r1 - r0) + (z - z0) * (z1 - z0)) / ((r1 - r0) * (r1 - r0) + (z1 - z0) * (z1 - z0));
-            let along = if along.is_nan() { 0.0 } else { along.clamp(0.0, 1.0) };
+            let along = ((r - r0) * (r1 - r0) + (z - z0) * (z1 - z0))
+                / ((r1 - r0) * (r1 - r0) + (z1 - z0) * (z1 - z0));
+            let along = if along.is_nan() {
+                0.0
+            } else {
+                along.clamp(0.0, 1.0)
+            };
             (r - r0 - along * (r1 - r0)).hypot(z - z0 - along * (z1 - z0))
         };
         let (bottom, top) = ((self.bottom_radius, 0.0), (self.top_radius, self.height));
-        let distance = to(bottom, top).min(to((0.0, 0.0), bottom)).min(to((0.0, self.height), top));
+        let distance = to(bottom, top)
+            .min(to((0.0, 0.0), bottom))
+            .min(to((0.0, self.height), top));
         let inside = z > 0.0 && z < self.height && r < self.bottom_radius + self.slope() * z;
         if inside { -distance } else { distance }
     }
@@ -141,12 +187,21 @@ mod tests {
     #[test]
     fn the_mirror_image_beyond_the_tip_is_not_there() {
         let cone = Cone::new(DVec3::ZERO, DVec3::Z, 1.0, 0.0).unwrap();
-        assert!(cone.intersect(&Ray::new(DVec3::new(-5.0, 0.0, 1.5), DVec3::X)).is_none());
-        let hit = cone.intersect(&Ray::new(DVec3::new(-5.0, 0.0, 0.5), DVec3::X)).unwrap();
+        assert!(
+            cone.intersect(&Ray::new(DVec3::new(-5.0, 0.0, 1.5), DVec3::X))
+                .is_none()
+        );
+        let hit = cone
+            .intersect(&Ray::new(DVec3::new(-5.0, 0.0, 0.5), DVec3::X))
+            .unwrap();
         assert_eq!((hit.t, hit.primitive), (4.5, 0));
-        let down = cone.intersect(&Ray::new(DVec3::new(0.25, 0.0, 5.0), DVec3::NEG_Z)).unwrap();
+        let down = cone
+            .intersect(&Ray::new(DVec3::new(0.25, 0.0, 5.0), DVec3::NEG_Z))
+            .unwrap();
         assert_eq!((down.t, down.primitive), (4.25, 0));
-        let up = cone.intersect(&Ray::new(DVec3::new(0.25, 0.0, -5.0), DVec3::Z)).unwrap();
+        let up = cone
+            .intersect(&Ray::new(DVec3::new(0.25, 0.0, -5.0), DVec3::Z))
+            .unwrap();
         assert_eq!((up.t, up.primitive), (5.0, 1));
     }
 }

@@ -20,9 +20,15 @@ impl Cuboid {
         require_finite("low", low)?;
         require_finite("high", high)?;
         if !low.cmplt(high).all() {
-            return Err(Error::argument("high", "above low along every axis", format!("{high} (low is {low})")));
+            return Err(Error::argument(
+                "high",
+                "above low along every axis",
+                format!("{high} (low is {low})"),
+            ));
         }
-        Ok(Self { bounds: Bounds { low, high } })
+        Ok(Self {
+            bounds: Bounds { low, high },
+        })
     }
 }
 
@@ -34,15 +40,29 @@ impl Surface for Cuboid {
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         let mut inside = Interval::line();
         for (axis, faces) in [[0, 1], [2, 3], [4, 5]].into_iter().enumerate() {
-            let planes = [(self.bounds.low[axis], faces[0]), (self.bounds.high[axis], faces[1])];
+            let planes = [
+                (self.bounds.low[axis], faces[0]),
+                (self.bounds.high[axis], faces[1]),
+            ];
             inside = inside.between(planes, ray.origin[axis], ray.direction[axis])?;
         }
         inside.first(0.0, ray.t_max)
     }
 
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
-        let faces = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
-        usize::try_from(primitive).ok().and_then(|face| faces.get(face)).copied().unwrap_or(DVec3::NAN)
+        let faces = [
+            DVec3::NEG_X,
+            DVec3::X,
+            DVec3::NEG_Y,
+            DVec3::Y,
+            DVec3::NEG_Z,
+            DVec3::Z,
+        ];
+        usize::try_from(primitive)
+            .ok()
+            .and_then(|face| faces.get(face))
+            .copied()
+            .unwrap_or(DVec3::NAN)
     }
 }
 
@@ -68,9 +88,16 @@ mod tests {
     #[test]
     fn a_ray_at_an_edge_meets_the_lower_face() {
         let cuboid = Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap();
-        let hit = cuboid.intersect(&Ray::new(DVec3::new(-2.0, -2.0, 0.5), DVec3::new(1.0, 1.0, 0.0))).unwrap();
+        let hit = cuboid
+            .intersect(&Ray::new(
+                DVec3::new(-2.0, -2.0, 0.5),
+                DVec3::new(1.0, 1.0, 0.0),
+            ))
+            .unwrap();
         assert_eq!((hit.t, hit.primitive), (1.0, 0));
-        let corner = cuboid.intersect(&Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE)).unwrap();
+        let corner = cuboid
+            .intersect(&Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE))
+            .unwrap();
         assert_eq!((corner.t, corner.primitive), (2.0, 1));
     }
 }

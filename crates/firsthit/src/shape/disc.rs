@@ -19,7 +19,11 @@ impl Disc {
     /// [`Error::Argument`](crate::Error::Argument) for a normal of length zero, a radius that is not
     /// positive, and numbers that are not finite.
     pub fn new(center: DVec3, normal: DVec3, radius: f64) -> Result<Self> {
-        Ok(Self { plane: Plane::new(center, normal)?, center, radius: require_positive("radius", radius)? })
+        Ok(Self {
+            plane: Plane::new(center, normal)?,
+            center,
+            radius: require_positive("radius", radius)?,
+        })
     }
 }
 
@@ -27,8 +31,14 @@ impl Surface for Disc {
     fn bounds(&self) -> Bounds {
         let normal = self.plane.normal(self.center, 0);
         // How far a circle reaches along an axis: the sine of the angle between axis and normal.
-        let reach = self.radius * (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt);
-        Bounds { low: self.center - reach, high: self.center + reach }
+        let reach = self.radius
+            * (DVec3::ONE - normal * normal)
+                .max(DVec3::ZERO)
+                .map(f64::sqrt);
+        Bounds {
+            low: self.center - reach,
+            high: self.center + reach,
+        }
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {

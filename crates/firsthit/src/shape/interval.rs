@@ -16,7 +16,10 @@ impl Interval {
     /// The whole line.
     pub(super) fn line() -> Self {
         let end = |t| Crossing::at(t, i32::MAX);
-        Self { enter: end(f64::NEG_INFINITY), exit: end(f64::INFINITY) }
+        Self {
+            enter: end(f64::NEG_INFINITY),
+            exit: end(f64::INFINITY),
+        }
     }
 
     /// What is left from `t` on, `primitive` being the surface there; on a tie the lower one stays.
@@ -42,16 +45,16 @@ impl Interval {
             return (low.0 <= at && at <= high.0).then_some(self);
         }
         let [low_t, high_t] = [low, high].map(|(plane, _)| (plane - at) / speed);
-        let (near, far) = if speed > 0.0 { ((low_t, low.1), (high_t, high.1)) } else { ((high_t, high.1), (low_t, low.1)) };
+        let (near, far) = if speed > 0.0 {
+            ((low_t, low.1), (high_t, high.1))
+        } else {
+            ((high_t, high.1), (low_t, low.1))
+        };
         Some(self.from(near.0, near.1).until(far.0, far.1))
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.enter.t > self.exit.t
-    }
-
-    pub(super) fn contains(&self, t: f64) -> bool {
-        self.enter.t <= t && t <= self.exit.t
     }
 
     /// The first end with `0 < t <= t_max`, `t` being counted from `start` before the interval's zero.
@@ -60,7 +63,10 @@ impl Interval {
             return None;
         }
         [self.enter, self.exit]
-            .map(|end| Crossing { t: end.t + start, ..end })
+            .map(|end| Crossing {
+                t: end.t + start,
+                ..end
+            })
             .into_iter()
             .find(|end| end.t > 0.0)
             .filter(|end| end.t <= t_max && end.t.is_finite())

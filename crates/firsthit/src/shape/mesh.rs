@@ -225,7 +225,7 @@ impl Mesh {
     }
 
     /// Where the ray of `shear` meets a triangle, wherever that is along the ray.
-    pub fn intersect(&self, triangle: usize, shear: &Shear) -> Option<TriangleHit> {
+    pub fn intersect_triangle(&self, triangle: usize, shear: &Shear) -> Option<TriangleHit> {
         shear.intersect(self.corners(triangle))
     }
 
@@ -282,12 +282,16 @@ impl Surface for Arc<Mesh> {
         let shear = Shear::new(ray);
         let mut first: Option<Crossing> = None;
         for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
-            if let Some(TriangleHit { t, barycentric }) = Mesh::intersect(self, triangle, &shear)
+            if let Some(TriangleHit { t, barycentric }) = self.intersect_triangle(triangle, &shear)
                 && t > 0.0
                 && t <= ray.t_max
                 && first.is_none_or(|first| t < first.t)
             {
-                first = Some(Crossing { t, primitive, barycentric });
+                first = Some(Crossing {
+                    t,
+                    primitive,
+                    barycentric,
+                });
             }
         }
         first
@@ -318,11 +322,34 @@ impl super::conformance::Conforming for Arc<Mesh> {
         let mesh = |points: &[[f64; 3]], triangles: &[[u32; 3]]| {
             Self::new(Mesh::new(Positions::compact(points.to_vec()), triangles.to_vec()).unwrap())
         };
-        let tips = [[1., 0., 0.], [0., 1., 0.], [-1., 0., 0.], [0., -1., 0.], [0., 0., 1.], [0., 0., -1.]];
+        let tips = [
+            [1., 0., 0.],
+            [0., 1., 0.],
+            [-1., 0., 0.],
+            [0., -1., 0.],
+            [0., 0., 1.],
+            [0., 0., -1.],
+        ];
         let around = [[0, 1], [1, 2], [2, 3], [3, 0]];
-        let sides: Vec<_> = around.iter().flat_map(|&[a, b]| [[a, b, 4], [b, a, 5]]).collect();
-        let pyramid = [[0.1, 0., 0.], [2., 0., 0.3], [2., 2., 0.], [0., 2.2, 0.], [0.7, 0.1, 3.1]];
-        let faces = [[0, 3, 2], [0, 2, 1], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        let sides: Vec<_> = around
+            .iter()
+            .flat_map(|&[a, b]| [[a, b, 4], [b, a, 5]])
+            .collect();
+        let pyramid = [
+            [0.1, 0., 0.],
+            [2., 0., 0.3],
+            [2., 2., 0.],
+            [0., 2.2, 0.],
+            [0.7, 0.1, 3.1],
+        ];
+        let faces = [
+            [0, 3, 2],
+            [0, 2, 1],
+            [0, 1, 4],
+            [1, 2, 4],
+            [2, 3, 4],
+            [3, 0, 4],
+        ];
         vec![mesh(&tips, &sides), mesh(&pyramid, &faces)]
     }
 
@@ -338,11 +365,22 @@ impl super::conformance::Conforming for Arc<Mesh> {
                 (point - p - along * (q - p)).length()
             };
             let height = (point - a).dot(Mesh::normal(self, triangle));
-            if inside { height.abs() } else { edge(a, b).min(edge(b, c)).min(edge(c, a)) }
+            if inside {
+                height.abs()
+            } else {
+                edge(a, b).min(edge(b, c)).min(edge(c, a))
+            }
         };
-        let distance = (0..self.triangles.len()).map(to).fold(f64::INFINITY, f64::min);
-        let behind = |triangle| (point - self.corners(triangle)[0]).dot(Mesh::normal(self, triangle)) < 0.0;
-        if (0..self.triangles.len()).all(behind) { -distance } else { distance }
+        let distance = (0..self.triangles.len())
+            .map(to)
+            .fold(f64::INFINITY, f64::min);
+        let behind =
+            |triangle| (point - self.corners(triangle)[0]).dot(Mesh::normal(self, triangle)) < 0.0;
+        if (0..self.triangles.len()).all(behind) {
+            -distance
+        } else {
+            distance
+        }
     }
 }
 

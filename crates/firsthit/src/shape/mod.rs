@@ -39,7 +39,11 @@ pub struct Crossing {
 
 impl Crossing {
     fn at(t: f64, primitive: i32) -> Self {
-        Self { t, primitive, barycentric: DVec2::NAN }
+        Self {
+            t,
+            primitive,
+            barycentric: DVec2::NAN,
+        }
     }
 }
 
@@ -129,15 +133,27 @@ shapes! {
 }
 
 fn require_finite(name: &'static str, value: DVec3) -> Result<DVec3> {
-    if value.is_finite() { Ok(value) } else { Err(Error::argument(name, "finite", value)) }
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::argument(name, "finite", value))
+    }
 }
 
 fn require_direction(name: &'static str, value: DVec3) -> Result<DVec3> {
     let fine = value.is_finite() && value != DVec3::ZERO;
-    if fine { Ok(value) } else { Err(Error::argument(name, "a finite direction, not zero", value)) }
+    if fine {
+        Ok(value)
+    } else {
+        Err(Error::argument(name, "a finite direction, not zero", value))
+    }
 }
 
 fn require_positive(name: &'static str, value: f64) -> Result<f64> {
     let fine = value > 0.0 && value.is_finite();
-    if fine { Ok(value) } else { Err(Error::argument(name, "positive and finite", value)) }
+    if fine {
+        Ok(value)
+    } else {
+        Err(Error::argument(name, "positive and finite", value))
+    }
 }

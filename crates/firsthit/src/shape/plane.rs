@@ -18,7 +18,10 @@ impl Plane {
     /// not finite.
     pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
         let normal = unit(require_direction("normal", normal)?);
-        Ok(Self { point: require_finite("point", point)?, normal })
+        Ok(Self {
+            point: require_finite("point", point)?,
+            normal,
+        })
     }
 
     /// The parameter at which the ray crosses the plane, if it does.

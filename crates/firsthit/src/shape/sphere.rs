@@ -17,13 +17,19 @@ impl Sphere {
     /// [`Error::Argument`](crate::Error::Argument) for a radius that is not positive and for numbers
     /// that are not finite.
     pub fn new(center: DVec3, radius: f64) -> Result<Self> {
-        Ok(Self { center: require_finite("center", center)?, radius: require_positive("radius", radius)? })
+        Ok(Self {
+            center: require_finite("center", center)?,
+            radius: require_positive("radius", radius)?,
+        })
     }
 }
 
 impl Surface for Sphere {
     fn bounds(&self) -> Bounds {
-        Bounds { low: self.center - self.radius, high: self.center + self.radius }
+        Bounds {
+            low: self.center - self.radius,
+            high: self.center + self.radius,
+        }
     }
 
     /// Stable roots: Haines, Günther and Akenine-Möller, "Precision Improvements for Ray/Sphere
@@ -56,7 +62,10 @@ impl Surface for Sphere {
 #[cfg(test)]
 impl super::conformance::Conforming for Sphere {
     fn examples() -> Vec<Self> {
-        vec![Self::new(DVec3::ZERO, 1.0).unwrap(), Self::new(DVec3::new(-3.0, 0.5, 2.0), 0.7).unwrap()]
+        vec![
+            Self::new(DVec3::ZERO, 1.0).unwrap(),
+            Self::new(DVec3::new(-3.0, 0.5, 2.0), 0.7).unwrap(),
+        ]
     }
 
     fn distance(&self, point: DVec3) -> f64 {
