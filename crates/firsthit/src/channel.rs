@@ -9,6 +9,7 @@ use crate::image::{Channel, Data, Picture};
 use crate::scene::Scene;
 use crate::shade::Shade;
 use crate::shoot::{Hits, filled};
+use crate::watch::Watch;
 
 /// Rays, what they met, and all that channels are made from.
 #[derive(Clone, Copy)]
@@ -133,7 +134,7 @@ pub const KINDS: &[Kind] = &[
         name: "barycentric",
         about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
         components: 3,
-        picture: Picture::Position,
+        picture: Picture::Fraction,
         make: Make::Doubles(|_, _, hit, out| {
             let [b, c] = hit.barycentric.to_array();
             out.copy_from_slice(&[1.0 - b - c, b, c]);
@@ -143,7 +144,7 @@ pub const KINDS: &[Kind] = &[
         name: "uv",
         about: "texture coordinates; NaN for a miss and where there are none",
         components: 2,
-        picture: Picture::Position,
+        picture: Picture::Fraction,
         make: Make::Doubles(|scene, _, hit, out| out.copy_from_slice(&scene.uv(hit).to_array())),
     },
     Kind {
@@ -187,8 +188,8 @@ impl Kind {
     /// # Errors
     ///
     /// [`Error::Limit`] when it does not fit into memory, [`Error::Argument`] for a channel that needs a
-    /// camera where there is none.
-    pub fn make(&self, shots: &Shots<'_>, shade: &dyn Shade) -> Result<Channel> {
+    /// camera where there is none, [`Error::Interrupted`] when `watch` stops it.
+    pub fn make(&self, shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Channel> {
         let count = shots.rays.len();
         let all = || (0..count).into_par_iter().with_min_len(1024);
         let data = match self.make {
@@ -221,7 +222,7 @@ impl Kind {
                 let distance = |k| value(camera, k / columns, k % columns, shots.hits.t[k]);
                 Data::Float64(all().map(distance).collect())
             }
-            Make::Color => colors(shots, shade)?,
+            Make::Color => colors(shots, shade, watch)?,
         };
         Ok(Channel {
             name: self.name,
@@ -232,17 +233,18 @@ impl Kind {
     }
 }
 
-fn colors(shots: &Shots<'_>, shade: &dyn Shade) -> Result<Data> {
+fn colors(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
     let mut values = filled(shots.rays.len().saturating_mul(3), 0.0_f32)?;
-    values
-        .par_chunks_mut(3)
-        .with_min_len(256)
-        .enumerate()
-        .for_each(|(k, out)| {
-            let ray = shots.rays.ray(k);
-            let hit = shots.hits.get(k);
-            out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
-        });
+    values.par_chunks_mut(3).with_min_len(256).enumerate().try_for_each(|(k, out)| {
+        if watch.is_stopped() {
+            return Err(Error::Interrupted);
+        }
+        let ray = shots.rays.ray(k);
+        let hit = shots.hits.get(k);
+        out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
+        watch.advance(1);
+        Ok(())
+    })?;
     Ok(Data::Float32(values))
 }
 

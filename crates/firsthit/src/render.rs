@@ -10,7 +10,7 @@ use crate::image::{Channel, Data, Frame};
 use crate::sampling::offset;
 use crate::scene::Scene;
 use crate::shade::Shade;
-use crate::shoot::{filled, shoot, shoot_all};
+use crate::shoot::{Hits, filled, shoot, shoot_all};
 use crate::watch::Watch;
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
@@ -30,22 +30,37 @@ pub fn render(
     samples: u32,
     watch: &dyn Watch,
 ) -> Result<Frame> {
+    let hits = shoot_all(scene, camera, watch)?;
+    develop(scene, camera, &hits, shade, channels, samples, watch)
+}
+
+/// The second half of [`render`], from the hits of the camera's rays on.
+///
+/// # Errors
+///
+/// Those of [`render`], and [`Error::Argument`] when there are not as many hits as pixels.
+pub fn develop(
+    scene: &Scene,
+    camera: &Camera,
+    hits: &Hits,
+    shade: &dyn Shade,
+    channels: &[&Kind],
+    samples: u32,
+    watch: &dyn Watch,
+) -> Result<Frame> {
     if samples == 0 {
         return Err(Error::argument("samples", "at least 1", samples));
     }
-    let hits = shoot_all(scene, camera, watch)?;
-    let shots = Shots {
-        scene,
-        rays: camera,
-        hits: &hits,
-        camera: Some(camera),
-    };
-    let mut frame = Frame::new(vec![camera.rows(), camera.columns()]);
+    if hits.len() != camera.pixels() {
+        return Err(Error::argument("hits", "one for each pixel", hits.len()));
+    }
+    let shots = Shots { scene, rays: camera, hits, camera: Some(camera) };
+    let mut frame = Frame::new([camera.rows(), camera.columns()]);
     for kind in channels {
         frame.push(if kind.needs_shade() && samples > 1 {
             antialiased(scene, camera, shade, kind, samples, watch)?
         } else {
-            kind.make(&shots, shade)?
+            kind.make(&shots, shade, watch)?
         })?;
     }
     Ok(frame)

@@ -24,3 +24,14 @@ pub struct Part {
     /// Its linear colour, if the file gives it one.
     pub color: Option<Color>,
 }
+
+/// stub
+#[derive(Debug)]
+pub struct LoadSettings {
+    /// stub
+    pub strict: bool,
+}
+/// stub
+pub fn load(_path: &std::path::Path, _s: &LoadSettings) -> crate::Result<Model> {
+    Ok(Model { up: DVec3::Z, ..Model::default() })
+}

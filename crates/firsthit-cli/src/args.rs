@@ -1,0 +1,262 @@
+//! The command line: every option in one place, the help texts being what users read.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use firsthit::{Color, DVec3, RayStart};
+
+use crate::values::{self, LightArg, Sky, Target};
+
+/// The general raycaster: what does this ray meet first?
+#[derive(Debug, Parser)]
+#[command(name = "firsthit", version, propagate_version = true, max_term_width = 100, after_help = EXAMPLES)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  firsthit demo                                 the embedded scene, no file needed
+  firsthit render bunny.ply                     frames the model and writes bunny.png
+  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 -o color.png \\
+                           -o all.npz --channels color,t,z,object,normal
+  firsthit shoot part.stl rays.npy -o hits.npz  any rays at all
+  firsthit info part.stl --json                 what is in the file
+
+Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was
+reached, 70 a bug in firsthit, 130 interrupted.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Make a picture, or distances, identifiers, normals, ... of a 3D file.
+    Render(RenderArgs),
+    /// Shoot any rays at a 3D file.
+    Shoot(ShootArgs),
+    /// Say what is in a 3D file.
+    Info(InfoArgs),
+    /// Render the embedded example scene.
+    Demo(DemoArgs),
+    /// Print the completions for a shell, to be sourced or saved.
+    Completions {
+        /// The shell to complete in.
+        shell: clap_complete::Shell,
+    },
+}
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  firsthit render bunny.ply
+  firsthit render part.stl --position 200,300,100 --aim -2,-3,-1 --up 0,0,1 --focal-length 35 \\
+                           --viewplane 36x24 --size 720x480
+  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 -o color.png \\
+                           -o all.npz --channels color,t,range,z,object,primitive,normal,position
+  firsthit render part.stl --channels z,object -o 'part-{channel}.png'
+
+Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3";
+
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub(crate) struct RenderArgs {
+    /// The 3D file: PLY, STL or OBJ
+    pub(crate) file: PathBuf,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+    #[command(flatten)]
+    pub(crate) light: LightingArgs,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub(crate) struct CameraArgs {
+    /// Where the camera is [default: far enough to see everything]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub(crate) position: Option<DVec3>,
+    /// The direction it looks in
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true, conflicts_with = "look_at")]
+    pub(crate) aim: Option<DVec3>,
+    /// The point it looks at; auto is the middle of the scene [default: auto]
+    #[arg(long, value_name = "X,Y,Z|auto", value_parser = values::target, allow_hyphen_values = true)]
+    pub(crate) look_at: Option<Target>,
+    /// Which way is up [default: the format's custom, 0,1,0 for OBJ and 0,0,1 for PLY and STL]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub(crate) up: Option<DVec3>,
+    /// Degrees from the picture's lower to its upper edge [default: 45]
+    #[arg(long, value_name = "DEGREES", value_parser = values::fov, conflicts_with_all = ["viewplane", "focal_length", "orthographic"], allow_hyphen_values = true)]
+    pub(crate) fov: Option<f64>,
+    /// The distance from the camera to the viewplane, in scene units
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, requires = "viewplane", allow_hyphen_values = true)]
+    pub(crate) focal_length: Option<f64>,
+    /// The viewplane's width and height, in scene units
+    #[arg(long, value_name = "WxH", value_parser = values::lengths, allow_hyphen_values = true)]
+    pub(crate) viewplane: Option<(f64, f64)>,
+    /// Parallel rays instead of rays through the camera's position
+    #[arg(long)]
+    pub(crate) orthographic: bool,
+    /// Where rays start, and t counts from: what lies between the eye and the viewplane is not seen
+    /// from the viewplane [default: viewplane with --focal-length, else eye]
+    #[arg(long, value_name = "WHERE")]
+    pub(crate) ray_start: Option<RayStartArg>,
+    /// Columns and rows of pixels [default: 1024x768, or as high as the viewplane's shape asks]
+    #[arg(long, value_name = "WxH", value_parser = values::pixels, allow_hyphen_values = true)]
+    pub(crate) size: Option<(usize, usize)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RayStartArg {
+    Viewplane,
+    Eye,
+}
+
+impl From<RayStartArg> for RayStart {
+    fn from(arg: RayStartArg) -> Self {
+        match arg {
+            RayStartArg::Viewplane => Self::Viewplane,
+            RayStartArg::Eye => Self::Eye,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct PictureArgs {
+    /// Where to write: .png (one channel), .npy (one) or .npz (all); may be given several times.
+    /// {channel} in the name makes a file of each channel [default: the file's name with .png]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// What to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
+    /// normal, position, barycentric, uv, front
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "color")]
+    pub(crate) channels: Vec<String>,
+    /// Antialiasing: the colour is the mean of this many points of a pixel
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    pub(crate) samples: u32,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Colour and light (linear, Rec. 709)")]
+pub(crate) struct LightingArgs {
+    /// How hits get their colour
+    #[arg(long, value_name = "NAME", default_value = "lambert", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Shader::NAMES))]
+    pub(crate) shader: String,
+    /// A light, directional:X,Y,Z (where it goes) or point:X,Y,Z (where it is); may be given several
+    /// times [default: one over the camera's shoulder]
+    #[arg(long, value_name = "KIND:X,Y,Z", value_parser = values::light)]
+    pub(crate) light: Vec<LightArg>,
+    /// Light from everywhere
+    #[arg(long, value_name = "R,G,B", value_parser = values::color, allow_hyphen_values = true)]
+    pub(crate) ambient: Option<Color>,
+    /// Leave out the shadows
+    #[arg(long)]
+    pub(crate) no_shadows: bool,
+    /// The colour of all objects that the file gives none
+    #[arg(long, value_name = "R,G,B", value_parser = values::color, allow_hyphen_values = true)]
+    pub(crate) color: Option<Color>,
+    /// The colour where nothing is hit [default: 0.85,0.87,0.9]
+    #[arg(long, value_name = "R,G,B", value_parser = values::color, conflicts_with = "sky", allow_hyphen_values = true)]
+    pub(crate) background: Option<Color>,
+    /// A sky where nothing is hit: the colours of the horizon and of the zenith
+    #[arg(long, value_name = "R,G,B:R,G,B", value_parser = values::sky, allow_hyphen_values = true)]
+    pub(crate) sky: Option<Sky>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LoadArgs {
+    /// Fail where a file has triangles that cannot be used (NaN, infinite or enormous corners) instead of leaving them out
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// How many threads to use; the result is the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    pub(crate) threads: Option<u16>,
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+const SHOOT_EXAMPLES: &str = "\
+Examples:
+  firsthit shoot part.stl rays.npy -o hits.npz
+  firsthit shoot part.stl origins.npy directions.npy -o hits.npz --channels t,object,normal
+  echo 0,0,10,0,0,-1 | firsthit shoot part.stl - --channels t,object,position
+
+Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy,
+as .npz with the entries origins and directions (or origin, and direction or dir), or as .csv with six
+numbers in a line. Directions of any length will do: t counts in lengths of the direction.";
+
+#[derive(Debug, Args)]
+#[command(after_help = SHOOT_EXAMPLES)]
+pub(crate) struct ShootArgs {
+    /// The 3D file: PLY, STL or OBJ
+    pub(crate) file: PathBuf,
+    /// The rays, or only their origins: .npy, .npz or .csv, - for standard input
+    pub(crate) rays: PathBuf,
+    /// The rays' directions, if RAYS are only origins
+    pub(crate) directions: Option<PathBuf>,
+    /// Where to write: .npz, .npy (one channel) or .csv, - for standard output; may be given several
+    /// times [default: - as CSV]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// The format on standard output
+    #[arg(long, value_name = "FORMAT", default_value = "csv")]
+    pub(crate) format: StreamFormat,
+    /// What to compute, with commas between: t, object, primitive, face, normal, position, barycentric,
+    /// uv, front
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "t,object,primitive")]
+    pub(crate) channels: Vec<String>,
+    /// The largest t that counts
+    #[arg(long, value_name = "T", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) t_max: Option<f64>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StreamFormat {
+    Csv,
+    Npy,
+    Npz,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  firsthit info part.stl\n  firsthit info part.stl --json | jq .triangles")]
+pub(crate) struct InfoArgs {
+    /// The 3D file: PLY, STL or OBJ
+    pub(crate) file: PathBuf,
+    /// As JSON: triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up, warnings
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  firsthit demo\n  firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png")]
+pub(crate) struct DemoArgs {
+    /// Columns and rows of pixels
+    #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
+    pub(crate) size: (usize, usize),
+    /// Where to write: .png (one channel), .npy (one) or .npz (all); may be given several times.
+    /// {channel} in the name makes a file of each channel [default: demo.png]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// What to compute, with commas between; see firsthit render --help
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "color")]
+    pub(crate) channels: Vec<String>,
+    /// Antialiasing: the colour is the mean of this many points of a pixel
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    pub(crate) samples: u32,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}

@@ -1,0 +1,119 @@
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use firsthit::channel::Kind;
+use firsthit::render::develop;
+use firsthit::shoot::shoot_all;
+use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
+
+use crate::args::{LightingArgs, RenderArgs, RunArgs};
+use crate::camera::camera;
+use crate::failure::Failure;
+use crate::loading::{self, Loaded, with_threads};
+use crate::output::{self, Target};
+use crate::progress::Progress;
+use crate::values::LightArg;
+
+pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let kinds = output::kinds(&args.picture.channels)?;
+    let default = [default_output(&args.file)];
+    let outputs = if args.picture.output.is_empty() { &default[..] } else { &args.picture.output };
+    let targets = output::targets(outputs, &kinds, Some(&args.file))?;
+    with_threads(&args.run, || {
+        let Loaded { scene, up, warnings } = loading::read(&args.file, &args.load, args.light.color)?;
+        loading::warn(&warnings);
+        let camera = camera(&args.camera, scene.bounds(), up)?;
+        let lights = lights(&args.light, &scene, &camera);
+        let scene = scene.with_lights(lights);
+        let shade = Shading { scene: &scene, shader: shader(&args.light)?, background: background(&args.light, &camera) };
+        let job = Job { scene: &scene, camera: &camera, shade: &shade, kinds: &kinds, samples: args.picture.samples };
+        picture(&job, &targets, &args.run, interrupted)
+    })
+}
+
+/// The input's name with the extension of a picture, in the current folder.
+fn default_output(input: &Path) -> PathBuf {
+    // Not `set_extension`: `part.v2.stl` becomes `part.v2.png`.
+    let mut name = input.file_stem().unwrap_or_else(|| "render".as_ref()).to_owned();
+    name.push(".png");
+    name.into()
+}
+
+/// A picture to be made.
+pub(crate) struct Job<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) camera: &'a Camera,
+    pub(crate) shade: &'a Shading<'a>,
+    pub(crate) kinds: &'a [&'static Kind],
+    pub(crate) samples: u32,
+}
+
+/// Makes a picture, writes it, and says so in one line.
+pub(crate) fn picture(job: &Job<'_>, targets: &[Target], args: &RunArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let started = Instant::now();
+    let &Job { scene, camera, shade, kinds, samples } = job;
+    let pixels = camera.pixels() as u64;
+    let colors = if kinds.iter().any(|kind| kind.needs_shade()) { u64::from(samples) } else { 0 };
+    let progress = Progress::new(pixels * (1 + colors), args.quiet, interrupted);
+    let hits = shoot_all(scene, camera, &progress)?;
+    let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
+    drop(progress);
+    let legends = output::write(&frame, targets)?;
+    loading::warn(&crate::hints::hints(scene, camera, &hits));
+    if !args.quiet {
+        let hit = hits.t.iter().filter(|&&t| t < f64::INFINITY).count();
+        eprintln!(
+            "{}: {} x {} pixels, {:.1} % hit, {} objects, {} triangles, {:.2} s",
+            output::names(targets),
+            camera.columns(),
+            camera.rows(),
+            100.0 * hit as f64 / pixels as f64,
+            scene.objects().len(),
+            scene.triangles(),
+            started.elapsed().as_secs_f64(),
+        );
+        legends.iter().for_each(|legend| eprintln!("{legend}"));
+    }
+    Ok(())
+}
+
+fn shader(args: &LightingArgs) -> Result<Shader, Failure> {
+    let mut shader = Shader::named(&args.shader)?;
+    let Shader::Lambert(lambert) = &mut shader else {
+        // An option that would do nothing is a misunderstanding.
+        if !args.light.is_empty() || args.ambient.is_some() || args.no_shadows {
+            let name = &args.shader;
+            return Err(Failure::usage(format!("--light, --ambient and --no-shadows are for --shader lambert, not {name}")));
+        }
+        return Ok(shader);
+    };
+    lambert.ambient = args.ambient.unwrap_or(lambert.ambient);
+    lambert.shadows = !args.no_shadows;
+    Ok(shader)
+}
+
+fn background(args: &LightingArgs, camera: &Camera) -> Background {
+    match args.sky {
+        Some(sky) => Background::Gradient { horizon: sky.horizon, zenith: sky.zenith, up: camera.view().up },
+        None => Background::Uniform(args.background.unwrap_or(Color::new(0.85, 0.87, 0.9))),
+    }
+}
+
+fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Vec<Light> {
+    if args.light.is_empty() {
+        // From behind the camera's left shoulder.
+        let direction = camera.aim() + 0.45 * camera.right() - 0.6 * camera.upwards();
+        return vec![Light::Directional { direction, color: Color::splat(0.95) }];
+    }
+    let centre = if scene.bounds().is_empty() { camera.position() } else { scene.bounds().centre() };
+    let light = |light: &LightArg| match *light {
+        LightArg::Directional(direction) => Light::Directional { direction, color: Color::splat(0.95) },
+        // As bright in the middle of the scene as a directional light.
+        LightArg::Point(position) => {
+            let intensity = Color::splat(0.95 * (centre - position).length_squared());
+            Light::Point { position, intensity }
+        }
+    };
+    args.light.iter().map(light).collect()
+}

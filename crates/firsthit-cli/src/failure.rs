@@ -1,0 +1,73 @@
+//! Why the program ends without success, and with which exit code.
+
+use std::fmt::Display;
+use std::io;
+use std::path::Path;
+
+use firsthit::Error;
+
+pub(crate) const USAGE: u8 = 2;
+pub(crate) const BAD_INPUT: u8 = 3;
+pub(crate) const NOT_WRITTEN: u8 = 4;
+pub(crate) const LIMIT: u8 = 5;
+pub(crate) const INTERNAL: u8 = 70;
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// What to say, and the exit code.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    code: u8,
+    /// `None` when there is nobody left to tell.
+    message: Option<String>,
+}
+
+impl Failure {
+    pub(crate) fn usage(message: impl Display) -> Self {
+        Self { code: USAGE, message: Some(message.to_string()) }
+    }
+
+    pub(crate) fn bad_input(message: impl Display) -> Self {
+        Self { code: BAD_INPUT, message: Some(message.to_string()) }
+    }
+
+    pub(crate) fn limit(message: impl Display) -> Self {
+        Self { code: LIMIT, message: Some(message.to_string()) }
+    }
+
+    /// Standard output did not take it. A reader that has gone away had enough: that is no failure.
+    pub(crate) fn stdout(error: &io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Self { code: 0, message: None };
+        }
+        Self { code: NOT_WRITTEN, message: Some(format!("standard output: {error}")) }
+    }
+
+    pub(crate) fn reading(path: &Path, error: &io::Error) -> Self {
+        Self::bad_input(format!("{}: {error}", firsthit::error::escaped(path)))
+    }
+
+    /// Says it on standard error, and returns the exit code.
+    pub(crate) fn report(self) -> u8 {
+        if let Some(message) = self.message {
+            eprintln!("firsthit: error: {message}");
+        }
+        self.code
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        let code = match &error {
+            Error::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
+                return Self::stdout(source);
+            }
+            Error::Argument { .. } => USAGE,
+            Error::Read { .. } | Error::Parse { .. } => BAD_INPUT,
+            Error::Write { .. } => NOT_WRITTEN,
+            Error::Limit { .. } => LIMIT,
+            Error::Interrupted => INTERRUPTED,
+            _ => INTERNAL,
+        };
+        Self { code, message: Some(error.to_string()) }
+    }
+}

@@ -1,0 +1,56 @@
+//! The firsthit program: [`run`] takes the arguments and returns the exit code. A file per command.
+
+mod args;
+mod camera;
+mod commands;
+mod failure;
+mod hints;
+mod loading;
+mod output;
+mod progress;
+mod rays;
+mod values;
+
+use std::ffi::OsString;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use clap::Parser;
+
+use args::{Cli, Command};
+use failure::Failure;
+
+/// Runs the program with its arguments, the first of which is its own name, and returns the exit code: 0
+/// done, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, 70 a bug of
+/// ours, 130 interrupted.
+pub fn run<I, T>(args: I) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString> + Clone,
+{
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // A closed pipe (`firsthit --help | head -1`) is nothing to complain about.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
+    // A panic is a bug of ours; the user gets one line of it, not a trace.
+    std::panic::set_hook(Box::new(|panic| eprintln!("firsthit: internal error: {}", panic.to_string().replace('\n', " "))));
+    match catch_unwind(AssertUnwindSafe(|| dispatch(cli))) {
+        Ok(Ok(())) => 0,
+        Ok(Err(failure)) => failure.report(),
+        Err(_) => failure::INTERNAL,
+    }
+}
+
+fn dispatch(cli: Cli) -> Result<(), Failure> {
+    let interrupted = progress::catch_interrupts();
+    match cli.command {
+        Command::Render(args) => commands::render::run(&args, &interrupted),
+        Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
+        Command::Info(args) => commands::info::run(&args),
+        Command::Demo(args) => commands::demo::run(&args, &interrupted),
+        Command::Completions { shell } => commands::completions::run(shell),
+    }
+}

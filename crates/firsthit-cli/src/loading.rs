@@ -1,0 +1,44 @@
+//! From a file to a scene.
+
+use std::path::Path;
+
+use firsthit::io::{LoadSettings, Model, load};
+use firsthit::{Color, Object, Scene};
+
+use crate::args::{LoadArgs, RunArgs};
+use crate::failure::Failure;
+
+/// A scene with what its file says beside it.
+pub(crate) struct Loaded {
+    pub(crate) scene: Scene,
+    pub(crate) up: firsthit::DVec3,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Reads a 3D file; `neutral` is the colour of objects that have none.
+pub(crate) fn read(path: &Path, args: &LoadArgs, neutral: Option<Color>) -> Result<Loaded, Failure> {
+    let Model { parts, warnings, up } = load(path, &LoadSettings { strict: args.strict })?;
+    let objects = parts.into_iter().map(|part| {
+        // A mesh that has colours of its own is multiplied by white, not by grey.
+        let own = part.mesh.has_colors().then_some(Color::ONE);
+        let color = part.color.or(own).or(neutral).unwrap_or(Object::NEUTRAL);
+        Object::new(std::sync::Arc::new(part.mesh)).named(part.name).colored(color)
+    });
+    Ok(Loaded { scene: Scene::new(objects.collect())?, up, warnings })
+}
+
+pub(crate) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("firsthit: warning: {warning}");
+    }
+}
+
+/// Runs `work` with as many threads as asked for.
+pub(crate) fn with_threads<T: Send>(
+    args: &RunArgs,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let threads = args.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| Failure::limit(format!("threads: {error}")))?.install(work)
+}

@@ -1,0 +1,66 @@
+//! Progress on a terminal, and Ctrl-C.
+
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use firsthit::watch::Watch;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::failure::INTERRUPTED;
+
+/// How long a computation gets to notice that it is interrupted.
+const GRACE: Duration = Duration::from_millis(300);
+
+/// Turns Ctrl-C into a flag, and ends the program if that has not ended it within a moment. Nothing is lost
+/// by that: outputs are whole files from one instant to the next, or not there.
+pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    // Fails only where somebody else has a handler: then Ctrl-C is theirs.
+    let _ = ctrlc::try_set_handler(move || {
+        if flag.swap(true, Ordering::SeqCst) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        std::thread::spawn(|| {
+            std::thread::sleep(GRACE);
+            eprintln!("firsthit: error: interrupted");
+            std::process::exit(i32::from(INTERRUPTED));
+        });
+    });
+    interrupted
+}
+
+/// Follows a computation: a bar on standard error if that is a terminal, and the flag of Ctrl-C.
+pub(crate) struct Progress<'a> {
+    bar: ProgressBar,
+    interrupted: &'a AtomicBool,
+}
+
+impl<'a> Progress<'a> {
+    pub(crate) fn new(rays: u64, quiet: bool, interrupted: &'a AtomicBool) -> Self {
+        let visible = !quiet && std::io::stderr().is_terminal();
+        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {per_sec}  {eta}");
+        let bar = ProgressBar::with_draw_target(Some(rays), target)
+            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self { bar, interrupted }
+    }
+}
+
+impl Watch for Progress<'_> {
+    fn advance(&self, rays: u64) {
+        self.bar.inc(rays);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Progress<'_> {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,180 @@
+//! Cameras against the formulas of the specification, in closed form.
+
+use firsthit::{Bounds, Camera, DVec2, DVec3, Projection, RayStart, View};
+
+fn close(a: DVec3, b: DVec3) -> bool {
+    (a - b).length() < 1e-14 * (1.0 + a.length())
+}
+
+/// The specification's formula, literally: i counts rows from the bottom.
+fn literal(view: &View, i: usize, j: usize) -> (DVec3, DVec3) {
+    let u_c = view.aim / view.aim.length();
+    let c_0 = view.position + view.focal_length * u_c;
+    let u_x = u_c.cross(view.up) / u_c.cross(view.up).length();
+    let u_y = (-u_c).cross(u_x);
+    let p_x = -view.width / 2.0 + view.width / view.columns as f64 * (j as f64 + 0.5);
+    let p_y = -view.height / 2.0 + view.height / view.rows as f64 * (i as f64 + 0.5);
+    let p = c_0 + p_x * u_x + p_y * u_y;
+    let u_r = match view.projection {
+        Projection::Perspective => (p - view.position) / (p - view.position).length(),
+        Projection::Orthographic => u_c,
+    };
+    (p, u_r)
+}
+
+fn views() -> Vec<View> {
+    let some = View {
+        position: DVec3::new(3.0, -2.0, 1.5),
+        aim: DVec3::new(-2.0, 1.0, -0.7),
+        up: DVec3::new(0.1, 0.3, 2.0),
+        focal_length: 0.8,
+        width: 1.9,
+        height: 0.7,
+        rows: 5,
+        columns: 4,
+        ..View::default()
+    };
+    let mut views = Vec::new();
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        views.push(View { projection, ..View::default() });
+        views.push(View { projection, ..some });
+        views.push(View { projection, rows: 1, columns: 1, ..some });
+        views.push(View { projection, aim: DVec3::Z, up: DVec3::NEG_X, ..some });
+    }
+    views
+}
+
+#[test]
+fn every_pixels_ray_is_the_formulas_with_row_0_at_the_top() {
+    for view in views() {
+        let camera = Camera::new(view).unwrap();
+        for row in 0..view.rows.min(9) {
+            for column in 0..view.columns.min(9) {
+                let (p, u_r) = literal(&view, view.rows - 1 - row, column);
+                let ray = camera.ray(row, column);
+                assert!(close(ray.origin, p) && close(ray.direction, u_r), "{view:?} {row} {column}");
+                assert!((ray.direction.length() - 1.0).abs() < 1e-15);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_frame_is_right_handed_with_the_picture_upright() {
+    let camera = Camera::new(View { aim: DVec3::new(0.0, 3.0, 0.0), up: DVec3::Z, ..View::default() }).unwrap();
+    assert_eq!((camera.right(), camera.upwards(), camera.aim()), (DVec3::X, DVec3::Z, DVec3::Y));
+    let [top_left, bottom_right] = [camera.ray(0, 0), camera.ray(479, 639)].map(|ray| ray.direction);
+    assert!(top_left.x < 0.0 && top_left.z > 0.0 && bottom_right.x > 0.0 && bottom_right.z < 0.0);
+}
+
+#[test]
+fn the_eye_start_keeps_the_directions_and_moves_the_start_back() {
+    for view in views() {
+        let camera = Camera::new(view).unwrap();
+        let eye = camera.starting_at(RayStart::Eye);
+        let (a, b) = (camera.ray(0, 0), eye.ray(0, 0));
+        assert_eq!(a.direction, b.direction);
+        let back = (a.origin - b.origin).length();
+        match view.projection {
+            Projection::Perspective => assert_eq!(b.origin, view.position),
+            Projection::Orthographic => assert!((b.origin - view.position).dot(eye.aim()).abs() < 1e-14),
+        }
+        assert!((camera.range(0, 0, 2.0) - (2.0 + back)).abs() < 1e-14);
+        assert_eq!(eye.range(0, 0, 2.0), 2.0);
+    }
+}
+
+#[test]
+fn range_and_z_are_what_their_definitions_say() {
+    for view in views() {
+        let camera = Camera::new(view).unwrap();
+        for (row, column) in [(0, 0), (view.rows - 1, view.columns / 2)] {
+            let ray = camera.ray(row, column);
+            let hit = ray.at(7.25);
+            let z = (hit - view.position).dot(camera.aim());
+            assert!((camera.z(row, column, 7.25) - z).abs() < 1e-13, "{view:?}");
+            let range = match view.projection {
+                Projection::Perspective => (hit - view.position).length(),
+                Projection::Orthographic => z,
+            };
+            assert!((camera.range(row, column, 7.25) - range).abs() < 1e-13, "{view:?}");
+            assert_eq!(camera.range(row, column, f64::INFINITY), f64::INFINITY);
+            assert_eq!(camera.z(row, column, f64::INFINITY), f64::INFINITY);
+        }
+    }
+}
+
+#[test]
+fn points_of_a_pixel_run_rightwards_and_upwards() {
+    let camera = Camera::new(View::default()).unwrap();
+    let middle = camera.ray_within(10, 20, DVec2::new(0.5, 0.5));
+    assert_eq!(middle, camera.ray(10, 20));
+    let corner = camera.ray_within(10, 20, DVec2::new(1.0, 1.0));
+    assert!(close(corner.origin, camera.ray_within(9, 21, DVec2::ZERO).origin));
+}
+
+/// A camera as far away as the moon is from a watch still tells its pixels apart.
+#[test]
+fn directions_do_not_suffer_from_a_far_position() {
+    let near = Camera::new(View { width: 0.01, height: 0.01, ..View::default() }).unwrap();
+    let far = Camera::new(View { position: DVec3::splat(4e11), ..*near.view() }).unwrap();
+    assert_eq!(near.ray(3, 5).direction, far.ray(3, 5).direction);
+}
+
+#[test]
+fn look_at_has_its_field_of_view_between_the_edges() {
+    let position = DVec3::new(1.0, 2.0, 3.0);
+    let camera = Camera::look_at(position, DVec3::new(1.0, 2.0, -4.0), DVec3::Y, 90.0, 200, 300).unwrap();
+    let view = camera.view();
+    assert_eq!(view.ray_start, RayStart::Eye);
+    assert!((view.height / 2.0 / view.focal_length - 1.0).abs() < 1e-15);
+    assert!((view.width / view.height - 1.5).abs() < 1e-15);
+    assert_eq!(camera.aim(), DVec3::NEG_Z);
+}
+
+#[test]
+fn framing_shows_every_corner_and_wastes_little() {
+    let bounds = Bounds::of([DVec3::new(-3.0, 10.0, 2.0), DVec3::new(5.0, 11.0, 8.0)]);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let view = View { aim: DVec3::new(0.3, -1.0, 0.4), up: DVec3::Z, projection, ..View::default() };
+        let camera = Camera::framing(view, bounds).unwrap();
+        let View { width, height, focal_length, .. } = *camera.view();
+        let mut widest: f64 = 0.0;
+        for corner in bounds.corners() {
+            let v = corner - camera.position();
+            let scale = if projection == Projection::Perspective { focal_length / v.dot(camera.aim()) } else { 1.0 };
+            let (x, y) = (v.dot(camera.right()) * scale / width, v.dot(camera.upwards()) * scale / height);
+            assert!(v.dot(camera.aim()) > 0.0 && x.abs() <= 0.5 && y.abs() <= 0.5, "{projection:?} {corner}");
+            widest = widest.max(x.abs()).max(y.abs());
+        }
+        assert!(widest > 0.35, "{projection:?} {widest}");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_its_name() {
+    let good = View::default();
+    let refused = [
+        ("aim", View { aim: DVec3::ZERO, ..good }),
+        ("aim", View { aim: DVec3::new(f64::NAN, 0.0, 1.0), ..good }),
+        ("up", View { up: DVec3::ZERO, ..good }),
+        ("up", View { up: DVec3::new(0.0, 0.0, 1e200), ..good }),
+        ("up", View { aim: DVec3::new(0.6, 0.6, -0.4), up: DVec3::new(-1.8, -1.8, 1.2), ..good }),
+        ("position", View { position: DVec3::new(0.0, f64::INFINITY, 0.0), ..good }),
+        ("focal_length", View { focal_length: 0.0, ..good }),
+        ("focal_length", View { focal_length: -1.0, ..good }),
+        ("width", View { width: f64::NAN, ..good }),
+        ("height", View { height: f64::INFINITY, ..good }),
+        ("rows", View { rows: 0, ..good }),
+        ("columns", View { columns: 0, ..good }),
+    ];
+    for (name, view) in refused {
+        let message = Camera::new(view).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{name} must be ")) && message.contains(", got "), "{message}");
+    }
+    assert!(Camera::new(View { up: DVec3::new(1e-9, 0.0, -1.0), ..good }).is_ok());
+    for fov in [0.0, 180.0, -10.0, f64::NAN] {
+        assert!(Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, fov, 4, 4).is_err());
+    }
+    assert!(Camera::look_at(DVec3::X, DVec3::X, DVec3::Z, 45.0, 4, 4).is_err());
+}

@@ -1,0 +1,75 @@
+//! What several tests share: reproducible numbers, closed meshes, the reference data.
+#![allow(dead_code, unreachable_pub, reason = "each test includes it, and none uses all of it")]
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use firsthit::{DVec3, Mesh, Positions};
+
+/// Reproducible numbers (a linear congruential generator of Knuth's).
+pub struct Numbers(u64);
+
+impl Numbers {
+    pub fn new(seed: u64) -> Self {
+        let mut numbers = Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        numbers.unit();
+        numbers
+    }
+
+    /// From 0 up to 1.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub fn below(&mut self, count: usize) -> usize {
+        ((self.unit() * count as f64) as usize).min(count - 1)
+    }
+
+    /// In the cube from -1 to 1.
+    pub fn point(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+}
+
+pub fn mesh(points: &[DVec3], triangles: Vec<[u32; 3]>) -> Arc<Mesh> {
+    let points = points.iter().map(DVec3::to_array).collect();
+    Arc::new(Mesh::new(Positions::compact(points), triangles).unwrap())
+}
+
+/// A closed mesh around the origin, star-shaped: a sphere of `rings` times `2 * rings` patches with bumps.
+pub fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut numbers = Numbers::new(seed);
+    let around = 2 * rings;
+    let mut points = vec![DVec3::Z, DVec3::NEG_Z];
+    for ring in 1..rings {
+        let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+        for k in 0..around {
+            let turn = std::f64::consts::TAU * f64::from(k) / f64::from(around);
+            let direction = DVec3::new(polar.sin() * turn.cos(), polar.sin() * turn.sin(), polar.cos());
+            // Rounded to float32, as most files are.
+            points.push((direction * (0.7 + 0.6 * numbers.unit())).as_vec3().as_dvec3());
+        }
+    }
+    let at = |ring: u32, k: u32| 2 + (ring - 1) * around + k % around;
+    let mut triangles = Vec::new();
+    for k in 0..around {
+        triangles.push([0, at(1, k), at(1, k + 1)]);
+        triangles.push([1, at(rings - 1, k + 1), at(rings - 1, k)]);
+        for ring in 1..rings - 1 {
+            let [a, b, c, d] = [at(ring, k), at(ring + 1, k), at(ring + 1, k + 1), at(ring, k + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (points, triangles)
+}
+
+/// The reference data beside the project, or `None` (and a message) where it is missing.
+pub fn refdata() -> Option<PathBuf> {
+    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/refdata/public"));
+    if path.is_dir() {
+        return Some(path);
+    }
+    eprintln!("skipped: ../shared/refdata is not here");
+    None
+}
