@@ -1,5 +1,6 @@
 pub mod error;
 pub mod geometry;
+pub mod image;
 pub mod io;
 pub mod shape;
 pub mod watch;

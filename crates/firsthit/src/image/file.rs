@@ -1,0 +1,147 @@
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::error::{Error, Result};
+
+/// The writer's buffer, in bytes: few system calls, and small beside any picture.
+const BUFFER: usize = 1 << 18;
+
+/// Linux itself gives up after 40 symbolic links.
+const MOST_LINKS: usize = 40;
+
+/// Writes a file whole or not at all: whoever reads `path`, at any moment, finds the old file or the
+/// new one.
+///
+/// `content` writes to a temporary file `.NAME.XXXXXX.tmp` in the same folder, which is then flushed to
+/// the disk and renamed. The new file gets the permission bits of the one that it replaces, else those
+/// that the umask gives; owner, further attributes and hard links of the old file are not kept.
+/// A symbolic link stays, its target is replaced. Devices, FIFOs and open files such as `/dev/null`
+/// and `/dev/stdout` are written straight into, without this promise. A process that is killed may leave
+/// the temporary file behind.
+///
+/// # Errors
+///
+/// [`Error::Write`] with `path` if the system, or `content`, refuses; or if `path` is a folder or a
+/// read-only file. The temporary file is then gone and the old file as it was.
+pub fn write_whole(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    write_target(path, content).map_err(|source| Error::Write {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Where the bytes go.
+enum Target {
+    /// A file to replace, or to make; the permissions of the one that is there.
+    File(PathBuf, Option<fs::Permissions>),
+    /// Something that a rename would destroy: a device, a FIFO, a file that a process has open.
+    Stream(PathBuf),
+}
+
+fn write_target(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    match target(path)? {
+        Target::File(path, permissions) => replace(&path, permissions, content),
+        // Appending, so that what a redirected standard output already holds stays.
+        Target::Stream(path) => buffered(&OpenOptions::new().append(true).open(path)?, content),
+    }
+}
+
+fn target(path: &Path) -> io::Result<Target> {
+    // `Path` drops a closing slash, which says that a folder is meant.
+    if path.as_os_str().as_encoded_bytes().ends_with(b"/") {
+        return Err(is_folder());
+    }
+    let path = without_links(path)?;
+    match fs::metadata(&path) {
+        Ok(there) if there.is_dir() => Err(is_folder()),
+        Ok(there) if !there.is_file() || is_open_file(&path) => Ok(Target::Stream(path)),
+        // A rename would replace it without asking: that is not what its owner protected it for.
+        Ok(there) if there.permissions().readonly() => Err(io::Error::new(
+            io::ErrorKind::PermissionDenied,
+            "the file is read-only",
+        )),
+        Ok(there) => Ok(Target::File(path, Some(there.permissions()))),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Target::File(path, None)),
+        Err(error) => Err(error),
+    }
+}
+
+fn is_folder() -> io::Error {
+    io::Error::new(io::ErrorKind::IsADirectory, "is a folder, not a file")
+}
+
+/// `path` with the links that its last part goes through followed, even to a file that is not there.
+fn without_links(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        if is_open_file(&path) || !path.is_symlink() {
+            return Ok(path);
+        }
+        // `join` takes an absolute target as it is.
+        path = folder_of(&path).join(fs::read_link(&path)?);
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+/// Whether `path` is a process's open file, such as what `/dev/stdout` and `/dev/fd/1` lead to. They look
+/// like links to regular files, but replacing those would miss the reader of the open one.
+fn is_open_file(path: &Path) -> bool {
+    fs::canonicalize(folder_of(path)).is_ok_and(|folder| folder.starts_with("/proc"))
+}
+
+/// The folder that `path` is in; of a mere name, the current one.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+fn replace(
+    path: &Path,
+    permissions: Option<fs::Permissions>,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    // Dropping `temporary` removes it: every error below leaves nothing behind.
+    let temporary = temporary_beside(path)?;
+    buffered(temporary.as_file(), content)?;
+    if let Some(permissions) = permissions {
+        temporary.as_file().set_permissions(permissions)?;
+    }
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|refused| refused.error)?;
+    // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
+    // and not every system can do it.
+    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    let name = path.file_name().ok_or_else(is_folder)?.to_string_lossy();
+    // Cut short: names have at most 255 bytes, and 50 characters have at most 200.
+    let prefix = format!(".{}.", name.chars().take(50).collect::<String>());
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As every other new file: the umask takes its bits away. The crate's own default is 0o600.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder_of(path))
+}
+
+fn buffered(file: &File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(BUFFER, file);
+    content(&mut writer)?;
+    writer.flush()
+}

@@ -1,0 +1,225 @@
+use crate::error::{Error, Result};
+
+/// What a picture or a batch of rays gave: named channels over the same elements.
+///
+/// Elements are in row-major order; row 0 of a picture is its top.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    pub(super) shape: Vec<usize>,
+    pub(super) channels: Vec<Channel>,
+}
+
+/// One named output: the same number of values for every element of its [`Frame`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// What it is called in files and in interfaces, unique in its frame.
+    pub name: &'static str,
+    /// How many values each element has, at least 1.
+    pub components: usize,
+    /// The values: all components of element 0, then those of element 1.
+    pub data: Data,
+    /// How it becomes something to look at.
+    pub picture: Picture,
+}
+
+/// The values of a [`Channel`], as they are stored in files.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Data {
+    /// Double precision.
+    Float64(Vec<f64>),
+    /// Single precision.
+    Float32(Vec<f32>),
+    /// Identifiers; -1 is a miss.
+    Int32(Vec<i32>),
+    /// Yes or no.
+    Bool(Vec<bool>),
+}
+
+/// What a [`Channel`]'s values mean, and so how a PNG shows them. `docs/outputs.md` has the formulas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Picture {
+    /// Linear colours, three floats: shown as sRGB.
+    Color,
+    /// Distances, one float: from near, yellow, to far, violet.
+    Distance,
+    /// Identifiers, one int32: each in its own colour.
+    Identifier,
+    /// Unit vectors, three floats: `(n + 1) / 2` as red, green, blue.
+    Direction,
+    /// Points, three floats: each axis from its smallest to its largest value as red, green, blue.
+    Position,
+    /// One to three floats between 0 and 1, such as barycentrics: the bytes directly.
+    Fraction,
+    /// Booleans, one each: white where true.
+    Mask,
+}
+
+impl Frame {
+    /// A frame without channels: `[rows, columns]` of a picture, `[n]` of a batch, or any other shape.
+    pub fn new(shape: impl Into<Vec<usize>>) -> Self {
+        Self {
+            shape: shape.into(),
+            channels: Vec::new(),
+        }
+    }
+
+    /// Adds `channel` after the others.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if its name is taken, if its length is not the frame's number of elements
+    /// times its components, or if its values cannot be what its picture says.
+    pub fn push(&mut self, channel: Channel) -> Result<()> {
+        let name = channel.name;
+        if self.channel(name).is_some() {
+            let expected = "a channel whose name the frame does not have yet";
+            return Err(Error::argument("channel", expected, name));
+        }
+        if !channel.picture.fits(&channel) {
+            let expected = "of the type and the number of components that its picture asks for";
+            let (kind, picture) = (channel.data.kind(), channel.picture);
+            let got = format!("{} {kind} as {picture:?}", channel.components);
+            return Err(Error::argument(name, expected, got));
+        }
+        // A shape whose product overflows has no data that could match it.
+        let values =
+            (self.shape.iter()).try_fold(channel.components, |n, &side| n.checked_mul(side));
+        if values != Some(channel.data.len()) {
+            let expected = "as long as the frame's elements times the channel's components";
+            let got = format!(
+                "{} values for {} of each element of {:?}",
+                channel.data.len(),
+                channel.components,
+                self.shape
+            );
+            return Err(Error::argument(name, expected, got));
+        }
+        self.channels.push(channel);
+        Ok(())
+    }
+
+    /// `[rows, columns]` of a picture, `[n]` of a batch.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// All channels, in the order in which they were added.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The channel called `name`.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+}
+
+impl Data {
+    /// The number of values: elements times components.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Float64(values) => values.len(),
+            Self::Float32(values) => values.len(),
+            Self::Int32(values) => values.len(),
+            Self::Bool(values) => values.len(),
+        }
+    }
+
+    /// Whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The NumPy name of the values' type.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Float64(_) => "float64",
+            Self::Float32(_) => "float32",
+            Self::Int32(_) => "int32",
+            Self::Bool(_) => "bool",
+        }
+    }
+
+    /// One value as float64, which holds every type here exactly; true is 1.
+    ///
+    /// # Panics
+    ///
+    /// Where `index` is not below [`len`](Self::len).
+    pub fn value(&self, index: usize) -> f64 {
+        match self {
+            Self::Float64(values) => values[index],
+            Self::Float32(values) => f64::from(values[index]),
+            Self::Int32(values) => f64::from(values[index]),
+            Self::Bool(values) => f64::from(u8::from(values[index])),
+        }
+    }
+}
+
+impl Picture {
+    /// Whether `channel`'s type and number of components make this kind of picture.
+    fn fits(self, channel: &Channel) -> bool {
+        let floats = matches!(channel.data, Data::Float64(_) | Data::Float32(_));
+        match self {
+            Self::Color | Self::Direction | Self::Position => floats && channel.components == 3,
+            Self::Distance => floats && channel.components == 1,
+            Self::Fraction => floats && (1..=3).contains(&channel.components),
+            Self::Identifier => matches!(channel.data, Data::Int32(_)) && channel.components == 1,
+            Self::Mask => matches!(channel.data, Data::Bool(_)) && channel.components == 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(name: &'static str, components: usize, data: Data, picture: Picture) -> Channel {
+        Channel {
+            name,
+            components,
+            data,
+            picture,
+        }
+    }
+
+    #[test]
+    fn channels_come_back_by_name_and_in_order() {
+        let mut frame = Frame::new([2, 3]);
+        let t = channel("t", 1, Data::Float64(vec![1.0; 6]), Picture::Distance);
+        let object = channel("object", 1, Data::Int32(vec![-1; 6]), Picture::Identifier);
+        frame.push(t.clone()).unwrap();
+        frame.push(object.clone()).unwrap();
+        assert_eq!(frame.channels(), [t, object.clone()]);
+        assert_eq!(frame.channel("object"), Some(&object));
+        assert_eq!(frame.channel("color"), None);
+        assert_eq!(frame.shape(), [2, 3]);
+    }
+
+    #[test]
+    fn a_channel_that_does_not_fit_is_refused_with_its_numbers() {
+        let mut frame = Frame::new([2, 3]);
+        let short = channel("color", 3, Data::Float32(vec![0.0; 17]), Picture::Color);
+        assert_eq!(
+            frame.push(short).unwrap_err().to_string(),
+            "color must be as long as the frame's elements times the channel's components, \
+             got 17 values for 3 of each element of [2, 3]"
+        );
+        let whole = channel("front", 1, Data::Int32(vec![0; 6]), Picture::Mask);
+        assert_eq!(
+            frame.push(whole).unwrap_err().to_string(),
+            "front must be of the type and the number of components that its picture asks for, \
+             got 1 int32 as Mask"
+        );
+        let front = channel("front", 1, Data::Bool(vec![true; 6]), Picture::Mask);
+        frame.push(front.clone()).unwrap();
+        assert!(frame.push(front).is_err(), "the name is taken");
+    }
+
+    #[test]
+    fn a_shape_that_overflows_is_refused_not_wrapped() {
+        let mut frame = Frame::new([usize::MAX, 2]);
+        let empty = channel("t", 1, Data::Float64(vec![]), Picture::Distance);
+        assert!(frame.push(empty).is_err());
+    }
+}
