@@ -59,3 +59,55 @@ fn first_bits(above: impl Fn(u64) -> bool) -> f64 {
     }
     f64::from_bits(high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn formula(linear: f64) -> u8 {
+        unit_byte(srgb_encode(linear))
+    }
+
+    #[test]
+    fn bytes_are_those_of_the_formula() {
+        for k in 0..=1_000_000 {
+            // Fractions that are no multiples of the table's parts, and some outside 0 to 1.
+            let linear = f64::from(k) / 999_983.0 * 1.2 - 0.1;
+            assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+        }
+        let outside = [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            -0.0,
+            5e-324,
+            1e308,
+        ];
+        for linear in outside {
+            assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+        }
+    }
+
+    /// The float32 on either side of every step, where a table would go wrong.
+    #[test]
+    fn bytes_are_those_of_the_formula_around_every_step() {
+        for step in &SRGB.steps[..255] {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "the nearest float32 is wanted"
+            )]
+            let near = *step as f32;
+            for linear in [near.next_down(), near, near.next_up()] {
+                let linear = f64::from(linear);
+                assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_part_of_the_table_holds_two_steps() {
+        for pair in SRGB.first.windows(2) {
+            assert!(pair[1] - pair[0] <= 1);
+        }
+    }
+}
