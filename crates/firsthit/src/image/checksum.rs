@@ -84,3 +84,31 @@ impl Write for Summary {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The check value of the CRC catalogue, <https://reveng.sourceforge.io/crc-catalogue/all.htm>.
+    #[test]
+    fn the_checksum_is_that_of_zip() {
+        let mut summary = Summary::default();
+        summary.write_all(b"123456789").unwrap();
+        assert_eq!(summary.checksum(), 0xcbf4_3926);
+        assert_eq!(summary.size(), 9);
+    }
+
+    #[test]
+    fn the_checksum_does_not_depend_on_how_the_bytes_come() {
+        let bytes: Vec<u8> = (0..=255).cycle().take(1000).collect();
+        let mut whole = Summary::default();
+        whole.write_all(&bytes).unwrap();
+        for length in [1, 7, 16, 17, 33] {
+            let mut parts = Summary::default();
+            for part in bytes.chunks(length) {
+                parts.write_all(part).unwrap();
+            }
+            assert_eq!(parts.checksum(), whole.checksum(), "{length}");
+        }
+    }
+}

@@ -137,11 +137,100 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
         // As every other new file: the umask takes its bits away. The crate's own default is 0o600.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder_of(path))
+    builder
+        .tempfile_in(folder_of(path))
+        .map_err(|error| without_name(&error))
+}
+
+/// The system's reason alone: `tempfile` adds the temporary's name, which nobody asked for.
+fn without_name(error: &io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(|error| error.source());
+    let code = inner.and_then(|inner| inner.downcast_ref::<io::Error>()?.raw_os_error());
+    code.map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
 }
 
 fn buffered(file: &File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut writer = BufWriter::with_capacity(BUFFER, file);
     content(&mut writer)?;
     writer.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn write_text(path: &Path, text: &str) -> Result<()> {
+        write_whole(path, |out| out.write_all(text.as_bytes()))
+    }
+
+    #[test]
+    fn the_new_file_replaces_the_old_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        write_text(&path, "the old one, longer").unwrap();
+        write_text(&path, "new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        write_text(&path, "old").unwrap();
+        let result = write_whole(&path, |out| {
+            out.write_all(&vec![1; 2 * BUFFER])?;
+            Err(io::Error::other("out of ink"))
+        });
+        let message = result.unwrap_err().to_string();
+        assert_eq!(message, format!("{}: out of ink", path.display()));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn errors_name_the_target_and_the_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("none/a.png");
+        let error = write_text(&missing, "").unwrap_err();
+        let Error::Write { path, source } = error else {
+            panic!("{error}");
+        };
+        assert_eq!((path, source.kind()), (missing, io::ErrorKind::NotFound));
+        assert!(!source.to_string().contains("tmp"), "{source}");
+        let message = write_text(folder.path(), "").unwrap_err().to_string();
+        assert!(message.ends_with("is a folder, not a file"), "{message}");
+        assert!(write_text(&folder.path().join("a.png/"), "").is_err());
+        assert!(write_text(Path::new(""), "").is_err());
+    }
+
+    #[test]
+    fn a_read_only_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        write_text(&path, "old").unwrap();
+        let mut permissions = fs::metadata(&path).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&path, permissions).unwrap();
+        let message = write_text(&path, "new").unwrap_err().to_string();
+        assert!(message.ends_with("the file is read-only"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+    }
+
+    #[test]
+    fn a_name_of_the_longest_length_can_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("é".repeat(127));
+        write_text(&path, "long").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"long");
+    }
 }

@@ -48,7 +48,7 @@ fn dtype(data: &Data) -> DType {
     DType::Plain(name)
 }
 
-/// By chunks: `npyz` writes value by value, a virtual call each.
+/// By chunks: `npyz` would write value by value.
 fn write_values<T: Copy, const BYTES: usize>(
     values: &[T],
     bytes_of: impl Fn(T) -> [u8; BYTES],

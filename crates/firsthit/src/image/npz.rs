@@ -165,3 +165,61 @@ fn end(entries: u64, directory_size: u64, directory_start: u64) -> Vec<u8> {
     bytes.extend([0, 0]); // no comment
     bytes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FIVE_GIB: u64 = 5 << 30;
+
+    fn entry(size: u64, start: u64) -> Entry {
+        Entry {
+            name: "t.npy".into(),
+            checksum: 0x0102_0304,
+            size,
+            start,
+        }
+    }
+
+    /// Offsets by APPNOTE 4.3.7: version 4, date 12, checksum 14, sizes 18 and 22, lengths 26 and 28.
+    #[test]
+    fn a_large_entry_has_its_sizes_in_the_zip64_field() {
+        let small = entry(1000, 0).local_header();
+        assert_eq!(small.len(), 35);
+        assert_eq!(small[4..14], [20, 0, 0, 0, 0, 0, 0, 0, 0x21, 0]);
+        assert_eq!(small[18..26], [0xe8, 3, 0, 0, 0xe8, 3, 0, 0]);
+        let large = entry(FIVE_GIB, 0).local_header();
+        assert_eq!(large.len(), 55);
+        assert_eq!(
+            (large[4], &large[18..30]),
+            (
+                45,
+                &[255, 255, 255, 255, 255, 255, 255, 255, 5, 0, 20, 0][..]
+            )
+        );
+        assert_eq!(large[35..39], [1, 0, 16, 0]);
+        assert_eq!(large[39..47], FIVE_GIB.to_le_bytes());
+        assert_eq!(large[47..55], FIVE_GIB.to_le_bytes());
+    }
+
+    #[test]
+    fn an_entry_behind_four_gib_has_only_its_place_in_the_zip64_field() {
+        let header = entry(1000, FIVE_GIB).directory_header();
+        assert_eq!(header.len(), 46 + 5 + 12);
+        assert_eq!(header[20..24], [0xe8, 3, 0, 0]);
+        assert_eq!(header[42..46], [255; 4]);
+        assert_eq!(header[51..55], [1, 0, 8, 0]);
+        assert_eq!(header[55..], FIVE_GIB.to_le_bytes());
+    }
+
+    #[test]
+    fn the_end_is_plain_below_four_gib_and_zip64_above() {
+        assert_eq!(end(2, 100, 1000).len(), 22);
+        let large = end(2, 100, FIVE_GIB);
+        assert_eq!(large.len(), 56 + 20 + 22);
+        assert_eq!(large[56 + 8..56 + 16], (FIVE_GIB + 100).to_le_bytes());
+        // The limit itself means "look at ZIP64", so it needs it too.
+        assert_eq!(end(2, 100, u64::from(OVER)).len(), 98);
+        assert_eq!(end(2, 100, u64::from(OVER) - 1).len(), 22);
+    }
+}

