@@ -11,7 +11,7 @@ const BLACK: Rgb = [0; 3];
 /// How the values of one channel become bytes, with what had to be known of the whole channel first.
 pub(super) enum ColorMap {
     Color,
-    Distance(Range),
+    Distance(Depths),
     Identifier,
     Direction,
     Position([Range; 3]),
@@ -23,7 +23,7 @@ impl ColorMap {
     pub(super) fn of(channel: &Channel) -> Self {
         match channel.picture {
             Picture::Color => Self::Color,
-            Picture::Distance => Self::Distance(Range::of(channel, 0)),
+            Picture::Distance => Self::Distance(Depths::of(channel)),
             Picture::Identifier => Self::Identifier,
             Picture::Direction => Self::Direction,
             Picture::Position => Self::Position([0, 1, 2].map(|axis| Range::of(channel, axis))),
@@ -54,9 +54,7 @@ impl ColorMap {
             (Self::Mask, &[truth]) => [unit_byte(truth); 3],
             // What is left are numbers, of which misses are not finite.
             (_, value) if !value.iter().all(|number| number.is_finite()) => BLACK,
-            (Self::Distance(range), &[t]) => {
-                VIRIDIS[usize::from(unit_byte(1.0 - range.fraction(t)))]
-            }
+            (Self::Distance(depths), &[t]) => VIRIDIS[usize::from(unit_byte(depths.nearness(t)))],
             (Self::Direction, &[x, y, z]) => [x, y, z].map(|axis| unit_byte(axis.midpoint(1.0))),
             (Self::Position(ranges), &[x, y, z]) => {
                 [(0, x), (1, y), (2, z)].map(|(axis, at)| unit_byte(ranges[axis].fraction(at)))
@@ -74,11 +72,12 @@ pub fn legend(channel: &Channel) -> Option<String> {
     let name = channel.name;
     match ColorMap::of(channel) {
         ColorMap::Color | ColorMap::Fraction | ColorMap::Mask => None,
-        ColorMap::Distance(range) if range.is_empty() => {
+        ColorMap::Distance(depths) if depths.range.is_empty() => {
             Some(format!("{name}: nothing but misses"))
         }
-        ColorMap::Distance(Range { low, high }) => Some(format!(
-            "{name} from {low:?} (yellow) to {high:?} (violet), linear; misses black"
+        ColorMap::Distance(Depths { range, middle }) => Some(format!(
+            "{name} from {:?} (yellow) to {:?} (violet), half of it nearer than {middle:?}; misses black",
+            range.low, range.high
         )),
         ColorMap::Identifier => Some(format!("{name}: a colour for each number; misses black")),
         ColorMap::Direction => Some(format!(
@@ -131,6 +130,41 @@ impl Range {
     }
 }
 
+/// How the distances of a channel are spread.
+///
+/// A ground that runs to the horizon would leave a linear scale nothing for all that stands on it. So
+/// colours go by `1 / (1 + x)`, where `x` counts from the nearest distance, the median being 1: half of the
+/// pixels share one half of the colours, however far the others are.
+pub(super) struct Depths {
+    range: Range,
+    middle: f64,
+}
+
+impl Depths {
+    fn of(channel: &Channel) -> Self {
+        let range = Range::of(channel, 0);
+        let values = (0..channel.data.len()).map(|index| channel.data.value(index));
+        let mut hits: Vec<f64> = values.filter(|t| t.is_finite()).collect();
+        let half = hits.len() / 2;
+        let middle = if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(half, f64::total_cmp).1 };
+        // Where more than half is at the nearest distance, the farthest serves.
+        let middle = if middle > range.low { middle } else { range.high };
+        Self { range, middle }
+    }
+
+    /// From 1 at the nearest to 0 at the farthest distance.
+    fn nearness(&self, t: f64) -> f64 {
+        let Range { low, high } = self.range;
+        if low == high {
+            return 1.0;
+        }
+        // Halves, because the difference of two float64 may be infinite.
+        let nearness = |t: f64| 1.0 / (1.0 + (t / 2.0 - low / 2.0) / (self.middle / 2.0 - low / 2.0));
+        let farthest = nearness(high);
+        (nearness(t) - farthest) / (1.0 - farthest)
+    }
+}
+
 /// A number from 0 to 1 as a byte, rounded to nearest.
 pub(super) fn unit_byte(unit: f64) -> u8 {
     #[expect(
@@ -159,8 +193,9 @@ fn identifier_color(identifier: f64) -> Rgb {
     )]
     let identifier = identifier as u32;
     let spread = |factor: u32| f64::from(identifier.wrapping_mul(factor)) / 4_294_967_296.0;
-    let hue = spread(2_654_435_769); // 2^32 / 1.618034
-    let saturation = 1.0 - 0.5 * spread(3_242_174_889); // 2^32 / 1.324718
+    // The first one is blue.
+    let hue = (0.58 + spread(2_654_435_769)).fract(); // 2^32 / 1.618034
+    let saturation = 0.8 - 0.5 * spread(3_242_174_889); // 2^32 / 1.324718
     let value = 1.0 - 0.4 * spread(2_447_445_414); // 2^32 / 1.324718^2
     hsv(hue, saturation, value)
 }
@@ -209,8 +244,9 @@ mod tests {
         let t = Data::Float32(vec![9.5, f32::INFINITY, 3.25, 6.375]);
         let (colors, legend) = colors(Picture::Distance, 1, t);
         assert_eq!(colors[..3], [[68, 1, 84], BLACK, [253, 231, 37]]);
-        assert_eq!(colors[3], VIRIDIS[128]);
-        let expected = "it from 3.25 (yellow) to 9.5 (violet), linear; misses black";
+        // The median is half way down from 1, and 9.5, twice as far, two thirds: a quarter of that is left.
+        assert_eq!(colors[3], VIRIDIS[64]);
+        let expected = "it from 3.25 (yellow) to 9.5 (violet), half of it nearer than 6.375; misses black";
         assert_eq!(legend.as_deref(), Some(expected));
     }
 

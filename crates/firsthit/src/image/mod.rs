@@ -6,7 +6,6 @@
 //! Colours are linear in a frame and in NPY and NPZ; only PNG applies the sRGB curve. Nothing is ever
 //! filtered, tone-mapped or resized here, and the same frame gives the same bytes on every machine.
 
-mod checksum;
 mod colormap;
 mod file;
 mod format;
