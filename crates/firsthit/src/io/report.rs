@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Place, escaped};
 
 /// The result of a loader's steps, before the path is known.
-pub(super) type Checked<T> = std::result::Result<T, Fault>;
+pub(super) type Checked<T> = Result<T, Fault>;
 
 /// Why a file cannot be read.
 #[derive(Debug)]

@@ -70,11 +70,6 @@ impl Surface {
         self.triangles.is_empty()
     }
 
-    /// How many triangles there are.
-    pub(super) fn len(&self) -> usize {
-        self.triangles.len()
-    }
-
     /// How many faces have come, those of less than three corners too.
     pub(super) fn face_count(&self) -> u32 {
         self.face_count

@@ -219,7 +219,7 @@ fn parse_element(mut words: Words, line: u64) -> Checked<Element> {
 }
 
 fn parse_property(mut words: Words, line: u64) -> Checked<Property> {
-    let mut type_of = |word: Option<&[u8]>| {
+    let type_of = |word: Option<&[u8]>| {
         let word = word.unwrap_or_default();
         let wrong = || Fault::line(line, format!("unknown property type '{}'", shown(word)));
         Type::parse(word).ok_or_else(wrong)
