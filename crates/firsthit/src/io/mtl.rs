@@ -19,10 +19,14 @@ pub(super) struct Library {
     read: HashSet<PathBuf>,
 }
 
+/// No library has a material of that name.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct UnknownMaterial;
+
 impl Library {
-    /// The colour of a material, or `None` for an unknown one.
-    pub(super) fn color(&self, name: &[u8]) -> Option<Option<Color>> {
-        self.colors.get(name).copied()
+    /// The colour of a material, if it states one.
+    pub(super) fn color(&self, name: &[u8]) -> Result<Option<Color>, UnknownMaterial> {
+        self.colors.get(name).copied().ok_or(UnknownMaterial)
     }
 
     /// Reads what a statement `mtllib` names: one file whose name may have blanks, or several. What
@@ -70,7 +74,9 @@ impl Library {
                 Some(b"Kd") => match parse_color(words) {
                     Ok(color) => {
                         let known = material.as_ref().and_then(|name| self.colors.get_mut(name));
-                        known.into_iter().for_each(|known| *known = Some(color));
+                        if let Some(known) = known {
+                            *known = Some(color);
+                        }
                     }
                     Err(what) => report.warn_in(path, "Kd", &place, || what),
                 },
@@ -122,9 +128,9 @@ mod tests {
             newmtl a b\nKd 1 1 1\n";
         let mut report = Report::new("x.obj".as_ref());
         library.parse(text, "x.mtl".as_ref(), &mut report);
-        assert_eq!(library.color(b"a b"), Some(Some(Color::splat(0.5))));
-        assert_eq!(library.color(b"c"), Some(None));
-        assert_eq!(library.color(b"d"), None);
+        assert_eq!(library.color(b"a b"), Ok(Some(Color::splat(0.5))));
+        assert_eq!(library.color(b"c"), Ok(None));
+        assert_eq!(library.color(b"d"), Err(UnknownMaterial));
         assert_eq!(
             report.into_lines(),
             [

@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
         let mut color = None;
         match *extra.as_slice() {
             [] => {}
-            [w] if w == 1.0 => {}
+            [1.0] => {}
             [_] => self.warn("w", line, || {
                 "weights of vertices (a fourth coordinate) are not read".to_owned()
             }),
@@ -255,13 +255,11 @@ impl<'a> Reader<'a> {
                 Some(piece) => indices.resolve(piece, line)?,
             });
         }
-        match pieces.next() {
-            None => Ok(()),
-            Some(_) => {
-                let what = format!("a corner has at most 3 indices, got '{}'", shown(word));
-                Err(Fault::line(line, what))
-            }
+        if pieces.next().is_some() {
+            let what = format!("a corner has at most 3 indices, got '{}'", shown(word));
+            return Err(Fault::line(line, what));
         }
+        Ok(())
     }
 
     fn begin_object(&mut self, name: &[u8]) {
@@ -276,7 +274,14 @@ impl<'a> Reader<'a> {
         if self.positions.is_empty() && self.objects.is_empty() {
             return Err(Fault::file("no geometry: neither vertices nor faces"));
         }
-        self.indices.iter().try_for_each(Indices::check)?;
+        let [vertices, uvs, normals] = &self.indices;
+        vertices.check()?;
+        for others in [uvs, normals] {
+            if let Err(Fault::Content { place, what }) = others.check() {
+                let what = || format!("{what}; such objects go without");
+                self.report.warn("indices", &place, what);
+            }
+        }
         if self.objects.is_empty() {
             let (points, stem) = (self.positions.len(), self.report.stem());
             self.report.warn("empty", &Place::File, || {
@@ -305,7 +310,7 @@ impl<'a> Reader<'a> {
         names.sort_unstable_by_key(|&(_, &number)| number);
         for (name, _) in names {
             let color = self.library.color(name);
-            if color.is_none() {
+            if color.is_err() {
                 self.report.warn("material", &Place::File, || {
                     format!(
                         "unknown material '{}': its faces keep the neutral colour",
@@ -313,7 +318,7 @@ impl<'a> Reader<'a> {
                     )
                 });
             }
-            self.materials.colors.push(color.flatten());
+            self.materials.colors.push(color.unwrap_or(None));
         }
     }
 }

@@ -79,18 +79,18 @@ impl Object {
         } = self;
         let face_count = surface.face_count();
         let (mut mesh, [uvs, normals]) = surface.finish(vertices, &name, report)?;
-        if let [true, _] = has {
-            mesh = mesh.with_uvs(gather.attribute(&values.uvs, uvs))?;
+        if let ([true, _], Some(uvs)) = (has, gather.attribute(&values.uvs, uvs)) {
+            mesh = mesh.with_uvs(uvs)?;
         }
-        if let [_, true] = has {
-            mesh = mesh.with_normals(gather.attribute(&values.normals, normals))?;
+        if let ([_, true], Some(normals)) = (has, gather.attribute(&values.normals, normals)) {
+            mesh = mesh.with_normals(normals)?;
         }
-        let (mesh, color) = if values.colors.is_empty() {
-            paint(mesh, face_count, &runs, materials)?
-        } else {
-            let corners = mesh.triangles().to_vec();
-            let colors = gather.attribute(&values.colors, corners);
-            (mesh.with_colors(colors)?, Some(Color::ONE))
+        let corners = mesh.triangles().to_vec();
+        let (mesh, color) = match gather.attribute(&values.colors, corners) {
+            Some(colors) if !values.colors.is_empty() => {
+                (mesh.with_colors(colors)?, Some(Color::ONE))
+            }
+            _ => paint(mesh, face_count, &runs, materials)?,
         };
         Ok(Part { name, mesh, color })
     }
@@ -131,20 +131,23 @@ pub(super) struct Gather {
 }
 
 impl Gather {
+    /// The values at `corners`; `None` if one of them has none.
     fn attribute<const N: usize>(
         &mut self,
         values: &[[f32; N]],
         mut corners: Vec<[u32; 3]>,
-    ) -> Attribute<N> {
+    ) -> Option<Attribute<N>> {
         if self.places.len() < values.len() {
             self.places.resize(values.len(), NONE);
         }
         let (mut taken, mut origins) = (Vec::new(), Vec::new());
+        let mut is_complete = true;
         for corner in corners.iter_mut().flatten() {
             let source = *corner as usize;
             let (Some(place), Some(&value)) = (self.places.get_mut(source), values.get(source))
             else {
-                continue;
+                is_complete = false;
+                break;
             };
             if *place == NONE {
                 #[expect(clippy::cast_possible_truncation, reason = "at most as many as values")]
@@ -160,9 +163,9 @@ impl Gather {
                 *place = NONE;
             }
         }
-        Attribute {
+        is_complete.then_some(Attribute {
             values: taken,
             corners: Some(corners),
-        }
+        })
     }
 }

@@ -173,7 +173,7 @@ impl<'a> Ascii<'a> {
     }
 
     fn next_line(&mut self) -> Checked<()> {
-        while let Some(line) = self.lines.next() {
+        for line in self.lines.by_ref() {
             if !line.trim_ascii().is_empty() {
                 self.words = Words::new(line);
                 return Ok(());

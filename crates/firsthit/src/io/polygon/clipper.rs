@@ -83,9 +83,9 @@ impl<'a> Clipper<'a> {
             triangles: Vec::with_capacity(count - 2),
         };
         let blocking: Vec<u32> = corners.filter(|&k| clipper.turn(k) <= 0.0).collect();
-        blocking
-            .iter()
-            .for_each(|&k| clipper.blocks[k as usize] = true);
+        for &k in &blocking {
+            clipper.blocks[k as usize] = true;
+        }
         clipper.blocking = blocking.len();
         clipper.columns = Columns::new(points, blocking);
         clipper
