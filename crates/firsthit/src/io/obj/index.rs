@@ -1,0 +1,79 @@
+//! The one place where a word of an OBJ file becomes an index.
+
+use crate::io::report::{Checked, Fault};
+use crate::io::text::shown;
+
+/// An index that a corner does not have.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// How many values of a kind there are so far, and how high the indices into them reach.
+#[derive(Debug)]
+pub(super) struct Indices {
+    kind: &'static str,
+    count: u32,
+    /// The largest index, counted from 0, and its line.
+    largest: Option<(u32, u64)>,
+}
+
+impl Indices {
+    pub(super) fn new(kind: &'static str) -> Self {
+        Self {
+            kind,
+            count: 0,
+            largest: None,
+        }
+    }
+
+    /// Another value has come.
+    pub(super) fn add(&mut self, line: u64) -> Checked<()> {
+        let too_many = || Fault::line(line, format!("too many {}", self.kind));
+        let count = self.count.checked_add(1).filter(|&count| count < NONE);
+        self.count = count.ok_or_else(too_many)?;
+        Ok(())
+    }
+
+    /// The index, from 0, that a word states: from 1 upwards from the first, from -1 downwards from the
+    /// last that has come. Values that are yet to come may be named: see [`Indices::check`].
+    pub(super) fn resolve(&mut self, word: &[u8], line: u64) -> Checked<u32> {
+        let stated: Option<i64> = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+        let index = match stated {
+            None => {
+                let what = format!("'{}' is not an index of {}", shown(word), self.kind);
+                return Err(Fault::line(line, what));
+            }
+            Some(0) => return Err(self.fault("0", line)),
+            Some(stated @ 1..) => stated - 1,
+            Some(stated) => i64::from(self.count).saturating_add(stated),
+        };
+        match u32::try_from(index) {
+            Ok(index) if index != NONE => {
+                if self.largest.is_none_or(|(largest, _)| index > largest) {
+                    self.largest = Some((index, line));
+                }
+                Ok(index)
+            }
+            _ => Err(self.fault(&shown(word), line)),
+        }
+    }
+
+    /// Whether all indices have a value, now that all values have come.
+    pub(super) fn check(&self) -> Checked<()> {
+        match self.largest {
+            Some((largest, line)) if largest >= self.count => {
+                Err(self.fault(&(u64::from(largest) + 1).to_string(), line))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn fault(&self, got: &str, line: u64) -> Fault {
+        let (kind, count) = (self.kind, self.count);
+        let what = match count {
+            0 => format!("index {got} of {kind}, but there are none"),
+            _ => format!(
+                "an index of {kind} must be from 1 to {count} or from -{count} to -1, got {got}"
+            ),
+        };
+        Fault::line(line, what)
+    }
+}

@@ -1,0 +1,353 @@
+//! OBJ: Wavefront's text format, with its MTL colours.
+
+mod index;
+mod object;
+
+use std::collections::HashMap;
+
+use super::Part;
+use super::mtl::Library;
+use super::report::{Checked, Fault, Report};
+use super::surface::Vertices;
+use super::text::{self, Lines, Words, next_number, number, shown};
+use crate::error::{Place, escape_controls};
+use crate::geometry::{Color, srgb_decode};
+use crate::shape::Positions;
+use index::{Indices, NONE};
+use object::{Face, Gather, Object};
+
+/// Statements of free-form geometry, which is not read.
+const CURVES: &[&[u8]] = &[
+    b"vp", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm", b"trim",
+    b"hole", b"scrv", b"sp", b"end", b"con", b"bzp", b"bsp", b"cdc", b"cdp", b"res", b"ctech",
+    b"stech",
+];
+
+/// Statements that change nothing that is seen here.
+const HARMLESS: &[&[u8]] = &[
+    b"s",
+    b"mg",
+    b"lod",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"shadow_obj",
+    b"trace_obj",
+    b"maplib",
+    b"usemap",
+    b"t",
+];
+
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
+    let text = text::decode(bytes);
+    let mut reader = Reader::new(report);
+    let mut lines = Lines::new(&text);
+    while let Some(line) = lines.next() {
+        let number = lines.number;
+        if is_continued(line) {
+            reader.statement(&joined(line, &mut lines), number)?;
+        } else {
+            reader.statement(line, number)?;
+        }
+    }
+    reader.finish()
+}
+
+/// Whether a backslash joins the next line to this one. Not in a comment, where it ends a path.
+fn is_continued(line: &[u8]) -> bool {
+    line.trim_ascii_end().ends_with(b"\\") && !line.contains(&b'#')
+}
+
+fn joined(line: &[u8], lines: &mut Lines) -> Vec<u8> {
+    let mut whole = Vec::new();
+    let mut piece = Some(line);
+    while let Some(line) = piece {
+        let line = line.trim_ascii_end();
+        if !is_continued(line) {
+            whole.extend_from_slice(line);
+            break;
+        }
+        whole.extend_from_slice(line.strip_suffix(b"\\").unwrap_or(line));
+        whole.push(b' ');
+        piece = lines.next();
+    }
+    whole
+}
+
+/// Values that corners name by index.
+#[derive(Debug, Default)]
+struct Values {
+    uvs: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
+    /// Linear colours of vertices: none, or as many as vertices.
+    colors: Vec<[f32; 3]>,
+}
+
+/// The materials that faces use, by number.
+#[derive(Debug, Default)]
+struct Materials {
+    numbers: HashMap<Vec<u8>, u32>,
+    colors: Vec<Option<Color>>,
+}
+
+impl Materials {
+    fn number(&mut self, name: &[u8]) -> u32 {
+        if let Some(&known) = self.numbers.get(name) {
+            return known;
+        }
+        let next = u32::try_from(self.numbers.len()).unwrap_or(NONE);
+        self.numbers.insert(name.to_vec(), next);
+        next
+    }
+
+    fn color(&self, number: u32) -> Option<Color> {
+        self.colors.get(number as usize).copied().flatten()
+    }
+}
+
+struct Reader<'a> {
+    report: &'a mut Report,
+    positions: Vec<[f64; 3]>,
+    values: Values,
+    /// Of vertices, texture coordinates and normals.
+    indices: [Indices; 3],
+    objects: Vec<Object>,
+    object_of_name: HashMap<String, usize>,
+    /// The name in force, and the object of that name if it has faces.
+    name: String,
+    object: Option<usize>,
+    library: Library,
+    materials: Materials,
+    material: Option<u32>,
+    /// The face that is being read.
+    face: Face,
+}
+
+impl<'a> Reader<'a> {
+    fn new(report: &'a mut Report) -> Self {
+        Self {
+            name: report.stem(),
+            report,
+            positions: Vec::new(),
+            values: Values::default(),
+            indices: ["vertices", "texture coordinates", "normals"].map(Indices::new),
+            objects: Vec::new(),
+            object_of_name: HashMap::new(),
+            object: None,
+            library: Library::default(),
+            materials: Materials::default(),
+            material: None,
+            face: Face::default(),
+        }
+    }
+
+    fn statement(&mut self, line: &[u8], number: u64) -> Checked<()> {
+        let Some(statement) = line.split(|&byte| byte == b'#').next() else {
+            return Ok(());
+        };
+        let mut words = Words::new(statement);
+        match words.next() {
+            None => {}
+            Some(b"v") => self.vertex(words, number)?,
+            Some(b"vt") => self.uv(words, number)?,
+            Some(b"vn") => self.normal(words, number)?,
+            Some(b"f" | b"fo") => self.face(words, number)?,
+            Some(b"o" | b"g") => self.begin_object(name_of(line)),
+            Some(b"usemtl") => self.material = Some(self.materials.number(name_of(line))),
+            Some(b"mtllib") => self.library.add(name_of(line), number, self.report),
+            Some(b"p" | b"l") => self.warn("points", number, || {
+                "points and lines are not read: only faces are".to_owned()
+            }),
+            Some(word) if HARMLESS.contains(&word) => {}
+            Some(word) if CURVES.contains(&word) => self.warn("curves", number, || {
+                format!("curves and curved surfaces are not read: '{}'", shown(word))
+            }),
+            Some(word) => self.warn("unknown", number, || {
+                format!("unknown statement '{}' is not read", shown(word))
+            }),
+        }
+        Ok(())
+    }
+
+    fn warn(&mut self, key: &'static str, line: u64, what: impl FnOnce() -> String) {
+        self.report.warn(key, &Place::Line(line), what);
+    }
+
+    fn vertex(&mut self, mut words: Words, line: u64) -> Checked<()> {
+        self.positions.push(numbers(&mut words, line)?);
+        let extra: Vec<f64> = words.map(number).collect::<Option<_>>().ok_or_else(|| {
+            Fault::line(line, "what follows a vertex's coordinates must be numbers")
+        })?;
+        let mut color = None;
+        match *extra.as_slice() {
+            [] => {}
+            [1.0] => {}
+            [_] => self.warn("w", line, || {
+                "weights of vertices (a fourth coordinate) are not read".to_owned()
+            }),
+            [r, g, b] | [r, g, b, _] => color = Some([r, g, b].map(linear)),
+            _ => self.warn("values", line, || {
+                "a vertex with neither 3, 4 nor 6 numbers: only its coordinates are read".to_owned()
+            }),
+        }
+        if color.is_some() || !self.values.colors.is_empty() {
+            // Vertices without a colour are white.
+            self.values
+                .colors
+                .resize(self.positions.len() - 1, [1.0; 3]);
+            self.values.colors.push(color.unwrap_or([1.0; 3]));
+        }
+        let [vertices, ..] = &mut self.indices;
+        vertices.add(line)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
+    fn uv(&mut self, mut words: Words, line: u64) -> Checked<()> {
+        let [u] = numbers(&mut words, line)?;
+        let v = words.next().map_or(Some(0.0), number);
+        let v = v.ok_or_else(|| Fault::line(line, "a texture coordinate that is not a number"))?;
+        self.values.uvs.push([u as f32, v as f32]);
+        let [_, uvs, _] = &mut self.indices;
+        uvs.add(line)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
+    fn normal(&mut self, mut words: Words, line: u64) -> Checked<()> {
+        let normal = numbers(&mut words, line)?;
+        self.values.normals.push(normal.map(|x: f64| x as f32));
+        let [.., normals] = &mut self.indices;
+        normals.add(line)
+    }
+
+    fn face(&mut self, words: Words, line: u64) -> Checked<()> {
+        self.face.clear();
+        for word in words {
+            self.corner(word, line)?;
+        }
+        if self.face.vertices.len() < 3 {
+            self.warn("face", line, || {
+                "a face of less than 3 corners is not read".to_owned()
+            });
+            return Ok(());
+        }
+        let object = self.object.unwrap_or_else(|| {
+            let object = self.objects.len();
+            self.objects.push(Object::new(self.name.clone()));
+            self.object_of_name.insert(self.name.clone(), object);
+            object
+        });
+        self.object = Some(object);
+        if let Some(object) = self.objects.get_mut(object) {
+            object.push(&self.face, self.material);
+        }
+        Ok(())
+    }
+
+    /// Reads `v`, `v/t`, `v//n` or `v/t/n`; what stands between the slashes may be missing.
+    fn corner(&mut self, word: &[u8], line: u64) -> Checked<()> {
+        let mut pieces = word.split(|&byte| byte == b'/');
+        let [vertices, uvs, normals] = &mut self.indices;
+        let vertex = vertices.resolve(pieces.next().unwrap_or_default(), line)?;
+        self.face.vertices.push(vertex);
+        for (indices, ring) in [uvs, normals].into_iter().zip(&mut self.face.others) {
+            ring.push(match pieces.next() {
+                None | Some([]) => NONE,
+                Some(piece) => indices.resolve(piece, line)?,
+            });
+        }
+        if pieces.next().is_some() {
+            let what = format!("a corner has at most 3 indices, got '{}'", shown(word));
+            return Err(Fault::line(line, what));
+        }
+        Ok(())
+    }
+
+    fn begin_object(&mut self, name: &[u8]) {
+        self.name = match name {
+            [] => self.report.stem(),
+            _ => escape_controls(&String::from_utf8_lossy(name)),
+        };
+        self.object = self.object_of_name.get(&self.name).copied();
+    }
+
+    fn finish(mut self) -> Checked<Vec<Part>> {
+        if self.positions.is_empty() && self.objects.is_empty() {
+            return Err(Fault::file("no geometry: neither vertices nor faces"));
+        }
+        let [vertices, uvs, normals] = &self.indices;
+        vertices.check()?;
+        for others in [uvs, normals] {
+            if let Err(Fault::Content { place, what }) = others.check() {
+                let what = || format!("{what}; such objects go without");
+                self.report.warn("indices", &place, what);
+            }
+        }
+        if self.objects.is_empty() {
+            let (points, stem) = (self.positions.len(), self.report.stem());
+            self.report.warn("empty", &Place::File, || {
+                format!("no faces: there is nothing to see of {points} vertices")
+            });
+            self.objects.push(Object::new(stem));
+        }
+        self.look_up_materials();
+        let vertices = Vertices::new(Positions::compact(self.positions));
+        let mut gather = Gather::default();
+        let finish = |object: Object| {
+            object.finish(
+                &vertices,
+                &self.values,
+                &self.materials,
+                &mut gather,
+                self.report,
+            )
+        };
+        self.objects.into_iter().map(finish).collect()
+    }
+
+    /// Finds the colours of the materials that were named, libraries that came later included.
+    fn look_up_materials(&mut self) {
+        let mut names: Vec<_> = self.materials.numbers.iter().collect();
+        names.sort_unstable_by_key(|&(_, &number)| number);
+        for (name, _) in names {
+            let color = self.library.color(name);
+            if color.is_err() {
+                self.report.warn("material", &Place::File, || {
+                    format!(
+                        "unknown material '{}': its faces keep the neutral colour",
+                        shown(name)
+                    )
+                });
+            }
+            self.materials.colors.push(color.unwrap_or(None));
+        }
+    }
+}
+
+/// The rest of a line as a name, which may have blanks, and a `#` that follows none.
+fn name_of(line: &[u8]) -> &[u8] {
+    let mut words = Words::new(line);
+    words.next();
+    let rest = words.rest();
+    let comment = rest
+        .windows(2)
+        .position(|pair| matches!(pair, [b' ' | b'\t', b'#']));
+    match comment.and_then(|end| rest.get(..end)) {
+        Some(name) => name.trim_ascii_end(),
+        None if rest.starts_with(b"#") => b"",
+        None => rest,
+    }
+}
+
+/// As many numbers as asked for.
+fn numbers<const N: usize>(words: &mut Words, line: u64) -> Checked<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = next_number(words).map_err(|what| Fault::line(line, what))?;
+    }
+    Ok(numbers)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
+fn linear(encoded: f64) -> f32 {
+    srgb_decode(encoded) as f32
+}

@@ -1,0 +1,171 @@
+//! The objects of an OBJ file, from faces to parts.
+
+use super::index::NONE;
+use super::{Materials, Values};
+use crate::geometry::Color;
+use crate::io::Part;
+use crate::io::report::{Checked, Report};
+use crate::io::surface::{Surface, Vertices, face_attribute, push_fan};
+use crate::shape::{Attribute, Mesh};
+
+/// A face, as indices from 0: of vertices, texture coordinates and normals, [`NONE`] where it has none.
+#[derive(Debug, Default)]
+pub(super) struct Face {
+    pub(super) vertices: Vec<u32>,
+    pub(super) others: [Vec<u32>; 2],
+}
+
+impl Face {
+    pub(super) fn clear(&mut self) {
+        self.vertices.clear();
+        self.others.iter_mut().for_each(Vec::clear);
+    }
+}
+
+/// An object in the making.
+#[derive(Debug)]
+pub(super) struct Object {
+    pub(super) name: String,
+    surface: Surface,
+    /// Whether all faces so far have texture coordinates and normals.
+    has: [bool; 2],
+    /// From which face on which material holds.
+    materials: Vec<(u32, Option<u32>)>,
+}
+
+impl Object {
+    pub(super) fn new(name: String) -> Self {
+        Self {
+            name,
+            surface: Surface::default(),
+            has: [true; 2],
+            materials: Vec::new(),
+        }
+    }
+
+    pub(super) fn push(&mut self, face: &Face, material: Option<u32>) {
+        if self
+            .materials
+            .last()
+            .is_none_or(|&(_, last)| last != material)
+        {
+            self.materials.push((self.surface.face_count(), material));
+        }
+        self.surface.push(&face.vertices);
+        let kinds = self.has.iter_mut().zip(&mut self.surface.corners);
+        for ((has, corners), ring) in kinds.zip(&face.others) {
+            *has &= !ring.contains(&NONE);
+            if *has {
+                push_fan(corners, ring);
+            } else {
+                *corners = Vec::new();
+            }
+        }
+    }
+
+    pub(super) fn finish(
+        self,
+        vertices: &Vertices,
+        values: &Values,
+        materials: &Materials,
+        gather: &mut Gather,
+        report: &mut Report,
+    ) -> Checked<Part> {
+        let Self {
+            name,
+            surface,
+            has,
+            materials: runs,
+        } = self;
+        let face_count = surface.face_count();
+        let (mut mesh, [uvs, normals]) = surface.finish(vertices, &name, report)?;
+        if let ([true, _], Some(uvs)) = (has, gather.attribute(&values.uvs, uvs)) {
+            mesh = mesh.with_uvs(uvs)?;
+        }
+        if let ([_, true], Some(normals)) = (has, gather.attribute(&values.normals, normals)) {
+            mesh = mesh.with_normals(normals)?;
+        }
+        let corners = mesh.triangles().to_vec();
+        let (mesh, color) = match gather.attribute(&values.colors, corners) {
+            Some(colors) if !values.colors.is_empty() => {
+                (mesh.with_colors(colors)?, Some(Color::ONE))
+            }
+            _ => paint(mesh, face_count, &runs, materials)?,
+        };
+        Ok(Part { name, mesh, color })
+    }
+}
+
+/// Gives a mesh its materials' colours: one to the object, several to the faces.
+fn paint(
+    mesh: Mesh,
+    face_count: u32,
+    runs: &[(u32, Option<u32>)],
+    materials: &Materials,
+) -> Checked<(Mesh, Option<Color>)> {
+    let color_of =
+        |&(_, material): &(u32, Option<u32>)| material.and_then(|id| materials.color(id));
+    let first = runs.first().and_then(color_of);
+    if runs.iter().all(|run| color_of(run) == first) {
+        return Ok((mesh, first));
+    }
+    let ends = runs
+        .iter()
+        .skip(1)
+        .map(|&(start, _)| start)
+        .chain([face_count]);
+    let mut colors = Vec::new();
+    for (run, end) in runs.iter().zip(ends) {
+        let color = color_of(run).unwrap_or(Color::ONE).as_vec3().to_array();
+        colors.extend((run.0..end).map(|_| color));
+    }
+    let colors = face_attribute(&mesh, colors);
+    Ok((mesh.with_colors(colors)?, Some(Color::ONE)))
+}
+
+/// Takes from a file's values those that an object uses, lest each of many objects hold them all.
+#[derive(Debug, Default)]
+pub(super) struct Gather {
+    /// For each value of the file its place among those taken, or [`NONE`]; all of them between calls.
+    places: Vec<u32>,
+}
+
+impl Gather {
+    /// The values at `corners`; `None` if one of them has none.
+    fn attribute<const N: usize>(
+        &mut self,
+        values: &[[f32; N]],
+        mut corners: Vec<[u32; 3]>,
+    ) -> Option<Attribute<N>> {
+        if self.places.len() < values.len() {
+            self.places.resize(values.len(), NONE);
+        }
+        let (mut taken, mut origins) = (Vec::new(), Vec::new());
+        let mut is_complete = true;
+        for corner in corners.iter_mut().flatten() {
+            let source = *corner as usize;
+            let (Some(place), Some(&value)) = (self.places.get_mut(source), values.get(source))
+            else {
+                is_complete = false;
+                break;
+            };
+            if *place == NONE {
+                #[expect(clippy::cast_possible_truncation, reason = "at most as many as values")]
+                let next = taken.len() as u32;
+                *place = next;
+                taken.push(value);
+                origins.push(source);
+            }
+            *corner = *place;
+        }
+        for origin in origins {
+            if let Some(place) = self.places.get_mut(origin) {
+                *place = NONE;
+            }
+        }
+        is_complete.then_some(Attribute {
+            values: taken,
+            corners: Some(corners),
+        })
+    }
+}

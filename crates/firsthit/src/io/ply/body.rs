@@ -1,0 +1,263 @@
+//! The rows of a PLY file's body, in text or in bytes.
+
+use super::header::{Element, Header, Kind, Type};
+use crate::error::Place;
+use crate::io::report::{Checked, Fault, Report};
+use crate::io::text::{Lines, Words, number, shown};
+
+/// The values of a body, in order.
+pub(super) trait Rows {
+    /// The next row begins.
+    fn begin(&mut self, element: &Element) -> Checked<()>;
+    /// The row has been read.
+    fn finish(&mut self);
+    /// The next value. Every integer type fits a float64.
+    fn value(&mut self, kind: Type) -> Checked<f64>;
+    /// Passes over all rows of an element at once, where that is possible.
+    fn skip_fixed(&mut self, element: &Element) -> Checked<bool>;
+    /// Where the value stands that came last.
+    fn place(&self) -> Place;
+    /// At most so many values of a type, or rows of a size, can follow.
+    fn room(&self, size: u64) -> u64;
+    /// Warns about what was not read.
+    fn end(&self, report: &mut Report);
+
+    /// The length of a list, which comes before its items.
+    fn length(&mut self, count: Type, item: Type) -> Checked<u64> {
+        let length = self.value(count)?;
+        if length < 0.0 || length.fract() != 0.0 || length.is_nan() {
+            let what = format!("the length of a list must be a count from 0, got {length}");
+            return Err(Fault::at(self.place(), what));
+        }
+        let room = self.room(item.size());
+        if length > room as f64 {
+            let what = format!("truncated: a list of {length} values, where at most {room} follow");
+            return Err(Fault::at(self.place(), what));
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "whole and not negative, just checked"
+        )]
+        Ok(length as u64)
+    }
+
+    /// How many rows to make room for: what the header says, unless the file is too short for that.
+    fn capacity(&self, element: &Element) -> usize {
+        let most = self.room(element.smallest_row().max(1));
+        usize::try_from(element.count.min(most)).unwrap_or(0)
+    }
+}
+
+/// A binary body.
+pub(super) struct Binary<'a> {
+    rest: &'a [u8],
+    size: usize,
+    is_big: bool,
+    last: u64,
+}
+
+impl<'a> Binary<'a> {
+    pub(super) fn new(header: &Header<'a>, size: usize, is_big: bool) -> Self {
+        Self {
+            rest: header.body,
+            size,
+            is_big,
+            last: 0,
+        }
+    }
+
+    /// The next bytes, little end first.
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Checked<[u8; N]> {
+        self.last = (self.size - self.rest.len()) as u64;
+        let Some((&bytes, rest)) = self.rest.split_first_chunk::<N>() else {
+            return Err(Fault::at(self.place(), "truncated: the file ends here"));
+        };
+        self.rest = rest;
+        let mut bytes = bytes;
+        if self.is_big {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+}
+
+impl Rows for Binary<'_> {
+    #[inline]
+    fn begin(&mut self, _: &Element) -> Checked<()> {
+        Ok(())
+    }
+
+    #[inline]
+    fn finish(&mut self) {}
+
+    #[inline]
+    fn value(&mut self, kind: Type) -> Checked<f64> {
+        Ok(match kind {
+            Type::Int8 => i8::from_le_bytes(self.take()?).into(),
+            Type::Uint8 => u8::from_le_bytes(self.take()?).into(),
+            Type::Int16 => i16::from_le_bytes(self.take()?).into(),
+            Type::Uint16 => u16::from_le_bytes(self.take()?).into(),
+            Type::Int32 => i32::from_le_bytes(self.take()?).into(),
+            Type::Uint32 => u32::from_le_bytes(self.take()?).into(),
+            Type::Float32 => f32::from_le_bytes(self.take()?).into(),
+            Type::Float64 => f64::from_le_bytes(self.take()?),
+        })
+    }
+
+    fn skip_fixed(&mut self, element: &Element) -> Checked<bool> {
+        if element.has_lists() {
+            return Ok(false);
+        }
+        let size = element.smallest_row().checked_mul(element.count);
+        let rest = size
+            .and_then(|size| usize::try_from(size).ok())
+            .and_then(|size| self.rest.get(size..));
+        let truncated = || {
+            let place = Place::Byte((self.size - self.rest.len()) as u64);
+            let (name, count) = (&element.name, element.count);
+            Fault::at(
+                place,
+                format!("truncated: not enough bytes for {count} rows of '{name}'"),
+            )
+        };
+        self.rest = rest.ok_or_else(truncated)?;
+        Ok(true)
+    }
+
+    fn place(&self) -> Place {
+        Place::Byte(self.last)
+    }
+
+    fn room(&self, size: u64) -> u64 {
+        self.rest.len() as u64 / size
+    }
+
+    fn end(&self, report: &mut Report) {
+        let rest = self.rest.len();
+        if !self.rest.trim_ascii().is_empty() {
+            let place = Place::Byte((self.size - rest) as u64);
+            report.warn("trailing", &place, || {
+                format!("{rest} bytes after the last element are not read")
+            });
+        }
+    }
+}
+
+/// A text body. Rows are lines where there are enough of them, so that values which the header does
+/// not declare are passed over, as real files need; else a stream of words.
+pub(super) struct Ascii<'a> {
+    lines: Lines<'a>,
+    words: Words<'a>,
+    by_line: bool,
+    /// The first line with values that the header does not declare, and how many lines have some.
+    extra: Option<u64>,
+    extras: u64,
+}
+
+impl<'a> Ascii<'a> {
+    pub(super) fn new(header: &Header<'a>) -> Self {
+        let mut lines = Lines::new(header.body);
+        lines.number = header.lines;
+        let filled = lines.clone().filter(|line| !line.trim_ascii().is_empty());
+        let rows = header.elements.iter().filter(|e| !e.properties.is_empty());
+        let needed = rows.fold(0, |sum: u64, element| sum.saturating_add(element.count));
+        Self {
+            by_line: filled.count() as u64 >= needed,
+            lines,
+            words: Words::default(),
+            extra: None,
+            extras: 0,
+        }
+    }
+
+    fn next_line(&mut self) -> Checked<()> {
+        for line in self.lines.by_ref() {
+            if !line.trim_ascii().is_empty() {
+                self.words = Words::new(line);
+                return Ok(());
+            }
+        }
+        Err(Fault::at(
+            self.place(),
+            "truncated: the file ends before the last row",
+        ))
+    }
+
+    fn word(&mut self) -> Checked<&'a [u8]> {
+        loop {
+            if let Some(word) = self.words.next() {
+                return Ok(word);
+            }
+            if self.by_line {
+                return Err(Fault::at(
+                    self.place(),
+                    "the row has fewer values than it must",
+                ));
+            }
+            self.next_line()?;
+        }
+    }
+}
+
+impl Rows for Ascii<'_> {
+    fn begin(&mut self, element: &Element) -> Checked<()> {
+        if self.by_line && !element.properties.is_empty() {
+            self.next_line()?;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) {
+        if self.by_line && !self.words.rest().is_empty() {
+            self.extra.get_or_insert(self.lines.number);
+            self.extras += 1;
+        }
+    }
+
+    fn value(&mut self, _: Type) -> Checked<f64> {
+        let word = self.word()?;
+        let wrong = || Fault::at(self.place(), format!("'{}' is not a number", shown(word)));
+        number(word).ok_or_else(wrong)
+    }
+
+    fn skip_fixed(&mut self, element: &Element) -> Checked<bool> {
+        Ok(element.properties.is_empty())
+    }
+
+    fn place(&self) -> Place {
+        Place::Line(self.lines.number)
+    }
+
+    /// A value takes at least a digit and a blank, but for the last.
+    fn room(&self, _: u64) -> u64 {
+        (self.words.rest().len() as u64 + self.lines.rest().len() as u64).div_ceil(2)
+    }
+
+    fn end(&self, report: &mut Report) {
+        if let (Some(first), rows) = (self.extra, self.extras) {
+            report.warn("extra", &Place::Line(first), || {
+                format!(
+                    "{rows} rows have values that the header does not declare; they are not read"
+                )
+            });
+        }
+        let mut lines = self.lines.clone();
+        if lines.any(|line| !line.trim_ascii().is_empty()) {
+            report.warn("trailing", &Place::Line(lines.number), || {
+                "lines after the last element are not read".to_owned()
+            });
+        }
+    }
+}
+
+/// The places of properties among those of an element, by any of several names; the last counts.
+pub(super) fn scalar_at(element: &Element, names: &[&str]) -> Option<(usize, Type)> {
+    let properties = element.properties.iter().enumerate();
+    let mut scalars = properties.filter_map(|(k, property)| match property.kind {
+        Kind::Scalar(kind) if names.contains(&property.name.as_str()) => Some((k, kind)),
+        _ => None,
+    });
+    scalars.next_back()
+}

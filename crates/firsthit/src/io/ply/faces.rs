@@ -1,0 +1,171 @@
+//! The faces and triangle strips of a PLY file.
+
+use super::body::{Rows, scalar_at};
+use super::header::{Element, Kind, Type};
+use super::{Levels, skip, skip_value};
+use crate::error::Place;
+use crate::io::report::{Checked, Fault, Report};
+use crate::io::surface::Surface;
+
+/// What the rows of faces say.
+pub(super) struct Faces {
+    pub(super) surface: Surface,
+    /// A linear colour for each face, where all faces so far have one.
+    pub(super) colors: Vec<[f32; 3]>,
+    vertex_count: u64,
+}
+
+impl Faces {
+    /// For faces between so many vertices, which need not have been read yet.
+    pub(super) fn new(vertex_count: u64) -> Self {
+        Self {
+            surface: Surface::default(),
+            colors: Vec::new(),
+            vertex_count,
+        }
+    }
+
+    pub(super) fn read<R: Rows>(
+        &mut self,
+        element: &Element,
+        rows: &mut R,
+        report: &mut Report,
+    ) -> Checked<()> {
+        if element.count == 0 {
+            return Ok(());
+        }
+        let indices = list_at(element, &["vertex_indices", "vertex_index"]).ok_or_else(|| {
+            Fault::line(element.line, "element 'face' has no list 'vertex_indices'")
+        })?;
+        warn_of_lists(element, report);
+        self.surface.reserve(rows.capacity(element));
+        let colors = ["red", "green", "blue"].map(|name| scalar_at(element, &[name]));
+        let levels = Levels::new(
+            colors
+                .into_iter()
+                .flatten()
+                .next()
+                .map_or(Type::Uint8, |c| c.1),
+        );
+        let is_colored = colors.iter().all(Option::is_some);
+        let mut ring = Vec::new();
+        for _ in 0..element.count {
+            let mut color = [0.0; 3];
+            rows.begin(element)?;
+            for (k, property) in element.properties.iter().enumerate() {
+                match property.kind {
+                    Kind::List { count, item } if k == indices => {
+                        self.read_ring(count, item, rows, &mut ring)?;
+                    }
+                    Kind::Scalar(kind) if is_colored => {
+                        let value = rows.value(kind)?;
+                        let levels = color.iter_mut().zip(colors);
+                        levels
+                            .filter(|(_, at)| at.is_some_and(|(at, _)| at == k))
+                            .for_each(|(level, _)| *level = value);
+                    }
+                    kind => skip_value(kind, rows)?,
+                }
+            }
+            rows.finish();
+            self.surface.push(&ring);
+            if is_colored {
+                self.colors.push(color.map(|level| levels.linear(level)));
+            }
+        }
+        Ok(())
+    }
+
+    fn read_ring<R: Rows>(
+        &self,
+        count: Type,
+        item: Type,
+        rows: &mut R,
+        ring: &mut Vec<u32>,
+    ) -> Checked<()> {
+        ring.clear();
+        for _ in 0..rows.length(count, item)? {
+            let index = rows.value(item)?;
+            ring.push(self.vertex(index, rows)?);
+        }
+        Ok(())
+    }
+
+    /// The one place where a number becomes the index of a vertex.
+    #[inline]
+    fn vertex<R: Rows>(&self, index: f64, rows: &R) -> Checked<u32> {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the way back tells whether anything was lost"
+        )]
+        let vertex = index as u32;
+        if f64::from(vertex) == index && u64::from(vertex) < self.vertex_count {
+            return Ok(vertex);
+        }
+        let count = self.vertex_count;
+        let what = format!("a vertex index must be whole and from 0 to below {count}, got {index}");
+        Err(Fault::at(rows.place(), what))
+    }
+
+    /// Reads strips: each vertex makes a triangle with the two before it, every other one turned over;
+    /// a negative index begins anew.
+    pub(super) fn read_strips<R: Rows>(&mut self, element: &Element, rows: &mut R) -> Checked<()> {
+        let Some(strip) = list_at(element, &["vertex_indices", "vertex_index"]) else {
+            return skip(element, rows);
+        };
+        for _ in 0..element.count {
+            rows.begin(element)?;
+            for (k, property) in element.properties.iter().enumerate() {
+                match property.kind {
+                    Kind::List { count, item } if k == strip => {
+                        let length = rows.length(count, item)?;
+                        self.read_strip(length, item, rows)?;
+                    }
+                    kind => skip_value(kind, rows)?,
+                }
+            }
+            rows.finish();
+        }
+        Ok(())
+    }
+
+    fn read_strip<R: Rows>(&mut self, length: u64, item: Type, rows: &mut R) -> Checked<()> {
+        self.surface.reserve(usize::try_from(length).unwrap_or(0));
+        let (mut last, mut is_odd) = ([None; 2], false);
+        for _ in 0..length {
+            let index = rows.value(item)?;
+            if index < 0.0 {
+                (last, is_odd) = ([None; 2], false);
+                continue;
+            }
+            let vertex = self.vertex(index, rows)?;
+            if let [Some(a), Some(b)] = last {
+                let corners = if is_odd {
+                    [b, a, vertex]
+                } else {
+                    [a, b, vertex]
+                };
+                self.surface.push_triangle(corners);
+                is_odd = !is_odd;
+            }
+            last = [last[1], Some(vertex)];
+        }
+        Ok(())
+    }
+}
+
+fn list_at(element: &Element, names: &[&str]) -> Option<usize> {
+    let mut properties = element.properties.iter();
+    properties.position(|property| {
+        matches!(property.kind, Kind::List { .. }) && names.contains(&property.name.as_str())
+    })
+}
+
+fn warn_of_lists(element: &Element, report: &mut Report) {
+    if list_at(element, &["texcoord"]).is_some() {
+        report.warn("texcoord", &Place::Line(element.line), || {
+            "texture coordinates of faces (property 'texcoord') are not read yet".to_owned()
+        });
+    }
+}

@@ -1,0 +1,169 @@
+//! PLY, the Stanford polygon format: text or binary in either byte order, in any order of elements.
+
+mod body;
+mod faces;
+mod header;
+mod vertices;
+
+use super::Part;
+use super::report::{Checked, Fault, Report};
+use super::surface::{Surface, Vertices, face_attribute};
+use crate::error::Place;
+use crate::geometry::{Color, srgb_decode};
+use crate::shape::Attribute;
+use body::{Ascii, Binary, Rows};
+use faces::Faces;
+use header::{Element, Format, Header, Kind, Type};
+use vertices::VertexRows;
+
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
+    let header = header::parse(bytes)?;
+    for texture in &header.textures {
+        report.warn("texture", &Place::Line(texture.line), || {
+            format!("textures are not read yet: '{}'", texture.name)
+        });
+    }
+    match header.format {
+        Format::Ascii => read_body(&header, Ascii::new(&header), report),
+        Format::Little => read_body(&header, Binary::new(&header, bytes.len(), false), report),
+        Format::Big => read_body(&header, Binary::new(&header, bytes.len(), true), report),
+    }
+}
+
+fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<Vec<Part>> {
+    let element = header
+        .vertex_element()?
+        .ok_or_else(|| Fault::file("no vertex element: there is no geometry"))?;
+    let mut vertices = VertexRows::new(element, header)?;
+    let mut faces = Faces::new(element.count);
+    for element in &header.elements {
+        match element.name.as_str() {
+            "vertex" => vertices.read(element, &mut rows)?,
+            "face" => faces.read(element, &mut rows, report)?,
+            "tristrips" => faces.read_strips(element, &mut rows)?,
+            name => {
+                if element.count > 0 {
+                    report.warn("element", &Place::Line(element.line), || {
+                        format!("element '{name}' is not read")
+                    });
+                }
+                skip(element, &mut rows)?;
+            }
+        }
+    }
+    rows.end(report);
+    part(vertices, faces, report)
+}
+
+/// Passes over an element that is not read.
+fn skip<R: Rows>(element: &Element, rows: &mut R) -> Checked<()> {
+    if rows.skip_fixed(element)? {
+        return Ok(());
+    }
+    for _ in 0..element.count {
+        rows.begin(element)?;
+        for property in &element.properties {
+            skip_value(property.kind, rows)?;
+        }
+        rows.finish();
+    }
+    Ok(())
+}
+
+fn skip_value<R: Rows>(kind: Kind, rows: &mut R) -> Checked<()> {
+    match kind {
+        Kind::Scalar(kind) => rows.value(kind).map(drop),
+        Kind::List { count, item } => {
+            for _ in 0..rows.length(count, item)? {
+                rows.value(item)?;
+            }
+            Ok(())
+        }
+    }
+}
+
+fn part(vertices: VertexRows, faces: Faces, report: &mut Report) -> Checked<Vec<Part>> {
+    let name = report.stem();
+    let Faces {
+        surface, colors, ..
+    } = faces;
+    let shared = Vertices::new(vertices.points.into_positions());
+    warn_if_empty(&surface, &shared, report);
+    let count = surface.face_count();
+    let (mut mesh, _) = surface.finish(&shared, &name, report)?;
+    if let Some(normals) = vertices.normals {
+        mesh = mesh.with_normals(Attribute::per_vertex(normals))?;
+    }
+    if let Some(uvs) = vertices.uvs {
+        mesh = mesh.with_uvs(Attribute::per_vertex(uvs))?;
+    }
+    let colors = match (vertices.colors, colors) {
+        (Some(colors), _) => Some(Attribute::per_vertex(colors)),
+        (None, colors) if colors.len() == count as usize && count > 0 => {
+            Some(face_attribute(&mesh, colors))
+        }
+        _ => None,
+    };
+    // White leaves the mesh's own colours as they are.
+    let color = colors.is_some().then_some(Color::ONE);
+    if let Some(colors) = colors {
+        mesh = mesh.with_colors(colors)?;
+    }
+    Ok(vec![Part { name, mesh, color }])
+}
+
+fn warn_if_empty(surface: &Surface, vertices: &Vertices, report: &mut Report) {
+    if surface.is_empty() {
+        let points = vertices.positions.len();
+        report.warn("empty", &Place::File, || match points {
+            0 => "no faces: there is nothing to see".to_owned(),
+            _ => format!("no faces: there is nothing to see of a cloud of {points} points"),
+        });
+    }
+}
+
+/// How a property of some type spells the levels of a colour: as sRGB, up to the type's largest number.
+struct Levels {
+    largest: f64,
+    /// The linear values of the levels 0 to 255, where those are all.
+    table: Vec<f32>,
+}
+
+impl Levels {
+    fn new(kind: Type) -> Self {
+        let largest = match kind {
+            Type::Int8 => f64::from(i8::MAX),
+            Type::Uint8 => f64::from(u8::MAX),
+            Type::Int16 => f64::from(i16::MAX),
+            Type::Uint16 => f64::from(u16::MAX),
+            Type::Int32 => f64::from(i32::MAX),
+            Type::Uint32 => f64::from(u32::MAX),
+            Type::Float32 | Type::Float64 => 1.0,
+        };
+        let table = match kind {
+            Type::Uint8 => (0..=u8::MAX)
+                .map(|k| linear(f64::from(k) / largest))
+                .collect(),
+            _ => Vec::new(),
+        };
+        Self { largest, table }
+    }
+
+    fn linear(&self, level: f64) -> f32 {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "saturates; a level that is not whole is not from the table"
+        )]
+        let tabled = self.table.get(level as usize);
+        match tabled {
+            Some(&tabled) if level.fract() == 0.0 => tabled,
+            _ => linear(level / self.largest),
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
+fn linear(encoded: f64) -> f32 {
+    srgb_decode(encoded) as f32
+}

@@ -1,0 +1,137 @@
+//! The vertices of a PLY file.
+
+use super::body::{Rows, scalar_at};
+use super::header::{Element, Format, Header, Kind, Type};
+use super::{Levels, skip_value};
+use crate::io::report::{Checked, Fault};
+use crate::shape::Positions;
+
+/// The properties that are read, by all the names they go by.
+const NAMES: [&[&str]; 11] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["s", "u", "texture_u"],
+    &["t", "v", "texture_v"],
+    &["red", "r", "diffuse_red"],
+    &["green", "g", "diffuse_green"],
+    &["blue", "b", "diffuse_blue"],
+];
+
+/// What the rows of vertices say.
+pub(super) struct VertexRows {
+    /// For each property of the element which of [`NAMES`] it is.
+    slots: Vec<Option<usize>>,
+    levels: Levels,
+    pub(super) points: Points,
+    pub(super) normals: Option<Vec<[f32; 3]>>,
+    pub(super) uvs: Option<Vec<[f32; 2]>>,
+    pub(super) colors: Option<Vec<[f32; 3]>>,
+}
+
+/// Positions in the making.
+pub(super) enum Points {
+    Single(Vec<[f32; 3]>),
+    Double(Vec<[f64; 3]>),
+}
+
+impl Points {
+    pub(super) fn into_positions(self) -> Positions {
+        match self {
+            Self::Single(points) => Positions::Single(points),
+            Self::Double(points) => Positions::compact(points),
+        }
+    }
+}
+
+impl VertexRows {
+    pub(super) fn new(element: &Element, header: &Header) -> Checked<Self> {
+        let found = NAMES.map(|names| scalar_at(element, names));
+        let [x, y, z, nx, ny, nz, u, v, r, g, b] = found;
+        for (name, property) in [("x", x), ("y", y), ("z", z)] {
+            if property.is_none() {
+                let what = format!("element 'vertex' has no property '{name}'");
+                return Err(Fault::line(element.line, what));
+            }
+        }
+        let mut slots = vec![None; element.properties.len()];
+        for (slot, property) in found.into_iter().enumerate() {
+            if let Some(at) = property.and_then(|(at, _)| slots.get_mut(at)) {
+                *at = Some(slot);
+            }
+        }
+        let is_single = |property: Option<(usize, Type)>| {
+            property.is_some_and(|(_, kind)| kind == Type::Float32)
+        };
+        // Text may have more digits than the float that it declares: those are kept.
+        let single = header.format != Format::Ascii && [x, y, z].into_iter().all(is_single);
+        Ok(Self {
+            slots,
+            levels: Levels::new(r.map_or(Type::Uint8, |(_, kind)| kind)),
+            points: if single {
+                Points::Single(Vec::new())
+            } else {
+                Points::Double(Vec::new())
+            },
+            normals: (nx.is_some() && ny.is_some() && nz.is_some()).then(Vec::new),
+            uvs: (u.is_some() && v.is_some()).then(Vec::new),
+            colors: (r.is_some() && g.is_some() && b.is_some()).then(Vec::new),
+        })
+    }
+
+    pub(super) fn read<R: Rows>(&mut self, element: &Element, rows: &mut R) -> Checked<()> {
+        self.reserve(rows.capacity(element));
+        let mut row = [0.0; NAMES.len()];
+        for _ in 0..element.count {
+            rows.begin(element)?;
+            for (property, slot) in element.properties.iter().zip(&self.slots) {
+                match (property.kind, slot.and_then(|slot| row.get_mut(slot))) {
+                    (Kind::Scalar(kind), Some(value)) => *value = rows.value(kind)?,
+                    (kind, _) => skip_value(kind, rows)?,
+                }
+            }
+            rows.finish();
+            self.push(row);
+        }
+        Ok(())
+    }
+
+    fn reserve(&mut self, count: usize) {
+        match &mut self.points {
+            Points::Single(points) => points.reserve_exact(count),
+            Points::Double(points) => points.reserve_exact(count),
+        }
+        if let Some(normals) = &mut self.normals {
+            normals.reserve_exact(count);
+        }
+        if let Some(uvs) = &mut self.uvs {
+            uvs.reserve_exact(count);
+        }
+        if let Some(colors) = &mut self.colors {
+            colors.reserve_exact(count);
+        }
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "kept as float32, as declared or by design"
+    )]
+    fn push(&mut self, [x, y, z, nx, ny, nz, u, v, r, g, b]: [f64; NAMES.len()]) {
+        match &mut self.points {
+            Points::Single(points) => points.push([x as f32, y as f32, z as f32]),
+            Points::Double(points) => points.push([x, y, z]),
+        }
+        if let Some(normals) = &mut self.normals {
+            normals.push([nx as f32, ny as f32, nz as f32]);
+        }
+        if let Some(uvs) = &mut self.uvs {
+            uvs.push([u as f32, v as f32]);
+        }
+        if let Some(colors) = &mut self.colors {
+            colors.push([r, g, b].map(|level| self.levels.linear(level)));
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The only door to the file system: regular files, and siblings under the scene's folder.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
+/// file is mapped: one that shrinks meanwhile would end the process.
+pub(super) fn regular_file(path: &Path) -> Result<Vec<u8>> {
+    let refuse = |source| Error::Read {
+        path: path.to_owned(),
+        source,
+    };
+    // Asked before opening: to open a pipe waits for its other end.
+    check_regular(&fs::metadata(path).map_err(refuse)?).map_err(refuse)?;
+    let file = File::open(path).map_err(refuse)?;
+    let metadata = file.metadata().map_err(refuse)?;
+    check_regular(&metadata).map_err(refuse)?;
+    let mut bytes = Vec::new();
+    let reserved = usize::try_from(metadata.len()).map(|size| bytes.try_reserve_exact(size));
+    if !matches!(reserved, Ok(Ok(()))) {
+        return Err(Error::Limit {
+            what: "bytes of a file",
+            got: metadata.len().to_string(),
+            limit: "what memory is free".to_owned(),
+        });
+    }
+    // `take`: a file that grows while it is read stays within what was reserved.
+    file.take(metadata.len())
+        .read_to_end(&mut bytes)
+        .map_err(refuse)?;
+    Ok(bytes)
+}
+
+fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {
+    let what = if metadata.is_file() {
+        return Ok(());
+    } else if metadata.is_dir() {
+        "a folder, not a file"
+    } else {
+        "a device or a pipe, not a regular file"
+    };
+    Err(io::Error::new(io::ErrorKind::InvalidInput, what))
+}
+
+/// The file that a scene at `scene` calls `name`, which must lie under the scene's folder.
+///
+/// # Errors
+///
+/// In words, why it is refused or cannot be found.
+pub(super) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+    check_name(name)?;
+    let folder = match scene.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let folder = folder.canonicalize().map_err(|error| error.to_string())?;
+    // Canonical, so that no symbolic link leads out of the folder.
+    let path = folder
+        .join(name)
+        .canonicalize()
+        .map_err(|error| error.to_string())?;
+    if !path.starts_with(&folder) {
+        return Err("refused: it leads outside the scene's folder".to_owned());
+    }
+    let metadata = fs::metadata(&path).map_err(|error| error.to_string())?;
+    check_regular(&metadata).map_err(|error| error.to_string())?;
+    Ok(path)
+}
+
+/// Refuses every name that is not plainly a relative path downwards, on any system.
+fn check_name(name: &str) -> std::result::Result<(), &'static str> {
+    if name.is_empty() {
+        Err("refused: the name is empty")
+    } else if name.chars().any(char::is_control) {
+        Err("refused: the name has a control character")
+    } else if name.contains('\\') {
+        Err("refused: the name has a backslash; folders are separated by /")
+    } else if name.contains(':') {
+        Err("refused: the name has a scheme or a drive; only relative paths are read")
+    } else if name.starts_with('/') {
+        Err("refused: the path is absolute; only relative paths are read")
+    } else if name.split('/').any(|component| component == "..") {
+        Err("refused: the path has ..; only files under the scene's folder are read")
+    } else {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_lead_elsewhere_are_refused() {
+        for name in [
+            "",
+            "/etc/passwd",
+            "../x",
+            "a/../../x",
+            "a\\b",
+            "C:x",
+            "http://h/x",
+            "file:///etc/passwd",
+            "a\0b",
+        ] {
+            let reason = sibling(Path::new("scene.obj"), name).unwrap_err();
+            assert!(reason.starts_with("refused"), "{name}: {reason}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_out_of_the_folder_are_refused_and_links_within_are_not() {
+        let top = tempfile::tempdir().unwrap();
+        let folder = top.path().join("scene");
+        fs::create_dir(&folder).unwrap();
+        fs::write(top.path().join("secret"), "x").unwrap();
+        fs::write(folder.join("inner"), "x").unwrap();
+        std::os::unix::fs::symlink("../secret", folder.join("out")).unwrap();
+        std::os::unix::fs::symlink("inner", folder.join("in")).unwrap();
+        let scene = folder.join("a.obj");
+        assert!(sibling(&scene, "out").unwrap_err().contains("outside"));
+        assert!(sibling(&scene, "in").unwrap().ends_with("inner"));
+        assert!(sibling(&scene, ".").unwrap_err().contains("folder"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_refused() {
+        let error = regular_file(Path::new("/dev/zero")).unwrap_err();
+        assert!(error.to_string().contains("device"), "{error}");
+    }
+}

@@ -1,0 +1,195 @@
+//! STL: triangles without shared vertices, binary or text.
+//!
+//! The facets' own normals and the binary format's attribute bytes are not read: the normal is that of
+//! the winding, and what the bytes mean differs from program to program.
+
+use super::Part;
+use super::report::{Checked, Fault, Report};
+use super::surface::{Surface, Vertices};
+use super::text::{self, Lines, Words, next_number, shown};
+use crate::error::{Place, escape_controls};
+use crate::shape::Positions;
+
+const HEADER: usize = 80;
+const FACET: usize = 50;
+
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
+    let (positions, name) = match facets_of(bytes)? {
+        Facets::Binary { facets, trailing } => {
+            if trailing > 0 {
+                let place = Place::Byte((bytes.len() - trailing) as u64);
+                report.warn("trailing", &place, || {
+                    format!("{trailing} bytes after the last facet are not read")
+                });
+            }
+            (Positions::Single(read_binary(facets)), None)
+        }
+        Facets::Text => {
+            let (points, name) = read_text(&text::decode(bytes), report)?;
+            (Positions::compact(points), name)
+        }
+    };
+    let name = name.unwrap_or_else(|| report.stem());
+    let count = u32::try_from(positions.len() / 3).map_err(|_| Fault::file("too many facets"))?;
+    if count == 0 {
+        let what = || "no facets: there is nothing to see".to_owned();
+        report.warn("empty", &Place::File, what);
+    }
+    let mut surface = Surface::default();
+    surface.reserve(count as usize);
+    (0..count.min(u32::MAX / 3)).for_each(|k| surface.push_triangle([3 * k, 3 * k + 1, 3 * k + 2]));
+    let (mesh, _) = surface.finish(&Vertices::new(positions), &name, report)?;
+    let color = None;
+    Ok(vec![Part { name, mesh, color }])
+}
+
+enum Facets<'a> {
+    Binary { facets: &'a [u8], trailing: usize },
+    Text,
+}
+
+/// Tells binary from text by the size, which only binary files state: many of those, too, begin with
+/// "solid", the mark of text.
+fn facets_of(bytes: &[u8]) -> Checked<Facets<'_>> {
+    let start = bytes.trim_ascii_start();
+    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    let solid = start
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    let is_text = utf16 || (solid && !bytes.contains(&0));
+    let Some((count, body)) = bytes.get(HEADER..).and_then(<[u8]>::split_first_chunk::<4>) else {
+        return if is_text {
+            Ok(Facets::Text)
+        } else {
+            let size = bytes.len();
+            let what = format!("{size} bytes are neither text nor a header of 84 bytes");
+            Err(Fault::at(Place::Byte(0), what))
+        };
+    };
+    let count = u32::from_le_bytes(*count);
+    let needed = usize::try_from(u64::from(count) * FACET as u64).unwrap_or(usize::MAX);
+    match body.split_at_checked(needed) {
+        Some((facets, [])) => Ok(Facets::Binary {
+            facets,
+            trailing: 0,
+        }),
+        _ if is_text => Ok(Facets::Text),
+        Some((_, rest)) if count == 0 && rest.len() >= FACET => {
+            let room = rest.len() / FACET;
+            let what = format!("the count of facets is 0, but there are bytes for {room}");
+            Err(Fault::at(Place::Byte(HEADER as u64), what))
+        }
+        Some((facets, rest)) => Ok(Facets::Binary {
+            facets,
+            trailing: rest.len(),
+        }),
+        None => {
+            let room = body.len() / FACET;
+            let what =
+                format!("truncated: the count of facets is {count}, the bytes end after {room}");
+            Err(Fault::at(Place::Byte(HEADER as u64), what))
+        }
+    }
+}
+
+fn read_binary(facets: &[u8]) -> Vec<[f32; 3]> {
+    let (facets, _) = facets.as_chunks::<FACET>();
+    let mut points = Vec::with_capacity(3 * facets.len());
+    for facet in facets {
+        // 12 bytes of normal, 3 times 12 of corners, 2 of attributes.
+        let (words, _) = facet.as_chunks::<4>();
+        let mut numbers = words.iter().skip(3).map(|&word| f32::from_le_bytes(word));
+        let mut next = || numbers.next().unwrap_or(f32::NAN);
+        points.extend([(); 3].map(|()| [(); 3].map(|()| next())));
+    }
+    points
+}
+
+/// Where in a text STL the reader is.
+#[derive(Default)]
+struct TextReader {
+    points: Vec<[f64; 3]>,
+    /// The line of the facet that is not ended yet.
+    open: Option<u64>,
+    corners: usize,
+    solids: usize,
+    name: Option<String>,
+}
+
+/// The corners of all solids together, and the name if there is one solid with a name.
+fn read_text(text: &[u8], report: &mut Report) -> Checked<(Vec<[f64; 3]>, Option<String>)> {
+    let mut reader = TextReader::default();
+    let mut lines = Lines::new(text);
+    while let Some(line) = lines.next() {
+        reader.line(line, lines.number, report)?;
+    }
+    if let Some(open) = reader.open {
+        return Err(Fault::line(
+            open,
+            "truncated: the facet that begins here never ends",
+        ));
+    }
+    let name = reader.name.filter(|_| reader.solids == 1);
+    Ok((reader.points, name))
+}
+
+impl TextReader {
+    fn line(&mut self, line: &[u8], number: u64, report: &mut Report) -> Checked<()> {
+        let mut words = Words::new(line);
+        while let Some(word) = words.next() {
+            match word.to_ascii_lowercase().as_slice() {
+                b"solid" => {
+                    self.solids += 1;
+                    let name = escape_controls(&String::from_utf8_lossy(words.rest()));
+                    self.name = Some(name).filter(|name| !name.is_empty());
+                    return Ok(());
+                }
+                // What follows it is a name.
+                b"endsolid" => return Ok(()),
+                b"facet" => self.begin_facet(number)?,
+                b"vertex" => self.vertex(&mut words, number)?,
+                b"endfacet" => self.end_facet(number)?,
+                b"outer" | b"loop" | b"endloop" => {}
+                // The facet's own normal.
+                b"normal" => words.by_ref().take(3).for_each(drop),
+                _ => report.warn("unknown", &Place::Line(number), || {
+                    format!("unknown word '{}' is not read", shown(word))
+                }),
+            }
+        }
+        Ok(())
+    }
+
+    fn begin_facet(&mut self, number: u64) -> Checked<()> {
+        match self.open.replace(number) {
+            None => Ok(()),
+            Some(open) => Err(Fault::line(
+                number,
+                format!("a facet begins before that of line {open} has ended"),
+            )),
+        }
+    }
+
+    fn vertex(&mut self, words: &mut Words, number: u64) -> Checked<()> {
+        let mut next = || next_number(words).map_err(|what| Fault::line(number, what));
+        self.points.push([next()?, next()?, next()?]);
+        self.corners += 1;
+        if self.open.is_none() {
+            return Err(Fault::line(number, "a vertex outside of any facet"));
+        }
+        Ok(())
+    }
+
+    fn end_facet(&mut self, number: u64) -> Checked<()> {
+        let corners = std::mem::take(&mut self.corners);
+        if self.open.take().is_none() {
+            return Err(Fault::line(number, "endfacet without a facet"));
+        }
+        if corners != 3 {
+            let what = format!("a facet must have 3 vertices, this has {corners}");
+            return Err(Fault::line(number, what));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,239 @@
+//! From a file's faces to a mesh.
+
+use std::sync::Arc;
+
+use super::polygon;
+use super::report::{Checked, Report};
+use crate::geometry::DVec3;
+use crate::shape::{Attribute, Mesh, Positions};
+
+/// Coordinates from here on are garbage: their products would leave the range of float64.
+const TOO_FAR: f64 = 1e30;
+
+/// A file's vertices, shared by all of its objects.
+pub(super) struct Vertices {
+    pub(super) positions: Arc<Positions>,
+    all_usable: bool,
+}
+
+impl Vertices {
+    pub(super) fn new(positions: Positions) -> Self {
+        let all_usable = match &positions {
+            Positions::Single(points) => points
+                .iter()
+                .flatten()
+                .all(|&x| f64::from(x).abs() < TOO_FAR),
+            Positions::Double(points) => points.iter().flatten().all(|&x| x.abs() < TOO_FAR),
+        };
+        Self {
+            positions: Arc::new(positions),
+            all_usable,
+        }
+    }
+
+    fn is_usable(&self, corners: &[u32; 3]) -> bool {
+        self.all_usable
+            || corners.iter().all(|&corner| {
+                let far = self.positions.get(corner).abs().max_element();
+                // `max_element` passes over NaN.
+                far < TOO_FAR && self.positions.get(corner).is_finite()
+            })
+    }
+}
+
+/// The faces of one object, cut into triangles as they come.
+#[derive(Debug, Default)]
+pub(super) struct Surface {
+    triangles: Vec<[u32; 3]>,
+    /// The face of each triangle; `None` while it is the triangle's own index.
+    faces: Option<Vec<u32>>,
+    face_count: u32,
+    /// Where a fan may have to be replaced, once the vertices are known.
+    polygons: Vec<Polygon>,
+    /// The triangles' indices into other values: empty, or as long as `triangles`.
+    pub(super) corners: [Vec<[u32; 3]>; 2],
+}
+
+#[derive(Debug)]
+struct Polygon {
+    first: usize,
+    triangles: usize,
+}
+
+impl Surface {
+    pub(super) fn reserve(&mut self, triangles: usize) {
+        self.triangles.reserve_exact(triangles);
+    }
+
+    /// Whether there are no triangles.
+    pub(super) fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// How many faces have come, those of less than three corners too.
+    pub(super) fn face_count(&self) -> u32 {
+        self.face_count
+    }
+
+    /// Adds a triangle that is a face of its own.
+    pub(super) fn push_triangle(&mut self, corners: [u32; 3]) {
+        self.triangles.push(corners);
+        if let Some(faces) = &mut self.faces {
+            faces.push(self.face_count);
+        }
+        self.face_count = self.face_count.saturating_add(1);
+    }
+
+    /// Adds a face of any number of corners: as a fan, for now.
+    pub(super) fn push(&mut self, ring: &[u32]) {
+        if let &[a, b, c] = ring {
+            return self.push_triangle([a, b, c]);
+        }
+        let (first, triangles) = (self.triangles.len(), ring.len().saturating_sub(2));
+        let faces = self
+            .faces
+            .get_or_insert_with(|| (0..self.face_count).collect());
+        faces.extend(std::iter::repeat_n(self.face_count, triangles));
+        push_fan(&mut self.triangles, ring);
+        if triangles > 0 {
+            self.polygons.push(Polygon { first, triangles });
+        }
+        self.face_count = self.face_count.saturating_add(1);
+    }
+
+    /// The mesh over `vertices`: concave polygons cut rightly, unusable triangles dropped. With it come
+    /// the triangles' other indices.
+    ///
+    /// Every corner must be one of the vertices.
+    pub(super) fn finish(
+        mut self,
+        vertices: &Vertices,
+        name: &str,
+        report: &mut Report,
+    ) -> Checked<(Mesh, [Vec<[u32; 3]>; 2])> {
+        self.cut_polygons(vertices);
+        self.drop_unusable(vertices, name, report);
+        let mut mesh = Mesh::new(Arc::clone(&vertices.positions), self.triangles)?;
+        if let Some(faces) = self.faces {
+            mesh = mesh.with_faces(faces)?;
+        }
+        Ok((mesh, self.corners))
+    }
+
+    fn cut_polygons(&mut self, vertices: &Vertices) {
+        let [corners_a, corners_b] = &mut self.corners;
+        for &Polygon { first, triangles } in &self.polygons {
+            let range = first..first + triangles;
+            let Some(fan) = self.triangles.get_mut(range.clone()) else {
+                continue;
+            };
+            if !fan.iter().all(|triangle| vertices.is_usable(triangle)) {
+                continue;
+            }
+            let corners: Vec<DVec3> = ring_of(fan)
+                .iter()
+                .map(|&corner| vertices.positions.get(corner))
+                .collect();
+            let Some(cut) = polygon::triangulate(&corners) else {
+                continue;
+            };
+            replace_fan(fan, &cut);
+            for other in [&mut *corners_a, &mut *corners_b] {
+                if let Some(fan) = other.get_mut(range.clone()) {
+                    replace_fan(fan, &cut);
+                }
+            }
+        }
+    }
+
+    fn drop_unusable(&mut self, vertices: &Vertices, name: &str, report: &mut Report) {
+        if vertices.all_usable {
+            return;
+        }
+        let keep: Vec<bool> = self
+            .triangles
+            .iter()
+            .map(|triangle| vertices.is_usable(triangle))
+            .collect();
+        let Some(first) = keep.iter().position(|&keep| !keep) else {
+            return;
+        };
+        let dropped = keep.iter().filter(|&&keep| !keep).count() as u64;
+        report.drop_triangles(dropped, || format!("triangle {first} of '{name}'"));
+        // Those that stay keep their faces.
+        let count = self.face_count;
+        let faces = self.faces.get_or_insert_with(|| (0..count).collect());
+        retain(faces, &keep);
+        retain(&mut self.triangles, &keep);
+        for corners in &mut self.corners {
+            retain(corners, &keep);
+        }
+    }
+}
+
+fn retain<T>(values: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    values.retain(|_| keep.next().copied().unwrap_or(false));
+}
+
+/// Adds the triangles (0, k, k + 1) of a ring.
+pub(super) fn push_fan(triangles: &mut Vec<[u32; 3]>, ring: &[u32]) {
+    if let Some((&hub, rim)) = ring.split_first() {
+        let pairs = rim.iter().zip(rim.iter().skip(1));
+        triangles.extend(pairs.map(|(&a, &b)| [hub, a, b]));
+    }
+}
+
+/// The ring whose fan this is.
+fn ring_of(fan: &[[u32; 3]]) -> Vec<u32> {
+    let start = fan.first().map(|&[hub, a, _]| [hub, a]);
+    let rim = fan.iter().map(|&[_, _, b]| b);
+    start.into_iter().flatten().chain(rim).collect()
+}
+
+/// Puts in a fan's place the triangles of the same ring that `cut` describes.
+fn replace_fan(fan: &mut [[u32; 3]], cut: &[[u32; 3]]) {
+    let ring = ring_of(fan);
+    for (triangle, corners) in fan.iter_mut().zip(cut) {
+        *triangle = corners.map(|k| ring.get(k as usize).copied().unwrap_or_default());
+    }
+}
+
+/// Colours of whole faces, for a mesh whose faces they are.
+pub(super) fn face_attribute(mesh: &Mesh, values: Vec<[f32; 3]>) -> Attribute<3> {
+    #[expect(clippy::cast_possible_truncation, reason = "faces are counted in u32")]
+    let corners = (0..mesh.triangles().len())
+        .map(|triangle| [mesh.face(triangle) as u32; 3])
+        .collect();
+    Attribute {
+        values,
+        corners: Some(corners),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dropped_triangles_take_their_faces_and_corners_along() {
+        let points = vec![
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [f64::NAN, 0.0, 0.0],
+        ];
+        let vertices = Vertices::new(Positions::compact(points));
+        let mut surface = Surface::default();
+        surface.push(&[0, 1, 2, 3]);
+        surface.push(&[0, 1]);
+        surface.push(&[2, 1, 0]);
+        surface.corners[0] = vec![[5; 3], [6; 3], [7; 3]];
+        let mut report = Report::new("x".as_ref());
+        let (mesh, corners) = surface.finish(&vertices, "x", &mut report).unwrap();
+        assert_eq!(mesh.triangles(), [[0, 1, 2], [2, 1, 0]]);
+        assert_eq!([mesh.face(0), mesh.face(1)], [0, 2]);
+        assert_eq!(corners[0], [[5; 3], [7; 3]]);
+        assert!(report.dropped().unwrap().starts_with("1 triangles"));
+    }
+}

@@ -1,0 +1,113 @@
+//! Every file of the reference data loads as its manifest says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use firsthit::geometry::{Bounds, DVec3};
+use firsthit::io::{LoadSettings, Model, load};
+
+/// A row of the manifest.
+struct Row<'a> {
+    file: &'a str,
+    expect: &'a str,
+    triangles: &'a str,
+    area: &'a str,
+    low: &'a str,
+    high: &'a str,
+}
+
+fn row(line: &str) -> Option<Row<'_>> {
+    let fields: Vec<_> = line.split('\t').collect();
+    let [file, expect, _, triangles, _, _, area, _, low, high, ..] = fields[..] else {
+        return None;
+    };
+    let extension = Path::new(file).extension()?.to_ascii_lowercase();
+    let is_mesh = ["ply", "stl", "obj"].iter().any(|&mesh| extension == mesh);
+    is_mesh.then_some(Row {
+        file,
+        expect,
+        triangles,
+        area,
+        low,
+        high,
+    })
+}
+
+fn point(text: &str) -> DVec3 {
+    let numbers: Vec<f64> = text
+        .split_whitespace()
+        .map(|word| word.parse().expect("the manifest has numbers"))
+        .collect();
+    DVec3::from_slice(&numbers)
+}
+
+fn triangle_count(model: &Model) -> usize {
+    let meshes = model.parts.iter().map(|part| &part.mesh);
+    meshes.map(|mesh| mesh.triangles().len()).sum()
+}
+
+fn area(model: &Model) -> f64 {
+    let meshes = model.parts.iter().map(|part| &part.mesh);
+    let triangles = meshes.flat_map(|mesh| (0..mesh.triangles().len()).map(|k| mesh.corners(k)));
+    triangles
+        .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
+        .sum()
+}
+
+/// What is wrong with the model, if anything.
+fn compare(model: &Model, row: &Row) -> Option<String> {
+    let triangles = triangle_count(model).to_string();
+    if triangles != row.triangles {
+        return Some(format!("{triangles} triangles, not {}", row.triangles));
+    }
+    if triangles == "0" {
+        return None;
+    }
+    let bounds = model.parts.iter().map(|part| part.mesh.bounds());
+    let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
+    let (low, high) = (point(row.low), point(row.high));
+    // The manifest states nine digits.
+    let rounding = 1e-6 * (high - low).max_element();
+    let off = (bounds.low - low)
+        .abs()
+        .max((bounds.high - high).abs())
+        .max_element();
+    if off > rounding {
+        return Some(format!("{bounds:?}, not {low} to {high}"));
+    }
+    // The manifest's fans turn triangles of concave polygons over, which adds to the area; and where
+    // those are not flat, each triangulation is another surface.
+    let expected: f64 = row.area.parse().expect("the manifest has numbers");
+    let concave = ["concave", "polygonfaces", "suzanne.ply"];
+    let concave = concave.iter().any(|name| row.file.contains(name));
+    (!concave && (area(model) - expected).abs() > 1e-6 * expected)
+        .then(|| format!("area {}, not {expected}", area(model)))
+}
+
+fn check(root: &Path, row: &Row) -> Option<String> {
+    let result = load(&root.join(row.file), &LoadSettings::default());
+    match (row.expect, result) {
+        ("either", _) | ("error", Err(_)) => None,
+        ("error", Ok(_)) => Some("loads".to_owned()),
+        (_, Err(error)) => Some(error.to_string()),
+        ("warn" | "empty", Ok(model)) if model.warnings.is_empty() => Some("no warning".to_owned()),
+        (_, Ok(model)) => compare(&model, row),
+    }
+}
+
+#[test]
+fn every_reference_file_loads_as_its_manifest_says() {
+    let shared = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let root = shared.join("refdata/public");
+    let Ok(manifest) = fs::read_to_string(root.join("MANIFEST.tsv")) else {
+        println!("skipped: ../shared is missing");
+        return;
+    };
+    let rows: Vec<_> = manifest.lines().filter_map(row).collect();
+    let wrong: Vec<_> = rows
+        .iter()
+        .filter_map(|row| check(&root, row).map(|what| format!("{}: {what}", row.file)))
+        .collect();
+    println!("{} of {} rows agree", rows.len() - wrong.len(), rows.len());
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
