@@ -19,9 +19,7 @@ pub(crate) struct Loaded {
 pub(crate) fn read(path: &Path, args: &LoadArgs, neutral: Option<Color>) -> Result<Loaded, Failure> {
     let Model { parts, warnings, up } = load(path, &LoadSettings { strict: args.strict })?;
     let objects = parts.into_iter().map(|part| {
-        // A mesh that has colours of its own is multiplied by white, not by grey.
-        let own = part.mesh.has_colors().then_some(Color::ONE);
-        let color = part.color.or(own).or(neutral).unwrap_or(Object::NEUTRAL);
+        let color = part.color.or(neutral).unwrap_or(Object::NEUTRAL);
         Object::new(std::sync::Arc::new(part.mesh)).named(part.name).colored(color)
     });
     Ok(Loaded { scene: Scene::new(objects.collect())?, up, warnings })

@@ -197,11 +197,6 @@ impl Mesh {
         Ok(self)
     }
 
-    /// Whether it has colours of its own.
-    pub fn has_colors(&self) -> bool {
-        self.colors.is_some()
-    }
-
     /// The vertices, shared with other meshes perhaps: some may belong to no triangle of this one.
     pub fn positions(&self) -> &Arc<Positions> {
         &self.positions
