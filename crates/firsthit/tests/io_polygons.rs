@@ -11,9 +11,9 @@ use proptest::prelude::*;
 /// The mesh of one polygon.
 fn mesh_of(points: &[[f64; 2]]) -> Mesh {
     let mut text = String::new();
-    points
-        .iter()
-        .for_each(|[x, y]| writeln!(text, "v {x} {y} 0").expect("a string"));
+    for [x, y] in points {
+        writeln!(text, "v {x} {y} 0").expect("a string");
+    }
     text.push('f');
     (1..=points.len()).for_each(|k| write!(text, " {k}").expect("a string"));
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -67,13 +67,13 @@ fn spiral(count: usize, turns: f64) -> Vec<[f64; 2]> {
 
 #[test]
 fn a_polygon_of_65536_corners_takes_less_than_5_seconds() {
-    let count = 65_536;
-    let star = |k: usize| if k % 2 == 0 { 2.0 } else { 1.0 };
+    let count = 65_536_usize;
+    let star = |k: usize| if k.is_multiple_of(2) { 2.0 } else { 1.0 };
     let comb = (0..count - 2)
         .map(|k| {
             [
                 (count - k) as f64 / 1000.0,
-                if k % 2 == 0 { 1.0 } else { 2.0 },
+                if k.is_multiple_of(2) { 1.0 } else { 2.0 },
             ]
         })
         .chain([[0.0, 0.0], [66.0, 0.0]])

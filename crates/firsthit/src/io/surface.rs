@@ -62,7 +62,7 @@ struct Polygon {
 
 impl Surface {
     pub(super) fn reserve(&mut self, triangles: usize) {
-        self.triangles.reserve_exact(triangles);
+        self.triangles.reserve(triangles);
     }
 
     /// Whether there are no triangles.

@@ -180,8 +180,7 @@ impl<'a> Reader<'a> {
         })?;
         let mut color = None;
         match *extra.as_slice() {
-            [] => {}
-            [1.0] => {}
+            [] | [1.0] => {}
             [_] => self.warn("w", line, || {
                 "weights of vertices (a fourth coordinate) are not read".to_owned()
             }),
