@@ -132,7 +132,12 @@ pub(crate) struct PictureArgs {
     pub(crate) output: Vec<PathBuf>,
     /// What to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
     /// normal, position, barycentric, uv, front
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "color")]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "color"
+    )]
     pub(crate) channels: Vec<String>,
     /// Antialiasing: the colour is the mean of this many points of a pixel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
@@ -211,7 +216,12 @@ pub(crate) struct ShootArgs {
     pub(crate) format: StreamFormat,
     /// What to compute, with commas between: t, object, primitive, face, normal, position, barycentric,
     /// uv, front
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "t,object,primitive")]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "t,object,primitive"
+    )]
     pub(crate) channels: Vec<String>,
     /// The largest t that counts
     #[arg(long, value_name = "T", value_parser = values::positive, allow_hyphen_values = true)]
@@ -230,7 +240,9 @@ pub(crate) enum StreamFormat {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  firsthit info part.stl\n  firsthit info part.stl --json | jq .triangles")]
+#[command(
+    after_help = "Examples:\n  firsthit info part.stl\n  firsthit info part.stl --json | jq .triangles"
+)]
 pub(crate) struct InfoArgs {
     /// The 3D file: PLY, STL or OBJ
     pub(crate) file: PathBuf,
@@ -242,7 +254,9 @@ pub(crate) struct InfoArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  firsthit demo\n  firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png")]
+#[command(
+    after_help = "Examples:\n  firsthit demo\n  firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png"
+)]
 pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
     #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
@@ -252,7 +266,12 @@ pub(crate) struct DemoArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// What to compute, with commas between; see firsthit render --help
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "color")]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "color"
+    )]
     pub(crate) channels: Vec<String>,
     /// Antialiasing: the colour is the mean of this many points of a pixel
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]

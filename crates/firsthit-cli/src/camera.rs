@@ -15,7 +15,14 @@ const MOST_PIXELS: usize = 1 << 28;
 pub(crate) fn camera(args: &CameraArgs, bounds: Bounds, file_up: DVec3) -> Result<Camera, Failure> {
     // With nothing to see, any place is as good.
     let nothing = bounds.is_empty() || !bounds.is_finite();
-    let bounds = if nothing { Bounds { low: DVec3::NEG_ONE, high: DVec3::ONE } } else { bounds };
+    let bounds = if nothing {
+        Bounds {
+            low: DVec3::NEG_ONE,
+            high: DVec3::ONE,
+        }
+    } else {
+        bounds
+    };
     let up = args.up.unwrap_or(file_up);
     let view = lens(args, View { up, ..size(args)? })?;
     let camera = match args.position {
@@ -35,32 +42,65 @@ fn size(args: &CameraArgs) -> Result<View, Failure> {
     let (columns, rows) = match (args.size, args.viewplane) {
         (Some(size), _) => size,
         (None, Some((width, height))) => {
-            let rows = (DEFAULT_SIZE.0 as f64 * height / width).round().clamp(1.0, 16_384.0);
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+            let rows = (DEFAULT_SIZE.0 as f64 * height / width)
+                .round()
+                .clamp(1.0, 16_384.0);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "clamped"
+            )]
             (DEFAULT_SIZE.0, rows as usize)
         }
         (None, None) => DEFAULT_SIZE,
     };
     if rows.saturating_mul(columns) > MOST_PIXELS {
-        return Err(Failure::limit(format!("--size: {columns}x{rows} is over the limit of {MOST_PIXELS} pixels")));
+        return Err(Failure::limit(format!(
+            "--size: {columns}x{rows} is over the limit of {MOST_PIXELS} pixels"
+        )));
     }
-    Ok(View { rows, columns, ..View::default() })
+    Ok(View {
+        rows,
+        columns,
+        ..View::default()
+    })
 }
 
 /// The viewplane: by its own size, or by an angle.
 fn lens(args: &CameraArgs, view: View) -> Result<View, Failure> {
-    let projection = if args.orthographic { Projection::Orthographic } else { Projection::Perspective };
+    let projection = if args.orthographic {
+        Projection::Orthographic
+    } else {
+        Projection::Perspective
+    };
     let view = View { projection, ..view };
     let Some((width, height)) = args.viewplane else {
         let view = view.with_vertical_fov(args.fov.unwrap_or(DEFAULT_FOV))?;
-        return Ok(View { ray_start: RayStart::Eye, ..view });
+        return Ok(View {
+            ray_start: RayStart::Eye,
+            ..view
+        });
     };
-    let view = View { width, height, ..view };
+    let view = View {
+        width,
+        height,
+        ..view
+    };
     match args.focal_length {
-        Some(focal_length) => Ok(View { focal_length, ray_start: RayStart::Viewplane, ..view }),
+        Some(focal_length) => Ok(View {
+            focal_length,
+            ray_start: RayStart::Viewplane,
+            ..view
+        }),
         // Parallel rays are the same wherever the viewplane is.
-        None if args.orthographic => Ok(View { focal_length: 1.0, ray_start: RayStart::Eye, ..view }),
-        None => Err(Failure::usage("--viewplane needs --focal-length (or --orthographic), or use --fov")),
+        None if args.orthographic => Ok(View {
+            focal_length: 1.0,
+            ray_start: RayStart::Eye,
+            ..view
+        }),
+        None => Err(Failure::usage(
+            "--viewplane needs --focal-length (or --orthographic), or use --fov",
+        )),
     }
 }
 
@@ -72,7 +112,9 @@ fn aimed(args: &CameraArgs, view: View, bounds: Bounds) -> Result<View, Failure>
         (None, Some(Target::Auto) | None) => bounds.centre(),
     };
     if target == view.position {
-        return Err(Failure::usage(format!("--look-at must be another point than --position, got {target}")));
+        return Err(Failure::usage(format!(
+            "--look-at must be another point than --position, got {target}"
+        )));
     }
     Ok(view.aimed_at(target))
 }
@@ -80,13 +122,19 @@ fn aimed(args: &CameraArgs, view: View, bounds: Bounds) -> Result<View, Failure>
 /// The view from where everything is seen.
 fn framed(args: &CameraArgs, view: View, bounds: Bounds) -> Result<Camera, Failure> {
     if let Some(Target::Point(target)) = args.look_at {
-        return Err(Failure::usage(format!("--look-at {target} needs --position; or use --look-at auto")));
+        return Err(Failure::usage(format!(
+            "--look-at {target} needs --position; or use --look-at auto"
+        )));
     }
     let aim = args.aim.unwrap_or_else(|| three_quarters(view.up));
     let camera = Camera::framing(View { aim, ..view }, bounds)?;
     match args.viewplane {
         // A viewplane that was asked for stays as it was asked for.
-        Some((width, height)) => Ok(Camera::new(View { width, height, ..*camera.view() })?),
+        Some((width, height)) => Ok(Camera::new(View {
+            width,
+            height,
+            ..*camera.view()
+        })?),
         None => Ok(camera),
     }
 }
@@ -94,7 +142,11 @@ fn framed(args: &CameraArgs, view: View, bounds: Bounds) -> Result<Camera, Failu
 /// The view with a viewplane for parallel rays that shows everything from where it is.
 fn sized(view: View, bounds: Bounds) -> Result<View, Failure> {
     let View { width, height, .. } = *Camera::framing(view, bounds)?.view();
-    Ok(View { width, height, ..view })
+    Ok(View {
+        width,
+        height,
+        ..view
+    })
 }
 
 /// A view a little from the right and from above, on the front: with z up that faces -y, with y up +z.
@@ -104,7 +156,11 @@ fn three_quarters(up: DVec3) -> DVec3 {
         // The camera refuses it, by its name.
         return DVec3::NEG_Z;
     }
-    let front = if up.y.abs() < 0.9 { DVec3::NEG_Y } else { DVec3::Z };
+    let front = if up.y.abs() < 0.9 {
+        DVec3::NEG_Y
+    } else {
+        DVec3::Z
+    };
     let front = front.reject_from_normalized(up);
     let right = up.cross(front);
     -(front + 0.35 * right + 0.35 * up)

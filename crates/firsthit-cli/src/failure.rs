@@ -23,23 +23,38 @@ pub(crate) struct Failure {
 
 impl Failure {
     pub(crate) fn usage(message: impl Display) -> Self {
-        Self { code: USAGE, message: Some(message.to_string()) }
+        Self {
+            code: USAGE,
+            message: Some(message.to_string()),
+        }
     }
 
     pub(crate) fn bad_input(message: impl Display) -> Self {
-        Self { code: BAD_INPUT, message: Some(message.to_string()) }
+        Self {
+            code: BAD_INPUT,
+            message: Some(message.to_string()),
+        }
     }
 
     pub(crate) fn limit(message: impl Display) -> Self {
-        Self { code: LIMIT, message: Some(message.to_string()) }
+        Self {
+            code: LIMIT,
+            message: Some(message.to_string()),
+        }
     }
 
     /// Standard output did not take it. A reader that has gone away had enough: that is no failure.
     pub(crate) fn stdout(error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
-            return Self { code: 0, message: None };
+            return Self {
+                code: 0,
+                message: None,
+            };
         }
-        Self { code: NOT_WRITTEN, message: Some(format!("standard output: {error}")) }
+        Self {
+            code: NOT_WRITTEN,
+            message: Some(format!("standard output: {error}")),
+        }
     }
 
     pub(crate) fn reading(path: &Path, error: &io::Error) -> Self {
@@ -68,6 +83,9 @@ impl From<Error> for Failure {
             Error::Interrupted => INTERRUPTED,
             _ => INTERNAL,
         };
-        Self { code, message: Some(error.to_string()) }
+        Self {
+            code,
+            message: Some(error.to_string()),
+        }
     }
 }

@@ -14,8 +14,15 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: &Hits) -> Vec<String> 
         if bounds.is_empty() {
             hints.push("nothing was hit: there is nothing to see in the file".into());
         } else if !between {
-            let how = if looks_away(camera, bounds) { "the camera looks away from the scene" } else { "the camera looks past the scene" };
-            hints.push(format!("nothing was hit: {how}: bounds {}, try --look-at auto", span(bounds)));
+            let how = if looks_away(camera, bounds) {
+                "the camera looks away from the scene"
+            } else {
+                "the camera looks past the scene"
+            };
+            hints.push(format!(
+                "nothing was hit: {how}: bounds {}, try --look-at auto",
+                span(bounds)
+            ));
         }
     }
     if between {
@@ -31,7 +38,10 @@ pub(crate) fn span(bounds: Bounds) -> String {
 }
 
 fn looks_away(camera: &Camera, bounds: Bounds) -> bool {
-    bounds.corners().iter().all(|&corner| (corner - camera.position()).dot(camera.aim()) <= 0.0)
+    bounds
+        .corners()
+        .iter()
+        .all(|&corner| (corner - camera.position()).dot(camera.aim()) <= 0.0)
 }
 
 /// Whether anything lies between the eye and the viewplane, on a grid of rays.

@@ -36,7 +36,12 @@ where
         }
     };
     // A panic is a bug of ours; the user gets one line of it, not a trace.
-    std::panic::set_hook(Box::new(|panic| eprintln!("firsthit: internal error: {}", panic.to_string().replace('\n', " "))));
+    std::panic::set_hook(Box::new(|panic| {
+        eprintln!(
+            "firsthit: internal error: {}",
+            panic.to_string().replace('\n', " ")
+        )
+    }));
     match catch_unwind(AssertUnwindSafe(|| dispatch(cli))) {
         Ok(Ok(())) => 0,
         Ok(Err(failure)) => failure.report(),

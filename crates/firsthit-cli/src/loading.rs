@@ -16,13 +16,32 @@ pub(crate) struct Loaded {
 }
 
 /// Reads a 3D file; `neutral` is the colour of objects that have none.
-pub(crate) fn read(path: &Path, args: &LoadArgs, neutral: Option<Color>) -> Result<Loaded, Failure> {
-    let Model { parts, warnings, up } = load(path, &LoadSettings { strict: args.strict })?;
+pub(crate) fn read(
+    path: &Path,
+    args: &LoadArgs,
+    neutral: Option<Color>,
+) -> Result<Loaded, Failure> {
+    let Model {
+        parts,
+        warnings,
+        up,
+    } = load(
+        path,
+        &LoadSettings {
+            strict: args.strict,
+        },
+    )?;
     let objects = parts.into_iter().map(|part| {
         let color = part.color.or(neutral).unwrap_or(Object::NEUTRAL);
-        Object::new(std::sync::Arc::new(part.mesh)).named(part.name).colored(color)
+        Object::new(std::sync::Arc::new(part.mesh))
+            .named(part.name)
+            .colored(color)
     });
-    Ok(Loaded { scene: Scene::new(objects.collect())?, up, warnings })
+    Ok(Loaded {
+        scene: Scene::new(objects.collect())?,
+        up,
+        warnings,
+    })
 }
 
 pub(crate) fn warn(warnings: &[String]) {
@@ -38,5 +57,6 @@ pub(crate) fn with_threads<T: Send>(
 ) -> Result<T, Failure> {
     let threads = args.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| Failure::limit(format!("threads: {error}")))?.install(work)
+    pool.map_err(|error| Failure::limit(format!("threads: {error}")))?
+        .install(work)
 }

@@ -18,7 +18,9 @@ pub(crate) fn kinds(names: &[String]) -> Result<Vec<&'static Kind>, Failure> {
     for name in names {
         let name = match name.trim() {
             "depth" => {
-                eprintln!("firsthit: note: depth is written as z, the distance along the camera's aim");
+                eprintln!(
+                    "firsthit: note: depth is written as z, the distance along the camera's aim"
+                );
                 "z"
             }
             name => name,
@@ -41,7 +43,11 @@ pub(crate) struct Target {
 }
 
 /// The files for the `kinds`.
-pub(crate) fn targets(outputs: &[PathBuf], kinds: &[&'static Kind], input: Option<&Path>) -> Result<Vec<Target>, Failure> {
+pub(crate) fn targets(
+    outputs: &[PathBuf],
+    kinds: &[&'static Kind],
+    input: Option<&Path>,
+) -> Result<Vec<Target>, Failure> {
     let mut targets: Vec<Target> = Vec::new();
     for path in outputs {
         let text = path.to_string_lossy();
@@ -61,7 +67,11 @@ pub(crate) fn targets(outputs: &[PathBuf], kinds: &[&'static Kind], input: Optio
 
 fn target(path: PathBuf, channel: Option<&'static str>) -> Result<Target, Failure> {
     let format = format_of(&path)?;
-    Ok(Target { path, format, channel })
+    Ok(Target {
+        path,
+        format,
+        channel,
+    })
 }
 
 /// The channel for a file that holds one: the only one there is, or the colours.
@@ -83,10 +93,16 @@ fn check_paths(targets: &[Target], input: Option<&Path>) -> Result<(), Failure> 
     let input = input.and_then(|input| input.canonicalize().ok());
     for (k, target) in targets.iter().enumerate() {
         if targets[..k].iter().any(|other| other.path == target.path) {
-            return Err(Failure::usage(format!("{} is named twice as an output", escaped(&target.path))));
+            return Err(Failure::usage(format!(
+                "{} is named twice as an output",
+                escaped(&target.path)
+            )));
         }
         if input.is_some() && target.path.canonicalize().ok() == input {
-            return Err(Failure::usage(format!("{} is the input; it will not be overwritten", escaped(&target.path))));
+            return Err(Failure::usage(format!(
+                "{} is the input; it will not be overwritten",
+                escaped(&target.path)
+            )));
         }
     }
     Ok(())
@@ -97,7 +113,10 @@ pub(crate) fn write(frame: &Frame, targets: &[Target]) -> Result<Vec<String>, Fa
     let mut lines = Vec::new();
     for target in targets {
         target.format.write(frame, target.channel, &target.path)?;
-        let shown = target.channel.filter(|_| target.format.name == "png").and_then(|name| frame.channel(name));
+        let shown = target
+            .channel
+            .filter(|_| target.format.name == "png")
+            .and_then(|name| frame.channel(name));
         if let Some(legend) = shown.and_then(legend) {
             lines.push(format!("{}: {legend}", escaped(&target.path)));
         }
@@ -107,7 +126,11 @@ pub(crate) fn write(frame: &Frame, targets: &[Target]) -> Result<Vec<String>, Fa
 
 /// The files' names, for a line of text.
 pub(crate) fn names(targets: &[Target]) -> String {
-    targets.iter().map(|target| escaped(&target.path)).collect::<Vec<_>>().join(", ")
+    targets
+        .iter()
+        .map(|target| escaped(&target.path))
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// Writes all channels to standard output.

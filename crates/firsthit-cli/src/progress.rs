@@ -41,7 +41,11 @@ pub(crate) struct Progress<'a> {
 impl<'a> Progress<'a> {
     pub(crate) fn new(rays: u64, quiet: bool, interrupted: &'a AtomicBool) -> Self {
         let visible = !quiet && std::io::stderr().is_terminal();
-        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let target = if visible {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
         let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {per_sec}  {eta}");
         let bar = ProgressBar::with_draw_target(Some(rays), target)
             .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));

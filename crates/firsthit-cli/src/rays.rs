@@ -23,7 +23,11 @@ impl Rays for RayArrays {
     }
 
     fn ray(&self, index: usize) -> Ray {
-        Ray::new(DVec3::from(self.origins[index]), DVec3::from(self.directions[index])).up_to(self.t_max)
+        Ray::new(
+            DVec3::from(self.origins[index]),
+            DVec3::from(self.directions[index]),
+        )
+        .up_to(self.t_max)
     }
 }
 
@@ -35,20 +39,36 @@ struct Table {
 
 impl Table {
     fn triples(&self, first: usize) -> Vec<[f64; 3]> {
-        self.values.chunks_exact(self.columns).map(|row| [row[first], row[first + 1], row[first + 2]]).collect()
+        self.values
+            .chunks_exact(self.columns)
+            .map(|row| [row[first], row[first + 1], row[first + 2]])
+            .collect()
     }
 }
 
 /// Reads rays from one or two files, `-` being standard input.
-pub(crate) fn read(rays: &Path, directions: Option<&Path>, t_max: Option<f64>) -> Result<RayArrays, Failure> {
+pub(crate) fn read(
+    rays: &Path,
+    directions: Option<&Path>,
+    t_max: Option<f64>,
+) -> Result<RayArrays, Failure> {
     if directions == Some(rays) {
-        return Err(Failure::usage("origins and directions are the same file; rays of shape (n, 6) need no second one"));
+        return Err(Failure::usage(
+            "origins and directions are the same file; rays of shape (n, 6) need no second one",
+        ));
     }
-    let name = |path: &Path| if path == Path::new("-") { "standard input".into() } else { firsthit::error::escaped(path) };
+    let name = |path: &Path| {
+        if path == Path::new("-") {
+            "standard input".into()
+        } else {
+            firsthit::error::escaped(path)
+        }
+    };
     let bad = |path: &Path, what: String| Failure::bad_input(format!("{}: {what}", name(path)));
     let t_max = t_max.unwrap_or(f64::INFINITY);
     let load = |path: &Path| -> Result<Vec<Table>, Failure> {
-        let bytes = bytes(path).map_err(|error| Failure::reading(Path::new(&name(path)), &error))?;
+        let bytes =
+            bytes(path).map_err(|error| Failure::reading(Path::new(&name(path)), &error))?;
         tables(bytes).map_err(|what| bad(path, what))
     };
     let mut all = load(rays)?;
@@ -56,17 +76,32 @@ pub(crate) fn read(rays: &Path, directions: Option<&Path>, t_max: Option<f64>) -
         all.extend(load(path)?);
     }
     match &all[..] {
-        [table] if table.columns == 6 => Ok(RayArrays { origins: table.triples(0), directions: table.triples(3), t_max }),
+        [table] if table.columns == 6 => Ok(RayArrays {
+            origins: table.triples(0),
+            directions: table.triples(3),
+            t_max,
+        }),
         [origins, directions] if origins.columns == 3 && directions.columns == 3 => {
             let (origins, directions) = (origins.triples(0), directions.triples(0));
             if origins.len() != directions.len() {
-                let what = format!("{} origins, but {} directions", origins.len(), directions.len());
+                let what = format!(
+                    "{} origins, but {} directions",
+                    origins.len(),
+                    directions.len()
+                );
                 return Err(bad(rays, what));
             }
-            Ok(RayArrays { origins, directions, t_max })
+            Ok(RayArrays {
+                origins,
+                directions,
+                t_max,
+            })
         }
         tables => {
-            let columns: Vec<String> = tables.iter().map(|table| table.columns.to_string()).collect();
+            let columns: Vec<String> = tables
+                .iter()
+                .map(|table| table.columns.to_string())
+                .collect();
             let what = format!(
                 "rays must be one array of 6 columns, or two of 3 (origins and directions), got columns: {}",
                 columns.join(" and ")
@@ -98,16 +133,24 @@ fn tables(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
 }
 
 fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
-    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
-    let names: Vec<String> = archive.file_names().filter_map(|name| Some(name.ok()?.into_owned())).collect();
+    let mut archive =
+        zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
+    let names: Vec<String> = archive
+        .file_names()
+        .filter_map(|name| Some(name.ok()?.into_owned()))
+        .collect();
     let pick = |wanted: &[&str]| {
         let entries = wanted.iter().map(|wanted| format!("{wanted}.npy"));
         entries.into_iter().find(|entry| names.contains(entry))
     };
     let mut table = |name: &str| {
-        let mut entry = archive.by_name(name).map_err(|error| format!("{name}: {error}"))?;
+        let mut entry = archive
+            .by_name(name)
+            .map_err(|error| format!("{name}: {error}"))?;
         let mut bytes = Vec::new();
-        entry.read_to_end(&mut bytes).map_err(|error| format!("{name}: {error}"))?;
+        entry
+            .read_to_end(&mut bytes)
+            .map_err(|error| format!("{name}: {error}"))?;
         npy(&bytes).map_err(|error| format!("{name}: {error}"))
     };
     if let Some(rays) = pick(&["rays"]) {
@@ -117,7 +160,10 @@ fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
     let directions = pick(&["directions", "direction", "dir"]);
     match (origins, directions) {
         (Some(origins), Some(directions)) => Ok(vec![table(&origins)?, table(&directions)?]),
-        _ => Err(format!("expected entries origins and directions, or rays; got {}", names.join(", "))),
+        _ => Err(format!(
+            "expected entries origins and directions, or rays; got {}",
+            names.join(", ")
+        )),
     }
 }
 
@@ -125,15 +171,28 @@ fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
 fn npy(bytes: &[u8]) -> Result<Table, String> {
     let file = NpyFile::new(bytes).map_err(|error| error.to_string())?;
     let &[rows, columns] = file.shape() else {
-        return Err(format!("expected an array of shape (n, 6) or (n, 3), got {:?}", file.shape()));
+        return Err(format!(
+            "expected an array of shape (n, 6) or (n, 3), got {:?}",
+            file.shape()
+        ));
     };
-    let DType::Plain(kind) = file.dtype() else { return Err("expected plain numbers, got records".into()) };
+    let DType::Plain(kind) = file.dtype() else {
+        return Err("expected plain numbers, got records".into());
+    };
     let (rows, columns) = (usize::try_from(rows), usize::try_from(columns));
-    let (Ok(rows), Ok(columns)) = (rows, columns) else { return Err("the array is too large".into()) };
+    let (Ok(rows), Ok(columns)) = (rows, columns) else {
+        return Err("the array is too large".into());
+    };
     // A header may claim anything; what is there is what counts.
     let size = kind.num_bytes().unwrap_or(1).max(1);
-    if columns == 0 || rows.checked_mul(columns).is_none_or(|count| count > bytes.len() / size) {
-        return Err(format!("the array of shape ({rows}, {columns}) is longer than the file"));
+    if columns == 0
+        || rows
+            .checked_mul(columns)
+            .is_none_or(|count| count > bytes.len() / size)
+    {
+        return Err(format!(
+            "the array of shape ({rows}, {columns}) is longer than the file"
+        ));
     }
     let order = file.order();
     let values = match (kind.type_char(), kind.size_field()) {
@@ -147,12 +206,18 @@ fn npy(bytes: &[u8]) -> Result<Table, String> {
         (TypeChar::Uint, 8) => plain(file, |x: u64| x as f64),
         (TypeChar::Uint, 2) => plain(file, <f64 as From<u16>>::from),
         (TypeChar::Uint, 1) => plain(file, <f64 as From<u8>>::from),
-        _ => return Err(format!("expected floats (32 or 64 bit) or integers, got {kind}")),
+        _ => {
+            return Err(format!(
+                "expected floats (32 or 64 bit) or integers, got {kind}"
+            ));
+        }
     };
     let values = values.map_err(|error| error.to_string())?;
     let values = match order {
         Order::C => values,
-        Order::Fortran => (0..rows * columns).map(|k| values[k % columns * rows + k / columns]).collect(),
+        Order::Fortran => (0..rows * columns)
+            .map(|k| values[k % columns * rows + k / columns])
+            .collect(),
     };
     Ok(Table { columns, values })
 }
@@ -169,19 +234,33 @@ fn csv(bytes: &[u8]) -> Result<Table, String> {
         .comment(Some(b'#'))
         .flexible(true)
         .from_reader(bytes);
-    let mut table = Table { columns: 0, values: Vec::new() };
+    let mut table = Table {
+        columns: 0,
+        values: Vec::new(),
+    };
     let mut record = csv::StringRecord::new();
     let mut first = true;
-    while reader.read_record(&mut record).map_err(|error| error.to_string())? {
+    while reader
+        .read_record(&mut record)
+        .map_err(|error| error.to_string())?
+    {
         let line = record.position().map_or(0, csv::Position::line);
         let numbers: Option<Vec<f64>> = record.iter().map(|field| field.parse().ok()).collect();
         match numbers {
             // A header is a first line in which nothing is a number.
             None if first && record.iter().all(|field| field.parse::<f64>().is_err()) => {}
-            None => return Err(format!("line {line}: expected numbers with commas between them")),
+            None => {
+                return Err(format!(
+                    "line {line}: expected numbers with commas between them"
+                ));
+            }
             Some(numbers) => {
                 if table.columns != 0 && table.columns != numbers.len() {
-                    return Err(format!("line {line}: expected {} numbers, got {}", table.columns, numbers.len()));
+                    return Err(format!(
+                        "line {line}: expected {} numbers, got {}",
+                        table.columns,
+                        numbers.len()
+                    ));
                 }
                 table.columns = numbers.len();
                 table.values.extend(numbers);

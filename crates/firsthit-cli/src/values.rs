@@ -28,30 +28,48 @@ pub(crate) struct Sky {
 fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f64; N], String> {
     let parse = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let numbers: Option<Vec<f64>> = text.split(separator).map(parse).collect();
-    numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("expected {form}"))
+    numbers
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| format!("expected {form}"))
 }
 
 pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
-    numbers::<3>(text, ',', "three finite numbers with commas between them, such as 1,-2.5,3").map(DVec3::from)
+    numbers::<3>(
+        text,
+        ',',
+        "three finite numbers with commas between them, such as 1,-2.5,3",
+    )
+    .map(DVec3::from)
 }
 
 pub(crate) fn color(text: &str) -> Result<Color, String> {
     let form = "linear red, green and blue, such as 0.2,0.3,0.5";
     let color = numbers::<3>(text, ',', form).map(Color::from)?;
-    if color.min_element() < 0.0 { Err(format!("expected {form}, none of them negative")) } else { Ok(color) }
+    if color.min_element() < 0.0 {
+        Err(format!("expected {form}, none of them negative"))
+    } else {
+        Ok(color)
+    }
 }
 
 pub(crate) fn sky(text: &str) -> Result<Sky, String> {
     let form = "the colours of the horizon and the zenith, such as 0.8,0.85,0.9:0.1,0.3,0.6";
-    let (horizon, zenith) = text.split_once(':').ok_or_else(|| format!("expected {form}"))?;
-    Ok(Sky { horizon: color(horizon)?, zenith: color(zenith)? })
+    let (horizon, zenith) = text
+        .split_once(':')
+        .ok_or_else(|| format!("expected {form}"))?;
+    Ok(Sky {
+        horizon: color(horizon)?,
+        zenith: color(zenith)?,
+    })
 }
 
 pub(crate) fn target(text: &str) -> Result<Target, String> {
     if text == "auto" {
         return Ok(Target::Auto);
     }
-    vector(text).map(Target::Point).map_err(|form| format!("{form}, or auto"))
+    vector(text)
+        .map(Target::Point)
+        .map_err(|form| format!("{form}, or auto"))
 }
 
 pub(crate) fn light(text: &str) -> Result<LightArg, String> {
@@ -61,14 +79,18 @@ pub(crate) fn light(text: &str) -> Result<LightArg, String> {
             direction => Ok(LightArg::Directional(direction)),
         },
         Some(("point", position)) => vector(position).map(LightArg::Point),
-        _ => Err("expected directional:X,Y,Z (where the light goes) or point:X,Y,Z (where it is)".into()),
+        _ => Err(
+            "expected directional:X,Y,Z (where the light goes) or point:X,Y,Z (where it is)".into(),
+        ),
     }
 }
 
 /// `WxH`: columns and rows.
 pub(crate) fn pixels(text: &str) -> Result<(usize, usize), String> {
     let parse = |part: &str| part.trim().parse::<usize>().ok().filter(|&n| n >= 1);
-    let both = text.split_once('x').and_then(|(w, h)| Some((parse(w)?, parse(h)?)));
+    let both = text
+        .split_once('x')
+        .and_then(|(w, h)| Some((parse(w)?, parse(h)?)));
     both.ok_or_else(|| "expected columns and rows, at least 1 of each, such as 720x480".into())
 }
 
@@ -76,18 +98,30 @@ pub(crate) fn pixels(text: &str) -> Result<(usize, usize), String> {
 pub(crate) fn lengths(text: &str) -> Result<(f64, f64), String> {
     let form = "a width and a height, both positive, such as 36x24";
     let [width, height] = numbers::<2>(text, 'x', form)?;
-    if width > 0.0 && height > 0.0 { Ok((width, height)) } else { Err(format!("expected {form}")) }
+    if width > 0.0 && height > 0.0 {
+        Ok((width, height))
+    } else {
+        Err(format!("expected {form}"))
+    }
 }
 
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let [number] = numbers::<1>(text, ',', "a positive number")?;
-    if number > 0.0 { Ok(number) } else { Err("expected a positive number".into()) }
+    if number > 0.0 {
+        Ok(number)
+    } else {
+        Err("expected a positive number".into())
+    }
 }
 
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
     let form = "degrees between 0 and 180";
     let [degrees] = numbers::<1>(text, ',', form)?;
-    if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err(format!("expected {form}")) }
+    if degrees > 0.0 && degrees < 180.0 {
+        Ok(degrees)
+    } else {
+        Err(format!("expected {form}"))
+    }
 }
 
 #[cfg(test)]
@@ -112,8 +146,14 @@ mod tests {
 
     #[test]
     fn lights_name_their_kind() {
-        assert_eq!(light("point:1,2,-3"), Ok(LightArg::Point(DVec3::new(1.0, 2.0, -3.0))));
-        assert_eq!(light("directional:0,0,-1"), Ok(LightArg::Directional(DVec3::NEG_Z)));
+        assert_eq!(
+            light("point:1,2,-3"),
+            Ok(LightArg::Point(DVec3::new(1.0, 2.0, -3.0)))
+        );
+        assert_eq!(
+            light("directional:0,0,-1"),
+            Ok(LightArg::Directional(DVec3::NEG_Z))
+        );
         assert!(light("directional:0,0,0").is_err());
         assert!(light("1,2,3").is_err());
     }

@@ -235,16 +235,20 @@ impl Kind {
 
 fn colors(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
     let mut values = filled(shots.rays.len().saturating_mul(3), 0.0_f32)?;
-    values.par_chunks_mut(3).with_min_len(256).enumerate().try_for_each(|(k, out)| {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
-        let ray = shots.rays.ray(k);
-        let hit = shots.hits.get(k);
-        out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
-        watch.advance(1);
-        Ok(())
-    })?;
+    values
+        .par_chunks_mut(3)
+        .with_min_len(256)
+        .enumerate()
+        .try_for_each(|(k, out)| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            let ray = shots.rays.ray(k);
+            let hit = shots.hits.get(k);
+            out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
+            watch.advance(1);
+            Ok(())
+        })?;
     Ok(Data::Float32(values))
 }
 

@@ -54,7 +54,12 @@ pub fn develop(
     if hits.len() != camera.pixels() {
         return Err(Error::argument("hits", "one for each pixel", hits.len()));
     }
-    let shots = Shots { scene, rays: camera, hits, camera: Some(camera) };
+    let shots = Shots {
+        scene,
+        rays: camera,
+        hits,
+        camera: Some(camera),
+    };
     let mut frame = Frame::new([camera.rows(), camera.columns()]);
     for kind in channels {
         frame.push(if kind.needs_shade() && samples > 1 {

@@ -17,8 +17,16 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("shoot", &["geometry", "shape", "accel", "scene"]),
     ("shade", &["geometry", "scene", "shoot"]),
     ("io", &["geometry", "camera", "shape", "scene"]),
-    ("channel", &["geometry", "camera", "scene", "shoot", "shade", "image"]),
-    ("render", &["geometry", "camera", "sampling", "scene", "shoot", "shade", "image", "channel"]),
+    (
+        "channel",
+        &["geometry", "camera", "scene", "shoot", "shade", "image"],
+    ),
+    (
+        "render",
+        &[
+            "geometry", "camera", "sampling", "scene", "shoot", "shade", "image", "channel",
+        ],
+    ),
     ("example", &["geometry", "camera", "shape", "scene"]),
 ];
 
@@ -40,10 +48,20 @@ fn imported(line: &str) -> Vec<String> {
     let code = line.split("//").next().unwrap_or_default();
     let mut rooms = Vec::new();
     for rest in code.split("crate::").skip(1) {
-        let list = rest.strip_prefix('{').map_or(rest, |list| list.split('}').next().unwrap_or(list));
-        let names: Vec<&str> = if rest.starts_with('{') { list.split(',').collect() } else { vec![list] };
+        let list = rest
+            .strip_prefix('{')
+            .map_or(rest, |list| list.split('}').next().unwrap_or(list));
+        let names: Vec<&str> = if rest.starts_with('{') {
+            list.split(',').collect()
+        } else {
+            vec![list]
+        };
         for name in names {
-            let room: String = name.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let room: String = name
+                .trim()
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect();
             rooms.push(room);
         }
     }
@@ -60,17 +78,29 @@ fn rooms_import_only_what_they_may() {
         if room == "lib" {
             continue;
         }
-        let (_, allowed) = ROOMS.iter().find(|(name, _)| *name == room).unwrap_or_else(|| panic!("{room} is no room"));
+        let (_, allowed) = ROOMS
+            .iter()
+            .find(|(name, _)| *name == room)
+            .unwrap_or_else(|| panic!("{room} is no room"));
         for line in fs::read_to_string(&path).unwrap().lines() {
             for other in imported(line) {
                 // The crate's own names, such as `crate::Error`, are re-exports of `lib.rs`, for documentation only.
-                let fine = other == room || ["error", "watch"].contains(&&*other) || allowed.contains(&&*other);
-                assert!(fine, "{}: {room} may not import {other}: {line}", path.display());
+                let fine = other == room
+                    || ["error", "watch"].contains(&&*other)
+                    || allowed.contains(&&*other);
+                assert!(
+                    fine,
+                    "{}: {room} may not import {other}: {line}",
+                    path.display()
+                );
                 imports += 1;
             }
         }
     }
-    assert!(imports > 50, "{imports}: is this test reading the right files?");
+    assert!(
+        imports > 50,
+        "{imports}: is this test reading the right files?"
+    );
 }
 
 #[test]

@@ -36,10 +36,23 @@ fn views() -> Vec<View> {
     };
     let mut views = Vec::new();
     for projection in [Projection::Perspective, Projection::Orthographic] {
-        views.push(View { projection, ..View::default() });
+        views.push(View {
+            projection,
+            ..View::default()
+        });
         views.push(View { projection, ..some });
-        views.push(View { projection, rows: 1, columns: 1, ..some });
-        views.push(View { projection, aim: DVec3::Z, up: DVec3::NEG_X, ..some });
+        views.push(View {
+            projection,
+            rows: 1,
+            columns: 1,
+            ..some
+        });
+        views.push(View {
+            projection,
+            aim: DVec3::Z,
+            up: DVec3::NEG_X,
+            ..some
+        });
     }
     views
 }
@@ -52,7 +65,10 @@ fn every_pixels_ray_is_the_formulas_with_row_0_at_the_top() {
             for column in 0..view.columns.min(9) {
                 let (p, u_r) = literal(&view, view.rows - 1 - row, column);
                 let ray = camera.ray(row, column);
-                assert!(close(ray.origin, p) && close(ray.direction, u_r), "{view:?} {row} {column}");
+                assert!(
+                    close(ray.origin, p) && close(ray.direction, u_r),
+                    "{view:?} {row} {column}"
+                );
                 assert!((ray.direction.length() - 1.0).abs() < 1e-15);
             }
         }
@@ -61,9 +77,18 @@ fn every_pixels_ray_is_the_formulas_with_row_0_at_the_top() {
 
 #[test]
 fn the_frame_is_right_handed_with_the_picture_upright() {
-    let camera = Camera::new(View { aim: DVec3::new(0.0, 3.0, 0.0), up: DVec3::Z, ..View::default() }).unwrap();
-    assert_eq!((camera.right(), camera.upwards(), camera.aim()), (DVec3::X, DVec3::Z, DVec3::Y));
-    let [top_left, bottom_right] = [camera.ray(0, 0), camera.ray(479, 639)].map(|ray| ray.direction);
+    let camera = Camera::new(View {
+        aim: DVec3::new(0.0, 3.0, 0.0),
+        up: DVec3::Z,
+        ..View::default()
+    })
+    .unwrap();
+    assert_eq!(
+        (camera.right(), camera.upwards(), camera.aim()),
+        (DVec3::X, DVec3::Z, DVec3::Y)
+    );
+    let [top_left, bottom_right] =
+        [camera.ray(0, 0), camera.ray(479, 639)].map(|ray| ray.direction);
     assert!(top_left.x < 0.0 && top_left.z > 0.0 && bottom_right.x > 0.0 && bottom_right.z < 0.0);
 }
 
@@ -77,7 +102,9 @@ fn the_eye_start_keeps_the_directions_and_moves_the_start_back() {
         let back = (a.origin - b.origin).length();
         match view.projection {
             Projection::Perspective => assert_eq!(b.origin, view.position),
-            Projection::Orthographic => assert!((b.origin - view.position).dot(eye.aim()).abs() < 1e-14),
+            Projection::Orthographic => {
+                assert!((b.origin - view.position).dot(eye.aim()).abs() < 1e-14)
+            }
         }
         assert!((camera.range(0, 0, 2.0) - (2.0 + back)).abs() < 1e-14);
         assert_eq!(eye.range(0, 0, 2.0), 2.0);
@@ -97,7 +124,10 @@ fn range_and_z_are_what_their_definitions_say() {
                 Projection::Perspective => (hit - view.position).length(),
                 Projection::Orthographic => z,
             };
-            assert!((camera.range(row, column, 7.25) - range).abs() < 1e-13, "{view:?}");
+            assert!(
+                (camera.range(row, column, 7.25) - range).abs() < 1e-13,
+                "{view:?}"
+            );
             assert_eq!(camera.range(row, column, f64::INFINITY), f64::INFINITY);
             assert_eq!(camera.z(row, column, f64::INFINITY), f64::INFINITY);
         }
@@ -110,21 +140,41 @@ fn points_of_a_pixel_run_rightwards_and_upwards() {
     let middle = camera.ray_within(10, 20, DVec2::new(0.5, 0.5));
     assert_eq!(middle, camera.ray(10, 20));
     let corner = camera.ray_within(10, 20, DVec2::new(1.0, 1.0));
-    assert!(close(corner.origin, camera.ray_within(9, 21, DVec2::ZERO).origin));
+    assert!(close(
+        corner.origin,
+        camera.ray_within(9, 21, DVec2::ZERO).origin
+    ));
 }
 
 /// A camera as far away as the moon is from a watch still tells its pixels apart.
 #[test]
 fn directions_do_not_suffer_from_a_far_position() {
-    let near = Camera::new(View { width: 0.01, height: 0.01, ..View::default() }).unwrap();
-    let far = Camera::new(View { position: DVec3::splat(4e11), ..*near.view() }).unwrap();
+    let near = Camera::new(View {
+        width: 0.01,
+        height: 0.01,
+        ..View::default()
+    })
+    .unwrap();
+    let far = Camera::new(View {
+        position: DVec3::splat(4e11),
+        ..*near.view()
+    })
+    .unwrap();
     assert_eq!(near.ray(3, 5).direction, far.ray(3, 5).direction);
 }
 
 #[test]
 fn look_at_has_its_field_of_view_between_the_edges() {
     let position = DVec3::new(1.0, 2.0, 3.0);
-    let camera = Camera::look_at(position, DVec3::new(1.0, 2.0, -4.0), DVec3::Y, 90.0, 200, 300).unwrap();
+    let camera = Camera::look_at(
+        position,
+        DVec3::new(1.0, 2.0, -4.0),
+        DVec3::Y,
+        90.0,
+        200,
+        300,
+    )
+    .unwrap();
     let view = camera.view();
     assert_eq!(view.ray_start, RayStart::Eye);
     assert!((view.height / 2.0 / view.focal_length - 1.0).abs() < 1e-15);
@@ -136,15 +186,35 @@ fn look_at_has_its_field_of_view_between_the_edges() {
 fn framing_shows_every_corner_and_wastes_little() {
     let bounds = Bounds::of([DVec3::new(-3.0, 10.0, 2.0), DVec3::new(5.0, 11.0, 8.0)]);
     for projection in [Projection::Perspective, Projection::Orthographic] {
-        let view = View { aim: DVec3::new(0.3, -1.0, 0.4), up: DVec3::Z, projection, ..View::default() };
+        let view = View {
+            aim: DVec3::new(0.3, -1.0, 0.4),
+            up: DVec3::Z,
+            projection,
+            ..View::default()
+        };
         let camera = Camera::framing(view, bounds).unwrap();
-        let View { width, height, focal_length, .. } = *camera.view();
+        let View {
+            width,
+            height,
+            focal_length,
+            ..
+        } = *camera.view();
         let mut widest: f64 = 0.0;
         for corner in bounds.corners() {
             let v = corner - camera.position();
-            let scale = if projection == Projection::Perspective { focal_length / v.dot(camera.aim()) } else { 1.0 };
-            let (x, y) = (v.dot(camera.right()) * scale / width, v.dot(camera.upwards()) * scale / height);
-            assert!(v.dot(camera.aim()) > 0.0 && x.abs() <= 0.5 && y.abs() <= 0.5, "{projection:?} {corner}");
+            let scale = if projection == Projection::Perspective {
+                focal_length / v.dot(camera.aim())
+            } else {
+                1.0
+            };
+            let (x, y) = (
+                v.dot(camera.right()) * scale / width,
+                v.dot(camera.upwards()) * scale / height,
+            );
+            assert!(
+                v.dot(camera.aim()) > 0.0 && x.abs() <= 0.5 && y.abs() <= 0.5,
+                "{projection:?} {corner}"
+            );
             widest = widest.max(x.abs()).max(y.abs());
         }
         assert!(widest > 0.35, "{projection:?} {widest}");
@@ -155,24 +225,94 @@ fn framing_shows_every_corner_and_wastes_little() {
 fn what_makes_no_sense_is_refused_with_its_name() {
     let good = View::default();
     let refused = [
-        ("aim", View { aim: DVec3::ZERO, ..good }),
-        ("aim", View { aim: DVec3::new(f64::NAN, 0.0, 1.0), ..good }),
-        ("up", View { up: DVec3::ZERO, ..good }),
-        ("up", View { up: DVec3::new(0.0, 0.0, 1e200), ..good }),
-        ("up", View { aim: DVec3::new(0.6, 0.6, -0.4), up: DVec3::new(-1.8, -1.8, 1.2), ..good }),
-        ("position", View { position: DVec3::new(0.0, f64::INFINITY, 0.0), ..good }),
-        ("focal_length", View { focal_length: 0.0, ..good }),
-        ("focal_length", View { focal_length: -1.0, ..good }),
-        ("width", View { width: f64::NAN, ..good }),
-        ("height", View { height: f64::INFINITY, ..good }),
+        (
+            "aim",
+            View {
+                aim: DVec3::ZERO,
+                ..good
+            },
+        ),
+        (
+            "aim",
+            View {
+                aim: DVec3::new(f64::NAN, 0.0, 1.0),
+                ..good
+            },
+        ),
+        (
+            "up",
+            View {
+                up: DVec3::ZERO,
+                ..good
+            },
+        ),
+        (
+            "up",
+            View {
+                up: DVec3::new(0.0, 0.0, 1e200),
+                ..good
+            },
+        ),
+        (
+            "up",
+            View {
+                aim: DVec3::new(0.6, 0.6, -0.4),
+                up: DVec3::new(-1.8, -1.8, 1.2),
+                ..good
+            },
+        ),
+        (
+            "position",
+            View {
+                position: DVec3::new(0.0, f64::INFINITY, 0.0),
+                ..good
+            },
+        ),
+        (
+            "focal_length",
+            View {
+                focal_length: 0.0,
+                ..good
+            },
+        ),
+        (
+            "focal_length",
+            View {
+                focal_length: -1.0,
+                ..good
+            },
+        ),
+        (
+            "width",
+            View {
+                width: f64::NAN,
+                ..good
+            },
+        ),
+        (
+            "height",
+            View {
+                height: f64::INFINITY,
+                ..good
+            },
+        ),
         ("rows", View { rows: 0, ..good }),
         ("columns", View { columns: 0, ..good }),
     ];
     for (name, view) in refused {
         let message = Camera::new(view).unwrap_err().to_string();
-        assert!(message.starts_with(&format!("{name} must be ")) && message.contains(", got "), "{message}");
+        assert!(
+            message.starts_with(&format!("{name} must be ")) && message.contains(", got "),
+            "{message}"
+        );
     }
-    assert!(Camera::new(View { up: DVec3::new(1e-9, 0.0, -1.0), ..good }).is_ok());
+    assert!(
+        Camera::new(View {
+            up: DVec3::new(1e-9, 0.0, -1.0),
+            ..good
+        })
+        .is_ok()
+    );
     for fov in [0.0, 180.0, -10.0, f64::NAN] {
         assert!(Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, fov, 4, 4).is_err());
     }

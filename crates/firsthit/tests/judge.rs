@@ -6,19 +6,36 @@ use std::sync::Arc;
 
 use firsthit::shoot::{BruteForce, Trees, first_hit, shoot_all};
 use firsthit::{
-    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Plane, Ray, Scene, Sphere, Transform, occluded, shoot,
+    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Plane, Ray, Scene, Sphere,
+    Transform, occluded, shoot,
 };
 use robust::{Coord3D, orient3d};
 use support::{Numbers, bumpy_sphere, mesh};
 
 fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
-    (hit.t.to_bits(), hit.object, hit.primitive, hit.barycentric.to_array().map(f64::to_bits))
+    (
+        hit.t.to_bits(),
+        hit.object,
+        hit.primitive,
+        hit.barycentric.to_array().map(f64::to_bits),
+    )
 }
 
 fn agree(scene: &Scene, ray: &Ray) -> Hit {
-    let (fast, judge) = (first_hit::<Trees>(scene, ray), first_hit::<BruteForce>(scene, ray));
-    assert_eq!(bits(&fast), bits(&judge), "{ray:?}: {fast:?}, the judge says {judge:?}");
-    assert_eq!(occluded(scene, ray.origin, ray.direction, ray.t_max), !judge.is_miss(), "{ray:?}");
+    let (fast, judge) = (
+        first_hit::<Trees>(scene, ray),
+        first_hit::<BruteForce>(scene, ray),
+    );
+    assert_eq!(
+        bits(&fast),
+        bits(&judge),
+        "{ray:?}: {fast:?}, the judge says {judge:?}"
+    );
+    assert_eq!(
+        occluded(scene, ray.origin, ray.direction, ray.t_max),
+        !judge.is_miss(),
+        "{ray:?}"
+    );
     judge
 }
 
@@ -68,15 +85,40 @@ fn rays(points: &[DVec3], count: usize, seed: u64) -> Vec<Ray> {
 
 #[test]
 fn the_tree_gives_the_judges_bits_on_soups_of_every_scale_and_place() {
-    for (scale, offset) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e5), (1.0, -1e7), (1e-3, 1e2)] {
+    for (scale, offset) in [
+        (1.0, 0.0),
+        (1e-6, 0.0),
+        (1e6, 0.0),
+        (1.0, 1e5),
+        (1.0, -1e7),
+        (1e-3, 1e2),
+    ] {
         let (points, triangles) = soup(600, 3);
         let place = |p: &DVec3| scale * (*p + DVec3::new(offset, -offset, 0.5 * offset));
         let points: Vec<DVec3> = points.iter().map(place).collect();
         let scene = scene(vec![Object::new(mesh(&points, triangles))]);
         let middle = scene.bounds().centre();
-        for ray in rays(&points.iter().map(|p| (*p - middle) / scale).collect::<Vec<_>>(), 3000, 5) {
-            let direction = if ray.t_max < 1.0 { ray.direction } else { ray.direction * scale };
-            agree(&scene, &Ray { origin: ray.origin * scale + middle, direction, ..ray });
+        for ray in rays(
+            &points
+                .iter()
+                .map(|p| (*p - middle) / scale)
+                .collect::<Vec<_>>(),
+            3000,
+            5,
+        ) {
+            let direction = if ray.t_max < 1.0 {
+                ray.direction
+            } else {
+                ray.direction * scale
+            };
+            agree(
+                &scene,
+                &Ray {
+                    origin: ray.origin * scale + middle,
+                    direction,
+                    ..ray
+                },
+            );
         }
     }
 }
@@ -86,7 +128,9 @@ fn the_tree_gives_the_judges_bits_on_all_shapes_with_all_transforms() {
     let mut numbers = Numbers::new(11);
     let (points, triangles) = bumpy_sphere(12, 4);
     let mesh = mesh(&points, triangles);
-    let mut objects = vec![Object::new(Plane::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z).unwrap())];
+    let mut objects = vec![Object::new(
+        Plane::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z).unwrap(),
+    )];
     for k in 0..60 {
         let matrix = DMat3::from_cols(numbers.point(), numbers.point(), numbers.point());
         let placed = DAffine3::from_mat3_translation(matrix, 4.0 * numbers.point());
@@ -103,7 +147,10 @@ fn the_tree_gives_the_judges_bits_on_all_shapes_with_all_transforms() {
     let scene = scene(objects);
     let mut hits = 0;
     for ray in rays(&points, 6000, 8) {
-        let ray = Ray { origin: 2.0 * ray.origin, ..ray };
+        let ray = Ray {
+            origin: 2.0 * ray.origin,
+            ..ray
+        };
         hits += u32::from(!agree(&scene, &ray).is_miss());
     }
     assert!(hits > 2000, "{hits}");
@@ -111,7 +158,11 @@ fn the_tree_gives_the_judges_bits_on_all_shapes_with_all_transforms() {
 
 /// Whether the line through `p` and `q` passes through a triangle, in exact arithmetic.
 fn exactly_inside(p: DVec3, q: DVec3, corners: [DVec3; 3]) -> bool {
-    let coord = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    let coord = |p: DVec3| Coord3D {
+        x: p.x,
+        y: p.y,
+        z: p.z,
+    };
     let side = |a: DVec3, b: DVec3| orient3d(coord(p), coord(q), coord(a), coord(b));
     let [a, b, c] = corners;
     let sides = [side(a, b), side(b, c), side(c, a)];
@@ -123,7 +174,10 @@ fn exactly_inside(p: DVec3, q: DVec3, corners: [DVec3; 3]) -> bool {
 fn the_judge_agrees_with_exact_arithmetic() {
     let (points, triangles) = soup(400, 21);
     // Duplicates and slivers have no inside to be exact about.
-    let proper: Vec<[u32; 3]> = triangles.into_iter().filter(|t| t[0] / 3 % 10 < 7).collect();
+    let proper: Vec<[u32; 3]> = triangles
+        .into_iter()
+        .filter(|t| t[0] / 3 % 10 < 7)
+        .collect();
     let mesh = mesh(&points, proper.clone());
     let scene = scene(vec![Object::new(Arc::clone(&mesh))]);
     let mut numbers = Numbers::new(22);
@@ -139,7 +193,10 @@ fn the_judge_agrees_with_exact_arithmetic() {
             let normal = (b - a).cross(c - a);
             (a - p).dot(normal) / (q - p).dot(normal)
         };
-        let first = crossed.map(|k| (at(k), k)).filter(|&(t, _)| t > 0.0).min_by(|a, b| a.0.total_cmp(&b.0));
+        let first = crossed
+            .map(|k| (at(k), k))
+            .filter(|&(t, _)| t > 0.0)
+            .min_by(|a, b| a.0.total_cmp(&b.0));
         let hit = agree(&scene, &ray);
         match first {
             None => assert!(hit.is_miss(), "{ray:?} {hit:?}"),
@@ -158,7 +215,14 @@ fn the_judge_agrees_with_exact_arithmetic() {
 #[test]
 fn closed_meshes_do_not_leak() {
     let (points, triangles) = bumpy_sphere(40, 9);
-    for (scale, offset) in [(1.0, 0.0), (1.0, 2e5), (1e-4, 0.0), (1e8, 0.0), (1e-4, 10.0), (3.7, -1e3)] {
+    for (scale, offset) in [
+        (1.0, 0.0),
+        (1.0, 2e5),
+        (1e-4, 0.0),
+        (1e8, 0.0),
+        (1e-4, 10.0),
+        (3.7, -1e3),
+    ] {
         // Far away, neighbouring corners fall together: the mesh is another one, and still closed.
         let place = |p: &DVec3| *p * scale + DVec3::splat(offset);
         let placed: Vec<DVec3> = points.iter().map(place).collect();
@@ -173,7 +237,10 @@ fn closed_meshes_do_not_leak() {
                 for target in [a, 0.5 * (a + b), a.lerp(b, numbers.unit())] {
                     let direction = target - inside;
                     for direction in [direction, direction / direction.length(), -direction] {
-                        assert!(!shoot(&scene, inside, direction).is_miss(), "{scale} {offset} {inside} {direction}");
+                        assert!(
+                            !shoot(&scene, inside, direction).is_miss(),
+                            "{scale} {offset} {inside} {direction}"
+                        );
                         shot += 1;
                     }
                 }
@@ -208,10 +275,22 @@ fn axis_parallel_rays_through_corners_do_not_leak() {
 #[test]
 fn objects_that_share_edges_do_not_leak_between_them() {
     let (points, triangles) = bumpy_sphere(16, 5);
-    let objects = triangles.iter().map(|&triangle| Object::new(mesh(&points, vec![triangle]))).collect();
+    let objects = triangles
+        .iter()
+        .map(|&triangle| Object::new(mesh(&points, vec![triangle])))
+        .collect();
     let scene = scene(objects);
     for p in &points {
-        assert!(!agree(&scene, &Ray::new(DVec3::new(0.01, -0.02, 0.03), *p - DVec3::new(0.01, -0.02, 0.03))).is_miss());
+        assert!(
+            !agree(
+                &scene,
+                &Ray::new(
+                    DVec3::new(0.01, -0.02, 0.03),
+                    *p - DVec3::new(0.01, -0.02, 0.03)
+                )
+            )
+            .is_miss()
+        );
     }
 }
 
@@ -240,11 +319,26 @@ fn rays_that_make_no_sense_miss_and_leave_their_neighbours_alone() {
     let good = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
     let nan = DVec3::new(0.0, f64::NAN, 0.0);
     let bad = [
-        Ray { direction: DVec3::ZERO, ..good },
-        Ray { direction: nan, ..good },
-        Ray { origin: nan, ..good },
-        Ray { origin: DVec3::INFINITY, ..good },
-        Ray { direction: DVec3::new(0.0, 0.0, f64::NEG_INFINITY), ..good },
+        Ray {
+            direction: DVec3::ZERO,
+            ..good
+        },
+        Ray {
+            direction: nan,
+            ..good
+        },
+        Ray {
+            origin: nan,
+            ..good
+        },
+        Ray {
+            origin: DVec3::INFINITY,
+            ..good
+        },
+        Ray {
+            direction: DVec3::new(0.0, 0.0, f64::NEG_INFINITY),
+            ..good
+        },
         good.up_to(f64::NAN),
         good.up_to(0.0),
         good.up_to(-1.0),
@@ -257,14 +351,19 @@ fn rays_that_make_no_sense_miss_and_leave_their_neighbours_alone() {
             assert_eq!((hit.t, hit.object, hit.primitive), (4.0, 0, 0));
         } else {
             assert_eq!(bits(&hit), bits(&Hit::MISS), "{ray:?}");
-            assert!(!occluded(&scene, ray.origin, ray.direction, ray.t_max), "{ray:?}");
+            assert!(
+                !occluded(&scene, ray.origin, ray.direction, ray.t_max),
+                "{ray:?}"
+            );
         }
     }
 }
 
 #[test]
 fn a_hit_needs_t_above_zero_and_up_to_t_max() {
-    let scene = scene(vec![Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap())]);
+    let scene = scene(vec![Object::new(
+        Plane::new(DVec3::ZERO, DVec3::Z).unwrap(),
+    )]);
     let from = |z: f64| Ray::new(DVec3::new(0.0, 0.0, z), DVec3::NEG_Z);
     assert!(agree(&scene, &from(0.0)).is_miss());
     assert_eq!(agree(&scene, &from(3.0).up_to(3.0)).t, 3.0);
@@ -282,7 +381,10 @@ fn instances_are_the_same_as_copies() {
     for _ in 0..20 {
         // Powers of two, quarter turns, mirrors and short translations: nothing is rounded.
         let scale = [-0.5, 1.0, 2.0, -1.0][numbers.below(4)];
-        let turn = [DMat3::IDENTITY, DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z)][numbers.below(2)];
+        let turn = [
+            DMat3::IDENTITY,
+            DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z),
+        ][numbers.below(2)];
         let offset = (numbers.point() * 8.0).round();
         let placed = DAffine3::from_mat3_translation(turn * scale, offset);
         instances.push(Object::new(Arc::clone(&shared)).placed(Transform::new(placed).unwrap()));
@@ -296,7 +398,10 @@ fn instances_are_the_same_as_copies() {
         let (a, b) = (agree(&instances, &ray), agree(&copies, &ray));
         // Through a corner, triangles tie in one space and are an ulp apart in the other.
         assert_eq!(a.object, b.object, "{ray:?}");
-        assert!(a.is_miss() || (a.t - b.t).abs() <= 1e-12 * b.t, "{ray:?} {a:?} {b:?}");
+        assert!(
+            a.is_miss() || (a.t - b.t).abs() <= 1e-12 * b.t,
+            "{ray:?} {a:?} {b:?}"
+        );
     }
 }
 
@@ -304,7 +409,10 @@ fn instances_are_the_same_as_copies() {
 fn a_mirrored_object_keeps_its_outside() {
     let mirror = Transform::new(DAffine3::from_scale(DVec3::new(-1.0, 2.0, 1.0))).unwrap();
     let (points, triangles) = bumpy_sphere(10, 7);
-    for shape in [firsthit::Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap()), mesh(&points, triangles).into()] {
+    for shape in [
+        firsthit::Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap()),
+        mesh(&points, triangles).into(),
+    ] {
         let scene = scene(vec![Object::new(shape).placed(mirror)]);
         let mut numbers = Numbers::new(40);
         for _ in 0..500 {
@@ -312,7 +420,10 @@ fn a_mirrored_object_keeps_its_outside() {
             let ray = Ray::new(outside, -outside);
             let hit = agree(&scene, &ray);
             let normal = scene.normal(&ray, &hit);
-            assert!(scene.is_front(&ray, normal) && (normal.length() - 1.0).abs() < 1e-14, "{ray:?} {normal}");
+            assert!(
+                scene.is_front(&ray, normal) && (normal.length() - 1.0).abs() < 1e-14,
+                "{ray:?} {normal}"
+            );
         }
     }
 }
@@ -324,7 +435,10 @@ fn batches_of_every_size_and_any_number_of_threads_give_the_same() {
     let all = rays(&points, 5000, 51);
     for size in [0, 1, 2, 3, 7, 8, 9, 1023, 1024, 1025, 5000] {
         let results = [1, 2, 7].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
             pool.install(|| shoot_all(&scene, &all[..size], &()).unwrap())
         });
         for hits in &results {

@@ -22,9 +22,18 @@ fn arrays(path: &Path) -> HashMap<String, Vec<f64>> {
         let array = archive.by_name(&name).unwrap().unwrap();
         let values: Option<Vec<f64>> = match array.dtype().descr().as_str() {
             "'<f8'" => array.into_vec::<f64>().ok(),
-            "'<f4'" => array.into_vec::<f32>().ok().map(|v| v.into_iter().map(f64::from).collect()),
-            "'<i4'" => array.into_vec::<i32>().ok().map(|v| v.into_iter().map(f64::from).collect()),
-            "'|u1'" => array.into_vec::<u8>().ok().map(|v| v.into_iter().map(f64::from).collect()),
+            "'<f4'" => array
+                .into_vec::<f32>()
+                .ok()
+                .map(|v| v.into_iter().map(f64::from).collect()),
+            "'<i4'" => array
+                .into_vec::<i32>()
+                .ok()
+                .map(|v| v.into_iter().map(f64::from).collect()),
+            "'|u1'" => array
+                .into_vec::<u8>()
+                .ok()
+                .map(|v| v.into_iter().map(f64::from).collect()),
             _ => None,
         };
         arrays.extend(values.map(|values| (name, values)));
@@ -33,7 +42,12 @@ fn arrays(path: &Path) -> HashMap<String, Vec<f64>> {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect()
 }
 
 fn vector(value: &Value) -> DVec3 {
@@ -53,7 +67,11 @@ fn camera(case: &Value) -> Camera {
         height: number("h"),
         rows: count("M"),
         columns: count("N"),
-        projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
+        projection: if orthographic {
+            Projection::Orthographic
+        } else {
+            Projection::Perspective
+        },
         ..View::default()
     })
     .unwrap()
@@ -61,7 +79,11 @@ fn camera(case: &Value) -> Camera {
 
 fn mesh_objects(path: &Path) -> Vec<Object> {
     let model = load(path, &LoadSettings::default()).unwrap();
-    model.parts.into_iter().map(|part| Object::new(Arc::new(part.mesh))).collect()
+    model
+        .parts
+        .into_iter()
+        .map(|part| Object::new(Arc::new(part.mesh)))
+        .collect()
 }
 
 fn objects(case: &Value, folder: &Path) -> Vec<Object> {
@@ -79,7 +101,12 @@ fn objects(case: &Value, folder: &Path) -> Vec<Object> {
             panic!("no case has such an object yet: {object}")
         }
     };
-    case["objects"].as_array().unwrap().iter().map(object).collect()
+    case["objects"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(object)
+        .collect()
 }
 
 /// The oracle counts primitives through all objects.
@@ -98,11 +125,16 @@ fn numbers_before(scene: &Scene) -> Vec<i32> {
 
 #[test]
 fn every_pixel_of_every_case_agrees() {
-    let Some(folder) = support::refdata().map(|path| path.join("oracle")) else { return };
+    let Some(folder) = support::refdata().map(|path| path.join("oracle")) else {
+        return;
+    };
     let mut cases = 0;
     for entry in std::fs::read_dir(&folder).unwrap() {
         let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "json") {
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "json")
+        {
             check_case(&path, &folder);
             cases += 1;
         }
@@ -120,7 +152,9 @@ fn check_case(path: &Path, folder: &Path) {
     for row in 0..camera.rows() {
         for column in 0..camera.columns() {
             let hit = first_hit::<Trees>(&scene, &camera.ray(row, column));
-            let number = before.get(hit.object as usize).map_or(-1, |first| first + hit.primitive);
+            let number = before
+                .get(hit.object as usize)
+                .map_or(-1, |first| first + hit.primitive);
             // The oracle's row 0 is the bottom one.
             let k = (camera.rows() - 1 - row) * camera.columns() + column;
             let place = format!("{} row {row} column {column}: {hit:?}", path.display());
@@ -129,10 +163,16 @@ fn check_case(path: &Path, folder: &Path) {
             match answer["amb"][k] {
                 0.0 => {
                     clear += 1;
-                    assert!(is(answer["t"][k]) && f64::from(number) == answer["prim"][k], "{place}");
+                    assert!(
+                        is(answer["t"][k]) && f64::from(number) == answer["prim"][k],
+                        "{place}"
+                    );
                 }
                 1.0 => assert!(is(answer["t"][k]) && candidate, "{place}"),
-                _ => assert!(answer["alts"][8 * k..8 * k + 8].iter().any(|&t| is(t)), "{place}"),
+                _ => assert!(
+                    answer["alts"][8 * k..8 * k + 8].iter().any(|&t| is(t)),
+                    "{place}"
+                ),
             }
         }
     }
@@ -141,7 +181,9 @@ fn check_case(path: &Path, folder: &Path) {
 
 #[test]
 fn every_ray_from_inside_hits() {
-    let Some(folder) = support::refdata().map(|path| path.join("oracle")) else { return };
+    let Some(folder) = support::refdata().map(|path| path.join("oracle")) else {
+        return;
+    };
     let rays = arrays(&folder.join("rays_ico3.npz"));
     let scene = Scene::new(mesh_objects(&folder.join("ico3.ply"))).unwrap();
     let (origins, directions) = (&rays["origin"], &rays["dir"]);
@@ -151,7 +193,11 @@ fn every_ray_from_inside_hits() {
         let hit = first_hit::<Trees>(&scene, &ray);
         assert!(!hit.is_miss(), "{ray:?}");
         if k % 50 == 0 {
-            assert_eq!(hit.t.to_bits(), first_hit::<BruteForce>(&scene, &ray).t.to_bits(), "{ray:?}");
+            assert_eq!(
+                hit.t.to_bits(),
+                first_hit::<BruteForce>(&scene, &ray).t.to_bits(),
+                "{ray:?}"
+            );
         }
     }
     assert!(origins.len() / 3 > 10_000);

@@ -2,8 +2,8 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::sync::Arc;
 
-use firsthit::{Bounds, DVec3, Object, Scene, Shape};
 use firsthit::error::escape_controls;
+use firsthit::{Bounds, DVec3, Object, Scene, Shape};
 use serde_json::{Value, json};
 
 use crate::args::InfoArgs;
@@ -19,11 +19,17 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
         loading::warn(&loaded.warnings);
         as_text(&loaded)
     };
-    std::io::stdout().write_all(text.as_bytes()).map_err(|error| Failure::stdout(&error))
+    std::io::stdout()
+        .write_all(text.as_bytes())
+        .map_err(|error| Failure::stdout(&error))
 }
 
 fn as_json(loaded: &Loaded) -> Value {
-    let Loaded { scene, up, warnings } = loaded;
+    let Loaded {
+        scene,
+        up,
+        warnings,
+    } = loaded;
     let object = |object: &Object| {
         json!({
             "name": object.name(),
@@ -43,21 +49,39 @@ fn as_json(loaded: &Loaded) -> Value {
 }
 
 fn corners(bounds: Bounds) -> Value {
-    if bounds.is_empty() { Value::Null } else { json!([bounds.low.to_array(), bounds.high.to_array()]) }
+    if bounds.is_empty() {
+        Value::Null
+    } else {
+        json!([bounds.low.to_array(), bounds.high.to_array()])
+    }
 }
 
 fn as_text(loaded: &Loaded) -> String {
     let Loaded { scene, up, .. } = loaded;
-    let mut text = format!("triangles  {}\nvertices   {}\n", scene.triangles(), vertices(scene));
+    let mut text = format!(
+        "triangles  {}\nvertices   {}\n",
+        scene.triangles(),
+        vertices(scene)
+    );
     if !scene.bounds().is_empty() {
         let DVec3 { x, y, z } = scene.bounds().size();
-        text += &format!("bounds     {}\nsize       {x} x {y} x {z}\n", span(scene.bounds()));
+        text += &format!(
+            "bounds     {}\nsize       {x} x {y} x {z}\n",
+            span(scene.bounds())
+        );
     }
-    text += &format!("up         {},{},{} (by the format's custom)\n", up.x, up.y, up.z);
+    text += &format!(
+        "up         {},{},{} (by the format's custom)\n",
+        up.x, up.y, up.z
+    );
     text += &format!("objects    {}\n", scene.objects().len());
     for (identifier, object) in scene.objects().iter().enumerate() {
         let name = escape_controls(object.name());
-        text += &format!("  {identifier}  {name}  ({}, {} triangles)\n", object.shape().name(), object.triangles());
+        text += &format!(
+            "  {identifier}  {name}  ({}, {} triangles)\n",
+            object.shape().name(),
+            object.triangles()
+        );
     }
     text
 }

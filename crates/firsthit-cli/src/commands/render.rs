@@ -18,16 +18,34 @@ use crate::values::LightArg;
 pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let kinds = output::kinds(&args.picture.channels)?;
     let default = [default_output(&args.file)];
-    let outputs = if args.picture.output.is_empty() { &default[..] } else { &args.picture.output };
+    let outputs = if args.picture.output.is_empty() {
+        &default[..]
+    } else {
+        &args.picture.output
+    };
     let targets = output::targets(outputs, &kinds, Some(&args.file))?;
     with_threads(&args.run, || {
-        let Loaded { scene, up, warnings } = loading::read(&args.file, &args.load, args.light.color)?;
+        let Loaded {
+            scene,
+            up,
+            warnings,
+        } = loading::read(&args.file, &args.load, args.light.color)?;
         loading::warn(&warnings);
         let camera = camera(&args.camera, scene.bounds(), up)?;
         let lights = lights(&args.light, &scene, &camera);
         let scene = scene.with_lights(lights);
-        let shade = Shading { scene: &scene, shader: shader(&args.light)?, background: background(&args.light, &camera) };
-        let job = Job { scene: &scene, camera: &camera, shade: &shade, kinds: &kinds, samples: args.picture.samples };
+        let shade = Shading {
+            scene: &scene,
+            shader: shader(&args.light)?,
+            background: background(&args.light, &camera),
+        };
+        let job = Job {
+            scene: &scene,
+            camera: &camera,
+            shade: &shade,
+            kinds: &kinds,
+            samples: args.picture.samples,
+        };
         picture(&job, &targets, &args.run, interrupted)
     })
 }
@@ -35,7 +53,10 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
 /// The input's name with the extension of a picture, in the current folder.
 fn default_output(input: &Path) -> PathBuf {
     // Not `set_extension`: `part.v2.stl` becomes `part.v2.png`.
-    let mut name = input.file_stem().unwrap_or_else(|| "render".as_ref()).to_owned();
+    let mut name = input
+        .file_stem()
+        .unwrap_or_else(|| "render".as_ref())
+        .to_owned();
     name.push(".png");
     name.into()
 }
@@ -50,11 +71,26 @@ pub(crate) struct Job<'a> {
 }
 
 /// Makes a picture, writes it, and says so in one line.
-pub(crate) fn picture(job: &Job<'_>, targets: &[Target], args: &RunArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn picture(
+    job: &Job<'_>,
+    targets: &[Target],
+    args: &RunArgs,
+    interrupted: &AtomicBool,
+) -> Result<(), Failure> {
     let started = Instant::now();
-    let &Job { scene, camera, shade, kinds, samples } = job;
+    let &Job {
+        scene,
+        camera,
+        shade,
+        kinds,
+        samples,
+    } = job;
     let pixels = camera.pixels() as u64;
-    let colors = if kinds.iter().any(|kind| kind.needs_shade()) { u64::from(samples) } else { 0 };
+    let colors = if kinds.iter().any(|kind| kind.needs_shade()) {
+        u64::from(samples)
+    } else {
+        0
+    };
     let progress = Progress::new(pixels * (1 + colors), args.quiet, interrupted);
     let hits = shoot_all(scene, camera, &progress)?;
     let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
@@ -84,7 +120,9 @@ fn shader(args: &LightingArgs) -> Result<Shader, Failure> {
         // An option that would do nothing is a misunderstanding.
         if !args.light.is_empty() || args.ambient.is_some() || args.no_shadows {
             let name = &args.shader;
-            return Err(Failure::usage(format!("--light, --ambient and --no-shadows are for --shader lambert, not {name}")));
+            return Err(Failure::usage(format!(
+                "--light, --ambient and --no-shadows are for --shader lambert, not {name}"
+            )));
         }
         return Ok(shader);
     };
@@ -95,7 +133,11 @@ fn shader(args: &LightingArgs) -> Result<Shader, Failure> {
 
 fn background(args: &LightingArgs, camera: &Camera) -> Background {
     match args.sky {
-        Some(sky) => Background::Gradient { horizon: sky.horizon, zenith: sky.zenith, up: camera.view().up },
+        Some(sky) => Background::Gradient {
+            horizon: sky.horizon,
+            zenith: sky.zenith,
+            up: camera.view().up,
+        },
         None => Background::Uniform(args.background.unwrap_or(Color::new(0.85, 0.87, 0.9))),
     }
 }
@@ -104,15 +146,28 @@ fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Vec<Light> {
     if args.light.is_empty() {
         // From behind the camera's left shoulder.
         let direction = camera.aim() + 0.45 * camera.right() - 0.6 * camera.upwards();
-        return vec![Light::Directional { direction, color: Color::splat(0.95) }];
+        return vec![Light::Directional {
+            direction,
+            color: Color::splat(0.95),
+        }];
     }
-    let centre = if scene.bounds().is_empty() { camera.position() } else { scene.bounds().centre() };
+    let centre = if scene.bounds().is_empty() {
+        camera.position()
+    } else {
+        scene.bounds().centre()
+    };
     let light = |light: &LightArg| match *light {
-        LightArg::Directional(direction) => Light::Directional { direction, color: Color::splat(0.95) },
+        LightArg::Directional(direction) => Light::Directional {
+            direction,
+            color: Color::splat(0.95),
+        },
         // As bright in the middle of the scene as a directional light.
         LightArg::Point(position) => {
             let intensity = Color::splat(0.95 * (centre - position).length_squared());
-            Light::Point { position, intensity }
+            Light::Point {
+                position,
+                intensity,
+            }
         }
     };
     args.light.iter().map(light).collect()

@@ -146,9 +146,17 @@ impl Depths {
         let values = (0..channel.data.len()).map(|index| channel.data.value(index));
         let mut hits: Vec<f64> = values.filter(|t| t.is_finite()).collect();
         let half = hits.len() / 2;
-        let middle = if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(half, f64::total_cmp).1 };
+        let middle = if hits.is_empty() {
+            0.0
+        } else {
+            *hits.select_nth_unstable_by(half, f64::total_cmp).1
+        };
         // Where more than half is at the nearest distance, the farthest serves.
-        let middle = if middle > range.low { middle } else { range.high };
+        let middle = if middle > range.low {
+            middle
+        } else {
+            range.high
+        };
         Self { range, middle }
     }
 
@@ -159,7 +167,8 @@ impl Depths {
             return 1.0;
         }
         // Halves, because the difference of two float64 may be infinite.
-        let nearness = |t: f64| 1.0 / (1.0 + (t / 2.0 - low / 2.0) / (self.middle / 2.0 - low / 2.0));
+        let nearness =
+            |t: f64| 1.0 / (1.0 + (t / 2.0 - low / 2.0) / (self.middle / 2.0 - low / 2.0));
         let farthest = nearness(high);
         (nearness(t) - farthest) / (1.0 - farthest)
     }
@@ -246,7 +255,8 @@ mod tests {
         assert_eq!(colors[..3], [[68, 1, 84], BLACK, [253, 231, 37]]);
         // The median is half way down from 1, and 9.5, twice as far, two thirds: a quarter of that is left.
         assert_eq!(colors[3], VIRIDIS[64]);
-        let expected = "it from 3.25 (yellow) to 9.5 (violet), half of it nearer than 6.375; misses black";
+        let expected =
+            "it from 3.25 (yellow) to 9.5 (violet), half of it nearer than 6.375; misses black";
         assert_eq!(legend.as_deref(), Some(expected));
     }
 

@@ -1,5 +1,9 @@
 //! What several tests share: reproducible numbers, closed meshes, the reference data.
-#![allow(dead_code, unreachable_pub, reason = "each test includes it, and none uses all of it")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    reason = "each test includes it, and none uses all of it"
+)]
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +22,10 @@ impl Numbers {
 
     /// From 0 up to 1.
     pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -46,9 +53,17 @@ pub fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
         for k in 0..around {
             let turn = std::f64::consts::TAU * f64::from(k) / f64::from(around);
-            let direction = DVec3::new(polar.sin() * turn.cos(), polar.sin() * turn.sin(), polar.cos());
+            let direction = DVec3::new(
+                polar.sin() * turn.cos(),
+                polar.sin() * turn.sin(),
+                polar.cos(),
+            );
             // Rounded to float32, as most files are.
-            points.push((direction * (0.7 + 0.6 * numbers.unit())).as_vec3().as_dvec3());
+            points.push(
+                (direction * (0.7 + 0.6 * numbers.unit()))
+                    .as_vec3()
+                    .as_dvec3(),
+            );
         }
     }
     let at = |ring: u32, k: u32| 2 + (ring - 1) * around + k % around;
@@ -57,7 +72,12 @@ pub fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         triangles.push([0, at(1, k), at(1, k + 1)]);
         triangles.push([1, at(rings - 1, k + 1), at(rings - 1, k)]);
         for ring in 1..rings - 1 {
-            let [a, b, c, d] = [at(ring, k), at(ring + 1, k), at(ring + 1, k + 1), at(ring, k + 1)];
+            let [a, b, c, d] = [
+                at(ring, k),
+                at(ring + 1, k),
+                at(ring + 1, k + 1),
+                at(ring, k + 1),
+            ];
             triangles.extend([[a, b, c], [a, c, d]]);
         }
     }
@@ -66,7 +86,10 @@ pub fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 
 /// The reference data beside the project, or `None` (and a message) where it is missing.
 pub fn refdata() -> Option<PathBuf> {
-    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/refdata/public"));
+    let path = PathBuf::from(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/refdata/public"
+    ));
     if path.is_dir() {
         return Some(path);
     }
