@@ -116,7 +116,7 @@ pub const KINDS: &[Kind] = &[
         components: 3,
         picture: Picture::Direction,
         make: Make::Doubles(|scene, ray, hit, out| {
-            out.copy_from_slice(&scene.normal(ray, hit).to_array())
+            out.copy_from_slice(&scene.normal(ray, hit).to_array());
         }),
     },
     Kind {

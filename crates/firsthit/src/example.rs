@@ -8,84 +8,108 @@ use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform};
 use crate::scene::{Background, Light, Object, Scene};
 use crate::shape::{Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Sphere};
 
-/// The example's scene, in metres, z upwards: a knot on a pedestal with everything else around it.
+/// The example's scene, in metres, z upwards: a knot on a pedestal with every other shape around it.
 ///
 /// # Errors
 ///
 /// None that its constants could cause.
 pub fn scene() -> Result<Scene> {
     let knot = Arc::new(knot(360, 36)?);
-    let at = |x, y, z, scale: f64, turn: f64| {
-        let turn = DQuat::from_axis_angle(DVec3::Z, turn);
-        Transform::new(DAffine3::from_scale_rotation_translation(
-            DVec3::splat(scale),
-            turn,
-            DVec3::new(x, y, z),
-        ))
-    };
-    let mirrored = DAffine3::from_scale_rotation_translation(
-        DVec3::new(-0.2, 0.2, 0.2),
-        DQuat::from_axis_angle(DVec3::X, 1.2),
-        DVec3::new(1.05, -1.6, 0.32),
-    );
-    let (sand, teal, coral) = (
-        Color::new(0.62, 0.55, 0.45),
-        Color::new(0.08, 0.38, 0.42),
-        Color::new(0.75, 0.2, 0.12),
-    );
-    let (gold, cream, blue) = (
-        Color::new(0.8, 0.5, 0.1),
-        Color::new(0.75, 0.7, 0.6),
-        Color::new(0.1, 0.2, 0.5),
-    );
-    let sun = DVec3::new(-0.35, 0.9, -0.2);
-    let objects = vec![
-        Object::new(Plane::new(DVec3::ZERO, DVec3::Z)?)
-            .named("ground")
-            .colored(sand),
-        Object::new(Cylinder::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 0.6), 0.75)?)
-            .named("pedestal")
-            .colored(cream),
+    let mut objects = Vec::from(stage()?);
+    objects.extend(solids()?);
+    objects.extend([
         Object::new(Arc::clone(&knot))
             .named("knot")
-            .placed(at(0.0, 0.0, 1.42, 0.52, 0.4)?)
-            .colored(Color::ONE),
-        Object::new(Sphere::new(DVec3::new(-1.7, -0.5, 0.55), 0.55)?)
-            .named("sphere")
-            .colored(coral),
-        Object::new(Cuboid::new(
-            DVec3::new(-0.5, -0.5, 0.0),
-            DVec3::new(0.5, 0.5, 1.0),
-        )?)
-        .named("box")
-        .placed(at(1.75, 0.6, 0.0, 0.9, 0.5)?)
-        .colored(teal),
-        Object::new(Cone::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 1.1), 0.5, 0.0)?)
-            .named("cone")
-            .placed(at(-0.75, -1.6, 0.0, 0.75, 0.0)?)
-            .colored(gold),
-        Object::new(Cone::new(
-            DVec3::ZERO,
-            DVec3::new(0.0, 0.0, 0.5),
-            0.45,
-            0.25,
-        )?)
-        .named("cone without a tip")
-        .placed(at(1.75, 0.6, 0.9, 0.8, 0.0)?)
-        .colored(cream),
-        Object::new(Disc::new(DVec3::new(-1.5, 2.4, 1.6), -sun, 1.25)?)
-            .named("disc")
-            .colored(blue),
+            .colored(Color::ONE)
+            .placed(placed(
+                DVec3::splat(0.62),
+                DQuat::from_rotation_z(0.5),
+                DVec3::new(0.0, 0.0, 1.08),
+            )?),
+        // The same triangles again, mirrored: the colours run the other way round.
         Object::new(knot)
             .named("mirrored knot")
-            .placed(Transform::new(mirrored)?)
-            .colored(Color::ONE),
-    ];
+            .colored(Color::ONE)
+            .placed(placed(
+                DVec3::new(-0.24, 0.24, 0.24),
+                DQuat::from_rotation_x(1.25),
+                DVec3::new(1.2, -1.45, 0.36),
+            )?),
+    ]);
     let sun = Light::Directional {
-        direction: DVec3::new(0.55, 0.75, -0.9),
-        color: Color::new(0.95, 0.88, 0.75),
+        direction: DVec3::new(0.6, 0.75, -0.8),
+        color: Color::new(0.95, 0.86, 0.7),
     };
     Ok(Scene::new(objects)?.with_lights(vec![sun]))
+}
+
+/// The ground, the pedestal and the disc behind it.
+fn stage() -> Result<[Object; 3]> {
+    let ground = Plane::new(DVec3::ZERO, DVec3::Z)?;
+    let pedestal = Cylinder::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 0.6), 0.95)?;
+    let disc = Disc::new(
+        DVec3::new(-0.75, 2.6, 1.45),
+        DVec3::new(0.15, -1.0, 0.0),
+        1.45,
+    )?;
+    Ok([
+        Object::new(ground)
+            .named("ground")
+            .colored(Color::new(0.5, 0.47, 0.42)),
+        Object::new(pedestal)
+            .named("pedestal")
+            .colored(Color::new(0.7, 0.66, 0.58)),
+        Object::new(disc)
+            .named("disc")
+            .colored(Color::new(0.85, 0.28, 0.1)),
+    ])
+}
+
+/// The shapes that stand around: three spheres, a box, a cone, and one without a tip.
+fn solids() -> Result<Vec<Object>> {
+    let ball = |x, y, radius, color| {
+        let sphere = Sphere::new(DVec3::new(x, y, radius), radius)?;
+        Ok(Object::new(sphere).named("sphere").colored(color))
+    };
+    let cuboid = Cuboid::new(DVec3::new(-0.5, -0.5, 0.0), DVec3::new(0.5, 0.5, 1.0))?;
+    let turned = placed(
+        DVec3::splat(0.95),
+        DQuat::from_rotation_z(0.5),
+        DVec3::new(2.05, 0.7, 0.0),
+    )?;
+    let cone = Cone::new(
+        DVec3::new(-1.0, -1.5, 0.0),
+        DVec3::new(-1.0, -1.5, 0.95),
+        0.38,
+        0.0,
+    )?;
+    let cut = Cone::new(
+        DVec3::new(2.05, 0.7, 0.95),
+        DVec3::new(2.05, 0.7, 1.4),
+        0.38,
+        0.22,
+    )?;
+    Ok(vec![
+        ball(-2.0, -0.35, 0.6, Color::new(0.1, 0.35, 0.6))?,
+        ball(-1.75, -1.35, 0.22, Color::new(0.75, 0.72, 0.65))?,
+        ball(-0.1, -1.8, 0.16, Color::new(0.7, 0.12, 0.12))?,
+        Object::new(cuboid)
+            .named("box")
+            .placed(turned)
+            .colored(Color::new(0.07, 0.42, 0.4)),
+        Object::new(cone)
+            .named("cone")
+            .colored(Color::new(0.85, 0.55, 0.08)),
+        Object::new(cut)
+            .named("cone without a tip")
+            .colored(Color::new(0.75, 0.7, 0.6)),
+    ])
+}
+
+fn placed(scale: DVec3, turn: DQuat, offset: DVec3) -> Result<Transform> {
+    Transform::new(DAffine3::from_scale_rotation_translation(
+        scale, turn, offset,
+    ))
 }
 
 /// The example's camera.
@@ -94,7 +118,7 @@ pub fn scene() -> Result<Scene> {
 ///
 /// [`Error::Argument`](crate::Error::Argument) for a picture without pixels.
 pub fn camera(rows: usize, columns: usize) -> Result<Camera> {
-    let (position, target) = (DVec3::new(1.1, -6.2, 2.6), DVec3::new(0.0, 0.0, 0.95));
+    let (position, target) = (DVec3::new(0.7, -6.4, 1.75), DVec3::new(0.05, 0.0, 1.0));
     let view = View {
         position,
         up: DVec3::Z,
@@ -102,14 +126,15 @@ pub fn camera(rows: usize, columns: usize) -> Result<Camera> {
         columns,
         ..View::default()
     };
-    Camera::new(view.aimed_at(target).with_vertical_fov(34.0)?)
+    Camera::new(view.aimed_at(target).with_vertical_fov(32.0)?)
 }
 
 /// The example's sky.
 pub fn background() -> Background {
+    let (horizon, zenith) = (Color::new(0.85, 0.8, 0.72), Color::new(0.02, 0.1, 0.45));
     Background::Gradient {
-        horizon: Color::new(0.72, 0.78, 0.82),
-        zenith: Color::new(0.12, 0.28, 0.6),
+        horizon,
+        zenith,
         up: DVec3::Z,
     }
 }
@@ -127,16 +152,16 @@ fn knot(along: u32, around: u32) -> Result<Mesh> {
         )
     };
     let mut points = Vec::new();
-    let mut colors = Vec::new();
+    let (mut normals, mut colors) = (Vec::new(), Vec::new());
     for ring in 0..along {
         let forwards = line((ring + 1) % along) - line((ring + along - 1) % along);
         let across = forwards.cross(line(ring)).normalize();
         let upwards = across.cross(forwards).normalize();
         for corner in 0..around {
             let a = angle(corner, around);
-            points.push(
-                (line(ring) + 0.27 * (libm::cos(a) * across + libm::sin(a) * upwards)).to_array(),
-            );
+            let outwards = libm::cos(a) * across + libm::sin(a) * upwards;
+            points.push((line(ring) + 0.27 * outwards).to_array());
+            normals.push(outwards.as_vec3().to_array());
             colors.push(rainbow(angle(ring, along)));
         }
     }
@@ -155,7 +180,9 @@ fn knot(along: u32, around: u32) -> Result<Mesh> {
     let triangles = quads
         .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
         .collect();
-    Mesh::new(Positions::compact(points), triangles)?.with_colors(Attribute::per_vertex(colors))
+    Mesh::new(Positions::compact(points), triangles)?
+        .with_normals(Attribute::per_vertex(normals))?
+        .with_colors(Attribute::per_vertex(colors))
 }
 
 #[expect(

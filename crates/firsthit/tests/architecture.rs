@@ -1,4 +1,11 @@
 //! The walls of the house: which room may import which (see ARCHITECTURE.md), and where `unsafe` may be.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,11 @@
 //! The trees against brute force, brute force against exact arithmetic, and closed meshes against leaks.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
 
 mod support;
 

@@ -1,5 +1,12 @@
 //! The oracle's answers, pixel by pixel, and its rays from inside a closed mesh, all of which hit.
 //! They stand beside the project; without them these tests skip with a message.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
 
 mod support;
 

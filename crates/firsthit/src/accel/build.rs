@@ -294,6 +294,10 @@ impl Grid {
     }
 }
 
+#[expect(
+    clippy::large_types_passed_by_value,
+    reason = "the form of a rayon reduction"
+)]
 fn merge(mut a: Bins, b: Bins) -> Bins {
     for (a, b) in a.iter_mut().flatten().zip(b.iter().flatten()) {
         *a = Bin {

@@ -6,8 +6,8 @@ pub type Color = DVec3;
 /// The sRGB value (0 to 1) of a linear one, by the curve of IEC 61966-2-1. Values outside 0 to 1 are
 /// clamped, NaN becomes 0.
 pub fn srgb_encode(linear: f64) -> f64 {
-    // `max` first: it turns a NaN into 0.
-    let linear = linear.max(0.0).min(1.0);
+    // Not `clamp`, which keeps a NaN.
+    let linear = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
     if linear <= 0.003_130_8 {
         12.92 * linear
     } else {
@@ -17,7 +17,7 @@ pub fn srgb_encode(linear: f64) -> f64 {
 
 /// The linear value of an sRGB one (0 to 1), the inverse of [`srgb_encode`].
 pub fn srgb_decode(encoded: f64) -> f64 {
-    let encoded = encoded.max(0.0).min(1.0);
+    let encoded = if encoded > 0.0 { encoded.min(1.0) } else { 0.0 };
     if encoded <= 0.040_45 {
         encoded / 12.92
     } else {

@@ -54,9 +54,9 @@ pub fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         for k in 0..around {
             let turn = std::f64::consts::TAU * f64::from(k) / f64::from(around);
             let direction = DVec3::new(
-                polar.sin() * turn.cos(),
-                polar.sin() * turn.sin(),
-                polar.cos(),
+                libm::sin(polar) * libm::cos(turn),
+                libm::sin(polar) * libm::sin(turn),
+                libm::cos(polar),
             );
             // Rounded to float32, as most files are.
             points.push(
