@@ -20,12 +20,13 @@ mod columns;
 
 use robust::{Coord, orient2d};
 
-use crate::geometry::DVec3;
+use crate::geometry::{Bounds, DVec3, unit};
 
 type Point = Coord<f64>;
 
 /// The triangles of a polygon as indices of its corners, in its own winding; `None` when the fan from
-/// the first corner, (0, k, k + 1), is right, as it is for every convex polygon.
+/// the first corner, (0, k, k + 1), is right, as it is for every convex polygon, or as good as any, as it
+/// is for one that is bent so much that it has no inside.
 ///
 /// Always n - 2 triangles. They cover a simple polygon exactly; what crosses itself gets some triangles.
 /// The corners must be finite.
@@ -33,16 +34,29 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     if corners.len() < 4 {
         return None;
     }
-    let points = project(corners)?;
-    if fan_is_right(&points) {
+    let normal = newell_normal(corners)?;
+    let points = project(corners, normal)?;
+    if fan_is_right(&points) || is_bent(corners, normal) {
         return None;
     }
     Some(clipper::Clipper::new(&points).run())
 }
 
-/// The polygon seen along the axis that is nearest its normal, counter-clockwise; `None` if it has no area.
-fn project(corners: &[DVec3]) -> Option<Vec<Point>> {
-    let normal = newell_normal(corners)?;
+/// How far corners may lie apart along the normal, as a share of the polygon's size, before seeing it
+/// along the normal says nothing about it.
+const BENT: f64 = 0.1;
+
+fn is_bent(corners: &[DVec3], normal: DVec3) -> bool {
+    let heights = corners.iter().map(|corner| corner.dot(unit(normal)));
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), height| {
+        (low.min(height), high.max(height))
+    });
+    let size = Bounds::of(corners.iter().copied()).size().max_element();
+    high - low > BENT * size
+}
+
+/// The polygon seen along the axis that is nearest its normal, counter-clockwise.
+fn project(corners: &[DVec3], normal: DVec3) -> Option<Vec<Point>> {
     let size = normal.abs();
     let (u, v, facing) = if size.z >= size.x && size.z >= size.y {
         (0, 1, normal.z)
@@ -132,6 +146,14 @@ mod tests {
         assert_eq!(areas(&dart), [1.0, 1.0]);
         let turned = flat(&[[3.0, 1.0], [0.0, 2.0], [1.0, 1.0], [0.0, 0.0]]);
         assert_eq!(triangulate(&turned), None, "the fan from its tip is right");
+    }
+
+    #[test]
+    fn a_polygon_that_is_bent_stays_a_fan() {
+        let mut dart = flat(&[[0.0, 0.0], [3.0, 1.0], [0.0, 2.0], [1.0, 1.0]]);
+        assert!(triangulate(&dart).is_some());
+        dart[1].z += 2.0;
+        assert_eq!(triangulate(&dart), None);
     }
 
     #[test]
