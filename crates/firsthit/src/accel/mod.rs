@@ -3,6 +3,7 @@
 //! A [`Candidates`] only proposes; the shape's own float64 test decides. So the answer does not depend
 //! on the tree: [`Everything`] proposes every box, and any other source must lead to the same bits.
 
+mod bins;
 mod build;
 mod bvh;
 

@@ -1,103 +1,10 @@
 use std::sync::Arc;
 
+use super::attribute::check_indices;
 use super::triangle::{Shear, TriangleHit};
-use super::{Crossing, Surface};
+use super::{Attribute, Crossing, Positions, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec2, DVec3, Ray, unit};
-
-/// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
-/// which halves the memory, float64 otherwise.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Positions {
-    /// Every coordinate is a float32.
-    Single(Vec<[f32; 3]>),
-    /// At least one coordinate needs float64.
-    Double(Vec<[f64; 3]>),
-}
-
-impl Positions {
-    /// The points in the smaller type if that loses nothing.
-    pub fn compact(points: Vec<[f64; 3]>) -> Self {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the round trip is what is tested"
-        )]
-        let single = |x: f64| x as f32;
-        if points.iter().flatten().all(|&x| f64::from(single(x)) == x) {
-            Self::Single(points.iter().map(|point| point.map(single)).collect())
-        } else {
-            Self::Double(points)
-        }
-    }
-
-    /// How many points there are.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::Single(points) => points.len(),
-            Self::Double(points) => points.len(),
-        }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The point `index`.
-    ///
-    /// # Panics
-    ///
-    /// When there is no such point.
-    pub fn get(&self, index: u32) -> DVec3 {
-        match self {
-            Self::Single(points) => DVec3::from(points[index as usize].map(f64::from)),
-            Self::Double(points) => DVec3::from(points[index as usize]),
-        }
-    }
-}
-
-/// Values at the corners of a mesh's triangles: normals, texture coordinates, colours.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Attribute<const N: usize> {
-    /// The values.
-    pub values: Vec<[f32; N]>,
-    /// For each triangle the indices of its corners' values; `None`: the indices of its vertices.
-    pub corners: Option<Vec<[u32; 3]>>,
-}
-
-impl<const N: usize> Attribute<N> {
-    /// A value for each vertex.
-    pub fn per_vertex(values: Vec<[f32; N]>) -> Self {
-        Self {
-            values,
-            corners: None,
-        }
-    }
-
-    /// The value between the corners of a triangle, by barycentric weights.
-    fn interpolate(&self, triangle: usize, vertices: [u32; 3], weights: [f64; 3]) -> [f64; N] {
-        let corners = self
-            .corners
-            .as_ref()
-            .map_or(vertices, |corners| corners[triangle]);
-        let values = corners.map(|corner| self.values[corner as usize]);
-        std::array::from_fn(|n| (0..3).map(|k| weights[k] * f64::from(values[k][n])).sum())
-    }
-
-    fn check(&self, name: &'static str, positions: usize, triangles: &[[u32; 3]]) -> Result<()> {
-        let count = self.values.len();
-        match &self.corners {
-            None if count != positions => Err(Error::argument(name, "as many as vertices", count)),
-            Some(corners) if corners.len() != triangles.len() => Err(Error::argument(
-                name,
-                "three indices for each triangle",
-                corners.len(),
-            )),
-            Some(corners) => check_indices(name, corners, count),
-            None => Ok(()),
-        }
-    }
-}
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -302,19 +209,6 @@ impl Surface for Arc<Mesh> {
     }
 }
 
-fn check_indices(name: &'static str, triangles: &[[u32; 3]], count: usize) -> Result<()> {
-    match triangles
-        .iter()
-        .position(|corners| corners.iter().any(|&k| k as usize >= count))
-    {
-        None => Ok(()),
-        Some(bad) => {
-            let got = format!("{:?} in triangle {bad}, of {count}", triangles[bad]);
-            Err(Error::argument(name, "indices of what is there", got))
-        }
-    }
-}
-
 #[cfg(test)]
 impl super::conformance::Conforming for Arc<Mesh> {
     /// An octahedron and a pyramid that leans.
@@ -396,17 +290,6 @@ mod tests {
             [0.0, 1.0, 0.0],
         ];
         Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 2, 3]]).unwrap()
-    }
-
-    #[test]
-    fn positions_stay_double_when_single_would_round() {
-        assert!(matches!(
-            Positions::compact(vec![[0.5, 1.0, -2.0]]),
-            Positions::Single(_)
-        ));
-        let tenth = Positions::compact(vec![[0.1, 1.0, -2.0]]);
-        assert!(matches!(tenth, Positions::Double(_)));
-        assert_eq!(tenth.get(0).x, 0.1);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What rays can meet: a file per shape, each in its own object space.
 
+mod attribute;
 mod cone;
 mod cuboid;
 mod cylinder;
@@ -7,6 +8,7 @@ mod disc;
 mod interval;
 mod mesh;
 mod plane;
+mod positions;
 mod sphere;
 pub mod triangle;
 
@@ -15,12 +17,14 @@ mod conformance;
 
 use std::sync::Arc;
 
+pub use attribute::Attribute;
 pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
-pub use mesh::{Attribute, Mesh, Positions};
+pub use mesh::Mesh;
 pub use plane::Plane;
+pub use positions::Positions;
 pub use sphere::Sphere;
 
 use crate::error::{Error, Result};

@@ -1,0 +1,72 @@
+use crate::error::{Error, Result};
+
+/// Values at the corners of a mesh's triangles: normals, texture coordinates, colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attribute<const N: usize> {
+    /// The values.
+    pub values: Vec<[f32; N]>,
+    /// For each triangle the indices of its corners' values; `None`: the indices of its vertices.
+    pub corners: Option<Vec<[u32; 3]>>,
+}
+
+impl<const N: usize> Attribute<N> {
+    /// A value for each vertex.
+    pub fn per_vertex(values: Vec<[f32; N]>) -> Self {
+        Self {
+            values,
+            corners: None,
+        }
+    }
+
+    /// The value between the corners of a triangle, by barycentric weights.
+    pub(super) fn interpolate(
+        &self,
+        triangle: usize,
+        vertices: [u32; 3],
+        weights: [f64; 3],
+    ) -> [f64; N] {
+        let corners = self
+            .corners
+            .as_ref()
+            .map_or(vertices, |corners| corners[triangle]);
+        let values = corners.map(|corner| self.values[corner as usize]);
+        std::array::from_fn(|n| (0..3).map(|k| weights[k] * f64::from(values[k][n])).sum())
+    }
+
+    pub(super) fn check(
+        &self,
+        name: &'static str,
+        positions: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<()> {
+        let count = self.values.len();
+        match &self.corners {
+            None if count != positions => Err(Error::argument(name, "as many as vertices", count)),
+            Some(corners) if corners.len() != triangles.len() => Err(Error::argument(
+                name,
+                "three indices for each triangle",
+                corners.len(),
+            )),
+            Some(corners) => check_indices(name, corners, count),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Refuses triangles that name one of `count` things that is not there.
+pub(super) fn check_indices(
+    name: &'static str,
+    triangles: &[[u32; 3]],
+    count: usize,
+) -> Result<()> {
+    match triangles
+        .iter()
+        .position(|corners| corners.iter().any(|&k| k as usize >= count))
+    {
+        None => Ok(()),
+        Some(bad) => {
+            let got = format!("{:?} in triangle {bad}, of {count}", triangles[bad]);
+            Err(Error::argument(name, "indices of what is there", got))
+        }
+    }
+}

@@ -1,0 +1,68 @@
+use crate::geometry::DVec3;
+
+/// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
+/// which halves the memory, float64 otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Positions {
+    /// Every coordinate is a float32.
+    Single(Vec<[f32; 3]>),
+    /// At least one coordinate needs float64.
+    Double(Vec<[f64; 3]>),
+}
+
+impl Positions {
+    /// The points in the smaller type if that loses nothing.
+    pub fn compact(points: Vec<[f64; 3]>) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "the round trip is what is tested"
+        )]
+        let single = |x: f64| x as f32;
+        if points.iter().flatten().all(|&x| f64::from(single(x)) == x) {
+            Self::Single(points.iter().map(|point| point.map(single)).collect())
+        } else {
+            Self::Double(points)
+        }
+    }
+
+    /// How many points there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Single(points) => points.len(),
+            Self::Double(points) => points.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The point `index`.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such point.
+    pub fn get(&self, index: u32) -> DVec3 {
+        match self {
+            Self::Single(points) => DVec3::from(points[index as usize].map(f64::from)),
+            Self::Double(points) => DVec3::from(points[index as usize]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_stay_double_when_single_would_round() {
+        assert!(matches!(
+            Positions::compact(vec![[0.5, 1.0, -2.0]]),
+            Positions::Single(_)
+        ));
+        let tenth = Positions::compact(vec![[0.1, 1.0, -2.0]]);
+        assert!(matches!(tenth, Positions::Double(_)));
+        assert_eq!(tenth.get(0).x, 0.1);
+    }
+}
