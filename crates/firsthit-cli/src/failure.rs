@@ -6,6 +6,8 @@ use std::path::Path;
 
 use firsthit::Error;
 
+use crate::console::say;
+
 pub(crate) const USAGE: u8 = 2;
 pub(crate) const BAD_INPUT: u8 = 3;
 pub(crate) const NOT_WRITTEN: u8 = 4;
@@ -32,6 +34,13 @@ impl Failure {
     pub(crate) fn bad_input(message: impl Display) -> Self {
         Self {
             code: BAD_INPUT,
+            message: Some(message.to_string()),
+        }
+    }
+
+    pub(crate) fn not_written(message: impl Display) -> Self {
+        Self {
+            code: NOT_WRITTEN,
             message: Some(message.to_string()),
         }
     }
@@ -64,7 +73,7 @@ impl Failure {
     /// Says it on standard error, and returns the exit code.
     pub(crate) fn report(self) -> u8 {
         if let Some(message) = self.message {
-            eprintln!("firsthit: error: {message}");
+            say(format_args!("firsthit: error: {message}"));
         }
         self.code
     }

@@ -8,6 +8,7 @@ use std::time::Duration;
 use firsthit::watch::Watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::console::say;
 use crate::failure::INTERRUPTED;
 
 /// How long a computation gets to notice that it is interrupted.
@@ -25,7 +26,7 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
         }
         std::thread::spawn(|| {
             std::thread::sleep(GRACE);
-            eprintln!("firsthit: error: interrupted");
+            say("firsthit: error: interrupted");
             std::process::exit(i32::from(INTERRUPTED));
         });
     });

@@ -114,6 +114,13 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A positive number; infinity is one here.
+pub(crate) fn t_max(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    let positive = number.filter(|&number| number > 0.0);
+    positive.ok_or_else(|| "expected a positive number, or inf".into())
+}
+
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
     let form = "degrees between 0 and 180";
     let [degrees] = numbers::<1>(text, ',', form)?;
