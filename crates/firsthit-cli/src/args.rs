@@ -5,28 +5,16 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firsthit::{Color, DVec3, RayStart};
 
+use crate::help;
 use crate::values::{self, LightArg, Sky, Target};
 
 /// The general raycaster: what does this ray meet first?
 #[derive(Debug, Parser)]
-#[command(name = "firsthit", version, propagate_version = true, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "firsthit", version, propagate_version = true, max_term_width = 100, after_help = help::EXAMPLES)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
 }
-
-// Examples keep within 80 columns: broken anew, they could not be copied. Prose is one line, to be broken.
-const EXAMPLES: &str = "\
-Examples:
-  firsthit demo                         the embedded scene, no file needed
-  firsthit render bunny.ply             frames the model and writes bunny.png
-  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
-      -o color.png -o all.npz --channels color,t,z,object,normal
-  firsthit shoot part.stl rays.npy -o hits.npz
-  firsthit info part.stl --json         what is in the file
-
-Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
-70 a bug in firsthit, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -39,25 +27,15 @@ pub(crate) enum Command {
     /// Render the embedded example scene.
     Demo(DemoArgs),
     /// Print the completions for a shell, to be sourced or saved.
+    #[command(after_help = help::COMPLETIONS_EXAMPLES)]
     Completions {
         /// The shell to complete in.
         shell: clap_complete::Shell,
     },
 }
 
-const RENDER_EXAMPLES: &str = "\
-Examples:
-  firsthit render bunny.ply
-  firsthit render part.stl --position 200,300,100 --aim -2,-3,-1 --up 0,0,1 \\
-      --focal-length 35 --viewplane 36x24 --size 720x480
-  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
-      -o color.png -o all.npz --channels color,t,range,z,object,normal,position
-  firsthit render part.stl --channels z,object -o 'part-{channel}.png'
-
-Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3";
-
 #[derive(Debug, Args)]
-#[command(after_help = RENDER_EXAMPLES)]
+#[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
     /// The 3D file: PLY, STL or OBJ
     pub(crate) file: PathBuf,
@@ -193,19 +171,8 @@ pub(crate) struct RunArgs {
     pub(crate) quiet: bool,
 }
 
-const SHOOT_EXAMPLES: &str = "\
-Examples:
-  firsthit shoot part.stl rays.npy -o hits.npz
-  firsthit shoot part.stl origins.npy directions.npy -o hits.npz \\
-      --channels t,object,normal
-  echo 0,0,10,0,0,-1 | firsthit shoot part.stl - --channels t,object,position
-
-Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
-as .npz with the entries origins and directions (or origin, and direction or dir) or rays, or as .csv \
-with six numbers in a line. Directions of any length will do: t counts in lengths of the direction.";
-
 #[derive(Debug, Args)]
-#[command(after_help = SHOOT_EXAMPLES)]
+#[command(after_help = help::SHOOT_EXAMPLES)]
 pub(crate) struct ShootArgs {
     /// The 3D file: PLY, STL or OBJ
     pub(crate) file: PathBuf,
@@ -246,9 +213,7 @@ pub(crate) enum StreamFormat {
 }
 
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  firsthit info part.stl\n  firsthit info part.stl --json | jq .triangles"
-)]
+#[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
     /// The 3D file: PLY, STL or OBJ
     pub(crate) file: PathBuf,
@@ -260,9 +225,7 @@ pub(crate) struct InfoArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  firsthit demo\n  firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png"
-)]
+#[command(after_help = help::DEMO_EXAMPLES)]
 pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
     #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]

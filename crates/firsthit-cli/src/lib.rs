@@ -5,6 +5,7 @@ mod camera;
 mod commands;
 mod console;
 mod failure;
+mod help;
 mod hints;
 mod hits_csv;
 mod loading;

@@ -47,10 +47,11 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         let hits = shoot_all(&scene, &rays, &progress)?;
         let frame = frame(&scene, &rays, &hits, &kinds, &progress)?;
         drop(progress);
+        // Files first: a reader of standard output who has had enough ends the program.
+        output::write(&frame, &sinks.files, interrupted)?;
         if let Some(format) = sinks.stdout {
             stream(&frame, format)?;
         }
-        output::write(&frame, &sinks.files, interrupted)?;
         if scene.bounds().is_empty() && !rays.is_empty() {
             warn(&["nothing was hit: there is nothing in the file"]);
         }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Cursor, Read};
 
-use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
+use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use super::Table;
 
@@ -51,31 +51,20 @@ pub(super) fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
 /// An array of shape (n, columns) of any type of number, of either byte order, in C or Fortran order.
 pub(super) fn npy(bytes: &[u8]) -> Result<Table, String> {
     check_claims(bytes)?;
-    let file = NpyFile::new(bytes).map_err(|error| one_line(&error))?;
+    let mut data = bytes;
+    let header = NpyHeader::from_reader(&mut data).map_err(|error| one_line(&error))?;
+    let file = NpyFile::with_header(header, data);
     let &[rows, columns] = file.shape() else {
+        let shape = file.shape();
         return Err(format!(
-            "expected an array of shape (n, 6) or (n, 3), got {:?}",
-            file.shape()
+            "expected an array of shape (n, 6) or (n, 3), got {shape:?}"
         ));
     };
     let DType::Plain(kind) = file.dtype() else {
         return Err("expected plain numbers, got records".into());
     };
-    let (rows, columns) = (usize::try_from(rows), usize::try_from(columns));
-    let (Ok(rows), Ok(columns)) = (rows, columns) else {
-        return Err("the array is too large".into());
-    };
-    // A header may claim anything; what is there is what counts.
     let size = kind.num_bytes().unwrap_or(1).max(1);
-    if columns == 0
-        || rows
-            .checked_mul(columns)
-            .is_none_or(|count| count > bytes.len() / size)
-    {
-        return Err(format!(
-            "the array of shape ({rows}, {columns}) is longer than the file"
-        ));
-    }
+    let (rows, columns) = whole(rows, columns, data.len() / size)?;
     let order = file.order();
     let values = match (kind.type_char(), kind.size_field()) {
         (TypeChar::Float, 8) => plain(file, |x: f64| x),
@@ -106,6 +95,20 @@ pub(super) fn npy(bytes: &[u8]) -> Result<Table, String> {
 
 fn plain<T: Deserialize>(file: NpyFile<&[u8]>, convert: impl Fn(T) -> f64) -> io::Result<Vec<f64>> {
     Ok(file.into_vec::<T>()?.into_iter().map(convert).collect())
+}
+
+/// Rows and columns, if there are as many numbers. A header may claim anything; what is there is what counts.
+fn whole(rows: u64, columns: u64, numbers: usize) -> Result<(usize, usize), String> {
+    let sizes = usize::try_from(rows)
+        .ok()
+        .zip(usize::try_from(columns).ok());
+    let fits = |&(rows, columns): &(usize, usize)| {
+        let count = rows.checked_mul(columns);
+        columns > 0 && count.is_some_and(|count| count <= numbers)
+    };
+    sizes
+        .filter(fits)
+        .ok_or_else(|| format!("the array of shape ({rows}, {columns}) is longer than the file"))
 }
 
 /// Refuses a shape that no file has, before the numbers in it are multiplied by somebody who does not mind
