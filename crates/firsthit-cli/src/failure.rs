@@ -2,11 +2,10 @@
 
 use std::fmt::Display;
 use std::io;
-use std::path::Path;
 
 use firsthit::Error;
 
-use crate::console::say;
+use crate::console::{say, say_interrupted};
 
 pub(crate) const USAGE: u8 = 2;
 pub(crate) const BAD_INPUT: u8 = 3;
@@ -66,13 +65,11 @@ impl Failure {
         }
     }
 
-    pub(crate) fn reading(path: &Path, error: &io::Error) -> Self {
-        Self::bad_input(format!("{}: {error}", firsthit::error::escaped(path)))
-    }
-
     /// Says it on standard error, and returns the exit code.
     pub(crate) fn report(self) -> u8 {
-        if let Some(message) = self.message {
+        if self.code == INTERRUPTED {
+            say_interrupted();
+        } else if let Some(message) = self.message {
             say(format_args!("firsthit: error: {message}"));
         }
         self.code

@@ -3,6 +3,7 @@
 mod csv;
 mod npy;
 
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -11,10 +12,12 @@ use firsthit::{DVec3, Ray, Rays};
 
 use crate::failure::Failure;
 
+type Triples = Vec<[f64; 3]>;
+
 /// Rays as numbers: for each an origin and a direction.
 pub(crate) struct RayArrays {
-    origins: Vec<[f64; 3]>,
-    directions: Vec<[f64; 3]>,
+    origins: Triples,
+    directions: Triples,
     t_max: f64,
 }
 
@@ -40,7 +43,7 @@ struct Table {
 }
 
 impl Table {
-    fn triples(&self, first: usize) -> Vec<[f64; 3]> {
+    fn triples(&self, first: usize) -> Triples {
         self.values
             .chunks_exact(self.columns)
             .map(|row| [row[first], row[first + 1], row[first + 2]])
@@ -59,57 +62,51 @@ pub(crate) fn read(
             "origins and directions are the same file; rays of shape (n, 6) need no second one",
         ));
     }
-    let name = |path: &Path| {
-        if path == Path::new("-") {
-            "standard input".into()
-        } else {
-            firsthit::error::escaped(path)
-        }
-    };
-    let bad = |path: &Path, what: String| Failure::bad_input(format!("{}: {what}", name(path)));
-    let t_max = t_max.unwrap_or(f64::INFINITY);
-    let load = |path: &Path| -> Result<Vec<Table>, Failure> {
-        let bytes =
-            bytes(path).map_err(|error| Failure::reading(Path::new(&name(path)), &error))?;
-        tables(bytes).map_err(|what| bad(path, what))
-    };
-    let mut all = load(rays)?;
+    let mut tables = load(rays)?;
     if let Some(path) = directions {
-        all.extend(load(path)?);
+        tables.extend(load(path)?);
     }
-    match &all[..] {
-        [table] if table.columns == 6 => Ok(RayArrays {
-            origins: table.triples(0),
-            directions: table.triples(3),
-            t_max,
-        }),
+    let (origins, directions) = origins_and_directions(&tables).map_err(|what| bad(rays, &what))?;
+    let t_max = t_max.unwrap_or(f64::INFINITY);
+    Ok(RayArrays {
+        origins,
+        directions,
+        t_max,
+    })
+}
+
+fn origins_and_directions(tables: &[Table]) -> Result<(Triples, Triples), String> {
+    match tables {
+        [table] if table.columns == 6 => Ok((table.triples(0), table.triples(3))),
         [origins, directions] if origins.columns == 3 && directions.columns == 3 => {
             let (origins, directions) = (origins.triples(0), directions.triples(0));
-            if origins.len() != directions.len() {
-                let what = format!(
-                    "{} origins, but {} directions",
-                    origins.len(),
-                    directions.len()
-                );
-                return Err(bad(rays, what));
+            if origins.len() == directions.len() {
+                Ok((origins, directions))
+            } else {
+                let (origins, directions) = (origins.len(), directions.len());
+                Err(format!("{origins} origins, but {directions} directions"))
             }
-            Ok(RayArrays {
-                origins,
-                directions,
-                t_max,
-            })
         }
         tables => {
-            let columns: Vec<String> = tables
-                .iter()
-                .map(|table| table.columns.to_string())
-                .collect();
-            let what = format!(
+            let columns = tables.iter().map(|table| table.columns.to_string());
+            Err(format!(
                 "rays must be one array of 6 columns, or two of 3 (origins and directions), got columns: {}",
-                columns.join(" and ")
-            );
-            Err(bad(rays, what))
+                columns.collect::<Vec<_>>().join(" and ")
+            ))
         }
+    }
+}
+
+fn load(path: &Path) -> Result<Vec<Table>, Failure> {
+    let bytes = bytes(path).map_err(|error| bad(path, &error))?;
+    tables(bytes).map_err(|what| bad(path, &what))
+}
+
+fn bad(path: &Path, what: &dyn Display) -> Failure {
+    if path == Path::new("-") {
+        Failure::bad_input(format!("standard input: {what}"))
+    } else {
+        Failure::bad_input(format!("{}: {what}", firsthit::error::escaped(path)))
     }
 }
 

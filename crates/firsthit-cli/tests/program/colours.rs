@@ -200,6 +200,7 @@ fn wrong_colours_and_lights_are_refused() {
         ("--light 1,2,3", "expected directional:X,Y,Z"),
         ("--light -1,0,0", "expected directional:X,Y,Z"),
         ("--light directional:0,0,0", "a direction that is not zero"),
+        ("--light point:1e300,0,0", "no farther away than 1e150"),
         ("--shader gold", "[possible values: lambert, unlit, normal]"),
         ("--samples 0", "1..=65536"),
         ("--threads 0", "1..=1024"),
