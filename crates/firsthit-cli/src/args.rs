@@ -5,32 +5,21 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firsthit::{Color, DVec3, RayStart};
 
+use crate::help;
 use crate::values::{self, LightArg, Sky, Target};
 
 /// The general raycaster: what does this ray meet first?
 #[derive(Debug, Parser)]
-#[command(name = "firsthit", version, propagate_version = true, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "firsthit", version, propagate_version = true, max_term_width = 100, after_help = help::EXAMPLES)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
 }
 
-const EXAMPLES: &str = "\
-Examples:
-  firsthit demo                                 the embedded scene, no file needed
-  firsthit render bunny.ply                     frames the model and writes bunny.png
-  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 -o color.png \\
-                           -o all.npz --channels color,t,z,object,normal
-  firsthit shoot part.stl rays.npy -o hits.npz  any rays at all
-  firsthit info part.stl --json                 what is in the file
-
-Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was
-reached, 70 a bug in firsthit, 130 interrupted.";
-
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Make a picture, or distances, identifiers, normals, ... of a 3D file.
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Shoot any rays at a 3D file.
     Shoot(ShootArgs),
     /// Say what is in a 3D file.
@@ -38,25 +27,15 @@ pub(crate) enum Command {
     /// Render the embedded example scene.
     Demo(DemoArgs),
     /// Print the completions for a shell, to be sourced or saved.
+    #[command(after_help = help::COMPLETIONS_EXAMPLES)]
     Completions {
         /// The shell to complete in.
         shell: clap_complete::Shell,
     },
 }
 
-const RENDER_EXAMPLES: &str = "\
-Examples:
-  firsthit render bunny.ply
-  firsthit render part.stl --position 200,300,100 --aim -2,-3,-1 --up 0,0,1 --focal-length 35 \\
-                           --viewplane 36x24 --size 720x480
-  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 -o color.png \\
-                           -o all.npz --channels color,t,range,z,object,primitive,normal,position
-  firsthit render part.stl --channels z,object -o 'part-{channel}.png'
-
-Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3";
-
 #[derive(Debug, Args)]
-#[command(after_help = RENDER_EXAMPLES)]
+#[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
     /// The 3D file: PLY, STL or OBJ
     pub(crate) file: PathBuf,
@@ -84,7 +63,8 @@ pub(crate) struct CameraArgs {
     /// The point it looks at; auto is the middle of the scene [default: auto]
     #[arg(long, value_name = "X,Y,Z|auto", value_parser = values::target, allow_hyphen_values = true)]
     pub(crate) look_at: Option<Target>,
-    /// Which way is up [default: the format's custom, 0,1,0 for OBJ and 0,0,1 for PLY and STL]
+    /// Which way is up [default: the format's custom, 0,1,0 for OBJ and 0,0,1 for PLY and STL; or, where
+    /// the camera looks along that, 0,0,-1 for OBJ and 0,1,0 for PLY and STL]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
     /// Degrees from the picture's lower to its upper edge [default: 45]
@@ -139,28 +119,28 @@ pub(crate) struct PictureArgs {
         default_value = "color"
     )]
     pub(crate) channels: Vec<String>,
-    /// Antialiasing: the colour is the mean of this many points of a pixel
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
-    pub(crate) samples: u32,
+    /// Antialiasing: the colour is the mean of this many points of a pixel [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    pub(crate) samples: Option<u32>,
 }
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Colour and light (linear, Rec. 709)")]
 pub(crate) struct LightingArgs {
-    /// How hits get their colour
-    #[arg(long, value_name = "NAME", default_value = "lambert", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Shader::NAMES))]
-    pub(crate) shader: String,
+    /// How hits get their colour [default: lambert]
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Shader::NAMES))]
+    pub(crate) shader: Option<String>,
     /// A light, directional:X,Y,Z (where it goes) or point:X,Y,Z (where it is); may be given several
     /// times [default: one over the camera's shoulder]
-    #[arg(long, value_name = "KIND:X,Y,Z", value_parser = values::light)]
+    #[arg(long, value_name = "KIND:X,Y,Z", value_parser = values::light, allow_hyphen_values = true)]
     pub(crate) light: Vec<LightArg>,
-    /// Light from everywhere
+    /// Light from everywhere [default: 0.25,0.25,0.25]
     #[arg(long, value_name = "R,G,B", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) ambient: Option<Color>,
     /// Leave out the shadows
     #[arg(long)]
     pub(crate) no_shadows: bool,
-    /// The colour of all objects that the file gives none
+    /// The colour of all objects that the file gives none [default: 0.6,0.6,0.6]
     #[arg(long, value_name = "R,G,B", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) color: Option<Color>,
     /// The colour where nothing is hit [default: 0.85,0.87,0.9]
@@ -172,13 +152,16 @@ pub(crate) struct LightingArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = "General")]
 pub(crate) struct LoadArgs {
-    /// Fail where a file has triangles that cannot be used (NaN, infinite or enormous corners) instead of leaving them out
+    /// Fail where a file has triangles that cannot be used (NaN, infinite or enormous corners) instead of
+    /// leaving them out
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = "General")]
 pub(crate) struct RunArgs {
     /// How many threads to use; the result is the same for any number [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
@@ -188,18 +171,8 @@ pub(crate) struct RunArgs {
     pub(crate) quiet: bool,
 }
 
-const SHOOT_EXAMPLES: &str = "\
-Examples:
-  firsthit shoot part.stl rays.npy -o hits.npz
-  firsthit shoot part.stl origins.npy directions.npy -o hits.npz --channels t,object,normal
-  echo 0,0,10,0,0,-1 | firsthit shoot part.stl - --channels t,object,position
-
-Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy,
-as .npz with the entries origins and directions (or origin, and direction or dir), or as .csv with six
-numbers in a line. Directions of any length will do: t counts in lengths of the direction.";
-
 #[derive(Debug, Args)]
-#[command(after_help = SHOOT_EXAMPLES)]
+#[command(after_help = help::SHOOT_EXAMPLES)]
 pub(crate) struct ShootArgs {
     /// The 3D file: PLY, STL or OBJ
     pub(crate) file: PathBuf,
@@ -211,9 +184,9 @@ pub(crate) struct ShootArgs {
     /// times [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// The format on standard output
-    #[arg(long, value_name = "FORMAT", default_value = "csv")]
-    pub(crate) format: StreamFormat,
+    /// The format on standard output [default: csv]
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) format: Option<StreamFormat>,
     /// What to compute, with commas between: t, object, primitive, face, normal, position, barycentric,
     /// uv, front
     #[arg(
@@ -223,8 +196,8 @@ pub(crate) struct ShootArgs {
         default_value = "t,object,primitive"
     )]
     pub(crate) channels: Vec<String>,
-    /// The largest t that counts
-    #[arg(long, value_name = "T", value_parser = values::positive, allow_hyphen_values = true)]
+    /// The largest t that counts [default: inf]
+    #[arg(long, value_name = "T", value_parser = values::t_max, allow_hyphen_values = true)]
     pub(crate) t_max: Option<f64>,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
@@ -240,9 +213,7 @@ pub(crate) enum StreamFormat {
 }
 
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  firsthit info part.stl\n  firsthit info part.stl --json | jq .triangles"
-)]
+#[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
     /// The 3D file: PLY, STL or OBJ
     pub(crate) file: PathBuf,
@@ -254,9 +225,7 @@ pub(crate) struct InfoArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  firsthit demo\n  firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png"
-)]
+#[command(after_help = help::DEMO_EXAMPLES)]
 pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
     #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
@@ -273,9 +242,9 @@ pub(crate) struct DemoArgs {
         default_value = "color"
     )]
     pub(crate) channels: Vec<String>,
-    /// Antialiasing: the colour is the mean of this many points of a pixel
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
-    pub(crate) samples: u32,
+    /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    pub(crate) samples: Option<u32>,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }

@@ -4,6 +4,7 @@ use firsthit::{Bounds, Camera, DVec3, Projection, RayStart, View};
 
 use crate::args::CameraArgs;
 use crate::failure::Failure;
+use crate::hints::triple;
 use crate::values::Target;
 
 const DEFAULT_SIZE: (usize, usize) = (1024, 768);
@@ -28,6 +29,7 @@ pub(crate) fn camera(args: &CameraArgs, bounds: Bounds, file_up: DVec3) -> Resul
     let camera = match args.position {
         Some(position) => {
             let view = aimed(args, View { position, ..view }, bounds)?;
+            let view = upright(args, view);
             let open = view.projection == Projection::Orthographic && args.viewplane.is_none();
             let view = if open { sized(view, bounds)? } else { view };
             Camera::new(view)?
@@ -38,7 +40,8 @@ pub(crate) fn camera(args: &CameraArgs, bounds: Bounds, file_up: DVec3) -> Resul
     Ok(camera.starting_at(start))
 }
 
-fn size(args: &CameraArgs) -> Result<View, Failure> {
+/// The picture's size, and no more of the view.
+pub(crate) fn size(args: &CameraArgs) -> Result<View, Failure> {
     let (columns, rows) = match (args.size, args.viewplane) {
         (Some(size), _) => size,
         (None, Some((width, height))) => {
@@ -54,16 +57,22 @@ fn size(args: &CameraArgs) -> Result<View, Failure> {
         }
         (None, None) => DEFAULT_SIZE,
     };
-    if rows.saturating_mul(columns) > MOST_PIXELS {
-        return Err(Failure::limit(format!(
-            "--size: {columns}x{rows} is over the limit of {MOST_PIXELS} pixels"
-        )));
-    }
+    check_size((columns, rows))?;
     Ok(View {
         rows,
         columns,
         ..View::default()
     })
+}
+
+/// Refuses what no picture is that large.
+pub(crate) fn check_size((columns, rows): (usize, usize)) -> Result<(), Failure> {
+    if rows.saturating_mul(columns) > MOST_PIXELS {
+        return Err(Failure::limit(format!(
+            "--size: {columns}x{rows} is over the limit of {MOST_PIXELS} pixels"
+        )));
+    }
+    Ok(())
 }
 
 /// The viewplane: by its own size, or by an angle.
@@ -113,21 +122,39 @@ fn aimed(args: &CameraArgs, view: View, bounds: Bounds) -> Result<View, Failure>
     };
     if target == view.position {
         return Err(Failure::usage(format!(
-            "--look-at must be another point than --position, got {target}"
+            "--look-at must be another point than --position, got {}",
+            triple(target)
         )));
     }
     Ok(view.aimed_at(target))
+}
+
+/// The view with another way up where the format's custom says nothing: straight from above or below.
+fn upright(args: &CameraArgs, view: View) -> View {
+    let is_along = firsthit::geometry::unit(view.aim).cross(view.up).length() < 1e-9;
+    if args.up.is_some() || !is_along {
+        return view;
+    }
+    // What maps do: north is up, and x goes to the right.
+    let up = if view.up.z == 0.0 {
+        DVec3::NEG_Z
+    } else {
+        DVec3::Y
+    };
+    View { up, ..view }
 }
 
 /// The view from where everything is seen.
 fn framed(args: &CameraArgs, view: View, bounds: Bounds) -> Result<Camera, Failure> {
     if let Some(Target::Point(target)) = args.look_at {
         return Err(Failure::usage(format!(
-            "--look-at {target} needs --position; or use --look-at auto"
+            "--look-at {} needs --position; or use --look-at auto",
+            triple(target)
         )));
     }
     let aim = args.aim.unwrap_or_else(|| three_quarters(view.up));
-    let camera = Camera::framing(View { aim, ..view }, bounds)?;
+    let view = upright(args, View { aim, ..view });
+    let camera = Camera::framing(view, bounds)?;
     match args.viewplane {
         // A viewplane that was asked for stays as it was asked for.
         Some((width, height)) => Ok(Camera::new(View {

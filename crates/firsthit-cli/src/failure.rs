@@ -2,9 +2,10 @@
 
 use std::fmt::Display;
 use std::io;
-use std::path::Path;
 
 use firsthit::Error;
+
+use crate::console::{say, say_interrupted};
 
 pub(crate) const USAGE: u8 = 2;
 pub(crate) const BAD_INPUT: u8 = 3;
@@ -36,6 +37,13 @@ impl Failure {
         }
     }
 
+    pub(crate) fn not_written(message: impl Display) -> Self {
+        Self {
+            code: NOT_WRITTEN,
+            message: Some(message.to_string()),
+        }
+    }
+
     pub(crate) fn limit(message: impl Display) -> Self {
         Self {
             code: LIMIT,
@@ -57,14 +65,12 @@ impl Failure {
         }
     }
 
-    pub(crate) fn reading(path: &Path, error: &io::Error) -> Self {
-        Self::bad_input(format!("{}: {error}", firsthit::error::escaped(path)))
-    }
-
     /// Says it on standard error, and returns the exit code.
     pub(crate) fn report(self) -> u8 {
-        if let Some(message) = self.message {
-            eprintln!("firsthit: error: {message}");
+        if self.code == INTERRUPTED {
+            say_interrupted();
+        } else if let Some(message) = self.message {
+            say(format_args!("firsthit: error: {message}"));
         }
         self.code
     }

@@ -12,12 +12,16 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: &Hits) -> Vec<String> 
     let between = hidden_in_front(scene, camera);
     if hits.t.iter().all(|&t| t == f64::INFINITY) {
         if bounds.is_empty() {
-            hints.push("nothing was hit: there is nothing to see in the file".into());
+            hints.push("nothing was hit: there is nothing in the file".into());
         } else if !between {
             let how = if looks_away(camera, bounds) {
                 "the camera looks away from the scene"
             } else {
-                "the camera looks past the scene"
+                "the camera looks past the scene, or it is too small or too far away to be seen"
+            };
+            let bounds = Bounds {
+                low: rounded(bounds.low),
+                high: rounded(bounds.high),
             };
             hints.push(format!(
                 "nothing was hit: {how}: bounds {}, try --look-at auto",
@@ -31,10 +35,19 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: &Hits) -> Vec<String> 
     hints
 }
 
-/// A box as text.
+/// A box as text, to the last digit.
 pub(crate) fn span(bounds: Bounds) -> String {
-    let corner = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
-    format!("{} to {}", corner(bounds.low), corner(bounds.high))
+    format!("{} to {}", triple(bounds.low), triple(bounds.high))
+}
+
+/// A vector as the command line has it.
+pub(crate) fn triple(v: DVec3) -> String {
+    format!("{},{},{}", v.x, v.y, v.z)
+}
+
+/// To six digits: enough to aim by.
+fn rounded(v: DVec3) -> DVec3 {
+    v.map(|x| format!("{x:.5e}").parse().unwrap_or(x))
 }
 
 fn looks_away(camera: &Camera, bounds: Bounds) -> bool {

@@ -3,12 +3,16 @@
 mod args;
 mod camera;
 mod commands;
+mod console;
 mod failure;
+mod help;
 mod hints;
+mod hits_csv;
 mod loading;
 mod output;
 mod progress;
 mod rays;
+mod usage;
 mod values;
 
 use std::ffi::OsString;
@@ -29,18 +33,14 @@ where
 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
-        Err(error) => {
-            // A closed pipe (`firsthit --help | head -1`) is nothing to complain about.
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
-        }
+        Err(error) => return usage::report(&error),
     };
     // A panic is a bug of ours; the user gets one line of it, not a trace.
     std::panic::set_hook(Box::new(|panic| {
-        eprintln!(
-            "firsthit: internal error: {}",
+        console::say(format_args!(
+            "firsthit: error: a bug in firsthit, please report it: {}",
             panic.to_string().replace('\n', " ")
-        )
+        ));
     }));
     match catch_unwind(AssertUnwindSafe(|| dispatch(cli))) {
         Ok(Ok(())) => 0,

@@ -44,12 +44,6 @@ pub(crate) fn read(
     })
 }
 
-pub(crate) fn warn(warnings: &[String]) {
-    for warning in warnings {
-        eprintln!("firsthit: warning: {warning}");
-    }
-}
-
 /// Runs `work` with as many threads as asked for.
 pub(crate) fn with_threads<T: Send>(
     args: &RunArgs,

@@ -1,31 +1,78 @@
-//! Which channels go to which files.
+//! Which channels go to which files, settled before any work is done.
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use firsthit::channel::{self, Kind};
-use firsthit::error::escaped;
-use firsthit::image::{self, Format, Frame, Holds, format_of, legend};
+use firsthit::Error;
+use firsthit::channel::{KINDS, Kind};
+use firsthit::error::{escape_controls, escaped};
+use firsthit::image::{self, FORMATS, Format, Frame, Holds, legend, write_whole};
 
+use crate::console::say;
 use crate::failure::Failure;
+use crate::hits_csv::write_csv;
 
 /// Stands for the channel's name in the name of a file.
 const PLACEHOLDER: &str = "{channel}";
 
+/// Where the numbers come from, which decides what can be asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// A camera: pixels, that make a picture.
+    Camera,
+    /// The user's own rays: a list.
+    Rays,
+}
+
+impl Source {
+    fn has(self, kind: &Kind) -> bool {
+        self == Self::Camera || !(kind.needs_camera() || kind.needs_shade())
+    }
+
+    /// The kinds of files there are, `None` being CSV, which is for lists alone.
+    fn forms(self) -> impl Iterator<Item = (&'static str, Option<&'static Format>)> {
+        let formats = FORMATS.iter().filter(move |format| match self {
+            Self::Camera => true,
+            Self::Rays => format.name != "png",
+        });
+        let extensions = formats.flat_map(|format| {
+            let with = move |&extension| (extension, Some(format));
+            format.extensions.iter().map(with)
+        });
+        extensions.chain((self == Self::Rays).then_some(("csv", None)))
+    }
+}
+
 /// The channels that were asked for.
-pub(crate) fn kinds(names: &[String]) -> Result<Vec<&'static Kind>, Failure> {
+pub(crate) fn kinds(
+    names: &[String],
+    source: Source,
+    quiet: bool,
+) -> Result<Vec<&'static Kind>, Failure> {
     let mut kinds: Vec<&'static Kind> = Vec::new();
     for name in names {
-        let name = match name.trim() {
-            "depth" => {
-                eprintln!(
-                    "firsthit: note: depth is written as z, the distance along the camera's aim"
-                );
-                "z"
-            }
+        let wanted = match name.trim() {
+            "depth" => "z",
             name => name,
         };
-        let kind = channel::kind(name)?;
+        let Some(kind) = KINDS.iter().find(|kind| kind.name == wanted) else {
+            let known = KINDS.iter().filter(|kind| source.has(kind));
+            let known: Vec<&str> = known.map(|kind| kind.name).collect();
+            return Err(Failure::usage(format!(
+                "--channels: there is no channel \"{}\", only {}",
+                escape_controls(wanted),
+                known.join(", ")
+            )));
+        };
+        if !source.has(kind) {
+            return Err(Failure::usage(format!(
+                "--channels: {wanted} takes a camera, and is for firsthit render"
+            )));
+        }
+        if name.trim() == "depth" && !quiet {
+            say("firsthit: note: depth is written as z, the distance along the camera's aim");
+        }
         if !kinds.iter().any(|other| other.name == kind.name) {
             kinds.push(kind);
         }
@@ -33,20 +80,22 @@ pub(crate) fn kinds(names: &[String]) -> Result<Vec<&'static Kind>, Failure> {
     Ok(kinds)
 }
 
-/// A file to be written, checked before any work is done.
+/// A file to be written.
 #[derive(Debug)]
 pub(crate) struct Target {
     path: PathBuf,
-    format: &'static Format,
+    /// `None`: CSV.
+    format: Option<&'static Format>,
     /// The only channel in it; `None`: all.
     channel: Option<&'static str>,
 }
 
-/// The files for the `kinds`.
+/// The files for the `kinds`; none of `inputs` may be among them.
 pub(crate) fn targets(
     outputs: &[PathBuf],
     kinds: &[&'static Kind],
-    input: Option<&Path>,
+    source: Source,
+    inputs: &[&Path],
 ) -> Result<Vec<Target>, Failure> {
     let mut targets: Vec<Target> = Vec::new();
     for path in outputs {
@@ -54,29 +103,50 @@ pub(crate) fn targets(
         if text.contains(PLACEHOLDER) {
             for kind in kinds {
                 let path = PathBuf::from(text.replace(PLACEHOLDER, kind.name));
-                targets.push(target(path, Some(kind.name))?);
+                let format = format(&path, source)?;
+                let channel = Some(kind.name);
+                targets.push(Target {
+                    path,
+                    format,
+                    channel,
+                });
             }
         } else {
-            let only = only_channel(path, kinds)?;
-            targets.push(target(path.clone(), only)?);
+            let format = format(path, source)?;
+            let channel = only_channel(path, format, kinds)?;
+            let path = path.clone();
+            targets.push(Target {
+                path,
+                format,
+                channel,
+            });
         }
     }
-    check_paths(&targets, input)?;
+    check_paths(&targets, inputs)?;
     Ok(targets)
 }
 
-fn target(path: PathBuf, channel: Option<&'static str>) -> Result<Target, Failure> {
-    let format = format_of(&path)?;
-    Ok(Target {
-        path,
-        format,
-        channel,
+fn format(path: &Path, source: Source) -> Result<Option<&'static Format>, Failure> {
+    let wanted = path.extension().unwrap_or_default();
+    let mut forms = source.forms();
+    let found = forms.find(|(extension, _)| wanted.eq_ignore_ascii_case(extension));
+    found.map(|(_, format)| format).ok_or_else(|| {
+        let known: Vec<String> = source.forms().map(|(name, _)| format!(".{name}")).collect();
+        Failure::usage(format!(
+            "--output: {} must end in one of {}",
+            escaped(path),
+            known.join(", ")
+        ))
     })
 }
 
 /// The channel for a file that holds one: the only one there is, or the colours.
-fn only_channel(path: &Path, kinds: &[&'static Kind]) -> Result<Option<&'static str>, Failure> {
-    if format_of(path)?.holds == Holds::AllChannels {
+fn only_channel(
+    path: &Path,
+    format: Option<&Format>,
+    kinds: &[&'static Kind],
+) -> Result<Option<&'static str>, Failure> {
+    if format.is_none_or(|format| format.holds == Holds::AllChannels) {
         return Ok(None);
     }
     match kinds {
@@ -89,33 +159,91 @@ fn only_channel(path: &Path, kinds: &[&'static Kind]) -> Result<Option<&'static 
     }
 }
 
-fn check_paths(targets: &[Target], input: Option<&Path>) -> Result<(), Failure> {
-    let input = input.and_then(|input| input.canonicalize().ok());
-    for (k, target) in targets.iter().enumerate() {
-        if targets[..k].iter().any(|other| other.path == target.path) {
+/// Refuses channels that were asked for and would go nowhere.
+pub(crate) fn check_all_go_somewhere(
+    targets: &[Target],
+    kinds: &[&'static Kind],
+) -> Result<(), Failure> {
+    let goes = |kind: &Kind| {
+        let takes = |target: &Target| target.channel.is_none_or(|name| name == kind.name);
+        targets.iter().any(takes)
+    };
+    match kinds.iter().find(|kind| !goes(kind)) {
+        None => Ok(()),
+        Some(kind) => Err(Failure::usage(format!(
+            "the channel {} goes to no file: {} takes one channel; put {PLACEHOLDER} into a name for a file of each, or add -o with a name in .npz",
+            kind.name,
+            names(targets)
+        ))),
+    }
+}
+
+fn check_paths(targets: &[Target], inputs: &[&Path]) -> Result<(), Failure> {
+    let inputs: Vec<PathBuf> = inputs
+        .iter()
+        .filter_map(|input| input.canonicalize().ok())
+        .collect();
+    let mut seen: Vec<PathBuf> = Vec::new();
+    for Target { path, .. } in targets {
+        let place = place(path)?;
+        if seen.contains(&place) {
             return Err(Failure::usage(format!(
                 "{} is named twice as an output",
-                escaped(&target.path)
+                escaped(path)
             )));
         }
-        if input.is_some() && target.path.canonicalize().ok() == input {
+        if inputs.contains(&place) {
             return Err(Failure::usage(format!(
-                "{} is the input; it will not be overwritten",
-                escaped(&target.path)
+                "{} is an input; it will not be overwritten",
+                escaped(path)
             )));
         }
+        seen.push(place);
     }
     Ok(())
 }
 
-/// Writes all files; returns what to say about them.
-pub(crate) fn write(frame: &Frame, targets: &[Target]) -> Result<Vec<String>, Failure> {
+/// The file that `path` leads to, however it is spelled. Fails for one that cannot be written: better now
+/// than after hours of rendering.
+fn place(path: &Path) -> Result<PathBuf, Failure> {
+    let refused = |what: &str| Err(Failure::not_written(format!("{}: {what}", escaped(path))));
+    if let Ok(there) = path.metadata() {
+        if there.is_dir() {
+            return refused("is a folder, not a file");
+        }
+        if there.is_file() && there.permissions().readonly() {
+            return refused("the file is read-only");
+        }
+        if let Ok(place) = path.canonicalize() {
+            return Ok(place);
+        }
+    }
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) if folder.is_dir() => Ok(folder.join(name)),
+        (Ok(_), _) => refused("its folder is a file"),
+        (Err(error), _) if error.kind() == io::ErrorKind::NotFound => {
+            refused("the folder does not exist")
+        }
+        (Err(error), _) => refused(&error.to_string()),
+    }
+}
+
+/// Writes all files, each whole or not at all; returns what to say about them.
+pub(crate) fn write(
+    frame: &Frame,
+    targets: &[Target],
+    interrupted: &AtomicBool,
+) -> Result<Vec<String>, Failure> {
     let mut lines = Vec::new();
     for target in targets {
-        target.format.write(frame, target.channel, &target.path)?;
+        write_one(frame, target, interrupted)?;
         let shown = target
             .channel
-            .filter(|_| target.format.name == "png")
+            .filter(|_| target.format.is_some_and(|format| format.name == "png"))
             .and_then(|name| frame.channel(name));
         if let Some(legend) = shown.and_then(legend) {
             lines.push(format!("{}: {legend}", escaped(&target.path)));
@@ -124,18 +252,60 @@ pub(crate) fn write(frame: &Frame, targets: &[Target]) -> Result<Vec<String>, Fa
     Ok(lines)
 }
 
+fn write_one(frame: &Frame, target: &Target, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let mut refused = None;
+    let written = write_whole(&target.path, |out| {
+        let mut out = Stoppable { out, interrupted };
+        let Some(format) = target.format else {
+            let mut out = io::BufWriter::new(out);
+            // Dropping the buffer would swallow the error of its last bytes.
+            return write_csv(frame, &mut out).and_then(|()| out.flush());
+        };
+        match format.encode(frame, target.channel, &mut out, &target.path) {
+            Err(Error::Write { source, .. }) => Err(source),
+            Err(error) => {
+                refused = Some(error);
+                Err(io::Error::other("refused"))
+            }
+            Ok(()) => Ok(()),
+        }
+    });
+    match written {
+        Err(_) if interrupted.load(Ordering::Relaxed) => Err(Error::Interrupted.into()),
+        Err(error) => Err(refused.unwrap_or(error).into()),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// A writer that Ctrl-C ends, so that the temporary file goes away in an orderly manner.
+struct Stoppable<'a> {
+    out: &'a mut dyn Write,
+    interrupted: &'a AtomicBool,
+}
+
+impl Write for Stoppable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            // Not `ErrorKind::Interrupted`, which means: try again.
+            return Err(io::Error::other("interrupted"));
+        }
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
 /// The files' names, for a line of text.
 pub(crate) fn names(targets: &[Target]) -> String {
-    targets
-        .iter()
-        .map(|target| escaped(&target.path))
-        .collect::<Vec<_>>()
-        .join(", ")
+    let names: Vec<String> = targets.iter().map(|target| escaped(&target.path)).collect();
+    names.join(", ")
 }
 
 /// Writes all channels to standard output.
 pub(crate) fn stream(frame: &Frame, format: &str) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
+    let mut out = io::stdout().lock();
     image::format_named(format)?.encode(frame, None, &mut out, Path::new("standard output"))?;
     out.flush().map_err(|error| Failure::stdout(&error))
 }

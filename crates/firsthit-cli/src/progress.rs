@@ -1,13 +1,15 @@
 //! Progress on a terminal, and Ctrl-C.
 
+use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use firsthit::watch::Watch;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use crate::console::say_interrupted;
 use crate::failure::INTERRUPTED;
 
 /// How long a computation gets to notice that it is interrupted.
@@ -25,7 +27,7 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
         }
         std::thread::spawn(|| {
             std::thread::sleep(GRACE);
-            eprintln!("firsthit: error: interrupted");
+            say_interrupted();
             std::process::exit(i32::from(INTERRUPTED));
         });
     });
@@ -46,11 +48,16 @@ impl<'a> Progress<'a> {
         } else {
             ProgressDrawTarget::hidden()
         };
-        let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {per_sec}  {eta}");
+        let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {speed}  {eta}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::with_draw_target(Some(rays), target)
-            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            .with_style(style.with_key("speed", speed));
         Self { bar, interrupted }
     }
+}
+
+fn speed(state: &ProgressState, out: &mut dyn Write) {
+    let _ = write!(out, "{:.2} Mrays/s", state.per_sec() / 1e6);
 }
 
 impl Watch for Progress<'_> {

@@ -78,7 +78,13 @@ pub(crate) fn light(text: &str) -> Result<LightArg, String> {
             DVec3::ZERO => Err("expected a direction that is not zero".into()),
             direction => Ok(LightArg::Directional(direction)),
         },
-        Some(("point", position)) => vector(position).map(LightArg::Point),
+        Some(("point", position)) => match vector(position)? {
+            // Its intensity goes with the square of its distance, which must be a number.
+            position if position.abs().max_element() > 1e150 => {
+                Err("expected a point no farther away than 1e150".into())
+            }
+            position => Ok(LightArg::Point(position)),
+        },
         _ => Err(
             "expected directional:X,Y,Z (where the light goes) or point:X,Y,Z (where it is)".into(),
         ),
@@ -112,6 +118,13 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     } else {
         Err("expected a positive number".into())
     }
+}
+
+/// A positive number; infinity is one here.
+pub(crate) fn t_max(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    let positive = number.filter(|&number| number > 0.0);
+    positive.ok_or_else(|| "expected a positive number, or inf".into())
 }
 
 pub(crate) fn fov(text: &str) -> Result<f64, String> {

@@ -5,19 +5,30 @@ use firsthit::{Shader, Shading, example};
 
 use super::render::{Job, picture};
 use crate::args::DemoArgs;
+use crate::camera::check_size;
 use crate::failure::Failure;
 use crate::loading::with_threads;
-use crate::output;
+use crate::output::{self, Source};
+
+/// The embedded scene is small: it can be made well.
+const DEFAULT_SAMPLES: u32 = 16;
 
 pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let kinds = output::kinds(&args.channels)?;
+    let kinds = output::kinds(&args.channels, Source::Camera, args.run.quiet)?;
+    check_size(args.size)?;
+    if args.samples.is_some() && !kinds.iter().any(|kind| kind.needs_shade()) {
+        return Err(Failure::usage(
+            "--samples does nothing without color among the --channels",
+        ));
+    }
     let default = [PathBuf::from("demo.png")];
     let outputs = if args.output.is_empty() {
         &default[..]
     } else {
         &args.output
     };
-    let targets = output::targets(outputs, &kinds, None)?;
+    let targets = output::targets(outputs, &kinds, Source::Camera, &[])?;
+    output::check_all_go_somewhere(&targets, &kinds)?;
     with_threads(&args.run, || {
         let scene = example::scene()?;
         let (columns, rows) = args.size;
@@ -32,7 +43,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
             camera: &camera,
             shade: &shade,
             kinds: &kinds,
-            samples: args.samples,
+            samples: args.samples.unwrap_or(DEFAULT_SAMPLES),
         };
         picture(&job, &targets, &args.run, interrupted)
     })

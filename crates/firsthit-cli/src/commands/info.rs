@@ -7,8 +7,9 @@ use firsthit::{Bounds, DVec3, Object, Scene, Shape};
 use serde_json::{Value, json};
 
 use crate::args::InfoArgs;
+use crate::console::{counted, warn};
 use crate::failure::Failure;
-use crate::hints::span;
+use crate::hints::{span, triple};
 use crate::loading::{self, Loaded};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
@@ -16,7 +17,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let text = if args.json {
         format!("{:#}\n", as_json(&loaded))
     } else {
-        loading::warn(&loaded.warnings);
+        warn(&loaded.warnings);
         as_text(&loaded)
     };
     std::io::stdout()
@@ -58,32 +59,31 @@ fn corners(bounds: Bounds) -> Value {
 
 fn as_text(loaded: &Loaded) -> String {
     let Loaded { scene, up, .. } = loaded;
-    let mut text = format!(
-        "triangles  {}\nvertices   {}\n",
-        scene.triangles(),
-        vertices(scene)
-    );
-    if !scene.bounds().is_empty() {
+    let mut lines = vec![
+        format!("triangles  {}", scene.triangles()),
+        format!("vertices   {}", vertices(scene)),
+    ];
+    if scene.bounds().is_empty() {
+        lines.push("bounds     none".into());
+    } else {
         let DVec3 { x, y, z } = scene.bounds().size();
-        text += &format!(
-            "bounds     {}\nsize       {x} x {y} x {z}\n",
-            span(scene.bounds())
-        );
+        lines.push(format!("bounds     {}", span(scene.bounds())));
+        lines.push(format!("size       {x} x {y} x {z}"));
     }
-    text += &format!(
-        "up         {},{},{} (by the format's custom)\n",
-        up.x, up.y, up.z
-    );
-    text += &format!("objects    {}\n", scene.objects().len());
+    lines.push(format!(
+        "up         {} (by the format's custom)",
+        triple(*up)
+    ));
+    lines.push(format!("objects    {}", scene.objects().len()));
     for (identifier, object) in scene.objects().iter().enumerate() {
-        let name = escape_controls(object.name());
-        text += &format!(
-            "  {identifier}  {name}  ({}, {} triangles)\n",
+        lines.push(format!(
+            "  {identifier}  {}  ({}, {})",
+            escape_controls(object.name()),
             object.shape().name(),
-            object.triangles()
-        );
+            counted(object.triangles() as u64, "triangle")
+        ));
     }
-    text
+    lines.join("\n") + "\n"
 }
 
 /// How many vertices the file has: those that objects share count once.

@@ -8,29 +8,36 @@ use firsthit::shoot::shoot_all;
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 
 use crate::args::{LightingArgs, RenderArgs, RunArgs};
-use crate::camera::camera;
+use crate::camera::{camera, size};
+use crate::console::{counted, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
-use crate::output::{self, Target};
+use crate::output::{self, Source, Target};
 use crate::progress::Progress;
 use crate::values::LightArg;
 
+/// The only one that looks at lights.
+const DEFAULT_SHADER: &str = "lambert";
+
 pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let kinds = output::kinds(&args.picture.channels)?;
+    let kinds = output::kinds(&args.picture.channels, Source::Camera, args.run.quiet)?;
+    refuse_idle(args, &kinds)?;
+    size(&args.camera)?;
     let default = [default_output(&args.file)];
     let outputs = if args.picture.output.is_empty() {
         &default[..]
     } else {
         &args.picture.output
     };
-    let targets = output::targets(outputs, &kinds, Some(&args.file))?;
+    let targets = output::targets(outputs, &kinds, Source::Camera, &[&args.file])?;
+    output::check_all_go_somewhere(&targets, &kinds)?;
     with_threads(&args.run, || {
         let Loaded {
             scene,
             up,
             warnings,
         } = loading::read(&args.file, &args.load, args.light.color)?;
-        loading::warn(&warnings);
+        warn(&warnings);
         let camera = camera(&args.camera, scene.bounds(), up)?;
         let lights = lights(&args.light, &scene, &camera);
         let scene = scene.with_lights(lights);
@@ -44,7 +51,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             camera: &camera,
             shade: &shade,
             kinds: &kinds,
-            samples: args.picture.samples,
+            samples: args.picture.samples.unwrap_or(1),
         };
         picture(&job, &targets, &args.run, interrupted)
     })
@@ -95,39 +102,69 @@ pub(crate) fn picture(
     let hits = shoot_all(scene, camera, &progress)?;
     let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
     drop(progress);
-    let legends = output::write(&frame, targets)?;
-    loading::warn(&crate::hints::hints(scene, camera, &hits));
+    let legends = output::write(&frame, targets, interrupted)?;
+    warn(&crate::hints::hints(scene, camera, &hits));
     if !args.quiet {
         let hit = hits.t.iter().filter(|&&t| t < f64::INFINITY).count();
-        eprintln!(
-            "{}: {} x {} pixels, {:.1} % hit, {} objects, {} triangles, {:.2} s",
+        say(format_args!(
+            "{}: {} x {} pixels, {:.1} % hit, {}, {}, {:.2} s",
             output::names(targets),
             camera.columns(),
             camera.rows(),
             100.0 * hit as f64 / pixels as f64,
-            scene.objects().len(),
-            scene.triangles(),
+            counted(scene.objects().len() as u64, "object"),
+            counted(scene.triangles(), "triangle"),
             started.elapsed().as_secs_f64(),
-        );
-        legends.iter().for_each(|legend| eprintln!("{legend}"));
+        ));
+        legends.iter().for_each(say);
     }
     Ok(())
 }
 
-fn shader(args: &LightingArgs) -> Result<Shader, Failure> {
-    let mut shader = Shader::named(&args.shader)?;
-    let Shader::Lambert(lambert) = &mut shader else {
-        // An option that would do nothing is a misunderstanding.
-        if !args.light.is_empty() || args.ambient.is_some() || args.no_shadows {
-            let name = &args.shader;
-            return Err(Failure::usage(format!(
-                "--light, --ambient and --no-shadows are for --shader lambert, not {name}"
-            )));
-        }
-        return Ok(shader);
+/// Refuses options that would do nothing: whoever gives them expects something else.
+fn refuse_idle(args: &RenderArgs, kinds: &[&'static Kind]) -> Result<(), Failure> {
+    let light = &args.light;
+    let for_lambert = [
+        ("--light", !light.light.is_empty()),
+        ("--ambient", light.ambient.is_some()),
+        ("--no-shadows", light.no_shadows),
+    ];
+    let for_color = [
+        ("--samples", args.picture.samples.is_some()),
+        ("--shader", light.shader.is_some()),
+        ("--color", light.color.is_some()),
+        ("--background", light.background.is_some()),
+        ("--sky", light.sky.is_some()),
+    ];
+    let given = |options: &[(&'static str, bool)]| {
+        let mut given = options.iter().filter(|(_, is_given)| *is_given);
+        given.next().map(|(name, _)| *name)
     };
-    lambert.ambient = args.ambient.unwrap_or(lambert.ambient);
-    lambert.shadows = !args.no_shadows;
+    if !kinds.iter().any(|kind| kind.needs_shade()) {
+        return match given(&for_color).or(given(&for_lambert)) {
+            Some(option) => Err(Failure::usage(format!(
+                "{option} does nothing without color among the --channels"
+            ))),
+            None => Ok(()),
+        };
+    }
+    match (light.shader.as_deref(), given(&for_lambert)) {
+        (Some(shader), Some(option)) if shader != DEFAULT_SHADER => Err(Failure::usage(format!(
+            "{option} does nothing with --shader {shader}, only with {DEFAULT_SHADER}"
+        ))),
+        (Some("normal"), _) if light.color.is_some() => Err(Failure::usage(
+            "--color does nothing with --shader normal, which shows directions",
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn shader(args: &LightingArgs) -> Result<Shader, Failure> {
+    let mut shader = Shader::named(args.shader.as_deref().unwrap_or(DEFAULT_SHADER))?;
+    if let Shader::Lambert(lambert) = &mut shader {
+        lambert.ambient = args.ambient.unwrap_or(lambert.ambient);
+        lambert.shadows = !args.no_shadows;
+    }
     Ok(shader)
 }
 

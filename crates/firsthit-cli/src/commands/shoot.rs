@@ -4,36 +4,37 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::channel::{Kind, Shots};
-use firsthit::error::escaped;
-use firsthit::image::{Frame, write_whole};
+use firsthit::image::Frame;
 use firsthit::shoot::{Hits, shoot_all};
 use firsthit::{Background, Rays as _, Scene, Shader, Shading};
 
 use crate::args::{ShootArgs, StreamFormat};
+use crate::console::{counted, say, warn};
 use crate::failure::Failure;
+use crate::hits_csv::write_csv;
 use crate::loading::{self, Loaded, with_threads};
-use crate::output::{self, Target};
+use crate::output::{self, Source, Target};
 use crate::progress::Progress;
 use crate::rays::{self, RayArrays};
 
 /// Where a result goes.
-enum Sink {
-    Files(Vec<Target>),
-    Csv(PathBuf),
-    Stdout(StreamFormat),
+struct Sinks {
+    files: Vec<Target>,
+    stdout: Option<StreamFormat>,
+}
+
+impl Sinks {
+    fn names(&self) -> String {
+        match (self.stdout, &self.files[..]) {
+            (Some(_), []) => "standard output".into(),
+            (Some(_), files) => format!("standard output, {}", output::names(files)),
+            (None, files) => output::names(files),
+        }
+    }
 }
 
 pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let kinds = output::kinds(&args.channels)?;
-    if let Some(kind) = kinds
-        .iter()
-        .find(|kind| kind.needs_camera() || kind.needs_shade())
-    {
-        return Err(Failure::usage(format!(
-            "the channel {} takes a camera: it is for firsthit render",
-            kind.name
-        )));
-    }
+    let kinds = output::kinds(&args.channels, Source::Rays, args.run.quiet)?;
     let sinks = sinks(args, &kinds)?;
     let started = Instant::now();
     with_threads(&args.run, || {
@@ -41,13 +42,18 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, None)?;
-        loading::warn(&warnings);
+        warn(&warnings);
         let progress = Progress::new(rays.len() as u64, args.run.quiet, interrupted);
         let hits = shoot_all(&scene, &rays, &progress)?;
         let frame = frame(&scene, &rays, &hits, &kinds, &progress)?;
         drop(progress);
-        for sink in &sinks {
-            write(&frame, sink)?;
+        // Files first: a reader of standard output who has had enough ends the program.
+        output::write(&frame, &sinks.files, interrupted)?;
+        if let Some(format) = sinks.stdout {
+            stream(&frame, format)?;
+        }
+        if scene.bounds().is_empty() && !rays.is_empty() {
+            warn(&["nothing was hit: there is nothing in the file"]);
         }
         if !args.run.quiet {
             let hit = hits.t.iter().filter(|&&t| t < f64::INFINITY).count();
@@ -56,11 +62,12 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
             } else {
                 100.0 * hit as f64 / rays.len() as f64
             };
-            eprintln!(
-                "{} rays, {share:.1} % hit, {:.2} s",
-                rays.len(),
+            say(format_args!(
+                "{}: {}, {share:.1} % hit, {:.2} s",
+                sinks.names(),
+                counted(rays.len() as u64, "ray"),
                 started.elapsed().as_secs_f64()
-            );
+            ));
         }
         Ok(())
     })
@@ -91,59 +98,44 @@ fn frame(
     Ok(frame)
 }
 
-fn sinks(args: &ShootArgs, kinds: &[&'static Kind]) -> Result<Vec<Sink>, Failure> {
-    let default = [PathBuf::from("-")];
-    let outputs = if args.output.is_empty() {
-        &default[..]
-    } else {
-        &args.output
+fn sinks(args: &ShootArgs, kinds: &[&'static Kind]) -> Result<Sinks, Failure> {
+    let stdout = |path: &&PathBuf| path.as_path() == Path::new("-");
+    let streams = match args.output.iter().filter(stdout).count() {
+        0 => args.output.is_empty(),
+        1 => true,
+        _ => return Err(Failure::usage("- is named twice as an output")),
     };
-    let mut sinks = Vec::new();
-    for path in outputs {
-        let is_csv = path
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-        if path == Path::new("-") {
-            if args.format == StreamFormat::Npy && kinds.len() != 1 {
-                return Err(Failure::usage(
-                    "--format npy holds one channel; choose one with --channels, or npz",
-                ));
-            }
-            sinks.push(Sink::Stdout(args.format));
-        } else if is_csv {
-            sinks.push(Sink::Csv(path.clone()));
-        } else {
-            let files = output::targets(std::slice::from_ref(path), kinds, Some(&args.file))?;
-            sinks.push(Sink::Files(files));
-        }
-    }
+    let files: Vec<PathBuf> = (args.output.iter().filter(|path| !stdout(path)))
+        .cloned()
+        .collect();
     let inputs = [Some(&args.file), Some(&args.rays), args.directions.as_ref()];
-    for path in outputs {
-        let path = path.canonicalize().ok();
-        if path.is_some()
-            && inputs
-                .iter()
-                .flatten()
-                .any(|input| input.canonicalize().ok() == path)
-        {
-            let path = escaped(&path.unwrap_or_default());
-            return Err(Failure::usage(format!(
-                "{path} is an input; it will not be overwritten"
-            )));
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+    let files = output::targets(&files, kinds, Source::Rays, &inputs)?;
+    if !streams {
+        if args.format.is_some() {
+            return Err(Failure::usage(
+                "--format is for standard output (-o -); a file's format is that of its extension",
+            ));
         }
+        output::check_all_go_somewhere(&files, kinds)?;
     }
-    Ok(sinks)
+    let format = args.format.unwrap_or(StreamFormat::Csv);
+    if format == StreamFormat::Npy && kinds.len() != 1 {
+        return Err(Failure::usage(
+            "--format npy holds one channel; choose one with --channels, or npz",
+        ));
+    }
+    let stdout = streams.then_some(format);
+    Ok(Sinks { files, stdout })
 }
 
-fn write(frame: &Frame, sink: &Sink) -> Result<(), Failure> {
-    match sink {
-        Sink::Files(targets) => output::write(frame, targets).map(drop),
-        Sink::Csv(path) => Ok(write_whole(path, |out| rays::write_csv(frame, out))?),
-        Sink::Stdout(StreamFormat::Npy) => output::stream(frame, "npy"),
-        Sink::Stdout(StreamFormat::Npz) => output::stream(frame, "npz"),
-        Sink::Stdout(StreamFormat::Csv) => {
+fn stream(frame: &Frame, format: StreamFormat) -> Result<(), Failure> {
+    match format {
+        StreamFormat::Npy => output::stream(frame, "npy"),
+        StreamFormat::Npz => output::stream(frame, "npz"),
+        StreamFormat::Csv => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            let written = rays::write_csv(frame, &mut out).and_then(|()| out.flush());
+            let written = write_csv(frame, &mut out).and_then(|()| out.flush());
             written.map_err(|error| Failure::stdout(&error))
         }
     }

@@ -1,0 +1,77 @@
+//! What stands below the options in the help texts.
+
+use std::fmt::Write;
+
+use firsthit::channel::KINDS;
+
+// Examples keep within 80 columns: broken anew, they could not be copied. Prose is one line, to be broken.
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  firsthit demo                         the embedded scene, no file needed
+  firsthit render bunny.ply             frames the model and writes bunny.png
+  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
+      -o color.png -o all.npz --channels color,t,z,object,normal
+  firsthit shoot part.stl rays.npy -o hits.npz
+  firsthit info part.stl --json         what is in the file
+
+Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
+70 a bug in firsthit, 130 interrupted.";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  firsthit render bunny.ply
+  firsthit render part.stl --position 200,300,100 --aim -2,-3,-1 --up 0,0,1 \\
+      --focal-length 35 --viewplane 36x24 --size 720x480
+  firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
+      -o color.png -o all.npz --channels color,t,range,z,object,normal,position
+  firsthit render part.stl --channels z,object -o 'part-{channel}.png'
+
+Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3";
+
+pub(crate) const SHOOT_EXAMPLES: &str = "\
+Examples:
+  firsthit shoot part.stl rays.npy -o hits.npz
+  firsthit shoot part.stl origins.npy directions.npy -o hits.npz \\
+      --channels t,object,normal
+  echo 0,0,10,0,0,-1 | firsthit shoot part.stl - --channels t,object,position
+
+Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
+as .npz with the entries origins and directions (or origin, and direction or dir) or rays, or as .csv \
+with six numbers in a line. Directions of any length will do: t counts in lengths of the direction.";
+
+pub(crate) const INFO_EXAMPLES: &str = "\
+Examples:
+  firsthit info part.stl
+  firsthit info part.stl --json | jq .triangles";
+
+pub(crate) const DEMO_EXAMPLES: &str = "\
+Examples:
+  firsthit demo
+  firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png";
+
+pub(crate) const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  source <(firsthit completions bash)
+  firsthit completions zsh > ~/.zfunc/_firsthit
+  firsthit completions fish > ~/.config/fish/completions/firsthit.fish";
+
+/// Where a line of the table of channels ends.
+const WIDTH: usize = 78;
+
+/// Examples, and what each channel is.
+pub(crate) fn render() -> String {
+    let mut text = format!("{RENDER_EXAMPLES}\n\nChannels:");
+    for kind in KINDS {
+        // Broken here, because clap would not indent what it breaks.
+        let mut line = format!("  {:<11} ", kind.name);
+        for word in kind.about.split(' ') {
+            if line.chars().count() + 1 + word.chars().count() > WIDTH {
+                let _ = write!(text, "\n{line}");
+                line = " ".repeat(14);
+            }
+            line = line + " " + word;
+        }
+        let _ = write!(text, "\n{line}");
+    }
+    text + "\n\nA PNG shows distances from yellow (near) to violet, and misses in black."
+}

@@ -1,0 +1,240 @@
+//! The camera's options, and what is hidden from it.
+
+use crate::support::{ABOVE, Lab, array};
+
+/// The z channel of the pixel in the middle of a picture of 5 x 3 pixels.
+fn middle(lab: &Lab, channel: &str, options: &str) -> f64 {
+    lab.ok(&format!(
+        "render square.ply --size 5x3 --channels {channel} -o middle.npy {options}"
+    ));
+    array(&lab.read("middle.npy")).values[7]
+}
+
+#[test]
+fn vectors_may_be_negative() {
+    let lab = Lab::with_square();
+    let z = middle(
+        &lab,
+        "z",
+        "--position -1,-2,-3 --look-at -0.5,-0.5,0 --up -1,0,0",
+    );
+    let expected = (0.25_f64 + 2.25 + 9.0).sqrt();
+    assert!((z - expected).abs() < 1e-14, "{z} {expected}");
+}
+
+#[test]
+fn the_default_camera_sees_all_of_it() {
+    let lab = Lab::with("cube_binary.stl", "part.stl");
+    for more in [
+        "",
+        "--orthographic",
+        "--aim 1,2,-3",
+        "--look-at auto",
+        "--size 24x64",
+        "--fov 5",
+    ] {
+        lab.ok(
+            &format!("render part.stl --size 64x48 --channels object -o o.npy {more}").replace(
+                "--size 64x48 --channels object -o o.npy --size",
+                "--channels object -o o.npy --size",
+            ),
+        );
+        let object = array(&lab.read("o.npy"));
+        let (rows, columns) = (object.shape[0], object.shape[1]);
+        let mut hits = 0;
+        for row in 0..rows {
+            for column in 0..columns {
+                let at_the_edge = row % (rows - 1) == 0 || column % (columns - 1) == 0;
+                let value = object.values[usize::try_from(row * columns + column).unwrap()];
+                assert!(value == -1.0 || !at_the_edge, "{more}");
+                hits += u64::from(value == 0.0);
+            }
+        }
+        assert!(8 * hits > rows * columns, "{more}: {hits}");
+    }
+}
+
+#[test]
+fn look_at_auto_looks_at_the_middle() {
+    let lab = Lab::with_square();
+    let expected = (9.0_f64 + 16.0 + 144.0).sqrt();
+    for target in ["", "--look-at auto", "--look-at 0,0,0", "--aim -3,-4,-12"] {
+        let range = middle(&lab, "range", &format!("--position 3,4,12 {target}"));
+        assert!((range - expected).abs() < 1e-13, "{target}: {range}");
+    }
+}
+
+#[test]
+fn the_field_of_view_is_vertical() {
+    let lab = Lab::with_square();
+    // At distance 1 the square's edges are 45 degrees up and down: rows 1 and 2 of 4 see it at 100 degrees.
+    let hits = |fov: f64| {
+        lab.ok(&format!(
+            "render square.ply --position 0,0,1 --aim 0,0,-1 --up 0,1,0 --fov {fov} --size 1x1001 \
+             --channels object -o o.npy"
+        ));
+        let object = array(&lab.read("o.npy"));
+        object
+            .values
+            .iter()
+            .filter(|&&object| object == 0.0)
+            .count()
+    };
+    assert_eq!(hits(90.0), 1001);
+    // tan 60 is 1.732: the square has 1001 / 1.732 rows.
+    assert_eq!(hits(120.0), 577);
+}
+
+#[test]
+fn rays_start_on_the_viewplane_only_where_there_is_one() {
+    let lab = Lab::with_square();
+    let place = "--position 0,0,5 --aim 0,0,-1 --up 0,1,0";
+    let t = |more: &str| middle(&lab, "t", &format!("{place} {more}"));
+    assert_eq!(t(""), 5.0);
+    assert_eq!(t("--focal-length 2 --viewplane 4x3"), 3.0);
+    assert_eq!(t("--focal-length 2 --viewplane 4x3 --ray-start eye"), 5.0);
+    assert_eq!(
+        t("--focal-length 2 --viewplane 4x3 --ray-start viewplane"),
+        3.0
+    );
+    assert_eq!(t("--orthographic --focal-length 2 --viewplane 4x3"), 3.0);
+    assert_eq!(
+        t("--orthographic --focal-length 2 --viewplane 4x3 --ray-start eye"),
+        5.0
+    );
+    assert_eq!(t("--orthographic --viewplane 4x3"), 5.0);
+}
+
+#[test]
+fn parallel_rays_have_one_direction() {
+    let lab = Lab::with_square();
+    lab.ok(&format!(
+        "render square.ply {ABOVE} --orthographic --channels t,range,z,object -o a.npz"
+    ));
+    let all = lab.npz("a.npz");
+    // 33 columns over 4 units: 17 of them on the square; 25 rows over 3 units: 17.
+    let hits = all["object"].values.iter().filter(|&&o| o == 0.0).count();
+    assert_eq!(hits, 17 * 17);
+    let finite = all["t"].values.iter().filter(|t| t.is_finite());
+    assert!(finite.copied().all(|t| (t - 3.0).abs() < 1e-14));
+    assert_eq!(all["range"], all["z"]);
+}
+
+#[test]
+fn straight_from_above_y_is_up_unless_said_otherwise() {
+    let lab = Lab::with("cube_binary.stl", "part.stl");
+    let picture = |options: &str| {
+        lab.ok(&format!(
+            "render part.stl --size 16x12 {options} --channels primitive -o p.npy"
+        ));
+        lab.read("p.npy")
+    };
+    let given = picture("--position 0,0,10 --up 0,1,0 --look-at 0,0,0");
+    assert_eq!(picture("--position 0,0,10 --look-at 0,0,0"), given);
+    assert_eq!(picture("--aim 0,0,-1"), picture("--aim 0,0,-1 --up 0,1,0"));
+}
+
+#[test]
+fn the_height_follows_the_viewplane() {
+    let lab = Lab::with_square();
+    lab.ok("render square.ply --position 0,0,5 --aim 0,0,-1 --focal-length 4 --viewplane 32x1 --ray-start eye");
+    let (width, height, _) = lab.png("square.png");
+    assert_eq!((width, height), (1024, 32));
+}
+
+#[test]
+fn impossible_cameras_are_refused_by_their_parameter() {
+    let lab = Lab::with_square();
+    for (options, words) in [
+        ("--aim 0,0,0", "aim must be"),
+        ("--position 0,0,5 --aim 0,0,0", "aim must be"),
+        ("--up 0,0,0", "up must be"),
+        (
+            "--position 0,0,5 --aim 0,0,-1 --up 0,0,3",
+            "up must be in another direction than aim",
+        ),
+        (
+            "--position 1,2,3 --look-at 1,2,3",
+            "--look-at must be another point than --position, got 1,2,3",
+        ),
+        ("--look-at 1,2,3", "--look-at 1,2,3 needs --position"),
+        (
+            "--position 1,2",
+            "'--position <X,Y,Z>': expected three finite numbers",
+        ),
+        ("--position 1,2,inf", "--position"),
+        (
+            "--aim 1,0,0 --look-at 0,0,0",
+            "'--aim <X,Y,Z>' cannot be used with '--look-at",
+        ),
+        (
+            "--fov 45 --orthographic",
+            "'--fov <DEGREES>' cannot be used with '--orthographic'",
+        ),
+        ("--fov 45 --viewplane 3x2", "cannot be used with"),
+        (
+            "--fov 45 --focal-length 3 --viewplane 3x2",
+            "cannot be used with",
+        ),
+        ("--fov 180", "degrees between 0 and 180"),
+        ("--focal-length 3", "--viewplane <WxH>"),
+        (
+            "--focal-length 0 --viewplane 3x2",
+            "expected a positive number",
+        ),
+        (
+            "--focal-length -1 --viewplane 3x2",
+            "expected a positive number",
+        ),
+        ("--viewplane 3x2", "--viewplane needs --focal-length"),
+        ("--viewplane 3x-2 --focal-length 1", "both positive"),
+        ("--ray-start nose", "[possible values: viewplane, eye]"),
+        ("--size 0x10", "at least 1 of each"),
+        ("--size 10", "such as 720x480"),
+    ] {
+        lab.fails(&format!("render square.ply {options}"), 2, words);
+    }
+}
+
+#[test]
+fn a_camera_that_looks_away_says_so() {
+    let lab = Lab::with_square();
+    let outcome =
+        lab.ok("render square.ply --size 32x24 --position 0,0,5 --aim 0,0,1 --up 0,1,0 --quiet");
+    let expected = "firsthit: warning: nothing was hit: the camera looks away from the scene: \
+        bounds -1,-1,0 to 1,1,0, try --look-at auto\n";
+    assert_eq!(outcome.stderr, expected);
+    let past = lab.ok("render square.ply --size 32x24 --position 0,0,5 --aim 1,0,-0.1 --quiet");
+    assert!(
+        past.stderr.contains("the camera looks past the scene"),
+        "{}",
+        past.stderr
+    );
+}
+
+#[test]
+fn what_is_before_the_viewplane_is_not_seen_and_that_is_said() {
+    let lab = Lab::with_square();
+    let near = "render square.ply --size 32x24 --position 0,0,5 --aim 0,0,-1 --up 0,1,0 \
+        --focal-length 7 --viewplane 4x3 --channels object -o o.npy";
+    let outcome = lab.ok(near);
+    assert!(
+        outcome.stderr.contains("between the eye and the viewplane"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome.stderr.contains("use --ray-start eye"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        array(&lab.read("o.npy"))
+            .values
+            .iter()
+            .all(|&object| object == -1.0)
+    );
+    let outcome = lab.ok(&format!("{near} --ray-start eye"));
+    assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr);
+    assert!(array(&lab.read("o.npy")).values.contains(&0.0));
+}

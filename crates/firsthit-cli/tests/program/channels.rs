@@ -1,0 +1,217 @@
+//! What is in the files, number by number.
+
+use crate::support::{ABOVE, Array, Lab, array};
+
+const COLUMNS: usize = 33;
+const ROWS: usize = 25;
+/// Distances here are below 8, and a few operations away from the formula's.
+const ROUNDING: f64 = 16.0 * 8.0 * f64::EPSILON;
+
+/// A pixel of the viewplane of [`ABOVE`], relative to its centre.
+fn place(row: usize, column: usize) -> (f64, f64) {
+    let x = -2.0 + 4.0 / COLUMNS as f64 * (column as f64 + 0.5);
+    let y = 1.5 - 3.0 / ROWS as f64 * (row as f64 + 0.5);
+    (x, y)
+}
+
+fn near(array: &Array, index: usize, expected: f64) {
+    let got = array.values[index];
+    assert!(
+        (got - expected).abs() <= ROUNDING,
+        "{index}: {got} {expected}"
+    );
+}
+
+#[test]
+fn every_pixel_has_the_distances_of_the_formula() {
+    let lab = Lab::with_square();
+    let channels = "t,range,z,object,primitive,face,normal,position,front";
+    lab.ok(&format!(
+        "render square.ply {ABOVE} --channels {channels} -o all.npz"
+    ));
+    let all = lab.npz("all.npz");
+    for row in 0..ROWS {
+        for column in 0..COLUMNS {
+            let k = row * COLUMNS + column;
+            let (x, y) = place(row, column);
+            // From the viewplane at 2 to the square at 5.
+            let (hit_x, hit_y) = (2.5 * x, 2.5 * y);
+            if hit_x.abs() > 1.0 || hit_y.abs() > 1.0 {
+                for name in ["t", "range", "z"] {
+                    assert_eq!(all[name].values[k], f64::INFINITY, "{name}");
+                }
+                for name in ["object", "primitive", "face"] {
+                    assert_eq!(all[name].values[k], -1.0, "{name}");
+                }
+                for name in ["normal", "position"] {
+                    let values = &all[name].values[3 * k..][..3];
+                    assert!(values.iter().all(|x| x.is_nan()), "{name}");
+                }
+                assert_eq!(all["front"].values[k], 0.0);
+                continue;
+            }
+            let to_viewplane = (x * x + y * y + 4.0).sqrt();
+            near(&all["t"], k, 1.5 * to_viewplane);
+            near(&all["range"], k, 2.5 * to_viewplane);
+            near(&all["z"], k, 5.0);
+            for (axis, expected) in [hit_x, hit_y, 0.0].into_iter().enumerate() {
+                near(&all["position"], 3 * k + axis, expected);
+            }
+            assert_eq!(all["normal"].values[3 * k..][..3], [0.0, 0.0, 1.0]);
+            for (name, expected) in [("object", 0.0), ("face", 0.0), ("front", 1.0)] {
+                assert_eq!(all[name].values[k], expected, "{name}");
+            }
+        }
+    }
+    // The centre is on the edge that both triangles share: the lower one has it.
+    let centre = ROWS / 2 * COLUMNS + COLUMNS / 2;
+    assert_eq!(all["primitive"].values[centre], 0.0);
+    assert_eq!(all["t"].values[centre], 3.0);
+}
+
+#[test]
+fn arrays_have_the_types_and_shapes_that_are_documented() {
+    let lab = Lab::with_square();
+    let names = "color,t,range,z,object,primitive,face,normal,position,barycentric,uv,front";
+    lab.ok(&format!(
+        "render square.ply --size 32x24 --channels {names} -o all.npz"
+    ));
+    let all = lab.npz("all.npz");
+    assert_eq!(all.len(), 12);
+    for (name, array) in &all {
+        let (dtype, components) = match name.as_str() {
+            "color" => ("<f4", 3),
+            "t" | "range" | "z" => ("<f8", 1),
+            "object" | "primitive" | "face" => ("<i4", 1),
+            "uv" => ("<f8", 2),
+            "front" => ("|b1", 1),
+            _ => ("<f8", 3),
+        };
+        let shape: &[u64] = match components {
+            1 => &[24, 32],
+            n => &[24, 32, n],
+        };
+        assert_eq!(
+            (array.dtype.as_str(), &array.shape[..]),
+            (dtype, shape),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn row_0_is_the_top() {
+    let lab = Lab::new();
+    // Only the upper half of the square: y from 0 to 1.
+    let upper = crate::support::SQUARE.replace("-1 -1 0\n1 -1 0\n", "-1 0 0\n1 0 0\n");
+    lab.write("upper.ply", upper);
+    lab.ok("render upper.ply --position 0,0,3 --aim 0,0,-1 --up 0,1,0 --fov 30 --size 9x8 --channels object -o o.npy");
+    let object = array(&lab.read("o.npy"));
+    assert_eq!(object.shape, [8, 9]);
+    assert_eq!(object.values[3 * 9 + 4], 0.0);
+    assert_eq!(object.values[4 * 9 + 4], -1.0);
+}
+
+#[test]
+fn a_placeholder_makes_a_file_of_each_channel() {
+    let lab = Lab::with_square();
+    lab.ok("render square.ply --size 32x24 --channels z,object,normal -o s-{channel}.png -o {channel}.npy -o all.npz");
+    let expected =
+        "all.npz,normal.npy,object.npy,s-normal.png,s-object.png,s-z.png,square.ply,z.npy";
+    assert_eq!(lab.names().join(","), expected);
+    assert_eq!(lab.png("s-object.png").1, 24);
+    let all = lab.npz("all.npz");
+    assert_eq!(array(&lab.read("z.npy")), all["z"]);
+    assert_eq!(array(&lab.read("object.npy")), all["object"]);
+}
+
+#[test]
+fn a_picture_of_distances_comes_with_its_legend() {
+    let lab = Lab::with_square();
+    let outcome = lab.ok(&format!("render square.ply {ABOVE} --channels t"));
+    let lines: Vec<&str> = outcome.stderr.lines().collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(
+        lines[1].starts_with("square.png: t from 3.0 (yellow) to "),
+        "{lines:?}"
+    );
+}
+
+#[test]
+fn depth_is_z_and_says_so() {
+    let lab = Lab::with_square();
+    let outcome = lab.ok("render square.ply --size 32x24 --channels depth -o d.npz");
+    assert!(
+        outcome.stderr.contains("depth is written as z"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(lab.npz("d.npz").contains_key("z"));
+    let quiet = lab.ok("render square.ply --size 32x24 --channels depth -o d.npz --quiet");
+    assert_eq!(quiet.stderr, "");
+}
+
+#[test]
+fn a_channel_asked_for_twice_is_there_once() {
+    let lab = Lab::with_square();
+    lab.ok("render square.ply --size 8x6 --channels t,z,depth,t -o d.npz");
+    assert_eq!(lab.npz("d.npz").len(), 2);
+}
+
+#[test]
+fn a_channel_that_would_be_lost_is_refused() {
+    let lab = Lab::with_square();
+    lab.fails(
+        "render square.ply --channels color,t",
+        2,
+        "the channel t goes to no file",
+    );
+    lab.fails(
+        "render square.ply --channels t,z",
+        2,
+        "holds one channel of several",
+    );
+    lab.fails(
+        "demo --channels color,object",
+        2,
+        "the channel object goes to no file",
+    );
+    lab.fails(
+        "render square.ply --channels foo",
+        2,
+        "no channel \"foo\", only color, t, range, z,",
+    );
+    lab.fails("render square.ply --channels=", 2, "no channel \"\"");
+}
+
+#[test]
+fn every_number_of_threads_writes_the_same_bytes() {
+    let lab = Lab::new();
+    let mut files = Vec::new();
+    for threads in [1, 2, 7] {
+        lab.ok(&format!(
+            "demo --size 48x30 --samples 3 --threads {threads} -o a.png -o a.npz \
+             --channels color,t,object,primitive,normal,position,barycentric"
+        ));
+        files.push((lab.read("a.png"), lab.read("a.npz")));
+    }
+    assert_eq!(files[0], files[1]);
+    assert_eq!(files[0], files[2]);
+}
+
+#[test]
+fn samples_change_colours_alone_and_always_alike() {
+    let lab = Lab::new();
+    let arrays = |samples: u32| {
+        lab.ok(&format!(
+            "demo --size 32x20 --samples {samples} --channels color,t,object,primitive -o a.npz"
+        ));
+        lab.npz("a.npz")
+    };
+    let (one, four, again) = (arrays(1), arrays(4), arrays(4));
+    assert_eq!(four["color"], again["color"]);
+    assert_ne!(one["color"], four["color"]);
+    for name in ["t", "object", "primitive"] {
+        assert_eq!(one[name], four[name], "{name}");
+    }
+}

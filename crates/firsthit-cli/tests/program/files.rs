@@ -1,0 +1,150 @@
+//! Files that cannot be read or written, and files that must not be.
+
+use std::fs;
+
+use crate::support::{Lab, SQUARE};
+
+#[test]
+fn what_cannot_be_read_is_bad_input() {
+    let lab = Lab::with_square();
+    lab.write("broken.ply", &SQUARE[..40]);
+    lab.write("truncated.ply", &SQUARE[..SQUARE.len() - 20]);
+    lab.write("notes.txt", "hello");
+    fs::create_dir(lab.path("folder.ply")).unwrap();
+    for command in ["info", "render"] {
+        for file in [
+            "missing.ply",
+            "broken.ply",
+            "truncated.ply",
+            "notes.txt",
+            "folder.ply",
+            ".",
+        ] {
+            lab.fails(&format!("{command} {file}"), 3, file);
+        }
+    }
+    lab.fails("info notes.txt", 3, ".obj (OBJ), .ply (PLY), .stl (STL)");
+}
+
+#[cfg(unix)]
+#[test]
+fn control_characters_in_names_do_not_reach_the_terminal() {
+    let lab = Lab::new();
+    lab.fails("info \u{1b}[31mred.ply", 3, "\\u{1b}[31mred.ply");
+    let outcome = lab.run("render x.ply --\u{1b}[31mred\u{7}");
+    assert!(
+        !outcome.stderr.trim_end().contains(char::is_control),
+        "{}",
+        outcome.stderr
+    );
+}
+
+#[test]
+fn an_output_of_no_known_kind_is_wrong_usage() {
+    let lab = Lab::with_square();
+    for name in ["a.jpg", "a.exr", "a", ".png", "-", "a.csv", "square.ply"] {
+        let words = "must end in one of .png, .npy, .npz";
+        lab.fails(&format!("render square.ply -o {name}"), 2, words);
+    }
+    lab.fails("render square.ply -o a.png -o ./a.png", 2, "named twice");
+    lab.fails("demo -o a.png -o a.png", 2, "named twice");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_known_before_the_work() {
+    let lab = Lab::with_square();
+    fs::create_dir(lab.path("folder.png")).unwrap();
+    lab.write("old.png", "old");
+    let mut permissions = fs::metadata(lab.path("old.png")).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(lab.path("old.png"), permissions).unwrap();
+    // It would take hours.
+    let long = "demo --size 4000x4000 --samples 65536";
+    lab.fails(
+        &format!("{long} -o none/a.png"),
+        4,
+        "none/a.png: the folder does not exist",
+    );
+    lab.fails(
+        &format!("{long} -o old.png"),
+        4,
+        "old.png: the file is read-only",
+    );
+    lab.fails(
+        &format!("{long} -o folder.png"),
+        4,
+        "folder.png: is a folder, not a file",
+    );
+    lab.fails(&format!("{long} -o old.png/a.png"), 4, "old.png/a.png: ");
+    lab.fails(
+        "shoot square.ply - -o none/a.csv",
+        4,
+        "the folder does not exist",
+    );
+    assert_eq!(lab.read("old.png"), b"old");
+}
+
+#[test]
+fn too_many_pixels_are_a_limit() {
+    let lab = Lab::with_square();
+    for command in ["render square.ply", "demo", "render missing.ply"] {
+        lab.fails(
+            &format!("{command} --size 100000x100000"),
+            5,
+            "--size: 100000x100000 is over the limit",
+        );
+        lab.fails(
+            &format!("{command} --size 9999999999x9999999999"),
+            5,
+            "over the limit",
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn inputs_are_not_overwritten_under_any_name() {
+    let lab = Lab::with_square();
+    let rays = "0,0,1,0,0,-1\n";
+    lab.write("rays.csv", rays);
+    // The picture of this name leads to the model.
+    std::os::unix::fs::symlink("square.ply", lab.path("link.png")).unwrap();
+    std::os::unix::fs::symlink("rays.csv", lab.path("link.csv")).unwrap();
+    fs::create_dir(lab.path("folder")).unwrap();
+    lab.fails("render square.ply -o link.png", 2, "link.png is an input");
+    lab.fails(
+        "shoot square.ply rays.csv -o link.csv",
+        2,
+        "link.csv is an input",
+    );
+    lab.fails(
+        "shoot square.ply link.csv -o rays.csv",
+        2,
+        "rays.csv is an input",
+    );
+    lab.fails(
+        "shoot square.ply rays.csv -o folder/../rays.csv",
+        2,
+        "is an input",
+    );
+    assert_eq!(lab.read("rays.csv"), rays.as_bytes());
+    assert_eq!(lab.read("square.ply"), SQUARE.as_bytes());
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let lab = Lab::with_square();
+    lab.write("rays.csv", "0,0,1,0,0,-1\n");
+    for arguments in [
+        "render square.ply --size 32x24 --channels t -q",
+        "shoot square.ply rays.csv -o hits.npz --quiet",
+        "demo --size 16x10 --samples 1 --quiet",
+    ] {
+        let outcome = lab.ok(arguments);
+        assert_eq!(
+            (outcome.stderr.as_str(), outcome.text()),
+            ("", ""),
+            "{arguments}"
+        );
+    }
+}

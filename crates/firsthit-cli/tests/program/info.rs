@@ -1,0 +1,106 @@
+//! What a file holds.
+
+use serde_json::{Value, json};
+
+use crate::support::{Lab, SQUARE};
+
+fn info(lab: &Lab, file: &str) -> Value {
+    let outcome = lab.ok(&format!("info {file} --json"));
+    assert_eq!(outcome.stderr, "");
+    serde_json::from_slice(&outcome.stdout).unwrap()
+}
+
+#[test]
+fn json_has_the_counts_and_the_bounds() {
+    let lab = Lab::with_square();
+    let square = info(&lab, "square.ply");
+    assert_eq!(square["triangles"], 2);
+    assert_eq!(square["vertices"], 4);
+    assert_eq!(
+        square["bounds"],
+        json!([[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]])
+    );
+    assert_eq!(square["objects"].as_array().unwrap().len(), 1);
+    assert_eq!(square["objects"][0]["name"], "square");
+    assert_eq!(square["objects"][0]["bounds"], square["bounds"]);
+    assert_eq!(square["warnings"], json!([]));
+}
+
+#[test]
+fn objects_come_in_the_order_of_the_file() {
+    let lab = Lab::new();
+    lab.write(
+        "two.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\no b\nf 1 2 3\no a\nf 1 2 4\nf 2 3 4\n",
+    );
+    let two = info(&lab, "two.obj");
+    let objects = two["objects"].as_array().unwrap();
+    let of = |k: usize| {
+        (
+            objects[k]["name"].as_str().unwrap(),
+            objects[k]["triangles"].as_u64().unwrap(),
+        )
+    };
+    assert_eq!((of(0), of(1)), (("b", 1), ("a", 2)));
+    assert_eq!(two["up"], json!([0.0, 1.0, 0.0]));
+}
+
+#[test]
+fn text_says_the_same() {
+    let lab = Lab::with_square();
+    let outcome = lab.ok("info square.ply");
+    let text = outcome.text();
+    for line in [
+        "triangles  2",
+        "vertices   4",
+        "bounds     -1,-1,0 to 1,1,0",
+        "size       2 x 2 x 0",
+        "objects    1",
+        "  0  square  (mesh, 2 triangles)",
+    ] {
+        assert!(text.lines().any(|other| other == line), "{line}: {text}");
+    }
+    assert_eq!(outcome.stderr, "");
+}
+
+#[test]
+fn an_empty_file_has_no_bounds() {
+    let lab = Lab::new();
+    lab.write("empty.stl", "solid nothing\nendsolid nothing\n");
+    let empty = info(&lab, "empty.stl");
+    assert_eq!(
+        (&empty["triangles"], &empty["bounds"]),
+        (&json!(0), &Value::Null)
+    );
+    assert_eq!(empty["warnings"].as_array().unwrap().len(), 1);
+    assert!(lab.ok("info empty.stl").text().contains("bounds     none"));
+    let outcome = lab.ok("render empty.stl --size 32x24");
+    assert!(
+        outcome
+            .stderr
+            .contains("nothing was hit: there is nothing in the file"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+#[test]
+fn unusable_triangles_are_a_warning_and_an_error_when_strict() {
+    let lab = Lab::new();
+    lab.write("nan.ply", SQUARE.replace("-1 1 0\n", "nan 1 0\n"));
+    let nan = info(&lab, "nan.ply");
+    assert_eq!(nan["triangles"], 1);
+    assert_eq!(nan["warnings"].as_array().unwrap().len(), 1);
+    for command in ["info nan.ply", "render nan.ply --size 8x6 -o x.png"] {
+        let outcome = lab.ok(command);
+        assert!(
+            outcome.stderr.starts_with("firsthit: warning: nan.ply"),
+            "{}",
+            outcome.stderr
+        );
+    }
+    std::fs::remove_file(lab.path("x.png")).unwrap();
+    for command in ["info nan.ply", "info nan.ply --json", "render nan.ply"] {
+        lab.fails(&format!("{command} --strict"), 3, "nan.ply");
+    }
+}

@@ -1,0 +1,71 @@
+//! Ctrl-C, and worse.
+
+#![cfg(unix)]
+
+use std::process::{Child, Command};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::support::{Lab, Outcome};
+
+/// It would take hours.
+const LONG: &str = "demo --size 2000x1500 --samples 65536 -o old.png";
+/// Long enough to be in the middle of it.
+const A_WHILE: Duration = Duration::from_millis(400);
+/// Half a second is the promise; the rest is for a machine that is busy with other tests.
+const SOON: Duration = Duration::from_secs(2);
+
+fn interrupt(child: Child) -> Outcome {
+    sleep(A_WHILE);
+    let pid = child.id().to_string();
+    let sent = Instant::now();
+    let status = Command::new("kill").args(["-INT", &pid]).status().unwrap();
+    assert!(status.success());
+    let output = child.wait_with_output().unwrap();
+    assert!(sent.elapsed() < SOON, "{:?}", sent.elapsed());
+    Outcome::of(output)
+}
+
+#[test]
+fn ctrl_c_ends_a_render_soon_and_leaves_the_old_picture() {
+    let lab = Lab::new();
+    lab.write("old.png", "old");
+    let outcome = interrupt(lab.start(LONG));
+    assert_eq!(outcome.code, 130);
+    assert_eq!(outcome.stderr, "firsthit: error: interrupted\n");
+    assert_eq!(lab.names(), ["old.png"]);
+    assert_eq!(lab.read("old.png"), b"old");
+}
+
+#[test]
+fn ctrl_c_ends_the_wait_for_rays() {
+    let lab = Lab::with_square();
+    let mut command = lab.command("shoot square.ply - -o hits.npz");
+    let mut child = command.stdin(std::process::Stdio::piped()).spawn().unwrap();
+    let stdin = child.stdin.take();
+    let outcome = interrupt(child);
+    drop(stdin);
+    assert_eq!(outcome.code, 130);
+    assert_eq!(lab.names(), ["square.ply"]);
+}
+
+#[test]
+fn a_killed_run_leaves_a_whole_picture() {
+    let lab = Lab::new();
+    lab.ok("demo --size 64x40 --samples 1 -o picture.png");
+    let old = lab.read("picture.png");
+    let mut killed = lab.start(&LONG.replace("old.png", "picture.png"));
+    sleep(A_WHILE);
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert_eq!(lab.read("picture.png"), old);
+    // At moments that may be those of the writing, too.
+    for k in 0..12 {
+        let mut child = lab.start("demo --size 320x200 --samples 1 -o picture.png");
+        sleep(Duration::from_millis(10 * k));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let (width, ..) = lab.png("picture.png");
+        assert!(width == 64 || width == 320);
+    }
+}

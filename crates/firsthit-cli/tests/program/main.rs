@@ -1,0 +1,18 @@
+//! The program as its users have it: every test runs the binary.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on panics, in its helpers too"
+)]
+
+mod camera;
+mod channels;
+mod colours;
+mod files;
+mod info;
+mod interrupts;
+mod issue;
+mod rays;
+mod shoot;
+mod support;
+mod usage;
