@@ -7,7 +7,7 @@
 //! ```
 //!
 //! 1. A [`Camera`] turns a pixel into a ray: a start `p` and a direction `u_r` of length one.
-//! 2. [`shoot`]`(scene, p, u_r)` finds the first [`Hit`] on it: the parameter `t`, and the object `o`; a
+//! 2. [`shoot()`]`(scene, p, u_r)` finds the first [`Hit`] on it: the parameter `t`, and the object `o`; a
 //!    ray that meets nothing has `t` = infinity.
 //! 3. [`Shade::shade`]`(t, p, u_r, o)` gives the colour, for misses too.
 //! 4. [`render`](render::render) does this for all pixels, with all cores, and stores the colours and whatever else

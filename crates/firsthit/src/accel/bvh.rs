@@ -4,7 +4,7 @@ use crate::geometry::{Bounds, DVec3, Ray};
 /// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
 ///
 /// The boxes are rounded outwards, and the ray is given a width that covers all rounding on the way
-/// (see [`Slab`]), so nothing that the float64 test would accept is ever left out.
+/// (see `Slab` below), so nothing that the float64 test would accept is ever left out.
 #[derive(Debug, Clone)]
 pub struct Bvh {
     /// The middle of everything: far from the world's origin, float32 still resolves the boxes.

@@ -67,7 +67,7 @@ pub fn write(frame: &Frame, path: &Path) -> Result<()> {
     format_of(path)?.write(frame, None, path)
 }
 
-/// Writes the channel `name` of `frame` to a file, otherwise as [`write`].
+/// Writes the channel `name` of `frame` to a file, otherwise as [`write()`].
 ///
 /// # Errors
 ///

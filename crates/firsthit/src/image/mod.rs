@@ -1,6 +1,6 @@
 //! The stored result: named channels over the elements of a picture or a batch, and their file formats.
 //!
-//! A [`Frame`] holds what came out. [`write`] stores it, in the [`Format`] that the path's extension
+//! A [`Frame`] holds what came out. [`write()`] stores it, in the [`Format`] that the path's extension
 //! names; [`FORMATS`] lists them. A file appears whole or not at all, see [`write_whole`].
 //!
 //! Colours are linear in a frame and in NPY and NPZ; only PNG applies the sRGB curve. Nothing is ever
