@@ -16,7 +16,11 @@ const A_WHILE: Duration = Duration::from_millis(400);
 const SOON: Duration = Duration::from_secs(2);
 
 fn interrupt(child: Child) -> Outcome {
-    sleep(A_WHILE);
+    interrupt_after(child, A_WHILE)
+}
+
+fn interrupt_after(child: Child, a_while: Duration) -> Outcome {
+    sleep(a_while);
     let pid = child.id().to_string();
     let sent = Instant::now();
     let status = Command::new("kill").args(["-INT", &pid]).status().unwrap();
@@ -47,6 +51,26 @@ fn ctrl_c_ends_the_wait_for_rays() {
     drop(stdin);
     assert_eq!(outcome.code, 130);
     assert_eq!(lab.names(), ["square.ply"]);
+}
+
+#[test]
+fn ctrl_c_while_a_file_is_written_takes_the_temporary_file_away() {
+    let lab = Lab::with_square();
+    lab.write("old.npz", "old");
+    let mut child = lab.start(
+        "render square.ply --size 1600x1200 --channels t,position,normal,barycentric -o old.npz",
+    );
+    // Two files until the writing begins.
+    while lab.names().len() < 3 && child.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(1));
+    }
+    let outcome = interrupt_after(child, Duration::ZERO);
+    assert_eq!(lab.names(), ["old.npz", "square.ply"]);
+    match outcome.code {
+        130 => assert_eq!(lab.read("old.npz"), b"old"),
+        // It was just done.
+        code => assert_eq!((code, lab.npz("old.npz").len()), (0, 4)),
+    }
 }
 
 #[test]
