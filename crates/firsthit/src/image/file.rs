@@ -137,6 +137,8 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
         // As every other new file: the umask takes its bits away. The crate's own default is 0o600.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
+    // A folder that is missing says so in the system's words; `tempfile` keeps only the kind of the error.
+    fs::metadata(folder_of(path))?;
     builder
         .tempfile_in(folder_of(path))
         .map_err(|error| without_name(&error))

@@ -71,10 +71,11 @@ impl Shear {
         if !inside || area == 0.0 {
             return None;
         }
-        // A weighted mean of the corners' places: never outside the triangle's own range, which the tree relies on.
-        let t = (u * a_t + v * b_t + w * c_t) / area;
+        // The corners' places in the mean, counted from one of them: so that what is level stays level. The
+        // tree relies on `t` being within the triangle's own range, which rounding could leave.
+        let t = a_t + (v * (b_t - a_t) + w * (c_t - a_t)) / area;
         t.is_finite().then(|| TriangleHit {
-            t,
+            t: t.max(a_t.min(b_t).min(c_t)).min(a_t.max(b_t).max(c_t)),
             barycentric: DVec2::new(v / area, w / area),
         })
     }
@@ -113,4 +114,36 @@ fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
 
 fn residuals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
     p.x.mul_add(q.y, -left) - p.y.mul_add(q.x, -right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Weights that do not quite sum to one must not tilt a level triangle.
+    #[test]
+    fn t_is_exact_where_the_triangle_is_level() {
+        let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.3, 1.0, 0.0]].map(DVec3::from);
+        for k in 0..1000 {
+            let x = f64::from(k) * 1e-3 - 0.5;
+            let ray = Ray::new(DVec3::new(x * 0.7, -0.7 + 0.1 * x, 3.0), DVec3::NEG_Z);
+            assert_eq!(
+                Shear::new(&ray).intersect(corners).unwrap().t,
+                3.0,
+                "{ray:?}"
+            );
+        }
+    }
+
+    /// Both products round to 1: only what was rounded away tells the sides apart.
+    #[test]
+    fn the_sign_of_an_edge_is_exact_where_products_round_to_the_same() {
+        let e = f64::EPSILON;
+        let (p, q) = (DVec2::new(1.0 + e, 1.0), DVec2::new(1.0, 1.0 - e));
+        assert_eq!(p.x * q.y, p.y * q.x);
+        assert!(side(p, q) < 0.0 && side(q, p) > 0.0);
+        let tiny = 1e-160;
+        assert!(side(p * tiny, q * tiny) < 0.0 && side(q * tiny, p * tiny) > 0.0);
+        assert_eq!(side(p, p), 0.0);
+    }
 }
