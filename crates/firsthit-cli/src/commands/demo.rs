@@ -3,9 +3,10 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::{Shader, Shading, example};
 
-use super::render::{Job, picture};
+use super::render::{Job, WITHOUT_COLOR, picture};
 use crate::args::DemoArgs;
 use crate::camera::check_size;
+use crate::console::warn;
 use crate::failure::Failure;
 use crate::loading::with_threads;
 use crate::output::{self, Source};
@@ -17,9 +18,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     let kinds = output::kinds(&args.channels, Source::Camera, args.run.quiet)?;
     check_size(args.size)?;
     if args.samples.is_some() && !kinds.iter().any(|kind| kind.needs_shade()) {
-        return Err(Failure::usage(
-            "--samples does nothing without color among the --channels",
-        ));
+        warn(&[format!("--samples does nothing {WITHOUT_COLOR}")]);
     }
     let default = [PathBuf::from("demo.png")];
     let outputs = if args.output.is_empty() {

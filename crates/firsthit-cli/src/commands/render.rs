@@ -19,9 +19,11 @@ use crate::values::LightArg;
 /// The only one that looks at lights.
 const DEFAULT_SHADER: &str = "lambert";
 
+pub(super) const WITHOUT_COLOR: &str = "without color among the --channels";
+
 pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let kinds = output::kinds(&args.picture.channels, Source::Camera, args.run.quiet)?;
-    refuse_idle(args, &kinds)?;
+    warn(&idle_options(args, &kinds));
     size(&args.camera)?;
     let default = [default_output(&args.file)];
     let outputs = if args.picture.output.is_empty() {
@@ -121,8 +123,9 @@ pub(crate) fn picture(
     Ok(())
 }
 
-/// Refuses options that would do nothing: whoever gives them expects something else.
-fn refuse_idle(args: &RenderArgs, kinds: &[&'static Kind]) -> Result<(), Failure> {
+/// Says of options that would do nothing that they do: whoever gives them may expect something else, or
+/// may give the same options to all runs.
+fn idle_options(args: &RenderArgs, kinds: &[&'static Kind]) -> Vec<String> {
     let light = &args.light;
     let for_lambert = [
         ("--light", !light.light.is_empty()),
@@ -136,27 +139,33 @@ fn refuse_idle(args: &RenderArgs, kinds: &[&'static Kind]) -> Result<(), Failure
         ("--background", light.background.is_some()),
         ("--sky", light.sky.is_some()),
     ];
-    let given = |options: &[(&'static str, bool)]| {
-        let mut given = options.iter().filter(|(_, is_given)| *is_given);
-        given.next().map(|(name, _)| *name)
+    let given = |options: &[(&'static str, bool)], why: &str| -> Vec<String> {
+        let given = options.iter().filter(|(_, is_given)| *is_given);
+        given
+            .map(|(name, _)| format!("{name} does nothing {why}"))
+            .collect()
     };
     if !kinds.iter().any(|kind| kind.needs_shade()) {
-        return match given(&for_color).or(given(&for_lambert)) {
-            Some(option) => Err(Failure::usage(format!(
-                "{option} does nothing without color among the --channels"
-            ))),
-            None => Ok(()),
-        };
+        return given(
+            &[for_color.as_slice(), &for_lambert].concat(),
+            WITHOUT_COLOR,
+        );
     }
-    match (light.shader.as_deref(), given(&for_lambert)) {
-        (Some(shader), Some(option)) if shader != DEFAULT_SHADER => Err(Failure::usage(format!(
-            "{option} does nothing with --shader {shader}, only with {DEFAULT_SHADER}"
-        ))),
-        (Some("normal"), _) if light.color.is_some() => Err(Failure::usage(
-            "--color does nothing with --shader normal, which shows directions",
-        )),
-        _ => Ok(()),
+    let mut idle = Vec::new();
+    if let Some(shader) = light
+        .shader
+        .as_deref()
+        .filter(|&shader| shader != DEFAULT_SHADER)
+    {
+        idle = given(
+            &for_lambert,
+            &format!("with --shader {shader}, only with {DEFAULT_SHADER}"),
+        );
     }
+    if light.shader.as_deref() == Some("normal") && light.color.is_some() {
+        idle.push("--color does nothing with --shader normal, which shows directions".into());
+    }
+    idle
 }
 
 fn shader(args: &LightingArgs) -> Result<Shader, Failure> {

@@ -147,8 +147,15 @@ fn the_files_own_colours_win() {
 }
 
 #[test]
-fn options_that_would_do_nothing_are_refused() {
+fn options_that_would_do_nothing_say_so() {
     let lab = Lab::with_square();
+    let warns = |arguments: &str, words: &str| {
+        let text = lab.ok(arguments).stderr;
+        assert!(
+            text.contains(&format!("warning: {words}")),
+            "{arguments}: {text}"
+        );
+    };
     for option in [
         "--samples 4",
         "--shader unlit",
@@ -161,28 +168,34 @@ fn options_that_would_do_nothing_are_refused() {
     ] {
         let name = option.split(' ').next().unwrap();
         let words = format!("{name} does nothing without color");
-        lab.fails(
-            &format!("render square.ply --channels t {option}"),
-            2,
+        warns(
+            &format!("render square.ply --size 8x8 --channels t {option}"),
             &words,
         );
     }
     for shader in ["unlit", "normal"] {
         for option in ["--light point:0,0,1", "--ambient 1,1,1", "--no-shadows"] {
-            let words = format!("does nothing with --shader {shader}");
-            lab.fails(
-                &format!("render square.ply --shader {shader} {option}"),
-                2,
+            let name = option.split(' ').next().unwrap();
+            let words = format!("{name} does nothing with --shader {shader}");
+            warns(
+                &format!("render square.ply --size 8x8 --shader {shader} {option}"),
                 &words,
             );
         }
     }
-    lab.fails(
-        "render square.ply --shader normal --color 1,0,0",
-        2,
+    warns(
+        "render square.ply --size 8x8 --shader normal --color 1,0,0",
         "--color does nothing",
     );
-    lab.fails("demo --samples 4 --channels t", 2, "--samples does nothing");
+    warns(
+        "demo --size 8x8 --samples 4 --channels t",
+        "--samples does nothing",
+    );
+}
+
+#[test]
+fn a_background_and_a_sky_exclude_each_other() {
+    let lab = Lab::with_square();
     lab.fails(
         "render square.ply --background 1,1,1 --sky 1,1,1:0,0,0",
         2,
