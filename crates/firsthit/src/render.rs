@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use crate::camera::Camera;
 use crate::channel::{Kind, Shots, single};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec2};
+use crate::geometry::{Color, Ray};
 use crate::image::{Channel, Data, Frame};
 use crate::sampling::offset;
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use crate::shade::Shade;
 use crate::shoot::{Hits, filled, shoot, shoot_all};
 use crate::watch::Watch;
@@ -80,10 +80,9 @@ fn antialiased(
     samples: u32,
     watch: &dyn Watch,
 ) -> Result<Channel> {
-    let columns = camera.columns();
     let mut colors = filled(camera.pixels().saturating_mul(3), 0.0_f32)?;
-    let see = |row: usize, column: usize, within: DVec2| {
-        let ray = camera.ray_within(row, column, within);
+    let see = |pixel: usize, k: u32| {
+        let ray = sample_ray(camera, pixel, k, samples);
         let hit = shoot(scene, ray.origin, ray.direction);
         shade.shade(hit.t, ray.origin, ray.direction, &hit)
     };
@@ -95,10 +94,7 @@ fn antialiased(
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
-            let (row, column) = (pixel / columns, pixel % columns);
-            let sum: Color = (0..samples)
-                .map(|k| see(row, column, offset(pixel as u64, k, samples)))
-                .sum();
+            let sum: Color = (0..samples).map(|k| see(pixel, k)).sum();
             out.copy_from_slice(&single(sum / f64::from(samples)));
             watch.advance(u64::from(samples));
             Ok(())
@@ -110,4 +106,19 @@ fn antialiased(
         data,
         picture: kind.picture,
     })
+}
+
+/// The ray through sample point `k` of `count` in a pixel, pixels counted row by row from the top. The only
+/// point of a pixel is its centre.
+pub fn sample_ray(camera: &Camera, pixel: usize, k: u32, count: u32) -> Ray {
+    let within = offset(pixel as u64, k, count);
+    camera.ray_within(pixel / camera.columns(), pixel % camera.columns(), within)
+}
+
+/// The light of pictures that have none of their own: parallel, from behind the camera's left shoulder.
+pub fn shoulder_light(camera: &Camera) -> Light {
+    Light::Directional {
+        direction: camera.aim() + 0.45 * camera.right() - 0.6 * camera.upwards(),
+        color: Color::splat(0.95),
+    }
 }

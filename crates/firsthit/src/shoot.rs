@@ -20,8 +20,13 @@ pub fn shoot(scene: &Scene, p: DVec3, u_r: DVec3) -> Hit {
 
 /// Whether anything is at `0 < t <= t_max` on the ray `p + t * u_r`. Sooner known than the first hit.
 pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
+    any_hit(scene, &Ray::new(p, u_r).up_to(t_max))
+}
+
+/// [`occluded`] for a ray with its own `t_max`.
+pub fn any_hit(scene: &Scene, ray: &Ray) -> bool {
     let mut found = false;
-    search::<Trees>(scene, &Ray::new(p, u_r).up_to(t_max), |_| {
+    search::<Trees>(scene, ray, |_| {
         found = true;
         f64::NEG_INFINITY
     });

@@ -456,3 +456,19 @@ fn batches_of_every_size_and_any_number_of_threads_give_the_same() {
         }
     }
 }
+
+#[test]
+fn a_scene_with_other_objects_shares_what_did_not_change() {
+    let (points, triangles) = bumpy_sphere(20, 8);
+    let shared = Object::new(mesh(&points, triangles));
+    let one = scene(vec![shared.clone()]);
+    let moved = Transform::translation(DVec3::new(3.0, 0.0, 0.0)).unwrap();
+    let two = one
+        .with_objects(vec![shared.clone(), shared.clone().placed(moved)])
+        .unwrap();
+    assert_eq!(two.triangles(), 2 * one.triangles());
+    let hit = agree(&two, &Ray::new(DVec3::new(3.0, 0.1, 9.0), DVec3::NEG_Z));
+    assert_eq!(hit.object, 1);
+    // The mesh's tree is there once, beside the two small ones over the objects.
+    assert!(two.tree_bytes() < one.tree_bytes() + 1000);
+}

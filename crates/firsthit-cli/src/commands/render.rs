@@ -3,7 +3,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::channel::Kind;
-use firsthit::render::develop;
+use firsthit::render::{develop, shoulder_light};
 use firsthit::shoot::shoot_all;
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 
@@ -190,12 +190,7 @@ fn background(args: &LightingArgs, camera: &Camera) -> Background {
 
 fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Vec<Light> {
     if args.light.is_empty() {
-        // From behind the camera's left shoulder.
-        let direction = camera.aim() + 0.45 * camera.right() - 0.6 * camera.upwards();
-        return vec![Light::Directional {
-            direction,
-            color: Color::splat(0.95),
-        }];
+        return vec![shoulder_light(camera)];
     }
     let centre = if scene.bounds().is_empty() {
         camera.position()

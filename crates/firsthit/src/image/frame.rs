@@ -109,6 +109,11 @@ impl Frame {
         &self.channels
     }
 
+    /// The channels, taken out of the frame.
+    pub fn into_channels(self) -> Vec<Channel> {
+        self.channels
+    }
+
     /// The channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)

@@ -40,6 +40,26 @@ impl Scene {
     ///
     /// [`Error::Limit`] for more objects than an identifier can name.
     pub fn new(objects: Vec<Object>) -> Result<Self> {
+        Self::build(objects, HashMap::new())
+    }
+
+    /// A scene of other objects, with the same lights. What did not change is shared: the tree over a mesh
+    /// that this scene has too is not built again.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::new`].
+    pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
+        let known = self.objects.iter().zip(&self.trees);
+        let known = known.filter_map(|(object, tree)| match (object.shape(), tree) {
+            (Shape::Mesh(mesh), Some(tree)) => Some((Arc::as_ptr(mesh), Arc::clone(tree))),
+            _ => None,
+        });
+        let scene = Self::build(objects, known.collect())?;
+        Ok(scene.with_lights(self.lights.clone()))
+    }
+
+    fn build(objects: Vec<Object>, known: HashMap<*const Mesh, Arc<Bvh>>) -> Result<Self> {
         let count = i32::try_from(objects.len())
             .ok()
             .and_then(|count| u32::try_from(count).ok());
@@ -51,7 +71,7 @@ impl Scene {
                 limit,
             });
         };
-        let trees = mesh_trees(&objects);
+        let trees = mesh_trees(&objects, known);
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
         let unbounded = (0..count)
             .filter(|&k| is_unbounded(&bounds[k as usize]))
@@ -199,9 +219,11 @@ impl Scene {
     }
 }
 
-/// A tree for each mesh, however many objects share it.
-fn mesh_trees(objects: &[Object]) -> Vec<Option<Arc<Bvh>>> {
-    let mut built: HashMap<*const Mesh, Arc<Bvh>> = HashMap::new();
+/// A tree for each mesh, however many objects share it; `built` are those there are already.
+fn mesh_trees(
+    objects: &[Object],
+    mut built: HashMap<*const Mesh, Arc<Bvh>>,
+) -> Vec<Option<Arc<Bvh>>> {
     let mut tree = |mesh: &Arc<Mesh>| {
         Arc::clone(built.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
             let count = u32::try_from(mesh.triangles().len())

@@ -1,0 +1,104 @@
+"""Arguments to arrays, with errors that say what came and what was wanted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import numpy.typing as npt
+
+#: How many rays go to the native half at a time: what it makes beside the result stays below 64 MB.
+CHUNK = 1 << 19
+
+
+def vector(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:
+    """Return three numbers; whether they make sense is for others to say."""
+    array = numbers(name, value)
+    if array.shape != (3,):
+        raise ValueError(f"{name} must be three numbers, got an array of shape {array.shape}")
+    x, y, z = array.astype(np.float64).tolist()
+    return x, y, z
+
+
+def number(name: str, value: npt.ArrayLike) -> float:
+    """Return one number."""
+    array = numbers(name, value)
+    if array.shape != ():
+        raise ValueError(f"{name} must be a number, got an array of shape {array.shape}")
+    return float(array)
+
+
+def count(name: str, value: object) -> int:
+    """Return a whole number that is not negative."""
+    try:
+        whole = value.__index__()  # type: ignore[attr-defined]
+    except (AttributeError, TypeError):
+        raise ValueError(f"{name} must be a whole number, got {value!r}") from None
+    if not 0 <= whole < 2**63:
+        raise ValueError(f"{name} must be zero or more, got {whole}")
+    return int(whole)
+
+
+def numbers(name: str, value: Any) -> npt.NDArray[Any]:
+    """Return an array of real numbers, not copied where it is one already."""
+    if not isinstance(value, np.ndarray) and not hasattr(value, "__array__"):
+        if hasattr(value, "__dlpack__"):
+            value = np.from_dlpack(value)
+        elif isinstance(value, dict | set | str | bytes):
+            raise ValueError(f"{name} must be an array of numbers, got {type(value).__name__}")
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be an array of numbers: {error}") from None
+    if array.size == 0 and array.dtype == np.float64:
+        return array
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
+    return array
+
+
+def table(name: str, value: Any, columns: int, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """Return an array of shape (n, columns), C-contiguous and of one type."""
+    array = numbers(name, value)
+    if array.ndim != 2 or array.shape[1] != columns:
+        if array.size == 0:
+            array = array.reshape(0, columns)
+        else:
+            raise ValueError(f"{name} must have the shape (n, {columns}), got {array.shape}")
+    return np.ascontiguousarray(array, dtype=dtype)
+
+
+def threads_or_all(threads: int | None) -> int:
+    """Return the number of threads, 0 for all there are."""
+    if threads is None:
+        return 0
+    whole = count("threads", threads)
+    if not 1 <= whole <= 1024:
+        raise ValueError(f"threads must be from 1 to 1024, or None for all cores, got {whole}")
+    return whole
+
+
+def chunks(length: int) -> Iterator[slice]:
+    """Cut a length into pieces of at most ``CHUNK``."""
+    for start in range(0, length, CHUNK):
+        yield slice(start, min(start + CHUNK, length))
+
+
+def flat(view: npt.NDArray[Any], part: slice, trailing: int) -> npt.NDArray[np.float64]:
+    """Return elements ``part`` of an array, counted over all but its ``trailing`` last axes.
+
+    They come as C-contiguous float64; copied only where the memory is not that already, and never
+    more than the part.
+    """
+    leading = view.shape[: view.ndim - trailing]
+    rest = view.shape[view.ndim - trailing :]
+    if len(leading) == 1:
+        return np.ascontiguousarray(view[part], dtype=np.float64)
+    if view.flags.c_contiguous or not leading:
+        return np.ascontiguousarray(view.reshape(-1, *rest)[part], dtype=np.float64)
+    index = np.unravel_index(np.arange(part.start, part.stop), leading)
+    return np.ascontiguousarray(view[index], dtype=np.float64)

@@ -1,0 +1,38 @@
+"""What can go wrong with files; bad values are plain ``ValueError``."""
+
+
+class FirsthitWarning(UserWarning):
+    """Something doubtful in a file, or a request that is probably not what was meant."""
+
+
+class FileError(Exception):
+    """A file could not be read or written.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    place : str
+        Where in the file, such as ``line 12`` or ``byte 84``; empty for the file as a whole.
+    """
+
+    def __init__(self, message: str, path: str = "", place: str = "") -> None:
+        super().__init__(message)
+        self.path = path
+        self.place = place
+
+    def __reduce__(self) -> tuple[type["FileError"], tuple[str, str, str]]:
+        """Pickle with all that was said."""
+        return type(self), (str(self), self.path, self.place)
+
+
+class FileReadError(FileError, OSError):
+    """The system refused to read a file."""
+
+
+class FileWriteError(FileError, OSError):
+    """The system refused to write a file; nothing of it was written."""
+
+
+class FileFormatError(FileError, ValueError):
+    """A file's content is wrong."""

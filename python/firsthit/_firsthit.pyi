@@ -1,0 +1,101 @@
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+Vector = tuple[float, float, float]
+Hits = tuple[
+    npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
+]
+Rays = tuple[npt.NDArray[np.float64], ...]
+
+def version() -> str: ...
+def run_program(arguments: Sequence[str]) -> int: ...
+@final
+class Camera:
+    def __new__(
+        cls,
+        position: Vector,
+        aim: Vector,
+        up: Vector,
+        focal_length: float,
+        size: tuple[float, float],
+        pixels: tuple[int, int],
+        projection: str,
+        ray_start: str,
+    ) -> Camera: ...
+    @staticmethod
+    def lens(
+        vertical_fov_degrees: float, rows: int, columns: int
+    ) -> tuple[float, float, float]: ...
+    def frame(self) -> tuple[Vector, Vector, Vector, Vector]: ...
+    def rays(
+        self, rows: tuple[int, int], sample: tuple[int, int] | None
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+
+@final
+class Mesh:
+    def __new__(
+        cls,
+        vertices: npt.NDArray[np.float64],
+        triangles: npt.NDArray[np.uint32],
+        normals: npt.NDArray[np.float32] | None,
+        uvs: npt.NDArray[np.float32] | None,
+        colors: npt.NDArray[np.float32] | None,
+    ) -> Mesh: ...
+    def counts(self) -> tuple[int, int]: ...
+    def vertices(self) -> npt.NDArray[np.float64]: ...
+    def triangles(self) -> npt.NDArray[np.uint32]: ...
+
+@final
+class Shape:
+    @staticmethod
+    def mesh(mesh: Mesh) -> Shape: ...
+    @staticmethod
+    def sphere(center: Vector, radius: float) -> Shape: ...
+    @staticmethod
+    def plane(point: Vector, normal: Vector) -> Shape: ...
+    @staticmethod
+    def disc(center: Vector, normal: Vector, radius: float) -> Shape: ...
+    @staticmethod
+    def box(low: Vector, high: Vector) -> Shape: ...
+    @staticmethod
+    def cylinder(bottom: Vector, top: Vector, radius: float) -> Shape: ...
+    @staticmethod
+    def cone(bottom: Vector, top: Vector, bottom_radius: float, top_radius: float) -> Shape: ...
+
+@final
+class Scene:
+    def __new__(
+        cls,
+        objects: Sequence[tuple[Shape, str, list[list[float]] | None, Vector | None]],
+        lights: Sequence[tuple[str, Vector, Vector]],
+        previous: Scene | None,
+    ) -> Scene: ...
+    def bounds(self) -> list[list[float]] | None: ...
+
+def check_transform(rows: list[list[float]]) -> None: ...
+def load(
+    path: Path, strict: bool
+) -> tuple[list[tuple[str, Mesh, Vector | None]], Vector, list[str]]: ...
+def shoot(scene: Scene, rays: Rays, threads: int) -> Hits: ...
+def shoot_camera(scene: Scene, camera: Camera, threads: int) -> Hits: ...
+def occluded(scene: Scene, rays: Rays, threads: int) -> npt.NDArray[np.bool_]: ...
+def channel(
+    scene: Scene, name: str, rays: Rays | None, camera: Camera | None, hits: Any
+) -> npt.NDArray[Any]: ...
+def channel_names() -> list[tuple[str, str]]: ...
+def render(
+    scene: Scene,
+    camera: Camera,
+    channels: Sequence[str],
+    shading: tuple[str, Vector, Vector | None, bool],
+    samples: int,
+    threads: int,
+) -> list[npt.NDArray[Any]]: ...
+def write(
+    path: Path, shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]]
+) -> None: ...
+def png(shape: Sequence[int], name: str, values: npt.NDArray[Any]) -> bytes: ...

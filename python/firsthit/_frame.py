@@ -1,0 +1,231 @@
+"""Pictures."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import count, threads_or_all, vector
+from ._camera import Camera
+from ._hits import Hits
+from ._scene import Scene, _rays
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    import numpy.typing as npt
+
+    OwnShade = Callable[[Hits], npt.ArrayLike]
+
+#: About how many rays an own shader sees at a time when there are several samples.
+_BATCH = 1 << 18
+
+
+class Frame:
+    """A picture: named channels over the same pixels, row 0 at the top.
+
+    ``frame["z"]`` is a channel's array, (rows, columns) or (rows, columns, k). In a notebook a
+    frame shows itself.
+    """
+
+    def __init__(self, shape: tuple[int, int], channels: dict[str, npt.NDArray[Any]]) -> None:
+        self._shape, self._channels = shape, channels
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns)."""
+        return self._shape
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels' names."""
+        return tuple(self._channels)
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        """Return a channel's array."""
+        if name not in self._channels:
+            raise KeyError(f"no channel {name!r}; there are {', '.join(self._channels)}")
+        return self._channels[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._channels)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._channels
+
+    def __len__(self) -> int:
+        return len(self._channels)
+
+    def __repr__(self) -> str:
+        rows, columns = self._shape
+        return f"Frame({columns} x {rows} pixels: {', '.join(self._channels)})"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the frame to a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.npz`` takes all channels; ``.npy`` and ``.png`` take the only one, or ``color``.
+            ``{channel}`` in the name makes a file of each. Arrays are exact and linear; a PNG is
+            for looking.
+
+        Raises
+        ------
+        ValueError
+            For an unknown extension, or several channels for a file that takes one.
+        FileWriteError
+            The system refused; an old file is as it was.
+        """
+        text = os.fspath(path)
+        if "{channel}" in text:
+            for name in self._channels:
+                self._write(Path(text.replace("{channel}", name)), [name])
+            return
+        target = Path(text)
+        names = list(self._channels)
+        if target.suffix.lower() != ".npz" and len(names) != 1:
+            if "color" not in names:
+                raise ValueError(
+                    f"path must end in .npz or contain {{channel}} for several channels, got {text}"
+                )
+            names = ["color"]
+        self._write(target, names)
+
+    def _write(self, path: Path, names: list[str]) -> None:
+        channels = [(name, np.ascontiguousarray(self._channels[name]).ravel()) for name in names]
+        _firsthit.write(path, list(self._shape), channels)
+
+    def _repr_png_(self) -> bytes:
+        name = "color" if "color" in self._channels else next(iter(self._channels))
+        values = np.ascontiguousarray(self._channels[name]).ravel()
+        return _firsthit.png(list(self._shape), name, values)
+
+
+def render(
+    scene: Scene,
+    camera: Camera,
+    *,
+    channels: Sequence[str] = ("color",),
+    background: npt.ArrayLike = (0.0, 0.0, 0.0),
+    samples: int = 1,
+    shade: str | OwnShade = "lambert",
+    ambient: npt.ArrayLike | None = None,
+    shadows: bool = True,
+    threads: int | None = None,
+) -> Frame:
+    """Make a picture.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to see.
+    camera : Camera
+        From where.
+    channels : sequence of str
+        ``color`` (float32, linear), ``t``, ``range``, ``z`` (float64), ``object``, ``primitive``,
+        ``face`` (int32), ``normal``, ``position``, ``barycentric``, ``uv`` (float64), ``front``.
+    background : (3,) array_like
+        The linear colour of misses.
+    samples : int
+        Points of each pixel whose mean is its colour; all other channels are of pixel centres.
+    shade : {"lambert", "unlit", "normal"} or callable
+        How hits get their colour. ``shade(hits)`` gets `Hits`, misses included, and returns linear
+        colours of shape (..., 3); the background is then its own affair.
+    ambient : (3,) array_like, optional
+        Lambert's light from everywhere.
+    shadows : bool
+        Whether Lambert's lights are blocked by things.
+    threads : int, optional
+        How many to use; all cores if left out. The result is the same for any number.
+
+    Returns
+    -------
+    Frame
+        With the channels asked for.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+    0
+    >>> camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=3, columns=3)
+    >>> frame = fh.render(scene, camera, channels=("color", "z", "object"))
+    >>> float(frame["z"][1, 1])
+    4.0
+    """
+    if not isinstance(scene, Scene) or not isinstance(camera, Camera):
+        raise TypeError("render takes a Scene and a Camera")
+    names = _names(channels)
+    many, use = count("samples", samples), threads_or_all(threads)
+    if many < 1:
+        raise ValueError(f"samples must be at least 1, got {many}")
+    back = vector("background", background)
+    light = None if ambient is None else vector("ambient", ambient)
+    own = None if isinstance(shade, str) else shade
+    shading = (shade if isinstance(shade, str) else "unlit", back, light, bool(shadows))
+    asked = [name for name in names if own is None or name != "color"]
+    shape = (camera.rows, camera.columns)
+    arrays = _firsthit.render(scene._native(), camera._native, asked, shading, many, use)
+    made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
+    if own is not None and "color" in names:
+        made["color"] = _own_colors(scene, camera, own, many, threads)
+    return Frame(shape, {name: made[name] for name in names})
+
+
+def _names(channels: Sequence[str]) -> list[str]:
+    known = [name for name, _ in _firsthit.channel_names()]
+    asked = [channels] if isinstance(channels, str) else list(channels)
+    for name in asked:
+        if name not in known:
+            raise ValueError(f"channels must be among {', '.join(known)}, got {name!r}")
+    return list(dict.fromkeys(asked))
+
+
+def _shaped(array: npt.NDArray[Any], shape: tuple[int, int]) -> npt.NDArray[Any]:
+    components = array.size // max(shape[0] * shape[1], 1)
+    return array.reshape(shape if components == 1 else (*shape, components))
+
+
+def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
+    colors = np.asarray(shade(hits), dtype=np.float64)
+    wanted = (*hits.shape, 3)
+    if colors.shape != wanted:
+        raise ValueError(f"shade must return colours of shape {wanted}, got {colors.shape}")
+    return colors
+
+
+def _own_colors(
+    scene: Scene, camera: Camera, shade: OwnShade, samples: int, threads: int | None
+) -> npt.NDArray[np.float32]:
+    if samples == 1:
+        return _colors(shade, scene.shoot(camera, threads=threads)).astype(np.float32)
+    colors = np.empty((camera.rows, camera.columns, 3), np.float32)
+    step = max(1, _BATCH // camera.columns)
+    for row in range(0, camera.rows, step):
+        last = min(row + step, camera.rows)
+        total = np.zeros((last - row, camera.columns, 3))
+        for sample in range(samples):
+            total += _colors(shade, _sampled(scene, camera, (row, last), (sample, samples), threads))
+        colors[row:last] = total / samples
+    return colors
+
+
+def _sampled(
+    scene: Scene,
+    camera: Camera,
+    rows: tuple[int, int],
+    sample: tuple[int, int],
+    threads: int | None,
+) -> Hits:
+    """Hits of the rays through one of the sample points of each pixel of some rows."""
+    origins, directions = camera._native.rays(rows, sample)
+    shape = (rows[1] - rows[0], camera.columns, 3)
+    rays = _rays(origins.reshape(shape), directions.reshape(shape), np.inf)
+    hits = scene.shoot(rays[0], rays[1], threads=threads)
+    return Hits._of_rays(scene, rays, hits._arrays, camera)

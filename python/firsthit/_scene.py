@@ -1,0 +1,435 @@
+"""Scenes: objects, lights, and what rays meet in them."""
+
+from __future__ import annotations
+
+import threading
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import chunks, flat, numbers, threads_or_all, vector
+from ._camera import Camera
+from ._errors import FirsthitWarning
+from ._hits import Hits
+from ._shapes import Mesh, Shape, Vector
+
+if TYPE_CHECKING:
+    import os
+
+    import numpy.typing as npt
+
+
+@dataclass(frozen=True)
+class DirectionalLight:
+    """Parallel light from infinitely far away.
+
+    Parameters
+    ----------
+    direction : (3,) array_like
+        Where the light goes, of any length but zero.
+    color : (3,) array_like
+        The linear colour that a white surface facing the light takes.
+    """
+
+    direction: Vector
+    color: Vector = (1.0, 1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        direction = vector("direction", self.direction)
+        if not any(direction):
+            raise ValueError(f"direction must be a direction, not zero, got {direction}")
+        object.__setattr__(self, "direction", direction)
+        object.__setattr__(self, "color", vector("color", self.color))
+
+    def _native(self) -> tuple[str, Vector, Vector]:
+        return "directional", self.direction, self.color
+
+
+@dataclass(frozen=True)
+class PointLight:
+    """Light from one point, falling off with the square of the distance.
+
+    Parameters
+    ----------
+    position : (3,) array_like
+        Where it is.
+    intensity : (3,) array_like
+        The linear colour that a white surface facing the light takes at distance one.
+    """
+
+    position: Vector
+    intensity: Vector = (1.0, 1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", vector("position", self.position))
+        object.__setattr__(self, "intensity", vector("intensity", self.intensity))
+
+    def _native(self) -> tuple[str, Vector, Vector]:
+        return "point", self.position, self.intensity
+
+
+class Object:
+    """A shape somewhere in a scene, as `Scene.add` made it. Read only."""
+
+    def __init__(
+        self,
+        shape: Shape,
+        name: str,
+        transform: npt.NDArray[np.float64] | None,
+        color: Vector | None,
+    ) -> None:
+        self._shape, self._name, self._transform, self._color = shape, name, transform, color
+
+    @property
+    def shape(self) -> Shape:
+        """The shape, in object space."""
+        return self._shape
+
+    @property
+    def name(self) -> str:
+        """Its name; may be empty."""
+        return self._name
+
+    @property
+    def transform(self) -> npt.NDArray[np.float64]:
+        """From object space to the world, (4, 4): a copy."""
+        return np.eye(4) if self._transform is None else self._transform.copy()
+
+    @property
+    def color(self) -> Vector | None:
+        """Its linear colour; ``None`` where nobody gave one."""
+        return self._color
+
+    @property
+    def triangles(self) -> int:
+        """How many triangles it has; 0 for shapes that are no mesh."""
+        return self._shape._mesh.counts()[1] if isinstance(self._shape, Mesh) else 0
+
+    def __repr__(self) -> str:
+        return f"Object({self._name!r}, {self._shape!r})"
+
+    def _native(self) -> tuple[_firsthit.Shape, str, list[list[float]] | None, Vector | None]:
+        rows = None if self._transform is None else self._transform.tolist()
+        return self._shape._native(), self._name, rows, self._color
+
+
+class Scene:
+    """Objects and lights, to be shot at from any number of threads.
+
+    An object's identifier is its index in the order of insertion. Adding is cheap: what rays need
+    is built on the first shot, and what did not change since is kept.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Plane(point=(0, 0, 0), normal=(0, 0, 1)), name="ground")
+    0
+    >>> scene.add(fh.Sphere(center=(0, 0, 1), radius=1), name="ball")
+    1
+    >>> scene
+    Scene(2 objects, 0 triangles)
+    """
+
+    def __init__(self) -> None:
+        self._objects: list[Object] = []
+        self._lights: list[DirectionalLight | PointLight] = []
+        self._up: Vector = (0.0, 0.0, 1.0)
+        self._built: _firsthit.Scene | None = None
+        self._is_current = False
+        self._lock = threading.Lock()
+
+    def add(
+        self,
+        shape: Shape | Any,
+        *,
+        name: str = "",
+        transform: npt.ArrayLike | None = None,
+        color: npt.ArrayLike | None = None,
+    ) -> int:
+        """Add an object.
+
+        Parameters
+        ----------
+        shape : Shape
+            A `Mesh`, `Sphere`, ..., or anything with ``vertices`` and ``faces``. Objects may share
+            one: nothing is copied.
+        name : str
+            Need not be unique.
+        transform : (4, 4) or (3, 4) array_like, optional
+            From object space to the world, applied to columns: any affine map that can be undone.
+        color : (3,) array_like, optional
+            Its linear colour; a light grey if left out, white for a mesh with colours of its own.
+
+        Returns
+        -------
+        int
+            The object's identifier.
+
+        Raises
+        ------
+        ValueError
+            For a transform that flattens space, and for values of a wrong shape or type.
+        TypeError
+            For something that is no shape.
+        """
+        if not isinstance(shape, Shape):
+            if not (hasattr(shape, "vertices") and hasattr(shape, "faces")):
+                raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
+            shape = Mesh(shape)
+        if color is None and isinstance(shape, Mesh) and shape._attributes[2] is not None:
+            color = (1.0, 1.0, 1.0)
+        matrix = None if transform is None else _affine(transform)
+        tint = None if color is None else vector("color", color)
+        made = Object(shape, str(name), matrix, tint)
+        with self._lock:
+            self._objects.append(made)
+            self._is_current = False
+            return len(self._objects) - 1
+
+    def add_light(self, light: DirectionalLight | PointLight) -> None:
+        """Add a light; a scene without any is lit from behind the camera's left shoulder."""
+        with self._lock:
+            self._lights.append(light)
+            self._is_current = False
+
+    @property
+    def objects(self) -> tuple[Object, ...]:
+        """The objects, in the order of their identifiers."""
+        return tuple(self._objects)
+
+    @property
+    def lights(self) -> tuple[DirectionalLight | PointLight, ...]:
+        """The lights."""
+        return tuple(self._lights)
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """Low and high corner of the box around all finite objects, (2, 3); NaN without any."""
+        bounds = self._native().bounds()
+        return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
+
+    def _native(self) -> _firsthit.Scene:
+        with self._lock:
+            if self._built is None or not self._is_current:
+                objects = [made._native() for made in self._objects]
+                lights = [light._native() for light in self._lights]
+                self._built = _firsthit.Scene(objects, lights, self._built)
+                self._is_current = True
+            return self._built
+
+    def shoot(
+        self,
+        origins: npt.ArrayLike | Camera,
+        directions: npt.ArrayLike | None = None,
+        *,
+        t_max: npt.ArrayLike = np.inf,
+        threads: int | None = None,
+    ) -> Hits:
+        """Find the first object that each ray meets.
+
+        Parameters
+        ----------
+        origins, directions : (..., 3) array_like
+            World space, any real type; broadcast against each other. Directions of any length: ``t``
+            counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
+        t_max : (...) array_like
+            The largest ``t`` that counts.
+        threads : int, optional
+            How many to use; all cores if left out. The result is the same for any number.
+
+        Returns
+        -------
+        Hits
+            Of the rays' shape. A ray that is zero, NaN or infinite is a miss, alone.
+
+        Raises
+        ------
+        ValueError
+            For arrays whose shapes or types do not fit, with their names.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> hits = scene.shoot([[0, 0, 3], [0.6, 0, 3]], [0, 0, -1])
+        >>> hits.t
+        array([2. , 2.2])
+        >>> hits.normal[0]
+        array([0., 0., 1.])
+        """
+        use = threads_or_all(threads)
+        if isinstance(origins, Camera):
+            if directions is not None:
+                raise ValueError("directions must be left out with a camera, which has its own")
+            if not _is_infinite(t_max):
+                raise ValueError("t_max must be left out with a camera")
+            arrays = _firsthit.shoot_camera(self._native(), origins._native, use)
+            return Hits._of_camera(self, origins, arrays)
+        rays = _rays(origins, directions, t_max)
+        native, shape = self._native(), rays[2].shape
+        length = int(np.prod(shape))
+        parts = list(chunks(length))
+        if len(parts) == 1:
+            return Hits._of_rays(self, rays, _firsthit.shoot(native, _part(rays, parts[0]), use))
+        out = (
+            np.empty(length, np.float64),
+            np.empty(length, np.int32),
+            np.empty(length, np.int32),
+            np.empty((length, 2), np.float64),
+        )
+        for part in parts:
+            made = _firsthit.shoot(native, _part(rays, part), use)
+            for whole, piece in zip(out, made, strict=True):
+                whole[part] = piece
+        return Hits._of_rays(self, rays, out)
+
+    def occluded(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        *,
+        t_max: npt.ArrayLike = np.inf,
+        threads: int | None = None,
+    ) -> npt.NDArray[np.bool_]:
+        """Tell whether each ray meets anything. Sooner known than what it meets first.
+
+        Parameters
+        ----------
+        origins, directions, t_max, threads
+            As for `shoot`.
+
+        Returns
+        -------
+        (...) array of bool
+            Whether anything is at ``0 < t <= t_max``.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> eye, target = (0, 0, 5), (0, 0, 2)
+        >>> bool(scene.occluded(eye, [0, 0, -3], t_max=1.0))  # is the target seen?
+        False
+        """
+        use = threads_or_all(threads)
+        rays = _rays(origins, directions, t_max)
+        shape = rays[2].shape
+        found = np.empty(int(np.prod(shape)), np.bool_)
+        for part in chunks(len(found)):
+            found[part] = _firsthit.occluded(self._native(), _part(rays, part), use)
+        return found.reshape(shape)
+
+    def __repr__(self) -> str:
+        triangles = sum(made.triangles for made in self._objects)
+        plural = "" if len(self._objects) == 1 else "s"
+        return f"Scene({len(self._objects):,} object{plural}, {triangles:,} triangles)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the objects; what is built from them is built again."""
+        return {"_objects": self._objects, "_lights": self._lights, "_up": self._up}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__()  # type: ignore[misc]
+        self.__dict__.update(state)
+
+    def __copy__(self) -> Scene:
+        """Copy: the shapes are shared, the lists are not."""
+        other = Scene()
+        other._objects, other._lights = list(self._objects), list(self._lights)
+        other._up = self._up
+        with self._lock:
+            other._built, other._is_current = self._built, self._is_current
+        return other
+
+
+Rays = tuple["npt.NDArray[Any]", "npt.NDArray[Any]", "npt.NDArray[Any]"]
+
+
+def _rays(origins: Any, directions: Any, t_max: npt.ArrayLike) -> Rays:
+    """Origins, directions and limits, as views of one leading shape."""
+    if directions is None:
+        raise ValueError("directions must be given, except with a camera")
+    starts, ways = numbers("origins", origins), numbers("directions", directions)
+    for name, array in (("origins", starts), ("directions", ways)):
+        if array.ndim == 0 or array.shape[-1] != 3:
+            raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
+    limits = numbers("t_max", t_max)
+    try:
+        shape = np.broadcast_shapes(starts.shape[:-1], ways.shape[:-1], limits.shape)
+    except ValueError:
+        raise ValueError(
+            f"origins {starts.shape}, directions {ways.shape} and t_max {limits.shape} "
+            "must broadcast against each other"
+        ) from None
+    to = (*shape, 3)
+    return np.broadcast_to(starts, to), np.broadcast_to(ways, to), np.broadcast_to(limits, shape)
+
+
+def _part(rays: Rays, part: slice) -> tuple[npt.NDArray[np.float64], ...]:
+    origins, directions, limits = rays
+    everywhere = limits.strides == (0,) * limits.ndim and limits.size > 0
+    limit = limits.reshape(-1)[:1].astype(np.float64) if everywhere else flat(limits, part, 0)
+    return flat(origins, part, 1), flat(directions, part, 1), limit
+
+
+def _is_infinite(t_max: npt.ArrayLike) -> bool:
+    return bool(np.all(numbers("t_max", t_max) == np.inf))
+
+
+def _affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    matrix = numbers("transform", transform).astype(np.float64)
+    if matrix.shape == (3, 4):
+        matrix = np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]])
+    if matrix.shape != (4, 4):
+        raise ValueError(f"transform must have the shape (4, 4) or (3, 4), got {matrix.shape}")
+    if not np.array_equal(matrix[3], [0, 0, 0, 1]):
+        raise ValueError(f"transform must have the last row 0, 0, 0, 1, got {matrix[3]}")
+    # Refused here, not at the first shot.
+    _firsthit.check_transform(matrix.tolist())
+    return matrix
+
+
+def load(path: str | os.PathLike[str], *, strict: bool = False) -> Scene:
+    """Read a 3D file: PLY, STL or OBJ.
+
+    Parameters
+    ----------
+    path : path-like
+        The file; its extension tells the format.
+    strict : bool
+        Whether triangles that cannot be used are an error instead of a warning.
+
+    Returns
+    -------
+    Scene
+        An object for each of the file's, with names and colours.
+
+    Raises
+    ------
+    FileReadError
+        The system refused; also an `OSError`.
+    FileFormatError
+        The content is wrong; also a `ValueError`. Both are `FileError`, with path and place.
+
+    Warns
+    -----
+    FirsthitWarning
+        For what is doubtful in the file.
+    """
+    parts, up, doubts = _firsthit.load(Path(path), strict)
+    for doubt in doubts:
+        warnings.warn(doubt, FirsthitWarning, stacklevel=2)
+    scene = Scene()
+    scene._up = up
+    for name, mesh, color in parts:
+        scene.add(Mesh._wrap(mesh), name=name, color=color)
+    return scene

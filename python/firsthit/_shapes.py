@@ -1,0 +1,281 @@
+"""What rays can meet. Shapes are immutable; many objects can share one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import number, numbers, table, vector
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+Vector = tuple[float, float, float]
+
+
+class Shape:
+    """Any shape, in its own object space."""
+
+    def _native(self) -> _firsthit.Shape:
+        raise NotImplementedError
+
+
+def _settle(shape: object, **values: object) -> None:
+    for name, value in values.items():
+        object.__setattr__(shape, name, value)
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """A sphere.
+
+    Parameters
+    ----------
+    center : (3,) array_like
+        Its middle.
+    radius : float
+        Positive.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> fh.Sphere(center=(0, 1, 0), radius=1)
+    Sphere(center=(0.0, 1.0, 0.0), radius=1.0)
+    """
+
+    center: Vector
+    radius: float
+
+    def __post_init__(self) -> None:
+        _settle(self, center=vector("center", self.center), radius=number("radius", self.radius))
+        self._native()
+
+    def _native(self) -> _firsthit.Shape:
+        return _firsthit.Shape.sphere(self.center, self.radius)
+
+
+@dataclass(frozen=True)
+class Plane(Shape):
+    """An infinite plane.
+
+    Parameters
+    ----------
+    point : (3,) array_like
+        A point of it.
+    normal : (3,) array_like
+        Where its front looks, of any length but zero.
+    """
+
+    point: Vector
+    normal: Vector
+
+    def __post_init__(self) -> None:
+        _settle(self, point=vector("point", self.point), normal=vector("normal", self.normal))
+        self._native()
+
+    def _native(self) -> _firsthit.Shape:
+        return _firsthit.Shape.plane(self.point, self.normal)
+
+
+@dataclass(frozen=True)
+class Disc(Shape):
+    """A flat round disc.
+
+    Parameters
+    ----------
+    center : (3,) array_like
+        Its middle.
+    normal : (3,) array_like
+        Where its front looks, of any length but zero.
+    radius : float
+        Positive.
+    """
+
+    center: Vector
+    normal: Vector
+    radius: float
+
+    def __post_init__(self) -> None:
+        center, normal = vector("center", self.center), vector("normal", self.normal)
+        _settle(self, center=center, normal=normal, radius=number("radius", self.radius))
+        self._native()
+
+    def _native(self) -> _firsthit.Shape:
+        return _firsthit.Shape.disc(self.center, self.normal, self.radius)
+
+
+@dataclass(frozen=True)
+class Box(Shape):
+    """A box with its sides along the axes. Primitives 0 to 5 are -x, +x, -y, +y, -z, +z.
+
+    Parameters
+    ----------
+    low, high : (3,) array_like
+        Two corners, ``low`` below ``high`` along every axis.
+    """
+
+    low: Vector
+    high: Vector
+
+    def __post_init__(self) -> None:
+        _settle(self, low=vector("low", self.low), high=vector("high", self.high))
+        self._native()
+
+    def _native(self) -> _firsthit.Shape:
+        return _firsthit.Shape.box(self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Cylinder(Shape):
+    """A cylinder with both lids. Primitives: 0 the side, 1 the bottom, 2 the top.
+
+    Parameters
+    ----------
+    bottom, top : (3,) array_like
+        The ends of its axis.
+    radius : float
+        Positive.
+    """
+
+    bottom: Vector
+    top: Vector
+    radius: float
+
+    def __post_init__(self) -> None:
+        bottom, top = vector("bottom", self.bottom), vector("top", self.top)
+        _settle(self, bottom=bottom, top=top, radius=number("radius", self.radius))
+        self._native()
+
+    def _native(self) -> _firsthit.Shape:
+        return _firsthit.Shape.cylinder(self.bottom, self.top, self.radius)
+
+
+@dataclass(frozen=True)
+class Cone(Shape):
+    """A cone with its lids, or with a ``top_radius`` the lower part of one.
+
+    Primitives: 0 the side, 1 the bottom, 2 the top.
+
+    Parameters
+    ----------
+    bottom, top : (3,) array_like
+        The ends of its axis.
+    radius : float
+        At the bottom; zero or positive.
+    top_radius : float
+        At the top; zero gives it a tip.
+    """
+
+    bottom: Vector
+    top: Vector
+    radius: float
+    top_radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        bottom, top = vector("bottom", self.bottom), vector("top", self.top)
+        _settle(self, bottom=bottom, top=top, radius=number("radius", self.radius))
+        _settle(self, top_radius=number("top_radius", self.top_radius))
+        self._native()
+
+    def _native(self) -> _firsthit.Shape:
+        return _firsthit.Shape.cone(self.bottom, self.top, self.radius, self.top_radius)
+
+
+class Mesh(Shape):
+    """Triangles over shared vertices, counter-clockwise seen from the front.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like
+        Any real type; stored as float32 where that loses nothing, else as float64.
+    triangles : (m, 3) array_like of int
+        Indices of vertices. May be left out when ``vertices`` is an object that has ``vertices``
+        and ``faces`` of its own, as trimesh's have.
+    normals : (n, 3) array_like, optional
+        For shading; need not be of length one.
+    uvs : (n, 2) array_like, optional
+        Texture coordinates.
+    colors : (n, 3) array_like, optional
+        Linear colours, which the object's colour multiplies.
+
+    Raises
+    ------
+    ValueError
+        For arrays of a wrong shape or type, an index without a vertex, or a corner that is not
+        finite.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    Mesh(3 vertices, 1 triangle)
+    """
+
+    def __init__(
+        self,
+        vertices: Any,
+        triangles: npt.ArrayLike | None = None,
+        normals: npt.ArrayLike | None = None,
+        uvs: npt.ArrayLike | None = None,
+        colors: npt.ArrayLike | None = None,
+    ) -> None:
+        if triangles is None:
+            if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
+                raise ValueError("triangles must be given with an array of vertices")
+            vertices, triangles = vertices.vertices, vertices.faces
+        points = table("vertices", vertices, 3, np.float64)
+        corners = _indices(triangles, len(points))
+        optional = [("normals", normals, 3), ("uvs", uvs, 2), ("colors", colors, 3)]
+        attributes = [
+            None if value is None else table(name, value, columns, np.float32)
+            for name, value, columns in optional
+        ]
+        self._mesh = _firsthit.Mesh(points, corners, *attributes)
+        self._attributes = attributes
+
+    @classmethod
+    def _wrap(cls, mesh: _firsthit.Mesh) -> Mesh:
+        wrapped = cls.__new__(cls)
+        wrapped._mesh = mesh
+        wrapped._attributes = [None, None, None]
+        return wrapped
+
+    def _native(self) -> _firsthit.Shape:
+        return _firsthit.Shape.mesh(self._mesh)
+
+    @property
+    def vertices(self) -> npt.NDArray[np.float64]:
+        """The vertices, (n, 3) float64: a copy."""
+        return self._mesh.vertices()
+
+    @property
+    def triangles(self) -> npt.NDArray[np.uint32]:
+        """The vertices' indices of each triangle, (m, 3) uint32: a copy."""
+        return self._mesh.triangles()
+
+    def __repr__(self) -> str:
+        vertices, triangles = self._mesh.counts()
+        plural = "" if triangles == 1 else "s"
+        return f"Mesh({vertices:,} vertices, {triangles:,} triangle{plural})"
+
+    def __reduce__(self) -> tuple[type[Mesh], tuple[object, ...]]:
+        """Pickle by value."""
+        return type(self), (self.vertices, self.triangles, *self._attributes)
+
+
+def _indices(value: Any, vertices: int) -> npt.NDArray[np.uint32]:
+    array = numbers("triangles", value)
+    if array.dtype.kind == "f" and not np.all(array == np.floor(array)):
+        raise ValueError(f"triangles must be whole numbers, got dtype {array.dtype}")
+    if array.size and not 0 <= array.min() <= array.max() < max(vertices, 1):
+        span = f"from {array.min()} to {array.max()}"
+        raise ValueError(f"triangles must be indices of {vertices} vertices, got {span}")
+    return table("triangles", array, 3, np.uint32)

@@ -1,0 +1,104 @@
+//! Rays and hits in NumPy's memory, as the library sees them.
+
+use firsthit::{DVec2, DVec3, Hits, Ray, Rays};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// Rays in arrays of the interpreter.
+pub(crate) struct RaySlices<'a> {
+    origins: &'a [[f64; 3]],
+    directions: &'a [[f64; 3]],
+    /// One limit for all, or one for each.
+    t_max: &'a [f64],
+}
+
+impl Rays for RaySlices<'_> {
+    fn len(&self) -> usize {
+        self.origins.len()
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        let ray = Ray::new(
+            DVec3::from(self.origins[index]),
+            DVec3::from(self.directions[index]),
+        );
+        let t_max = self.t_max.get(index).or(self.t_max.first());
+        ray.up_to(t_max.copied().unwrap_or(f64::INFINITY))
+    }
+}
+
+/// Arrays of rays as they come: C-contiguous float64 of the shapes (n, 3), (n, 3), and (n,) or (1,).
+#[derive(FromPyObject)]
+pub(crate) struct RayArrays<'py>(
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray1<'py, f64>,
+);
+
+impl RayArrays<'_> {
+    pub(crate) fn slices(&self) -> PyResult<RaySlices<'_>> {
+        let rays = RaySlices {
+            origins: self.0.as_slice().map_err(not_contiguous)?.as_chunks().0,
+            directions: self.1.as_slice().map_err(not_contiguous)?.as_chunks().0,
+            t_max: self.2.as_slice().map_err(not_contiguous)?,
+        };
+        let lengths = [rays.directions.len(), rays.t_max.len()];
+        if lengths == [rays.origins.len(); 2] || lengths == [rays.origins.len(), 1] {
+            Ok(rays)
+        } else {
+            Err(PyValueError::new_err("expected arrays of one length"))
+        }
+    }
+}
+
+/// `t`, `object`, `primitive` and `barycentric` of hits.
+pub(crate) type HitsOut<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray2<f64>>,
+);
+
+pub(crate) fn hits_out(py: Python<'_>, hits: Hits) -> PyResult<HitsOut<'_>> {
+    let count = hits.len();
+    let barycentric: Vec<f64> = hits.barycentric.iter().flat_map(DVec2::to_array).collect();
+    Ok((
+        PyArray1::from_vec(py, hits.t),
+        PyArray1::from_vec(py, hits.object),
+        PyArray1::from_vec(py, hits.primitive),
+        PyArray1::from_vec(py, barycentric).reshape([count, 2])?,
+    ))
+}
+
+/// What [`hits_out`] made, back again.
+#[derive(FromPyObject)]
+pub(crate) struct HitsIn<'py>(
+    PyReadonlyArray1<'py, f64>,
+    PyReadonlyArray1<'py, i32>,
+    PyReadonlyArray1<'py, i32>,
+    PyReadonlyArray2<'py, f64>,
+);
+
+impl HitsIn<'_> {
+    /// A copy: callers send a limited number at a time.
+    pub(crate) fn hits(&self) -> PyResult<Hits> {
+        let pairs = self
+            .3
+            .as_slice()
+            .map_err(not_contiguous)?
+            .as_chunks::<2>()
+            .0;
+        Ok(Hits {
+            t: self.0.as_slice().map_err(not_contiguous)?.to_vec(),
+            object: self.1.as_slice().map_err(not_contiguous)?.to_vec(),
+            primitive: self.2.as_slice().map_err(not_contiguous)?.to_vec(),
+            barycentric: pairs.iter().map(|&pair| DVec2::from(pair)).collect(),
+        })
+    }
+}
+
+/// The Python half sends contiguous arrays; this is for calls around it.
+pub(crate) fn not_contiguous<E>(_: E) -> PyErr {
+    PyValueError::new_err("expected a C-contiguous array")
+}

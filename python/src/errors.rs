@@ -1,0 +1,36 @@
+//! The library's errors as Python's.
+
+use firsthit::Error;
+use firsthit::error::Place;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+
+/// The Python exception for an error; those about files are classes of the Python half.
+pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
+    let message = error.to_string();
+    let file = |class: &str, path: &std::path::Path, place: String| {
+        let made = py.import("firsthit._errors").and_then(|module| {
+            module
+                .getattr(class)?
+                .call1((message.clone(), path.to_string_lossy(), place))
+        });
+        made.map_or_else(|error| error, PyErr::from_value)
+    };
+    match error {
+        Error::Argument { .. } => PyValueError::new_err(message),
+        Error::Read { path, .. } => file("FileReadError", path, String::new()),
+        Error::Write { path, .. } => file("FileWriteError", path, String::new()),
+        Error::Parse { path, place, .. } => file("FileFormatError", path, words(place)),
+        Error::Limit { .. } => PyMemoryError::new_err(message),
+        Error::Interrupted => PyKeyboardInterrupt::new_err(()),
+        _ => PyRuntimeError::new_err(message),
+    }
+}
+
+fn words(place: &Place) -> String {
+    match place {
+        Place::Line(line) => format!("line {line}"),
+        Place::Byte(byte) => format!("byte {byte}"),
+        _ => String::new(),
+    }
+}

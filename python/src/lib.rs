@@ -1,0 +1,47 @@
+//! The native half of the Python package: conversion only, no mathematics. Its words are those of the
+//! library; everything that a user sees is in `python/firsthit/`.
+
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "arguments from Python arrive by value"
+)]
+
+mod arrays;
+mod camera;
+mod errors;
+mod frame;
+mod run;
+mod scene;
+mod shape;
+mod shoot;
+
+use pyo3::prelude::*;
+
+/// The native module `firsthit._firsthit`.
+#[pymodule]
+mod _firsthit {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::camera::Camera;
+    #[pymodule_export]
+    use crate::frame::{png, render, write};
+    #[pymodule_export]
+    use crate::scene::{Scene, check_transform, load};
+    #[pymodule_export]
+    use crate::shape::{Mesh, Shape};
+    #[pymodule_export]
+    use crate::shoot::{channel, channel_names, occluded, shoot, shoot_camera};
+
+    /// The version of the library.
+    #[pyfunction]
+    fn version() -> &'static str {
+        env!("CARGO_PKG_VERSION")
+    }
+
+    /// Runs the command line program and returns its exit code.
+    #[pyfunction]
+    fn run_program(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {
+        py.detach(|| firsthit_cli::run(arguments))
+    }
+}

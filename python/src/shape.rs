@@ -1,0 +1,159 @@
+//! Meshes and shapes, as handles.
+
+use std::sync::Arc;
+
+use firsthit::shape::Attribute;
+use firsthit::{Cone, Cuboid, Cylinder, DVec3, Disc, Plane, Positions, Sphere};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::not_contiguous;
+use crate::errors::raise;
+
+/// A mesh that objects can share.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Mesh(pub(crate) Arc<firsthit::Mesh>);
+
+#[pymethods]
+impl Mesh {
+    /// From float64 vertices (n, 3) and uint32 triangles (m, 3), with float32 attributes per vertex.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        triangles: PyReadonlyArray2<'_, u32>,
+        normals: Option<PyReadonlyArray2<'_, f32>>,
+        uvs: Option<PyReadonlyArray2<'_, f32>>,
+        colors: Option<PyReadonlyArray2<'_, f32>>,
+    ) -> PyResult<Self> {
+        let points = vertices
+            .as_slice()
+            .map_err(not_contiguous)?
+            .as_chunks::<3>()
+            .0
+            .to_vec();
+        let corners = triangles
+            .as_slice()
+            .map_err(not_contiguous)?
+            .as_chunks::<3>()
+            .0
+            .to_vec();
+        let normals = normals.map(|array| attribute(&array)).transpose()?;
+        let uvs = uvs.map(|array| attribute(&array)).transpose()?;
+        let colors = colors.map(|array| attribute(&array)).transpose()?;
+        let mesh = py.detach(|| {
+            let mut mesh = firsthit::Mesh::new(Positions::compact(points), corners)?;
+            if let Some(normals) = normals {
+                mesh = mesh.with_normals(normals)?;
+            }
+            if let Some(uvs) = uvs {
+                mesh = mesh.with_uvs(uvs)?;
+            }
+            if let Some(colors) = colors {
+                mesh = mesh.with_colors(colors)?;
+            }
+            Ok(mesh)
+        });
+        mesh.map(|mesh| Self(Arc::new(mesh)))
+            .map_err(|error| raise(py, &error))
+    }
+
+    /// How many vertices and triangles there are.
+    fn counts(&self) -> (usize, usize) {
+        (self.0.positions().len(), self.0.triangles().len())
+    }
+
+    /// The vertices, float64 (n, 3): a copy.
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let positions = self.0.positions();
+        let count = u32::try_from(positions.len()).unwrap_or(u32::MAX);
+        let values: Vec<f64> = (0..count)
+            .flat_map(|index| positions.get(index).to_array())
+            .collect();
+        PyArray1::from_vec(py, values).reshape([positions.len(), 3])
+    }
+
+    /// The triangles, uint32 (m, 3): a copy.
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let values = self.0.triangles().as_flattened().to_vec();
+        PyArray1::from_vec(py, values).reshape([self.0.triangles().len(), 3])
+    }
+}
+
+fn attribute<const N: usize>(array: &PyReadonlyArray2<'_, f32>) -> PyResult<Attribute<N>> {
+    let values = array.as_slice().map_err(not_contiguous)?;
+    Ok(Attribute::per_vertex(values.as_chunks().0.to_vec()))
+}
+
+/// A shape in object space.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Shape(pub(crate) firsthit::Shape);
+
+impl Shape {
+    fn checked(
+        py: Python<'_>,
+        shape: firsthit::Result<impl Into<firsthit::Shape>>,
+    ) -> PyResult<Self> {
+        shape
+            .map(|shape| Self(shape.into()))
+            .map_err(|error| raise(py, &error))
+    }
+}
+
+#[pymethods]
+impl Shape {
+    #[staticmethod]
+    fn mesh(mesh: &Mesh) -> Self {
+        Self(Arc::clone(&mesh.0).into())
+    }
+
+    #[staticmethod]
+    fn sphere(py: Python<'_>, center: [f64; 3], radius: f64) -> PyResult<Self> {
+        Self::checked(py, Sphere::new(DVec3::from(center), radius))
+    }
+
+    #[staticmethod]
+    fn plane(py: Python<'_>, point: [f64; 3], normal: [f64; 3]) -> PyResult<Self> {
+        Self::checked(py, Plane::new(DVec3::from(point), DVec3::from(normal)))
+    }
+
+    #[staticmethod]
+    fn disc(py: Python<'_>, center: [f64; 3], normal: [f64; 3], radius: f64) -> PyResult<Self> {
+        Self::checked(
+            py,
+            Disc::new(DVec3::from(center), DVec3::from(normal), radius),
+        )
+    }
+
+    #[staticmethod]
+    fn r#box(py: Python<'_>, low: [f64; 3], high: [f64; 3]) -> PyResult<Self> {
+        Self::checked(py, Cuboid::new(DVec3::from(low), DVec3::from(high)))
+    }
+
+    #[staticmethod]
+    fn cylinder(py: Python<'_>, bottom: [f64; 3], top: [f64; 3], radius: f64) -> PyResult<Self> {
+        Self::checked(
+            py,
+            Cylinder::new(DVec3::from(bottom), DVec3::from(top), radius),
+        )
+    }
+
+    #[staticmethod]
+    fn cone(
+        py: Python<'_>,
+        bottom: [f64; 3],
+        top: [f64; 3],
+        bottom_radius: f64,
+        top_radius: f64,
+    ) -> PyResult<Self> {
+        Self::checked(
+            py,
+            Cone::new(
+                DVec3::from(bottom),
+                DVec3::from(top),
+                bottom_radius,
+                top_radius,
+            ),
+        )
+    }
+}
