@@ -1,22 +1,40 @@
 # The commands of this house. Everything is built in target/ and .venv/, nothing outside the clone.
 
 CARGO ?= cargo
+PYTHON ?= python3
+VENV := .venv/bin
 
-.PHONY: render test check bench clean
+.PHONY: render test test-rust test-python check clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
 	$(CARGO) run --release --package firsthit-cli --bin firsthit -- demo --output render.png
 
 # All there is to test.
-test:
+test: test-rust test-python
+
+test-rust:
 	$(CARGO) test --workspace
 
+# The package, built and tested in an environment of its own.
+test-python: .venv/ready
+	$(VENV)/maturin develop --release --quiet
+	$(VENV)/python -m pytest
+	$(VENV)/python -m mypy.stubtest firsthit._firsthit
+	$(VENV)/mypy python/firsthit python/examples
+
+.venv/ready: python/requirements-dev.txt
+	$(PYTHON) -m venv .venv
+	$(VENV)/pip install --quiet --requirement python/requirements-dev.txt
+	touch $@
+
 # What must hold besides: formatting, lints, documentation. Warnings are errors.
-check:
+check: .venv/ready
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
+	$(VENV)/ruff check python
+	$(VENV)/ruff format --check python
 
 clean:
 	rm -rf target .venv render.png

@@ -1,4 +1,4 @@
-"""firsthit: what does this ray meet first?
+"""firsthit, the general raycaster: it tells what a ray meets first.
 
 A camera or arrays of rays go in; distances, identifiers, normals and pictures come out, as NumPy
 arrays. Colours are linear, row 0 is the top row, a miss is ``inf`` in distances, ``-1`` in

@@ -207,8 +207,18 @@ class Camera:
         return hash(self._arguments)
 
     def __repr__(self) -> str:
-        names = ("position", "aim", "up", "focal_length", "width", "height", "rows", "columns")
-        names += ("projection", "ray_start")
+        names = [
+            "position",
+            "aim",
+            "up",
+            "focal_length",
+            "width",
+            "height",
+            "rows",
+            "columns",
+            "projection",
+            "ray_start",
+        ]
         pairs = zip(names, self._arguments, strict=True)
         return f"Camera({', '.join(f'{name}={value!r}' for name, value in pairs)})"
 

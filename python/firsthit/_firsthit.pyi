@@ -5,21 +5,41 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
-Vector = tuple[float, float, float]
-Hits = tuple[
+__all__ = [
+    "Camera",
+    "Mesh",
+    "Scene",
+    "Shape",
+    "channel",
+    "channel_names",
+    "check_transform",
+    "load",
+    "occluded",
+    "png",
+    "render",
+    "run_program",
+    "shoot",
+    "shoot_camera",
+    "version",
+    "write",
+]
+
+_Vector = tuple[float, float, float]
+_Hits = tuple[
     npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
 ]
-Rays = tuple[npt.NDArray[np.float64], ...]
+_Rays = tuple[npt.NDArray[np.float64], ...]
 
 def version() -> str: ...
 def run_program(arguments: Sequence[str]) -> int: ...
+
 @final
 class Camera:
     def __new__(
         cls,
-        position: Vector,
-        aim: Vector,
-        up: Vector,
+        position: _Vector,
+        aim: _Vector,
+        up: _Vector,
         focal_length: float,
         size: tuple[float, float],
         pixels: tuple[int, int],
@@ -30,7 +50,7 @@ class Camera:
     def lens(
         vertical_fov_degrees: float, rows: int, columns: int
     ) -> tuple[float, float, float]: ...
-    def frame(self) -> tuple[Vector, Vector, Vector, Vector]: ...
+    def frame(self) -> tuple[_Vector, _Vector, _Vector, _Vector]: ...
     def rays(
         self, rows: tuple[int, int], sample: tuple[int, int] | None
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
@@ -54,24 +74,24 @@ class Shape:
     @staticmethod
     def mesh(mesh: Mesh) -> Shape: ...
     @staticmethod
-    def sphere(center: Vector, radius: float) -> Shape: ...
+    def sphere(center: _Vector, radius: float) -> Shape: ...
     @staticmethod
-    def plane(point: Vector, normal: Vector) -> Shape: ...
+    def plane(point: _Vector, normal: _Vector) -> Shape: ...
     @staticmethod
-    def disc(center: Vector, normal: Vector, radius: float) -> Shape: ...
+    def disc(center: _Vector, normal: _Vector, radius: float) -> Shape: ...
     @staticmethod
-    def box(low: Vector, high: Vector) -> Shape: ...
+    def box(low: _Vector, high: _Vector) -> Shape: ...
     @staticmethod
-    def cylinder(bottom: Vector, top: Vector, radius: float) -> Shape: ...
+    def cylinder(bottom: _Vector, top: _Vector, radius: float) -> Shape: ...
     @staticmethod
-    def cone(bottom: Vector, top: Vector, bottom_radius: float, top_radius: float) -> Shape: ...
+    def cone(bottom: _Vector, top: _Vector, bottom_radius: float, top_radius: float) -> Shape: ...
 
 @final
 class Scene:
     def __new__(
         cls,
-        objects: Sequence[tuple[Shape, str, list[list[float]] | None, Vector | None]],
-        lights: Sequence[tuple[str, Vector, Vector]],
+        objects: Sequence[tuple[Shape, str, list[list[float]] | None, _Vector | None]],
+        lights: Sequence[tuple[str, _Vector, _Vector]],
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
@@ -79,19 +99,19 @@ class Scene:
 def check_transform(rows: list[list[float]]) -> None: ...
 def load(
     path: Path, strict: bool
-) -> tuple[list[tuple[str, Mesh, Vector | None]], Vector, list[str]]: ...
-def shoot(scene: Scene, rays: Rays, threads: int) -> Hits: ...
-def shoot_camera(scene: Scene, camera: Camera, threads: int) -> Hits: ...
-def occluded(scene: Scene, rays: Rays, threads: int) -> npt.NDArray[np.bool_]: ...
+) -> tuple[list[tuple[str, Mesh, _Vector | None]], _Vector, list[str]]: ...
+def shoot(scene: Scene, rays: _Rays, threads: int) -> _Hits: ...
+def shoot_camera(scene: Scene, camera: Camera, threads: int) -> _Hits: ...
+def occluded(scene: Scene, rays: _Rays, threads: int) -> npt.NDArray[np.bool_]: ...
 def channel(
-    scene: Scene, name: str, rays: Rays | None, camera: Camera | None, hits: Any
+    scene: Scene, name: str, rays: _Rays | None, camera: Camera | None, hits: Any
 ) -> npt.NDArray[Any]: ...
 def channel_names() -> list[tuple[str, str]]: ...
 def render(
     scene: Scene,
     camera: Camera,
     channels: Sequence[str],
-    shading: tuple[str, Vector, Vector | None, bool],
+    shading: tuple[str, _Vector, _Vector | None, bool],
     samples: int,
     threads: int,
 ) -> list[npt.NDArray[Any]]: ...

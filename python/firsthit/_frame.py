@@ -211,7 +211,9 @@ def _own_colors(
         last = min(row + step, camera.rows)
         total = np.zeros((last - row, camera.columns, 3))
         for sample in range(samples):
-            total += _colors(shade, _sampled(scene, camera, (row, last), (sample, samples), threads))
+            total += _colors(
+                shade, _sampled(scene, camera, (row, last), (sample, samples), threads)
+            )
         colors[row:last] = total / samples
     return colors
 

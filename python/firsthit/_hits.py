@@ -116,7 +116,7 @@ class Hits:
 
     @property
     def normal(self) -> npt.NDArray[np.float64]:
-        """The geometric normals in the world, (..., 3), of length one, outwards for closed shapes."""
+        """The geometric normals in the world, (..., 3), of length one, outwards."""
         return self._channel("normal", 3)
 
     @property
@@ -180,7 +180,8 @@ class Hits:
     def _is_single(self) -> bool:
         if self._rays is None:
             return False
-        return all(array.dtype in (np.float32, np.float16) for array in self._rays[:2])
+        single = (array.dtype.kind == "f" and array.dtype.itemsize <= 4 for array in self._rays[:2])
+        return all(single)
 
     def _of_a_camera(self, name: str) -> Camera:
         if self._camera is None:
@@ -194,7 +195,7 @@ class Hits:
             self._made["origin"], self._made["direction"] = self._camera.rays()
         return self._made["origin"], self._made["direction"]
 
-    def _channel(self, name: str, components: int = 1) -> Any:
+    def _channel(self, name: str, components: int = 1) -> npt.NDArray[Any]:
         if name not in self._made:
             self._made[name] = self._compute(name, components)
         shape = self._shape if components == 1 else (*self._shape, components)

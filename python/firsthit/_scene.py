@@ -235,8 +235,8 @@ class Scene:
         Parameters
         ----------
         origins, directions : (..., 3) array_like
-            World space, any real type; broadcast against each other. Directions of any length: ``t``
-            counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
+            World space, any real type; broadcast against each other. Directions of any length:
+            ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
         t_max : (...) array_like
             The largest ``t`` that counts.
         threads : int, optional
@@ -278,7 +278,7 @@ class Scene:
         parts = list(chunks(length))
         if len(parts) == 1:
             return Hits._of_rays(self, rays, _firsthit.shoot(native, _part(rays, parts[0]), use))
-        out = (
+        out: tuple[npt.NDArray[Any], ...] = (
             np.empty(length, np.float64),
             np.empty(length, np.int32),
             np.empty(length, np.int32),
@@ -288,7 +288,8 @@ class Scene:
             made = _firsthit.shoot(native, _part(rays, part), use)
             for whole, piece in zip(out, made, strict=True):
                 whole[part] = piece
-        return Hits._of_rays(self, rays, out)
+        t, identifiers, primitive, barycentric = out
+        return Hits._of_rays(self, rays, (t, identifiers, primitive, barycentric))
 
     def occluded(
         self,

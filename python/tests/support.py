@@ -1,0 +1,42 @@
+"""What several tests share."""
+
+from pathlib import Path
+
+import firsthit as fh
+import numpy as np
+import pytest
+
+REFDATA = Path(__file__).parents[3] / "shared" / "refdata" / "public"
+TESTDATA = Path(__file__).parents[2] / "testdata"
+
+needs_refdata = pytest.mark.skipif(not REFDATA.is_dir(), reason="../shared/refdata is not here")
+
+#: A unit square at z = 0, facing +z.
+SQUARE = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+
+
+def bumpy_sphere(rings: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A closed star-shaped mesh around the origin, with radii from 0.7 to 1.3."""
+    around = 2 * rings
+    polar, turn = np.meshgrid(
+        np.pi * np.arange(1, rings) / rings, 2 * np.pi * np.arange(around) / around, indexing="ij"
+    )
+    unit = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], -1)
+    radii = np.random.default_rng(seed).uniform(0.7, 1.3, polar.shape)
+    points = np.vstack([[[0, 0, 1], [0, 0, -1]], (unit * radii[..., None]).reshape(-1, 3)])
+    ring, k = np.meshgrid(np.arange(rings - 2), np.arange(around), indexing="ij")
+    at = lambda r, c: 2 + r * around + c % around  # noqa: E731
+    quads = [at(ring, k), at(ring + 1, k), at(ring + 1, k + 1), at(ring, k + 1)]
+    a, b, c, d = (q.ravel() for q in quads)
+    c0 = np.arange(around)
+    top = np.stack([0 * c0, at(0, c0), at(0, c0 + 1)], 1)
+    bottom = np.stack([0 * c0 + 1, at(rings - 2, c0 + 1), at(rings - 2, c0)], 1)
+    triangles = np.vstack([top, bottom, np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    return points.astype(np.float32), triangles
+
+
+def ball() -> fh.Scene:
+    """A unit sphere at the origin."""
+    scene = fh.Scene()
+    scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    return scene
