@@ -72,7 +72,9 @@ impl Transform {
     /// A world ray in object space. Its `t` is the same: the direction is not normalised.
     pub fn ray_in_object(&self, ray: &Ray) -> Ray {
         Ray {
-            origin: self.object_from_world.transform_point3(ray.origin),
+            // The translation first: far from the world's origin it would cancel what the matrix rounds.
+            origin: self.object_from_world.matrix3
+                * (ray.origin - self.world_from_object.translation),
             direction: self.object_from_world.transform_vector3(ray.direction),
             t_max: ray.t_max,
         }
