@@ -1,5 +1,5 @@
 use super::interval::Interval;
-use super::{Crossing, Surface, require_finite};
+use super::{Crossing, Surface, require_finite, sines};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, Ray, unit};
 
@@ -97,9 +97,7 @@ impl Cone {
 
 impl Surface for Cone {
     fn bounds(&self) -> Bounds {
-        let sines = (DVec3::ONE - self.axis * self.axis)
-            .max(DVec3::ZERO)
-            .map(f64::sqrt);
+        let sines = sines(self.axis);
         let lid = |center: DVec3, radius: f64| Bounds {
             low: center - radius * sines,
             high: center + radius * sines,

@@ -132,6 +132,18 @@ shapes! {
     "cone" => Cone(Cone);
 }
 
+/// How far a circle of radius one around `normal`, of length one, reaches along each axis: the sine of the
+/// angle between them. (Not the root of 1 - cosine^2, which is rounding where the angle is small.)
+fn sines(normal: DVec3) -> DVec3 {
+    let squares = normal * normal;
+    DVec3::new(
+        squares.y + squares.z,
+        squares.z + squares.x,
+        squares.x + squares.y,
+    )
+    .map(f64::sqrt)
+}
+
 fn require_finite(name: &'static str, value: DVec3) -> Result<DVec3> {
     if value.is_finite() {
         Ok(value)
