@@ -3,9 +3,11 @@
 
 mod support;
 
+use std::sync::Arc;
+
 use firsthit::shoot::{BruteForce, Trees, first_hit};
 use firsthit::{Cuboid, DAffine3, DMat3, DVec3, Disc, Hit, Object, Ray, Scene, Transform, shoot};
-use support::Numbers;
+use support::{Numbers, mesh};
 
 fn scene(objects: Vec<Object>) -> Scene {
     Scene::new(objects).unwrap()
@@ -67,6 +69,97 @@ fn the_box_of_a_disc_that_is_hardly_tilted_holds_all_of_it() {
             let ray = Ray::new(DVec3::new(-5.0, 0.0, tilt * height), DVec3::X);
             let t = agree(&scene, &ray).t;
             assert!((t - (5.0 - height)).abs() < 1e-12, "{tilt} {height} {t}");
+        }
+    }
+}
+
+/// The rays run in the plane of a tilted wall, as closely as float64 can say: which of its triangles are
+/// met is up to rounding, but where one is met, the ray is in it.
+#[test]
+fn a_triangle_seen_edge_on_is_met_where_the_ray_is_in_it() {
+    const SIDE: u32 = 12;
+    let mut numbers = Numbers::new(5);
+    let mut hits = 0;
+    for _ in 0..40 {
+        let frame = turn(&mut numbers);
+        let at = |x: f64, y: f64| frame.x_axis * x + frame.y_axis * y;
+        let mut points = Vec::new();
+        let mut triangles = Vec::new();
+        for k in 0..SIDE * SIDE {
+            let (row, column) = (k / SIDE, k % SIDE);
+            let [x, y] = [column, row].map(|place| f64::from(place) + 0.3 * numbers.unit());
+            points.push(at(0.1 * x, 0.1 * y));
+            if row + 1 < SIDE && column + 1 < SIDE {
+                triangles.extend([[k, k + 1, k + SIDE], [k + 1, k + SIDE + 1, k + SIDE]]);
+            }
+        }
+        let wall = mesh(&points, triangles);
+        let scene = scene(vec![Object::new(Arc::clone(&wall))]);
+        for _ in 0..1500 {
+            let [start, end] =
+                [0, 1].map(|_| at(3.0 * numbers.unit() - 1.0, 3.0 * numbers.unit() - 1.0));
+            let ray = Ray::new(start, end - start);
+            let hit = agree(&scene, &ray);
+            let Ok(triangle) = usize::try_from(hit.primitive) else {
+                continue;
+            };
+            let corners = wall.corners(triangle);
+            let [b, c] = hit.barycentric.to_array();
+            let point = (1.0 - b - c) * corners[0] + b * corners[1] + c * corners[2];
+            assert!((point - ray.at(hit.t)).length() < 1e-13, "{ray:?} {hit:?}");
+            hits += 1;
+        }
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+/// An edge runs within 1e-280 of the ray, so that the product of its corners' coordinates underflows.
+#[test]
+fn an_edge_that_all_but_touches_the_ray_is_met_at_the_edge() {
+    let mut numbers = Numbers::new(1);
+    let mut hits = 0;
+    for _ in 0..1000 {
+        let b = DVec3::new(
+            1e-280 * (1.0 + numbers.unit()),
+            0.7 * (1.0 + numbers.unit()),
+            1.0,
+        );
+        let across = -(0.5 + numbers.unit()) * b;
+        let c = DVec3::new(across.x, across.y, 1.0 + numbers.unit());
+        let triangle = mesh(&[DVec3::new(-1.0, 0.3, 0.0), b, c], vec![[0, 1, 2]]);
+        let scene = scene(vec![Object::new(triangle)]);
+        let hit = agree(&scene, &Ray::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z));
+        if !hit.is_miss() {
+            assert!(hit.t >= 4.0 - 1e-12 && hit.t <= 5.0, "{b} {c} {hit:?}");
+            hits += 1;
+        }
+    }
+    assert!(hits > 100, "{hits}");
+}
+
+#[test]
+fn triangles_of_any_size_are_met_at_the_same_place() {
+    let mut numbers = Numbers::new(1);
+    for _ in 0..500 {
+        let corners = [
+            numbers.point() - DVec3::new(1.5, 1.5, 0.0),
+            DVec3::new(2.0, 0.1, numbers.unit()),
+            DVec3::new(0.1, 2.0, numbers.unit()),
+        ];
+        let start = DVec3::new(0.0, 0.0, -3.0);
+        let direction = 0.1 * numbers.point() - start;
+        let t = |size: f64| {
+            let triangle = mesh(&corners.map(|corner| size * corner), vec![[0, 1, 2]]);
+            let scene = scene(vec![Object::new(triangle)]);
+            agree(&scene, &Ray::new(size * start, size * direction)).t
+        };
+        let expected = t(1.0);
+        for size in [1e-161, 1e-150, 1e-110, 1e-12, 1e12, 1e110, 1e150] {
+            let t = t(size);
+            assert!(
+                t == expected || (t - expected).abs() < 1e-14,
+                "{size} {t} {expected}"
+            );
         }
     }
 }
