@@ -6,8 +6,11 @@ mod support;
 use std::sync::Arc;
 
 use firsthit::shoot::{BruteForce, Trees, first_hit};
-use firsthit::{Cuboid, DAffine3, DMat3, DVec3, Disc, Hit, Object, Ray, Scene, Transform, shoot};
-use support::{Numbers, mesh};
+use firsthit::{
+    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Ray, Scene, Shape, Sphere,
+    Transform, shoot,
+};
+use support::{Numbers, bumpy_sphere, mesh};
 
 fn scene(objects: Vec<Object>) -> Scene {
     Scene::new(objects).unwrap()
@@ -160,6 +163,35 @@ fn triangles_of_any_size_are_met_at_the_same_place() {
                 t == expected || (t - expected).abs() < 1e-14,
                 "{size} {t} {expected}"
             );
+        }
+    }
+}
+
+#[test]
+fn directions_may_have_any_length() {
+    let (points, triangles) = bumpy_sphere(8, 4);
+    let shapes: [Shape; 5] = [
+        mesh(&points, triangles).into(),
+        Sphere::new(DVec3::ZERO, 1.0).unwrap().into(),
+        Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap().into(),
+        Cylinder::new(DVec3::NEG_Y, DVec3::Y, 0.5).unwrap().into(),
+        Cone::new(DVec3::NEG_Y, DVec3::Y, 0.8, 0.1).unwrap().into(),
+    ];
+    let mut numbers = Numbers::new(5);
+    for shape in shapes {
+        let scene = scene(vec![Object::new(shape)]);
+        for _ in 0..100 {
+            let (start, direction) = (0.1 * numbers.point(), numbers.point());
+            let expected = shoot(&scene, start, direction);
+            for length in [1e-306, 1e-200, 1e-160, 1e160, 1e200, 1e307] {
+                let ray = Ray::new(start, length * direction);
+                let hit = agree(&scene, &ray);
+                assert_eq!(hit.primitive, expected.primitive, "{length} {ray:?}");
+                let off = (hit.t * length - expected.t).abs();
+                assert!(off < 1e-12 * expected.t, "{length} {ray:?}");
+                assert_eq!(agree(&scene, &ray.up_to(hit.t)).t, hit.t);
+                assert!(agree(&scene, &ray.up_to(0.999 * hit.t)).is_miss());
+            }
         }
     }
 }

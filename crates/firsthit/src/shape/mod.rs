@@ -53,7 +53,8 @@ pub trait Surface {
     fn bounds(&self) -> Bounds;
 
     /// The first crossing with `0 < t <= ray.t_max`; at the same `t` the lower primitive. Surfaces are
-    /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length.
+    /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length whose
+    /// square float64 can hold (what scenes are shot at with may have any length).
     fn intersect(&self, ray: &Ray) -> Option<Crossing>;
 
     /// The normal at a point of the surface, of length one, outwards for closed shapes.
