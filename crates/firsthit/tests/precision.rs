@@ -1,5 +1,10 @@
 //! What float64 must not lose: far away, nearly flat, very thin, very long and very short things.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
 
 mod support;
 
@@ -7,8 +12,8 @@ use std::sync::Arc;
 
 use firsthit::shoot::{BruteForce, Trees, first_hit};
 use firsthit::{
-    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Ray, Scene, Shape, Sphere,
-    Transform, shoot,
+    Bounds, Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Ray, Scene, Shape,
+    Sphere, Transform, shoot,
 };
 use support::{Numbers, bumpy_sphere, mesh};
 
@@ -194,4 +199,64 @@ fn directions_may_have_any_length() {
             }
         }
     }
+}
+
+/// The corner of a box that reaches farthest along an axis, and a ray past it by about the rounding of the
+/// way into object space: hit or missed, but by both.
+#[test]
+fn trees_allow_for_the_rounding_of_transforms() {
+    let mut numbers = Numbers::new(77);
+    for ratio in [1.0, 1e3, 1e6, 1e8, 1e10] {
+        for far in [0.0, 1e3] {
+            for _ in 0..50 {
+                let flat = DMat3::from_diagonal(DVec3::new(1.0, 1.0 / ratio, 1.0));
+                let matrix = turn(&mut numbers) * flat * turn(&mut numbers);
+                let place = DVec3::splat(far);
+                let placed = DAffine3::from_mat3_translation(matrix, matrix * -place);
+                let (low, high) = (place - DVec3::ONE, place + DVec3::ONE);
+                let cuboid = Cuboid::new(low, high).unwrap();
+                let placed = Transform::new(placed).unwrap();
+                let scene = scene(vec![Object::new(cuboid).placed(placed)]);
+                let corners = Bounds { low, high }
+                    .corners()
+                    .map(|corner| placed.world_from_object().transform_point3(corner));
+                for axis in 0..3 {
+                    let highest = |a: &&DVec3, b: &&DVec3| a[axis].total_cmp(&b[axis]);
+                    let corner = *corners.iter().max_by(highest).unwrap();
+                    for _ in 0..40 {
+                        let (mut through, mut direction) = (corner, numbers.point());
+                        through[axis] += numbers.unit() * 1e-16 * (1.0 + far) * ratio;
+                        direction[axis] = 0.0;
+                        agree(&scene, &Ray::new(through - direction, direction));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The box is as far from the origin as it is brought back: its corners are rounded at that distance.
+#[test]
+fn trees_allow_for_the_rounding_of_what_is_moved_back_to_the_origin() {
+    let far = DVec3::splat(1e7);
+    let cuboid = Cuboid::new(far - 1e-3, far + 1e-3).unwrap();
+    let back = Transform::translation(-far).unwrap();
+    let scene = scene(vec![Object::new(cuboid).placed(back)]);
+    let mut numbers = Numbers::new(2);
+    for _ in 0..1000 {
+        let top = scene.bounds().high.z + 2e-9 * numbers.unit();
+        agree(&scene, &Ray::new(DVec3::new(-1.0, 0.0, top), DVec3::X));
+    }
+}
+
+#[test]
+fn maps_that_flatten_space_are_refused() {
+    let mut numbers = Numbers::new(3);
+    for _ in 0..1000 {
+        let (a, b) = (numbers.point(), numbers.point());
+        let flat = DMat3::from_cols(a, b, numbers.unit() * a - numbers.unit() * b);
+        assert!(Transform::new(DAffine3::from_mat3(flat)).is_err(), "{flat}");
+    }
+    let thin = DVec3::new(1e3, 1e-12, 1.0);
+    assert!(Transform::new(DAffine3::from_scale(thin)).is_ok());
 }

@@ -35,7 +35,7 @@ const STACK: usize = build::SAH_DEPTH + 33;
 impl Bvh {
     /// What the float64 triangle test needs as `slack`, and half as much again: see [`Slab`].
     pub const TRIANGLES: f64 = f64::EPSILON * 16.0;
-    /// What objects with transforms need: rays are rounded on their way into object space.
+    /// What objects need at least: their shapes round more than triangles do. Transforms can ask for more.
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
 
     /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
