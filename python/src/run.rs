@@ -49,7 +49,10 @@ pub(crate) fn run<T: Send>(
             let mut signal = None;
             while waiting.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
                 // Signals are the main thread's business; elsewhere this does nothing.
-                #[expect(clippy::redundant_closure_for_method_calls, reason = "lifetimes need it")]
+                #[expect(
+                    clippy::redundant_closure_for_method_calls,
+                    reason = "lifetimes need it"
+                )]
                 if let Err(error) = Python::attach(|py| py.check_signals()) {
                     stop.0.store(true, Ordering::Relaxed);
                     signal = Some(error);

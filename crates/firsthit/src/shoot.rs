@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::accel::{Candidates, Everything};
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, Hit, Ray, Rays};
+use crate::geometry::{DVec2, DVec3, Hit, Ray, Rays, moderation};
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Shape, Surface, triangle::Shear};
 use crate::watch::Watch;
@@ -109,9 +109,20 @@ fn search<S: Search>(scene: &Scene, ray: &Ray, mut accept: impl FnMut(Hit) -> f6
     if !ray.is_valid() {
         return;
     }
-    S::objects(scene, ray, |index, t_max| {
+    // Shapes square the direction. Where that would leave the range of float64, `t` is counted in other units.
+    let scale = moderation(ray.direction);
+    let moderate = Ray::new(ray.origin, scale * ray.direction).up_to(ray.t_max / scale);
+    let mut accept = |hit: Hit| {
+        let t = scale * hit.t;
+        if t > 0.0 && t <= ray.t_max && t.is_finite() {
+            accept(Hit { t, ..hit }) / scale
+        } else {
+            f64::INFINITY
+        }
+    };
+    S::objects(scene, &moderate, |index, t_max| {
         let object = &scene.objects()[index as usize];
-        let ray = object.transform().ray_in_object(&ray.up_to(t_max));
+        let ray = object.transform().ray_in_object(&moderate.up_to(t_max));
         // A transform can take a ray's numbers out of the range of float64.
         if ray.is_valid() {
             search_object::<S>(scene, index, object, &ray, &mut accept)

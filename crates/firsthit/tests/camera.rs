@@ -278,3 +278,72 @@ fn look_at_refuses_angles_and_targets_that_show_nothing() {
     }
     assert!(Camera::look_at(DVec3::X, DVec3::X, DVec3::Z, 45.0, 4, 4).is_err());
 }
+
+/// The product of two directions that are nearly the same is mostly rounding; the frame must be one all the same.
+#[test]
+fn the_frame_is_orthonormal_however_close_up_is_to_aim() {
+    let mut accepted = 0;
+    for k in 0..200 {
+        let aim = DVec3::new(0.3, -0.7, 0.1 + 0.01 * f64::from(k));
+        for apart in [1e-3, 1e-8, 1e-12, 1e-14, 3e-15] {
+            let up = aim + apart * DVec3::new(0.5, 1.0, -0.3);
+            let Ok(camera) = Camera::new(View {
+                aim,
+                up,
+                ..View::default()
+            }) else {
+                continue;
+            };
+            let (right, upwards) = (camera.right(), camera.upwards());
+            for (a, b, expected) in [
+                (right, camera.aim(), 0.0),
+                (upwards, camera.aim(), 0.0),
+                (right, upwards, 0.0),
+                (right, right, 1.0),
+                (upwards, upwards, 1.0),
+            ] {
+                assert!((a.dot(b) - expected).abs() < 1e-15, "{aim} {up} {a} {b}");
+            }
+            accepted += 1;
+        }
+    }
+    assert!(accepted > 600, "{accepted}");
+}
+
+#[test]
+fn framing_does_not_depend_on_where_the_model_is() {
+    let view = View {
+        aim: DVec3::new(-1.0, -2.0, -3.0),
+        ..View::default()
+    };
+    let distance = |far: f64| {
+        let place = DVec3::splat(far);
+        let bounds = Bounds {
+            low: place - DVec3::ONE,
+            high: place + DVec3::ONE,
+        };
+        let camera = Camera::framing(view, bounds).unwrap();
+        (camera.position() - place).length()
+    };
+    for far in [1e5, 1e7, 1e9] {
+        assert!((distance(far) - distance(0.0)).abs() < 1e-6, "{far}");
+    }
+}
+
+#[test]
+fn no_columns_are_refused_by_their_own_name() {
+    for camera in [
+        Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, 40.0, 5, 0),
+        Camera::new(
+            View {
+                columns: 0,
+                ..View::default()
+            }
+            .with_vertical_fov(40.0)
+            .unwrap(),
+        ),
+    ] {
+        let error = camera.unwrap_err().to_string();
+        assert_eq!(error, "columns must be at least 1, got 0");
+    }
+}

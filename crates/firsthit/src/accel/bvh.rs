@@ -33,9 +33,9 @@ pub(super) struct Node {
 const STACK: usize = build::SAH_DEPTH + 33;
 
 impl Bvh {
-    /// What the float64 triangle test needs as `slack`: sixteen times its rounding.
+    /// What the float64 triangle test needs as `slack`, and half as much again: see [`Slab`].
     pub const TRIANGLES: f64 = f64::EPSILON * 16.0;
-    /// What objects with transforms need: rays are rounded on their way into object space.
+    /// What objects need at least: their shapes round more than triangles do. Transforms can ask for more.
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
 
     /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
@@ -110,10 +110,12 @@ impl Candidates for Bvh {
 ///
 /// Three roundings must never lose a candidate: that of the slab test, that of the test that decides
 /// (it may accept a ray that passes a triangle at the distance of its rounding), and that of the `t` it
-/// gives (which the tree compares with the box's). All are a few units in the last place of the
-/// coordinates relative to the ray's start, which are at most `|o| + extent` as long as the ray is in the
-/// box. Widening every box by `margin = slack * (|o| + extent)` covers the first two; it also moves each
-/// entry forwards by `margin / |d|` along the axis of the largest `d`, at least, which covers the third.
+/// gives (which the tree compares with the box's). All are shares of the coordinates relative to the
+/// ray's start, which are at most `R = |o| + extent`. In units of `EPSILON * R`: the sheared triangle is
+/// off by 3 across the ray and by 2 along it, and the ray crosses it exactly where the weights say, up
+/// to 3 along the ray; the slab test rounds by 2 at each end. Widening every box by `margin = slack * R`
+/// covers them; it also moves each entry forwards by `margin / |d|` along the axis of the largest `d`, at
+/// least, so no box is entered after the `t` of a hit in it.
 /// The margin costs nothing: it is in the two origins. (Ize, "Robust BVH Ray Traversal", Journal of
 /// Computer Graphics Techniques 2(2), 2013, widens by relative amounts; that fails at the local origin.)
 struct Slab {

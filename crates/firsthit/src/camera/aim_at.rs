@@ -28,7 +28,7 @@ impl Camera {
             target,
         )?;
         let height = 2.0 * half_height(vertical_fov_degrees)?;
-        let width = height * columns as f64 / rows.max(1) as f64;
+        let width = width_of_square_pixels(height, rows, columns);
         let ray_start = RayStart::Eye;
         let aim = target - position;
         Self::new(View {
@@ -72,8 +72,8 @@ impl Camera {
                 corner.dot(camera.aim()),
             )
         });
-        // A single point still needs some distance.
-        let smallest = 1e-6 * centre.abs().max_element().max(1e-30);
+        // A single point still needs some distance, well above the rounding of where it is.
+        let smallest = 1e-12 * centre.abs().max_element().max(1e-30);
         let radius = (0.5 * bounds.size().length()).max(smallest);
         let largest = |f: &dyn Fn((f64, f64, f64)) -> f64| {
             corners.map(f).into_iter().fold(smallest, f64::max)
@@ -121,7 +121,7 @@ impl View {
     /// [`Error::Argument`](crate::Error::Argument) for a field of view not between 0 and 180 degrees.
     pub fn with_vertical_fov(self, vertical_fov_degrees: f64) -> Result<Self> {
         let height = 2.0 * half_height(vertical_fov_degrees)?;
-        let width = height * self.columns as f64 / self.rows.max(1) as f64;
+        let width = width_of_square_pixels(height, self.rows, self.columns);
         Ok(Self {
             focal_length: 1.0,
             width,
@@ -145,4 +145,9 @@ fn half_height(vertical_fov_degrees: f64) -> Result<f64> {
     let expected = "between 0 and 180 degrees";
     require("vertical_fov_degrees", expected, fine, vertical_fov_degrees)?;
     Ok(libm::tan(vertical_fov_degrees.to_radians() / 2.0))
+}
+
+/// The viewplane's width. No rows or columns count as one here: that they are refused is not its fault.
+fn width_of_square_pixels(height: f64, rows: usize, columns: usize) -> f64 {
+    height * columns.max(1) as f64 / rows.max(1) as f64
 }

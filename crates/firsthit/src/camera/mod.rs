@@ -170,7 +170,8 @@ impl Camera {
         let apart = across.length() > 4.0 * f64::EPSILON;
         let both = format!("{} (aim is {})", view.up, view.aim);
         require("up", "in another direction than aim", apart, both)?;
-        let right = unit(across);
+        // Where `up` is close to `aim`, what is left of the product is not perpendicular to them.
+        let right = unit(across - across.dot(aim) * aim);
         // u_y = u_z x u_x with u_z = -u_c.
         Ok(Self {
             view: View { aim, ..view },

@@ -16,17 +16,22 @@ pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
 /// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the largest will do.
 pub fn unit(v: DVec3) -> DVec3 {
+    let v = moderation(v) * v;
+    v / v.length()
+}
+
+/// What brings `v` to a length whose square is in the range of float64: a power of two, which scales
+/// without rounding, and 1 for all but extreme lengths.
+pub(crate) fn moderation(v: DVec3) -> f64 {
     const TWO_TO_600: f64 = f64::from_bits((1023 + 600) << 52);
     let largest = v.abs().max_element();
-    // The squares of extreme lengths leave the range of float64; a power of two scales without rounding.
-    let v = if largest > 1e150 {
-        v * (1.0 / TWO_TO_600)
-    } else if largest < 1e-150 {
-        v * TWO_TO_600
+    if largest > 1e100 {
+        1.0 / TWO_TO_600
+    } else if largest < 1e-100 {
+        TWO_TO_600
     } else {
-        v
-    };
-    v / v.length()
+        1.0
+    }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use super::{DAffine3, DVec3, Ray, unit};
+use super::{DAffine3, DMat3, DVec3, Ray, unit};
 use crate::error::{Error, Result};
 
 /// Where an object stands in the world: any affine map that can be undone, mirrored ones included.
@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 pub struct Transform {
     world_from_object: DAffine3,
     object_from_world: DAffine3,
+    rounding: f64,
 }
 
 impl Transform {
@@ -13,17 +14,23 @@ impl Transform {
     pub const IDENTITY: Self = Self {
         world_from_object: DAffine3::IDENTITY,
         object_from_world: DAffine3::IDENTITY,
+        rounding: f64::EPSILON,
     };
 
     /// The transform that takes object space to the world.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] when the map flattens space (its determinant is zero in float64) or holds a
-    /// NaN or an infinity.
+    /// [`Error::Argument`] when the map flattens space to working precision (what float64 finds as its
+    /// inverse does not undo it) or holds a NaN or an infinity.
     pub fn new(world_from_object: DAffine3) -> Result<Self> {
         let object_from_world = world_from_object.inverse();
-        if !(world_from_object.is_finite() && object_from_world.is_finite()) {
+        let (there, back) = (world_from_object.matrix3, object_from_world.matrix3);
+        // How far the inverse is from undoing the map.
+        let left = norm(there * back - DMat3::IDENTITY);
+        // Written so that a NaN fails.
+        let undone = left < 1e-3;
+        if !(world_from_object.is_finite() && object_from_world.is_finite() && undone) {
             let expected = "an affine map that can be undone";
             return Err(Error::argument(
                 "transform",
@@ -34,6 +41,7 @@ impl Transform {
         Ok(Self {
             world_from_object,
             object_from_world,
+            rounding: left + f64::EPSILON * norm(there) * norm(back),
         })
     }
 
@@ -56,6 +64,11 @@ impl Transform {
         &self.object_from_world
     }
 
+    /// How much a point is off that goes to the object and back, as a share of its coordinates.
+    pub(crate) fn rounding(&self) -> f64 {
+        self.rounding
+    }
+
     /// Whether this is exactly the identity.
     pub fn is_identity(&self) -> bool {
         self.world_from_object == DAffine3::IDENTITY
@@ -72,7 +85,9 @@ impl Transform {
     /// A world ray in object space. Its `t` is the same: the direction is not normalised.
     pub fn ray_in_object(&self, ray: &Ray) -> Ray {
         Ray {
-            origin: self.object_from_world.transform_point3(ray.origin),
+            // The translation first: far from the world's origin it would cancel what the matrix rounds.
+            origin: self.object_from_world.matrix3
+                * (ray.origin - self.world_from_object.translation),
             direction: self.object_from_world.transform_vector3(ray.direction),
             t_max: ray.t_max,
         }
@@ -87,4 +102,9 @@ impl Transform {
         }
         unit(self.object_from_world.matrix3.transpose() * normal)
     }
+}
+
+/// How much the map can make the largest coordinate grow.
+fn norm(m: DMat3) -> f64 {
+    (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element()
 }

@@ -27,7 +27,7 @@ pub struct Scene {
     /// A mesh's tree, shared by all objects that share the mesh; `None` for other shapes.
     trees: Vec<Option<Arc<Bvh>>>,
     tree: Bvh,
-    /// The objects that have no finite box: every ray is a candidate.
+    /// The objects that every ray is a candidate for: they have no finite box, or only a vague one.
     unbounded: Vec<u32>,
     bounds: Bounds,
     lights: Vec<Light>,
@@ -73,18 +73,22 @@ impl Scene {
         };
         let trees = mesh_trees(&objects, known);
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
-        let unbounded = (0..count)
-            .filter(|&k| is_unbounded(&bounds[k as usize]))
-            .collect();
+        let is_loose = |k: u32| {
+            is_unbounded(&bounds[k as usize]) || objects[k as usize].slack() > LARGEST_SLACK
+        };
+        let unbounded = (0..count).filter(|&k| is_loose(k)).collect();
+        let slack = (0..count)
+            .filter(|&k| !is_loose(k))
+            .map(|k| objects[k as usize].slack())
+            .fold(Bvh::OBJECTS, f64::max);
         let padded = |k: u32| {
-            let bounds = bounds[k as usize];
-            if is_unbounded(&bounds) {
+            if is_loose(k) {
                 Bounds::EMPTY
             } else {
-                padded(bounds)
+                objects[k as usize].padded(bounds[k as usize], slack)
             }
         };
-        let tree = Bvh::build(count, padded, Bvh::OBJECTS);
+        let tree = Bvh::build(count, padded, slack);
         let finite = bounds.iter().filter(|bounds| !is_unbounded(bounds));
         let bounds = finite.copied().fold(Bounds::EMPTY, Bounds::union);
         Ok(Self {
@@ -219,6 +223,10 @@ impl Scene {
     }
 }
 
+/// Where rounding reaches farther than this share of the coordinates (the transform all but flattens
+/// space), the object is better off without a box than all others are with wider ones.
+const LARGEST_SLACK: f64 = 1e-8;
+
 /// A tree for each mesh, however many objects share it; `built` are those there are already.
 fn mesh_trees(
     objects: &[Object],
@@ -246,18 +254,4 @@ fn mesh_trees(
 
 fn is_unbounded(bounds: &Bounds) -> bool {
     !bounds.is_empty() && !bounds.is_finite()
-}
-
-/// An object's box, wider by the rounding of its corners in the world.
-fn padded(bounds: Bounds) -> Bounds {
-    let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
-    let rounding = DVec3::splat(Bvh::OBJECTS * largest);
-    if bounds.is_empty() {
-        bounds
-    } else {
-        Bounds {
-            low: bounds.low - rounding,
-            high: bounds.high + rounding,
-        }
-    }
 }

@@ -1,4 +1,4 @@
-use crate::geometry::{Bounds, Color, Transform};
+use crate::geometry::{Bounds, Color, DVec3, Transform};
 use crate::shape::{Shape, Surface};
 
 /// A shape somewhere in the world. Objects that share a mesh (an [`Arc`](std::sync::Arc)) are instances
@@ -68,6 +68,31 @@ impl Object {
         match &self.shape {
             Shape::Mesh(mesh) => mesh.triangles().len(),
             _ => 0,
+        }
+    }
+
+    /// What the rounding on the way to the object and back can come to, as a share of the coordinates: what
+    /// the tree over the objects needs as its slack.
+    pub(super) fn slack(&self) -> f64 {
+        16.0 * self.transform.rounding()
+    }
+
+    /// Its `bounds`, wider by a share of the coordinates that they are made from (which are larger than
+    /// their own where a transform moves something far away back to the origin).
+    pub(super) fn padded(&self, bounds: Bounds, slack: f64) -> Bounds {
+        if bounds.is_empty() || !bounds.is_finite() {
+            return bounds;
+        }
+        let place = self.transform.world_from_object().translation;
+        let largest = [bounds.low, bounds.high, place]
+            .map(|point| point.abs().max_element())
+            .into_iter()
+            .fold(0.0, f64::max);
+        // The object's coordinates in the world are the box's without the translation: at most the sum.
+        let padding = DVec3::splat(2.0 * slack * largest);
+        Bounds {
+            low: bounds.low - padding,
+            high: bounds.high + padding,
         }
     }
 

@@ -1,5 +1,5 @@
 use super::interval::Interval;
-use super::{Crossing, Surface, require_finite};
+use super::{Crossing, Surface, require_finite, sines};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, Ray, unit};
 
@@ -63,7 +63,13 @@ impl Cone {
     /// The stretch of the line `at + t * along` (relative to the bottom) that is inside.
     fn inside(&self, at: DVec3, along: DVec3) -> Option<Interval> {
         let (z, dz) = (at.dot(self.axis), along.dot(self.axis));
-        let slab = Interval::line().between([(0.0, 1), (self.height, 2)], z, dz)?;
+        // A tip is part of the side: there is no lid.
+        let lid = |radius: f64, primitive| if radius > 0.0 { primitive } else { 0 };
+        let lids = [
+            (0.0, lid(self.bottom_radius, 1)),
+            (self.height, lid(self.top_radius, 2)),
+        ];
+        let slab = Interval::line().between(lids, z, dz)?;
         let (across, d_across) = (at - z * self.axis, along - dz * self.axis);
         let (radius, d_radius) = (self.bottom_radius + self.slope() * z, self.slope() * dz);
         // Inside is where a t^2 + 2 b t + c <= 0. Between the lids the radius is not negative, so the
@@ -71,7 +77,15 @@ impl Cone {
         let a = d_across.length_squared() - d_radius * d_radius;
         let b = across.dot(d_across) - radius * d_radius;
         let c = across.length_squared() - radius * radius;
-        let discriminant = b * b - a * c;
+        let discriminant = if a > 0.5 * d_across.length_squared() {
+            // From where the line is deepest inside: b * b - a * c is all rounding for a thin shape. (Haines,
+            // Günther and Akenine-Möller, see the sphere.)
+            let deepest = -b / a;
+            let radius = radius + deepest * d_radius;
+            a * (radius * radius - (across + deepest * d_across).length_squared())
+        } else {
+            b * b - a * c
+        };
         if a == 0.0 && b == 0.0 || discriminant < 0.0 {
             // No roots: all of the line is inside, or nothing.
             let all = if a == 0.0 { c <= 0.0 } else { a < 0.0 };
@@ -89,17 +103,20 @@ impl Cone {
                 slab.from(t1, 0)
             });
         }
-        // Steeper than the side: outside between the roots, of which one half is the mirror image's.
+        // Steeper than the side: outside between the roots. One side of them is the mirror image's, where the
+        // slab leaves nothing, or at the tip what rounding makes of nothing.
         let (before, after) = (slab.until(t0.min(t1), 0), slab.from(t0.max(t1), 0));
-        Some(if before.is_empty() { after } else { before })
+        Some(if before.length() < after.length() {
+            after
+        } else {
+            before
+        })
     }
 }
 
 impl Surface for Cone {
     fn bounds(&self) -> Bounds {
-        let sines = (DVec3::ONE - self.axis * self.axis)
-            .max(DVec3::ZERO)
-            .map(f64::sqrt);
+        let sines = sines(self.axis);
         let lid = |center: DVec3, radius: f64| Bounds {
             low: center - radius * sines,
             high: center + radius * sines,
@@ -183,6 +200,41 @@ impl super::conformance::Conforming for Cone {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ray_from_the_tip_leaves_through_the_lid() {
+        let cone = Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap();
+        for direction in [DVec3::NEG_Z, DVec3::new(0.1, 0.05, -1.0)] {
+            let hit = cone.intersect(&Ray::new(DVec3::Z, direction)).unwrap();
+            assert_eq!((hit.t, hit.primitive), (2.0, 1));
+        }
+    }
+
+    #[test]
+    fn the_tip_is_part_of_the_side() {
+        let cone = Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap();
+        let hit = cone
+            .intersect(&Ray::new(3.0 * DVec3::Z, DVec3::NEG_Z))
+            .unwrap();
+        assert_eq!((hit.t, hit.primitive), (2.0, 0));
+    }
+
+    #[test]
+    fn a_wire_is_as_thick_as_it_is() {
+        for radius in [1e-4, 1e-8, 1e-12] {
+            let wire = Cone::new(DVec3::ZERO, 100.0 * DVec3::Z, radius, radius).unwrap();
+            // The ray passes the axis at `gap`, 300 away from its start and 70 from the bottom.
+            let at = |gap: f64| Ray::new(DVec3::new(-300.0, gap, 70.0), DVec3::X);
+            assert!(wire.intersect(&at(1.001 * radius)).is_none(), "{radius}");
+            let hit = wire.intersect(&at(0.6 * radius)).unwrap();
+            let t = 300.0 - 0.8 * radius;
+            assert!(
+                (hit.t - t).abs() <= 2.0 * t * f64::EPSILON,
+                "{radius} {}",
+                hit.t
+            );
+        }
+    }
 
     #[test]
     fn the_mirror_image_beyond_the_tip_is_not_there() {

@@ -99,5 +99,13 @@ mod tests {
             .intersect(&Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE))
             .unwrap();
         assert_eq!((corner.t, corner.primitive), (2.0, 1));
+        // It enters through face 2 and leaves through face 1, at the same point.
+        let touch = cuboid
+            .intersect(&Ray::new(
+                DVec3::new(0.0, -2.0, 0.0),
+                DVec3::new(1.0, 1.0, 0.0),
+            ))
+            .unwrap();
+        assert_eq!((touch.t, touch.primitive), (1.0, 1));
     }
 }

@@ -1,5 +1,5 @@
 use super::plane::Plane;
-use super::{Crossing, Surface, require_positive};
+use super::{Crossing, Surface, require_positive, sines};
 use crate::error::Result;
 use crate::geometry::{Bounds, DVec3, Ray};
 
@@ -29,12 +29,7 @@ impl Disc {
 
 impl Surface for Disc {
     fn bounds(&self) -> Bounds {
-        let normal = self.plane.normal(self.center, 0);
-        // How far a circle reaches along an axis: the sine of the angle between axis and normal.
-        let reach = self.radius
-            * (DVec3::ONE - normal * normal)
-                .max(DVec3::ZERO)
-                .map(f64::sqrt);
+        let reach = self.radius * sines(self.plane.normal(self.center, 0));
         Bounds {
             low: self.center - reach,
             high: self.center + reach,

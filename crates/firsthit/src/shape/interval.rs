@@ -57,17 +57,24 @@ impl Interval {
         self.enter.t > self.exit.t
     }
 
-    /// The first end with `0 < t <= t_max`, `t` being counted from `start` before the interval's zero.
+    /// How much of the ray is inside; negative for nothing.
+    pub(super) fn length(&self) -> f64 {
+        self.exit.t - self.enter.t
+    }
+
+    /// The first end with `0 < t <= t_max`, the interval's zero being at the ray's parameter `start`; where
+    /// both ends are at the same `t` (the ray touches an edge), the one with the lower primitive.
     pub(super) fn first(self, start: f64, t_max: f64) -> Option<Crossing> {
         if self.is_empty() {
             return None;
         }
-        [self.enter, self.exit]
-            .map(|end| Crossing {
-                t: end.t + start,
-                ..end
-            })
-            .into_iter()
+        let [enter, exit] = [self.enter, self.exit].map(|end| Crossing {
+            t: end.t + start,
+            ..end
+        });
+        let touches = enter.t == exit.t && exit.primitive < enter.primitive;
+        let ends = if touches { [exit; 2] } else { [enter, exit] };
+        ends.into_iter()
             .find(|end| end.t > 0.0)
             .filter(|end| end.t <= t_max && end.t.is_finite())
     }

@@ -4,7 +4,7 @@ use super::attribute::check_indices;
 use super::triangle::{Shear, TriangleHit};
 use super::{Attribute, Crossing, Positions, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec2, DVec3, Ray, moderation, unit};
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -139,8 +139,9 @@ impl Mesh {
     /// The triangle's own normal, counter-clockwise front, of length one; NaN if it has no area.
     pub fn normal(&self, triangle: usize) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
-        // Edges of length one first, lest the product of tiny edges leave the range of float64.
-        unit(unit(b - a).cross(unit(c - a)))
+        // Not edges of length one: their rounding would give collinear corners an area.
+        let [ab, ac] = [b - a, c - a].map(|edge| moderation(edge) * edge);
+        unit(ab.cross(ac))
     }
 
     /// The shading normal in object space, not of length one; `None` where the mesh has none.
@@ -323,6 +324,16 @@ mod tests {
             DVec3::new(0.25, 0.5, 0.25)
         );
         assert_eq!(mesh.color(1, DVec2::new(0.0, 1.0)).unwrap(), DVec3::ONE);
+    }
+
+    #[test]
+    fn corners_on_a_line_have_no_normal() {
+        for k in 1..100 {
+            let [x, y, z] = [1.0, f64::from(k), f64::from(k % 7) + 0.5];
+            let points = vec![[0.0; 3], [x, y, z], [3.0 * x, 3.0 * y, 3.0 * z]];
+            let mesh = Mesh::new(Positions::compact(points), vec![[0, 1, 2]]).unwrap();
+            assert!(mesh.normal(0).is_nan(), "{k}");
+        }
     }
 
     #[test]

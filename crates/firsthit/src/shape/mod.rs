@@ -57,7 +57,8 @@ pub trait Surface {
     fn bounds(&self) -> Bounds;
 
     /// The first crossing with `0 < t <= ray.t_max`; at the same `t` the lower primitive. Surfaces are
-    /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length.
+    /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length whose
+    /// square float64 can hold (what scenes are shot at with may have any length).
     fn intersect(&self, ray: &Ray) -> Option<Crossing>;
 
     /// The normal at a point of the surface, of length one, outwards for closed shapes.
@@ -134,6 +135,18 @@ shapes! {
     "cylinder" => Cylinder(Cylinder);
     /// A cone, or a part of one, with its lids.
     "cone" => Cone(Cone);
+}
+
+/// How far a circle of radius one around `normal`, of length one, reaches along each axis: the sine of the
+/// angle between them. (Not the root of 1 - cosine^2, which is rounding where the angle is small.)
+fn sines(normal: DVec3) -> DVec3 {
+    let squares = normal * normal;
+    DVec3::new(
+        squares.y + squares.z,
+        squares.z + squares.x,
+        squares.x + squares.y,
+    )
+    .map(f64::sqrt)
 }
 
 fn require_finite(name: &'static str, value: DVec3) -> Result<DVec3> {

@@ -67,21 +67,42 @@ impl Shear {
         let w = side(b, a);
         // Written so that a NaN fails.
         let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-        let area = u + v + w;
-        if !inside || area == 0.0 {
+        if !inside {
             return None;
         }
-        // The corners' places in the mean, counted from one of them: so that what is level stays level. The
-        // tree relies on `t` being within the triangle's own range, which rounding could leave.
-        let t = a_t + (v * (b_t - a_t) + w * (c_t - a_t)) / area;
-        t.is_finite().then(|| TriangleHit {
-            t: t.max(a_t.min(b_t).min(c_t)).min(a_t.max(b_t).max(c_t)),
-            barycentric: DVec2::new(v / area, w / area),
-        })
+        let barycentric = weights(a, b, c);
+        // Exactly the corners' place where they have the same one.
+        let t = a_t + barycentric.x * (b_t - a_t) + barycentric.y * (c_t - a_t);
+        // NaN for a triangle along the ray, which has no area across it.
+        t.is_finite().then_some(TriangleHit { t, barycentric })
     }
 }
 
-/// `p.x * q.y - p.y * q.x` with the sign of the exact result.
+/// Two to the power of 500.
+const HUGE: f64 = f64::from_bits((1023 + 500) << 52);
+
+/// The weights of `b` and `c` where the origin is inside the triangle; NaN where it has no area.
+///
+/// The sides' signs are exact, their sizes are not: of a triangle seen nearly edge-on they can be nothing
+/// but rounding, and the mean any point of the triangle. These weights are good to their last digits, so
+/// the hit is where the ray crosses the triangle of the sheared corners; the tree relies on that.
+fn weights(a: DVec2, b: DVec2, c: DVec2) -> DVec2 {
+    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+    // A power of two scales without rounding.
+    let scale = if largest < 1e-140 { HUGE } else { 1.0 };
+    let [a, b, c] = [a, b, c].map(|corner| scale * corner);
+    let [u, v, w] = [(c, b), (a, c), (b, a)].map(|(p, q)| precise_side(p, q));
+    DVec2::new(v, w) / (u + v + w)
+}
+
+/// `p.x * q.y - p.y * q.x` to its last digits. (Kahan's way; its error is one and a half units in the last
+/// place: Jeannerod, Louvet and Muller, Mathematics of Computation 82, 2013.)
+fn precise_side(p: DVec2, q: DVec2) -> f64 {
+    let right = p.y * q.x;
+    p.x.mul_add(q.y, -right) - p.y.mul_add(q.x, -right)
+}
+
+/// `p.x * q.y - p.y * q.x`, rounded, with the sign of the exact result; of a tiny one only the sign counts.
 fn side(p: DVec2, q: DVec2) -> f64 {
     let left = p.x * q.y;
     let right = p.y * q.x;
@@ -98,10 +119,9 @@ fn side(p: DVec2, q: DVec2) -> f64 {
 /// gives that exactly.
 #[cold]
 fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
-    const TWO_TO_500: f64 = f64::from_bits((1023 + 500) << 52);
     // What rounding took from a product this small may itself be too small for float64.
     if left.abs() < 1e-270 && p.abs().max(q.abs()).max_element() < 1e140 {
-        let (p, q) = (p * TWO_TO_500, q * TWO_TO_500);
+        let (p, q) = (p * HUGE, q * HUGE);
         let (left, right) = (p.x * q.y, p.y * q.x);
         return if left == right {
             residuals(p, q, left, right)
