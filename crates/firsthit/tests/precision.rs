@@ -260,3 +260,47 @@ fn maps_that_flatten_space_are_refused() {
     let thin = DVec3::new(1e3, 1e-12, 1.0);
     assert!(Transform::new(DAffine3::from_scale(thin)).is_ok());
 }
+
+/// A floor of any size, and a tile on it that is thinner than a hair: which of them is met must not depend
+/// on where the floor's corners are.
+#[test]
+fn the_size_of_a_triangle_does_not_change_which_object_is_met() {
+    for size in [1e2, 1e5, 1e7, 1e8, 1e10, 1e12] {
+        let flat = |size: f64, z: f64| {
+            let corners = [(-size, -size), (size, -size), (0.3 * size, 1.7 * size)];
+            mesh(&corners.map(|(x, y)| DVec3::new(x, y, z)), vec![[0, 1, 2]])
+        };
+        let scene = Scene::new(vec![
+            Object::new(flat(size, 0.0)),
+            Object::new(flat(4.0, 1e-9)),
+        ])
+        .unwrap();
+        let mut numbers = Numbers::new(77);
+        for _ in 0..2000 {
+            let eye = DVec3::new(-2.0, 0.0, 1.0) + 0.1 * numbers.point();
+            let target = DVec3::new(numbers.unit(), numbers.unit(), 0.0) - 0.5;
+            let ray = Ray::new(eye, DVec3::new(target.x, target.y, 0.0) - eye);
+            let hit = first_hit::<Trees>(&scene, &ray);
+            assert_eq!(hit.object, 1, "{size} {ray:?} {hit:?}");
+            // The tile's corners are up to 7 lengths away, which its `t` may be off by in the last places.
+            let exact = (ray.origin.z - 1e-9) / -ray.direction.z;
+            assert!(
+                (hit.t - exact).abs() <= 32.0 * f64::EPSILON,
+                "{size} {hit:?} {exact}"
+            );
+            assert_eq!(
+                hit.t.to_bits(),
+                first_hit::<BruteForce>(&scene, &ray).t.to_bits()
+            );
+            // Beside the tile, the floor: to the last place, however far its corners are.
+            let beside = Ray::new(eye, DVec3::new(-20.0, target.x, 0.0) - eye);
+            let hit = first_hit::<Trees>(&scene, &beside);
+            let exact = beside.origin.z / -beside.direction.z;
+            let off = if size < 1e4 { 1e3 } else { 2.0 } * f64::EPSILON;
+            assert!(
+                hit.object == 0 && (hit.t - exact).abs() <= off,
+                "{size} {hit:?} {exact}"
+            );
+        }
+    }
+}

@@ -2,12 +2,14 @@
 
 mod bounds;
 mod color;
+mod double;
 mod hit;
 mod ray;
 mod transform;
 
 pub use bounds::Bounds;
 pub use color::{Color, srgb_decode, srgb_encode};
+pub use double::plane_crossing;
 pub use hit::Hit;
 pub use ray::{Ray, Rays};
 pub use transform::Transform;

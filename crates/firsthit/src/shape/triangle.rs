@@ -7,12 +7,13 @@
 //! their edge: a ray cannot pass between them. (Where the paper falls back to double precision on a
 //! zero, here the sign is that of the exact difference of products.)
 
-use crate::geometry::{DVec2, DVec3, Ray};
+use crate::geometry::{DVec2, DVec3, Ray, plane_crossing};
 
 /// A ray made ready for triangles.
 #[derive(Debug, Clone, Copy)]
 pub struct Shear {
     origin: DVec3,
+    direction: DVec3,
     /// The axis along which the direction is longest, and the two others.
     axes: [usize; 3],
     slope: DVec2,
@@ -43,6 +44,7 @@ impl Shear {
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         Self {
             origin: ray.origin,
+            direction: d,
             axes: [x, y, z],
             slope: DVec2::new(d[x] / d[z], d[y] / d[z]),
             scale: 1.0 / d[z],
@@ -72,9 +74,34 @@ impl Shear {
         }
         let barycentric = weights(a, b, c);
         // Exactly the corners' place where they have the same one.
-        let t = a_t + barycentric.x * (b_t - a_t) + barycentric.y * (c_t - a_t);
+        let mean = a_t + barycentric.x * (b_t - a_t) + barycentric.y * (c_t - a_t);
+        let farthest = a_t.abs().max(b_t.abs()).max(c_t.abs());
+        let t = if farthest > FAR * mean.abs() {
+            self.without_cancellation(corners, mean, farthest)
+        } else {
+            mean
+        };
         // NaN for a triangle along the ray, which has no area across it.
         t.is_finite().then_some(TriangleHit { t, barycentric })
+    }
+}
+
+/// From here on the corners' places, that much farther away than the hit, leave their mean too few digits.
+const FAR: f64 = 1024.0;
+
+impl Shear {
+    /// Where the ray crosses the triangle's plane, in place of a `mean` that is a small difference of large
+    /// numbers. Off the mean by no more than its rounding, which the tree allows for: where the triangle is
+    /// seen so nearly edge-on that the plane is crossed somewhere else, the mean stays.
+    #[cold]
+    fn without_cancellation(&self, corners: [DVec3; 3], mean: f64, farthest: f64) -> f64 {
+        let t = plane_crossing(self.origin, self.direction, corners);
+        let rounding = 4.0 * f64::EPSILON * farthest;
+        if (t - mean).abs() <= rounding {
+            t
+        } else {
+            mean
+        }
     }
 }
 
