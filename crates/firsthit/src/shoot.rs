@@ -56,6 +56,9 @@ impl Search for Trees {
         let mut ray = *ray;
         for &object in scene.unbounded() {
             ray.t_max = visit(object, ray.t_max);
+            if ray.t_max < 0.0 {
+                return;
+            }
         }
         scene.tree().visit(&ray, visit);
     }

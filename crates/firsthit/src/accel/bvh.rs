@@ -39,7 +39,7 @@ impl Bvh {
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
 
     /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
-    /// out. `slack` is the rounding of the test that decides about the candidates, as a share of the
+    /// out; each is asked for twice. `slack` is the rounding of the test that decides about the candidates, as a share of the
     /// coordinates it works with.
     ///
     /// Built by all threads of the current rayon pool, and the same for any number of them.

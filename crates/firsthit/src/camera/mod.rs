@@ -215,7 +215,7 @@ impl Camera {
         self.view.columns
     }
 
-    /// How many pixels there are.
+    /// How many pixels there are; `usize::MAX` if they are more.
     pub fn pixels(&self) -> usize {
         self.view.rows.saturating_mul(self.view.columns)
     }
@@ -232,7 +232,8 @@ impl Camera {
     }
 
     /// The ray through the centre of the pixel in array row `row` (0 is the top) and `column`, its
-    /// direction of length one.
+    /// direction of length one. There are [`Camera::rows`] rows and [`Camera::columns`] columns; what is
+    /// beyond them continues the viewplane.
     pub fn ray(&self, row: usize, column: usize) -> Ray {
         self.ray_within(row, column, DVec2::splat(0.5))
     }
@@ -274,7 +275,7 @@ impl Camera {
             ..
         } = self.view;
         // The one place where rows are flipped: the formula counts them from the bottom.
-        let i = (rows - 1 - row) as f64;
+        let i = (rows - 1) as f64 - row as f64;
         let j = column as f64;
         let x = -width / 2.0 + width / columns as f64 * (j + offset.x);
         let y = -height / 2.0 + height / rows as f64 * (i + offset.y);

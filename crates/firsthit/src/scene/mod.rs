@@ -130,6 +130,9 @@ impl Scene {
     }
 
     /// The object that was hit; `None` for a miss.
+    ///
+    /// This and what follows take hits of this scene: with one of another scene they answer for whatever
+    /// has its identifiers here, and panic where a mesh has no such triangle.
     pub fn object(&self, hit: &Hit) -> Option<&Object> {
         self.objects.get(usize::try_from(hit.object).ok()?)
     }
