@@ -33,14 +33,14 @@ pub(super) struct Node {
 const STACK: usize = build::SAH_DEPTH + 33;
 
 impl Bvh {
-    /// What the float64 triangle test needs as `slack`, and half as much again: see [`Slab`].
+    /// What the float64 triangle test needs as `slack`, and half as much again: see `Slab` below.
     pub const TRIANGLES: f64 = f64::EPSILON * 16.0;
     /// What objects need at least: their shapes round more than triangles do. Transforms can ask for more.
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
 
     /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
-    /// out; each is asked for twice. `slack` is the rounding of the test that decides about the candidates, as a share of the
-    /// coordinates it works with.
+    /// out; each is asked for twice. `slack` is the rounding of the test that decides about the
+    /// candidates, as a share of the coordinates it works with.
     ///
     /// Built by all threads of the current rayon pool, and the same for any number of them.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
