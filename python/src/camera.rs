@@ -2,7 +2,7 @@
 
 use firsthit::{DVec3, RayStart, View};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::errors::raise;
@@ -99,9 +99,17 @@ impl Camera {
         sample: Option<(u32, u32)>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
         let columns = self.0.columns();
-        let (first, last) = (rows.0 * columns, rows.1.min(self.0.rows()) * columns);
-        let mut origins = Vec::with_capacity(3 * last.saturating_sub(first));
-        let mut directions = Vec::with_capacity(3 * last.saturating_sub(first));
+        let last_row = rows.1.min(self.0.rows());
+        let (first, last) = (
+            rows.0.saturating_mul(columns),
+            last_row.saturating_mul(columns),
+        );
+        let mut origins = Vec::new();
+        let mut directions = Vec::new();
+        for values in [&mut origins, &mut directions] {
+            let room = values.try_reserve_exact(last.saturating_sub(first).saturating_mul(3));
+            room.map_err(|_| PyMemoryError::new_err("the rays of so many pixels"))?;
+        }
         for index in first..last {
             let (k, count) = sample.unwrap_or((0, 1));
             let ray = firsthit::render::sample_ray(&self.0, index, k, count);

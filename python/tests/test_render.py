@@ -205,3 +205,13 @@ def test_frames_are_saved_whole_and_show_themselves(tmp_path):
         fh.render(ball(), small(), channels=("z", "t")).save(tmp_path / "out.png")
     with pytest.raises(fh.FileWriteError):
         frame.save(tmp_path / "none" / "out.png")
+
+
+def test_pictures_too_large_for_memory_are_a_memory_error():
+    camera = fh.Camera(**{**CAMERA, "rows": 10**7, "columns": 10**7})
+    with pytest.raises(MemoryError):
+        camera.rays()
+    with pytest.raises(MemoryError):
+        ball().shoot(camera)
+    with pytest.raises(MemoryError):
+        fh.render(ball(), camera)
