@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 #: How many rays go to the native half at a time: what it makes beside the result stays below 64 MB.
-CHUNK = 1 << 18
+CHUNK = 1 << 17
 
 
 def vector(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:
