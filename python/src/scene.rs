@@ -96,25 +96,28 @@ fn light(LightIn(kind, vector, color): &LightIn) -> Light {
     }
 }
 
-/// A part of a file: its name, its mesh, its colour if the file gives one.
-type PartOut = (String, Mesh, Option<[f64; 3]>);
+/// An object of a file: its mesh, name and colour, if the file gives one.
+type ObjectOut = (String, Mesh, Option<[f64; 3]>);
 
-/// Reads a 3D file: its parts, which way is up, and warnings.
+/// Reads a 3D file: its objects, which way is up, and warnings.
 #[pyfunction]
 pub(crate) fn load(
     py: Python<'_>,
     path: PathBuf,
     strict: bool,
-) -> PyResult<(Vec<PartOut>, [f64; 3], Vec<String>)> {
-    let model = run(py, 0, |_| {
-        firsthit::io::load(&path, &LoadSettings { strict })
-    })?;
-    let part = |part: firsthit::io::Part| {
-        let color = part.color.map(|color| color.to_array());
-        (part.name, Mesh(Arc::new(part.mesh)), color)
+) -> PyResult<(Vec<ObjectOut>, [f64; 3], Vec<String>)> {
+    let settings = LoadSettings {
+        strict,
+        ..LoadSettings::default()
+    };
+    let model = run(py, 0, |_| firsthit::io::load(&path, &settings))?;
+    let object = |object: &Object| {
+        let color = (!object.materials().is_empty()).then(|| object.color().to_array());
+        let mesh = Mesh(Arc::clone(object.mesh()?));
+        Some((object.name().to_owned(), mesh, color))
     };
     Ok((
-        model.parts.into_iter().map(part).collect(),
+        model.objects.iter().filter_map(object).collect(),
         model.up.to_array(),
         model.warnings,
     ))

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use firsthit::io::{LoadSettings, Model, load};
-use firsthit::{Color, Object, Scene};
+use firsthit::{Color, Scene};
 
 use crate::args::{LoadArgs, RunArgs};
 use crate::failure::Failure;
@@ -21,21 +21,19 @@ pub(crate) fn read(
     args: &LoadArgs,
     neutral: Option<Color>,
 ) -> Result<Loaded, Failure> {
+    let settings = LoadSettings {
+        strict: args.strict,
+        ..LoadSettings::default()
+    };
     let Model {
-        parts,
+        objects,
         warnings,
         up,
-    } = load(
-        path,
-        &LoadSettings {
-            strict: args.strict,
-        },
-    )?;
-    let objects = parts.into_iter().map(|part| {
-        let color = part.color.or(neutral).unwrap_or(Object::NEUTRAL);
-        Object::new(std::sync::Arc::new(part.mesh))
-            .named(part.name)
-            .colored(color)
+        ..
+    } = load(path, &settings)?;
+    let objects = objects.into_iter().map(|object| match neutral {
+        Some(color) if object.materials().is_empty() => object.colored(color),
+        _ => object,
     });
     Ok(Loaded {
         scene: Scene::new(objects.collect())?,

@@ -49,7 +49,7 @@ pub use geometry::{
     Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Hit, Ray, Rays, Transform,
 };
 pub use render::render;
-pub use scene::{Background, Light, Object, Scene};
+pub use scene::{AlphaMode, Background, Light, Material, Object, Scene, Texture, TextureMap};
 pub use shade::{Shade, Shader, Shading};
 pub use shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 pub use shoot::{Hits, occluded, shoot};

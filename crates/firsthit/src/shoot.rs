@@ -147,10 +147,12 @@ fn search_object<S: Search>(
     let mut t_max = ray.t_max;
     if let Shape::Mesh(mesh) = object.shape() {
         let shear = Shear::new(ray);
+        let has_holes = object.may_have_holes();
         S::triangles(scene, index, mesh, ray, |triangle, limit| {
             if let Some(hit) = mesh.intersect_triangle(triangle as usize, &shear)
                 && hit.t > 0.0
                 && hit.t <= limit
+                && !(has_holes && object.is_hole(mesh, triangle as usize, hit.barycentric))
             {
                 let primitive = identifier(triangle);
                 t_max = limit.min(accept(Hit {

@@ -3,8 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use firsthit::geometry::{Color, DVec2, DVec3, srgb_decode};
+use firsthit::geometry::{Color, DVec2, DVec3, Ray, srgb_decode};
 use firsthit::io::{LoadSettings, Model, load};
+use firsthit::shoot::{BruteForce, Trees, first_hit};
+use firsthit::{Object, Scene};
 
 /// Loads the first of some files.
 fn read(files: &[(&str, &[u8])]) -> Model {
@@ -16,7 +18,7 @@ fn read(files: &[(&str, &[u8])]) -> Model {
 }
 
 fn names(model: &Model) -> Vec<&str> {
-    model.parts.iter().map(|part| part.name.as_str()).collect()
+    model.objects.iter().map(Object::name).collect()
 }
 
 const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -30,10 +32,10 @@ fn every_spelling_of_the_cuboid_is_the_same_solid() {
             continue;
         }
         let model = load(&path, &LoadSettings::default()).expect("a right file");
-        let meshes = model.parts.iter().map(|part| &part.mesh);
+        let meshes = model.objects.iter().filter_map(Object::mesh);
         let count: usize = meshes.map(|mesh| mesh.triangles().len()).sum();
         assert_eq!(count, 12, "{}", path.display());
-        let high = model.parts[0].mesh.bounds().high;
+        let high = model.objects[0].mesh().unwrap().bounds().high;
         assert!(
             (high - DVec3::new(1.14, 1.53, 0.73)).length() < 1e-6,
             "{}",
@@ -49,12 +51,12 @@ fn objects_come_in_the_order_of_their_first_faces() {
     );
     let model = read(&[("scene.obj", text.as_bytes())]);
     assert_eq!(names(&model), ["scene", "b", "a"]);
-    let b = &model.parts[1].mesh;
+    let b = model.objects[1].mesh().unwrap();
     assert_eq!(b.triangles(), [[0, 1, 2], [0, 2, 3], [0, 1, 3]]);
     assert_eq!([b.face(0), b.face(1), b.face(2)], [0, 0, 1]);
     assert!(std::sync::Arc::ptr_eq(
         b.positions(),
-        model.parts[2].mesh.positions()
+        model.objects[2].mesh().unwrap().positions()
     ));
 }
 
@@ -66,10 +68,92 @@ fn materials_colour_objects_and_faces() {
     let library = b"newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 0.5\n";
     let model = read(&[("a.obj", text.as_bytes()), ("my colours.mtl", library)]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
-    assert_eq!(model.parts[0].color, Some(Color::X));
-    let two = &model.parts[1].mesh;
-    assert_eq!(two.color(0, DVec2::ZERO), Some(Color::X));
-    assert_eq!(two.color(1, DVec2::ZERO), Some(Color::new(0.0, 0.0, 0.5)));
+    assert_eq!(model.objects[0].color(), Color::X);
+    let two = &model.objects[1];
+    let color = |triangle| two.material(triangle).unwrap().color;
+    assert_eq!([color(0), color(1)], [Color::X, Color::new(0.0, 0.0, 0.5)]);
+}
+
+/// A PNG of 2 x 2 texels: red and green above blue and a transparent black.
+fn four_texels() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(png::ColorType::Rgba);
+    let mut writer = encoder.write_header().expect("in memory");
+    let texels = [
+        255, 0, 0, 255, 0, 255, 0, 255, //
+        0, 0, 255, 255, 0, 0, 0, 0,
+    ];
+    writer.write_image_data(&texels).expect("in memory");
+    writer.finish().expect("in memory");
+    bytes
+}
+
+const TEXTURED: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+    mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n";
+
+/// What a ray down onto (x, y) sees of a model: its colour, or nothing.
+fn seen(model: &Model, x: f64, y: f64) -> Option<Color> {
+    let scene = Scene::new(model.objects.clone()).expect("a small scene");
+    let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
+    let hit = first_hit::<Trees>(&scene, &ray);
+    let judged = first_hit::<BruteForce>(&scene, &ray);
+    assert_eq!((hit.t, hit.primitive), (judged.t, judged.primitive));
+    scene.color(&hit)
+}
+
+#[test]
+fn textures_colour_obj_files_upwards_and_map_d_cuts_holes() {
+    let files = [
+        ("a.obj", TEXTURED.as_bytes()),
+        (
+            "a.mtl",
+            b"newmtl m\nKd 0.5 0.5 0.5\nmap_Kd my tex.png\nmap_d my tex.png\n",
+        ),
+        ("my tex.png", &four_texels()),
+    ];
+    let model = read(&files);
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    // Texel centres: v runs upwards, so the first row is above.
+    assert_eq!(seen(&model, 0.25, 0.75), Some(0.5 * Color::X));
+    assert_eq!(seen(&model, 0.75, 0.75), Some(0.5 * Color::Y));
+    assert_eq!(seen(&model, 0.25, 0.25), Some(0.5 * Color::Z));
+    assert_eq!(seen(&model, 0.75, 0.25), None);
+}
+
+#[test]
+fn a_texture_that_cannot_be_read_is_a_warning_and_a_flat_colour() {
+    for name in [
+        "missing.png",
+        "../a.png",
+        "/etc/passwd",
+        "a.mtl",
+        "a\\b.png",
+    ] {
+        let library = format!("newmtl m\nKd 1 0 0\nmap_Kd {name}\n");
+        let model = read(&[
+            ("a.obj", TEXTURED.as_bytes()),
+            ("a.mtl", library.as_bytes()),
+        ]);
+        let [warning] = model.warnings.as_slice() else {
+            panic!("{name}: {:?}", model.warnings);
+        };
+        let start = format!("a.mtl:3: texture '{name}' is not read: ");
+        assert!(warning.contains(&start), "{warning}");
+        assert_eq!(seen(&model, 0.25, 0.25), Some(Color::X));
+    }
+}
+
+#[test]
+fn ply_files_name_their_texture_in_a_comment() {
+    let text = "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 4\n\
+        property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n";
+    let model = read(&[("a.ply", text.as_bytes()), ("t.png", &four_texels())]);
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    assert_eq!(seen(&model, 0.25, 0.75), Some(Color::X));
+    assert_eq!(seen(&model, 0.25, 0.25), Some(Color::Z));
 }
 
 #[test]
@@ -79,11 +163,23 @@ fn normals_and_texture_coordinates_are_those_of_the_corners() {
          o half\nf 1/1/1 2/2/1 3/2\no wrong\nf 1//9 2//9 3//9\n"
     );
     let model = read(&[("a.obj", text.as_bytes())]);
-    let full = &model.parts[0].mesh;
+    let full = model.objects[0].mesh().unwrap();
     assert_eq!(full.uv(0, DVec2::ZERO), Some(DVec2::new(0.25, 0.5)));
     assert_eq!(full.shading_normal(1, DVec2::Y), Some(DVec3::X));
-    assert_eq!(model.parts[1].mesh.shading_normal(0, DVec2::ZERO), None);
-    assert_eq!(model.parts[2].mesh.shading_normal(0, DVec2::ZERO), None);
+    assert_eq!(
+        model.objects[1]
+            .mesh()
+            .unwrap()
+            .shading_normal(0, DVec2::ZERO),
+        None
+    );
+    assert_eq!(
+        model.objects[2]
+            .mesh()
+            .unwrap()
+            .shading_normal(0, DVec2::ZERO),
+        None
+    );
     assert!(
         model.warnings[0].contains("normals"),
         "{:?}",
@@ -104,13 +200,19 @@ fn colours_of_ply_vertices_and_faces_are_srgb() {
          0 0 0 128 128 128\n1 0 0 128 128 128\n0 1 0 128 128 128\n3 0 1 2\n"
     );
     let model = read(&[("a.ply", text.as_bytes())]);
-    assert_eq!(model.parts[0].mesh.color(0, DVec2::ZERO), Some(grey));
+    assert_eq!(
+        model.objects[0].mesh().unwrap().color(0, DVec2::ZERO),
+        Some(grey)
+    );
     let text = format!(
         "{head}element vertex 4\n{xyz}element face 1\n{list}{rgb}end_header\n\
          0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 128 128 128\n"
     );
     let model = read(&[("a.ply", text.as_bytes())]);
-    assert_eq!(model.parts[0].mesh.color(1, DVec2::ZERO), Some(grey));
+    assert_eq!(
+        model.objects[0].mesh().unwrap().color(1, DVec2::ZERO),
+        Some(grey)
+    );
 }
 
 #[test]
@@ -120,7 +222,7 @@ fn strips_turn_every_other_triangle_and_restart() {
         0 0 0\n1 0 0\n0 1 0\n1 1 0\n8 0 1 2 3 -1 1 2 3\n";
     let model = read(&[("a.ply", text.as_bytes())]);
     assert_eq!(
-        model.parts[0].mesh.triangles(),
+        model.objects[0].mesh().unwrap().triangles(),
         [[0, 1, 2], [2, 1, 3], [1, 2, 3]]
     );
 }

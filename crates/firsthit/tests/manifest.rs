@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use firsthit::Object;
 use firsthit::geometry::{Bounds, DVec3};
 use firsthit::io::{LoadSettings, Model, load};
 
@@ -42,12 +43,12 @@ fn point(text: &str) -> DVec3 {
 }
 
 fn triangle_count(model: &Model) -> usize {
-    let meshes = model.parts.iter().map(|part| &part.mesh);
+    let meshes = model.objects.iter().filter_map(Object::mesh);
     meshes.map(|mesh| mesh.triangles().len()).sum()
 }
 
 fn area(model: &Model) -> f64 {
-    let meshes = model.parts.iter().map(|part| &part.mesh);
+    let meshes = model.objects.iter().filter_map(Object::mesh);
     let triangles = meshes.flat_map(|mesh| (0..mesh.triangles().len()).map(|k| mesh.corners(k)));
     triangles
         .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
@@ -63,7 +64,7 @@ fn compare(model: &Model, row: &Row) -> Option<String> {
     if triangles == "0" {
         return None;
     }
-    let bounds = model.parts.iter().map(|part| part.mesh.bounds());
+    let bounds = model.objects.iter().map(Object::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     let (low, high) = (point(row.low), point(row.high));
     // The manifest states nine digits.

@@ -12,7 +12,6 @@ mod support;
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use firsthit::io::{LoadSettings, load};
 use firsthit::shoot::{BruteForce, Trees, first_hit};
@@ -85,12 +84,7 @@ fn camera(case: &Value) -> Camera {
 }
 
 fn mesh_objects(path: &Path) -> Vec<Object> {
-    let model = load(path, &LoadSettings::default()).unwrap();
-    model
-        .parts
-        .into_iter()
-        .map(|part| Object::new(Arc::new(part.mesh)))
-        .collect()
+    load(path, &LoadSettings::default()).unwrap().objects
 }
 
 fn objects(case: &Value, folder: &Path) -> Vec<Object> {

@@ -17,6 +17,7 @@
 
 mod mtl;
 mod obj;
+mod picture;
 mod ply;
 mod polygon;
 mod read;
@@ -27,38 +28,70 @@ mod text;
 
 use std::path::Path;
 
+use crate::camera::View;
 use crate::error::{Error, Place, Result};
-use crate::geometry::{Color, DVec3};
-use crate::shape::Mesh;
+use crate::geometry::DVec3;
+use crate::scene::{Background, Light, Object};
 use report::{Checked, Report};
 
 /// What a file holds.
 #[derive(Debug, Clone, Default)]
 pub struct Model {
-    /// The objects, in the order of their identifiers.
-    pub parts: Vec<Part>,
+    /// The objects, in the order of their identifiers. Those without materials got no colour from the file.
+    pub objects: Vec<Object>,
+    /// The cameras, in the file's order.
+    pub cameras: Vec<NamedCamera>,
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// What rays see that meet nothing, if the file says.
+    pub background: Option<Background>,
     /// What was doubtful in the file: a line each, ready to print.
     pub warnings: Vec<String>,
     /// Which way is up by the format's custom: +y for OBJ, +z for STL and PLY.
     pub up: DVec3,
 }
 
-/// One object of a file.
-#[derive(Debug, Clone)]
-pub struct Part {
-    /// Its name in the file; the file's stem where it has none.
-    pub name: String,
-    /// Its surface.
-    pub mesh: Mesh,
-    /// Its linear colour, if the file gives it one; white where the mesh itself is coloured.
-    pub color: Option<Color>,
+impl Model {
+    fn of(objects: Vec<Object>) -> Self {
+        Self {
+            objects,
+            ..Self::default()
+        }
+    }
 }
 
-/// How to treat a doubtful file.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// A camera of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedCamera {
+    /// Its name; may be empty.
+    pub name: String,
+    /// What it is made from.
+    pub view: View,
+    /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, the view's height
+    /// alone counts, and whoever makes the picture decides about the rest.
+    pub has_size: bool,
+}
+
+/// How to read a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LoadSettings {
     /// Whether triangles that cannot be used are an error instead of a warning.
     pub strict: bool,
+    /// How many bytes of memory the file's content may take.
+    pub max_memory: u64,
+    /// How many texels a texture may have across or down, and the root of how many bytes it may have in all.
+    pub max_texture: u32,
+}
+
+impl Default for LoadSettings {
+    /// Doubtful triangles are dropped; 8 GiB; textures of 16,384 texels and 256 MiB.
+    fn default() -> Self {
+        Self {
+            strict: false,
+            max_memory: 8 << 30,
+            max_texture: 16_384,
+        }
+    }
 }
 
 /// A kind of file.
@@ -67,7 +100,7 @@ struct Format {
     /// In lower case, without the dot.
     extensions: &'static [&'static str],
     up: DVec3,
-    read: fn(&[u8], &mut Report) -> Checked<Vec<Part>>,
+    read: fn(&[u8], &mut Report) -> Checked<Model>,
 }
 
 /// Every format there is; all else is derived from this table.
@@ -101,15 +134,15 @@ const FORMATS: &[Format] = &[
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
     let format = format_of(path)?;
     let bytes = read::regular_file(path)?;
-    let mut report = Report::new(path);
-    let parts = (format.read)(&bytes, &mut report).map_err(|fault| fault.into_error(path))?;
+    let mut report = Report::new(path, *settings);
+    let model = (format.read)(&bytes, &mut report).map_err(|fault| fault.into_error(path))?;
     if let (true, Some(what)) = (settings.strict, report.dropped()) {
         return Err(parse_error(path, what));
     }
     Ok(Model {
-        parts,
         warnings: report.into_lines(),
         up: format.up,
+        ..model
     })
 }
 

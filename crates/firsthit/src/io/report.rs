@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::LoadSettings;
 use crate::error::{Error, Place, escaped};
 
 /// The result of a loader's steps, before the path is known.
@@ -49,6 +50,7 @@ impl From<Error> for Fault {
 #[derive(Debug)]
 pub(super) struct Report {
     path: PathBuf,
+    settings: LoadSettings,
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
@@ -62,9 +64,10 @@ struct Kind {
 }
 
 impl Report {
-    pub(super) fn new(path: &Path) -> Self {
+    pub(super) fn new(path: &Path, settings: LoadSettings) -> Self {
         Self {
             path: path.to_owned(),
+            settings,
             kinds: Vec::new(),
             dropped: 0,
             first_dropped: String::new(),
@@ -73,6 +76,10 @@ impl Report {
 
     pub(super) fn path(&self) -> &Path {
         &self.path
+    }
+
+    pub(super) fn settings(&self) -> &LoadSettings {
+        &self.settings
     }
 
     /// The file's name without its extension: what an object without a name is called.

@@ -3,17 +3,20 @@
 //! The facets' own normals and the binary format's attribute bytes are not read: the normal is that of
 //! the winding, and what the bytes mean differs from program to program.
 
-use super::Part;
+use std::sync::Arc;
+
+use super::Model;
 use super::report::{Checked, Fault, Report};
 use super::surface::{Surface, Vertices};
 use super::text::{self, Lines, Words, next_number, shown};
 use crate::error::{Place, escape_controls};
+use crate::scene::Object;
 use crate::shape::Positions;
 
 const HEADER: usize = 80;
 const FACET: usize = 50;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let (positions, name) = match facets_of(bytes)? {
         Facets::Binary { facets, trailing } => {
             if trailing > 0 {
@@ -39,8 +42,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
     surface.reserve(count as usize);
     (0..count.min(u32::MAX / 3)).for_each(|k| surface.push_triangle([3 * k, 3 * k + 1, 3 * k + 2]));
     let (mesh, _) = surface.finish(&Vertices::new(positions), &name, report)?;
-    let color = None;
-    Ok(vec![Part { name, mesh, color }])
+    Ok(Model::of(vec![Object::new(Arc::new(mesh)).named(name)]))
 }
 
 enum Facets<'a> {

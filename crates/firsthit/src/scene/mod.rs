@@ -2,7 +2,9 @@
 
 mod background;
 mod light;
+mod material;
 mod object;
+mod texture;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,7 +13,9 @@ use rayon::prelude::*;
 
 pub use background::Background;
 pub use light::Light;
+pub use material::{AlphaMode, Material};
 pub use object::Object;
+pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
 use crate::accel::Bvh;
 use crate::error::{Error, Result};
@@ -167,13 +171,28 @@ impl Scene {
         ray.direction.dot(normal) < 0.0
     }
 
-    /// The linear colour of the object where it was hit; `None` for a miss.
+    /// The linear colour of the object where it was hit: its material's, times its texture's, times the mesh's
+    /// own. `None` for a miss.
     pub fn color(&self, hit: &Hit) -> Option<Color> {
         let object = self.object(hit)?;
-        let own = self
-            .mesh(hit)
-            .and_then(|(_, mesh, triangle)| mesh.color(triangle, hit.barycentric));
-        Some(object.color() * own.unwrap_or(Color::ONE))
+        let Some((_, mesh, triangle)) = self.mesh(hit) else {
+            return Some(object.color());
+        };
+        let own = mesh.color(triangle, hit.barycentric).unwrap_or(Color::ONE);
+        let uv = || mesh.uv(triangle, hit.barycentric);
+        let material = object.material(hit.primitive);
+        let look = material.map_or(Object::NEUTRAL, |material| match material.texture {
+            Some(_) => material.color_at(uv()),
+            None => material.color,
+        });
+        Some(look * own)
+    }
+
+    /// Whether the colour where the object was hit is to be seen as it is, whatever the light.
+    pub fn is_unlit(&self, hit: &Hit) -> bool {
+        self.object(hit)
+            .and_then(|object| object.material(hit.primitive))
+            .is_some_and(|material| material.unlit)
     }
 
     /// The texture coordinates where a mesh that has them was hit; else NaN.

@@ -1,14 +1,19 @@
-use crate::geometry::{Bounds, Color, DVec3, Transform};
-use crate::shape::{Shape, Surface};
+use std::sync::Arc;
 
-/// A shape somewhere in the world. Objects that share a mesh (an [`Arc`](std::sync::Arc)) are instances
-/// of it: nothing is copied.
+use super::Material;
+use crate::geometry::{Bounds, Color, DVec2, DVec3, Transform};
+use crate::shape::{Mesh, Shape, Surface};
+
+/// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
+/// copied.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
     name: String,
     shape: Shape,
     transform: Transform,
-    color: Color,
+    /// What a mesh's slots name; none where nobody gave the object a look.
+    materials: Arc<[Material]>,
+    may_have_holes: bool,
 }
 
 impl Object {
@@ -21,7 +26,8 @@ impl Object {
             name: String::new(),
             shape: shape.into(),
             transform: Transform::IDENTITY,
-            color: Self::NEUTRAL,
+            materials: Arc::default(),
+            may_have_holes: false,
         }
     }
 
@@ -38,9 +44,21 @@ impl Object {
         Self { transform, ..self }
     }
 
-    /// The same object with a linear colour, which a mesh's own colours multiply.
+    /// The same object in one linear colour, which a mesh's own colours multiply.
     pub fn colored(self, color: Color) -> Self {
-        Self { color, ..self }
+        self.with_materials([Material::colored(color)])
+    }
+
+    /// The same object with other materials: the one for each slot of a mesh; the last one for slots
+    /// beyond. Without any the object is in a neutral colour.
+    pub fn with_materials(self, materials: impl Into<Arc<[Material]>>) -> Self {
+        let materials = materials.into();
+        let is_mesh = self.mesh().is_some();
+        Self {
+            may_have_holes: is_mesh && materials.iter().any(Material::may_have_holes),
+            materials,
+            ..self
+        }
     }
 
     /// Its name; may be empty, need not be unique.
@@ -58,17 +76,56 @@ impl Object {
         &self.transform
     }
 
-    /// Its linear colour.
+    /// Its mesh, if that is its shape.
+    pub fn mesh(&self) -> Option<&Arc<Mesh>> {
+        match &self.shape {
+            Shape::Mesh(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
+    /// Its materials, in the order of a mesh's slots; none where nobody gave it a look.
+    pub fn materials(&self) -> &Arc<[Material]> {
+        &self.materials
+    }
+
+    /// Its linear colour: that of its first material, without textures.
     pub fn color(&self) -> Color {
-        self.color
+        self.materials
+            .first()
+            .map_or(Self::NEUTRAL, |material| material.color)
+    }
+
+    /// The material of a primitive; `None` where nobody gave the object a look.
+    pub fn material(&self, primitive: i32) -> Option<&Material> {
+        let slot = match (self.mesh(), usize::try_from(primitive)) {
+            (Some(mesh), Ok(triangle)) => mesh.slot(triangle),
+            _ => 0,
+        };
+        self.materials.get(slot).or(self.materials.last())
+    }
+
+    /// Whether some of its surface may be cut out by the alpha of a material.
+    pub fn may_have_holes(&self) -> bool {
+        self.may_have_holes
+    }
+
+    /// Whether its material has a hole where a triangle was hit: then there is no hit.
+    pub(crate) fn is_hole(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
+        let slot = mesh.slot(triangle);
+        let Some(material) = self.materials.get(slot).or(self.materials.last()) else {
+            return false;
+        };
+        material.may_have_holes()
+            && material.is_hole(
+                mesh.uv(triangle, barycentric),
+                mesh.alpha(triangle, barycentric).unwrap_or(1.0),
+            )
     }
 
     /// How many triangles it has: none, unless it is a mesh.
     pub fn triangles(&self) -> usize {
-        match &self.shape {
-            Shape::Mesh(mesh) => mesh.triangles().len(),
-            _ => 0,
-        }
+        self.mesh().map_or(0, |mesh| mesh.triangles().len())
     }
 
     /// What the rounding on the way to the object and back can come to, as a share of the coordinates: what

@@ -26,6 +26,9 @@ pub(super) fn shade(settings: &Lambert, scene: &Scene, ray: &Ray, hit: &Hit) -> 
     let Some(color) = scene.color(hit) else {
         return Color::ZERO;
     };
+    if scene.is_unlit(hit) {
+        return color;
+    }
     let geometric = scene.normal(ray, hit);
     if !geometric.is_finite() {
         return color * settings.ambient;

@@ -16,6 +16,8 @@ pub struct Mesh {
     normals: Option<Attribute<3>>,
     uvs: Option<Attribute<2>>,
     colors: Option<Attribute<3>>,
+    alphas: Option<Attribute<1>>,
+    slots: Option<Vec<u32>>,
 }
 
 impl Mesh {
@@ -51,6 +53,8 @@ impl Mesh {
             normals: None,
             uvs: None,
             colors: None,
+            alphas: None,
+            slots: None,
         })
     }
 
@@ -101,6 +105,31 @@ impl Mesh {
     pub fn with_colors(mut self, colors: Attribute<3>) -> Result<Self> {
         colors.check("colors", self.positions.len(), &self.triangles)?;
         self.colors = Some(colors);
+        Ok(self)
+    }
+
+    /// The same mesh with an alpha of its own, which a material's multiplies.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_alphas(mut self, alphas: Attribute<1>) -> Result<Self> {
+        alphas.check("alphas", self.positions.len(), &self.triangles)?;
+        self.alphas = Some(alphas);
+        Ok(self)
+    }
+
+    /// The same mesh, each triangle having a slot: which of its object's materials it takes.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when there are not as many `slots` as triangles.
+    pub fn with_slots(mut self, slots: Vec<u32>) -> Result<Self> {
+        if slots.len() != self.triangles.len() {
+            let expected = "one for each triangle";
+            return Err(Error::argument("slots", expected, slots.len()));
+        }
+        self.slots = Some(slots);
         Ok(self)
     }
 
@@ -163,6 +192,21 @@ impl Mesh {
         self.colors
             .as_ref()
             .map(|colors| DVec3::from(self.between(colors, triangle, barycentric)))
+    }
+
+    /// The alpha of its own; `None` where the mesh has none.
+    pub fn alpha(&self, triangle: usize, barycentric: DVec2) -> Option<f64> {
+        self.alphas.as_ref().map(|alphas| {
+            let [alpha] = self.between(alphas, triangle, barycentric);
+            alpha
+        })
+    }
+
+    /// Which of its object's materials a triangle takes.
+    pub fn slot(&self, triangle: usize) -> usize {
+        self.slots
+            .as_ref()
+            .map_or(0, |slots| slots[triangle] as usize)
     }
 
     fn between<const N: usize>(

@@ -1,17 +1,18 @@
-//! OBJ: Wavefront's text format, with its MTL colours.
+//! OBJ: Wavefront's text format, with its MTL materials.
 
 mod index;
 mod object;
 
 use std::collections::HashMap;
 
-use super::Part;
+use super::Model;
 use super::mtl::Library;
 use super::report::{Checked, Fault, Report};
 use super::surface::Vertices;
 use super::text::{self, Lines, Words, next_number, number, shown};
 use crate::error::{Place, escape_controls};
-use crate::geometry::{Color, srgb_decode};
+use crate::geometry::srgb_decode;
+use crate::scene::Material;
 use crate::shape::Positions;
 use index::{Indices, NONE};
 use object::{Face, Gather, Object};
@@ -38,7 +39,7 @@ const HARMLESS: &[&[u8]] = &[
     b"t",
 ];
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let text = text::decode(bytes);
     let mut reader = Reader::new(report);
     let mut lines = Lines::new(&text);
@@ -87,7 +88,7 @@ struct Values {
 #[derive(Debug, Default)]
 struct Materials {
     numbers: HashMap<Vec<u8>, u32>,
-    colors: Vec<Option<Color>>,
+    looks: Vec<Option<Material>>,
 }
 
 impl Materials {
@@ -100,8 +101,9 @@ impl Materials {
         next
     }
 
-    fn color(&self, number: u32) -> Option<Color> {
-        self.colors.get(number as usize).copied().flatten()
+    /// What a material looks like, if its library says.
+    fn look(&self, number: u32) -> Option<&Material> {
+        self.looks.get(number as usize)?.as_ref()
     }
 }
 
@@ -269,7 +271,7 @@ impl<'a> Reader<'a> {
         self.object = self.object_of_name.get(&self.name).copied();
     }
 
-    fn finish(mut self) -> Checked<Vec<Part>> {
+    fn finish(mut self) -> Checked<Model> {
         if self.positions.is_empty() && self.objects.is_empty() {
             return Err(Fault::file("no geometry: neither vertices nor faces"));
         }
@@ -300,16 +302,17 @@ impl<'a> Reader<'a> {
                 self.report,
             )
         };
-        self.objects.into_iter().map(finish).collect()
+        let objects = self.objects.into_iter().map(finish);
+        Ok(Model::of(objects.collect::<Checked<_>>()?))
     }
 
-    /// Finds the colours of the materials that were named, libraries that came later included.
+    /// Finds what the materials that were named look like, libraries that came later included.
     fn look_up_materials(&mut self) {
         let mut names: Vec<_> = self.materials.numbers.iter().collect();
         names.sort_unstable_by_key(|&(_, &number)| number);
         for (name, _) in names {
-            let color = self.library.color(name);
-            if color.is_err() {
+            let look = self.library.look(name, self.report);
+            if look.is_err() {
                 self.report.warn("material", &Place::File, || {
                     format!(
                         "unknown material '{}': its faces keep the neutral colour",
@@ -317,7 +320,7 @@ impl<'a> Reader<'a> {
                     )
                 });
             }
-            self.materials.colors.push(color.unwrap_or(None));
+            self.materials.looks.push(look.unwrap_or(None));
         }
     }
 }

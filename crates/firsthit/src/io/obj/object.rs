@@ -1,11 +1,13 @@
-//! The objects of an OBJ file, from faces to parts.
+//! The objects of an OBJ file, from faces to meshes.
 
 use super::index::NONE;
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use super::{Materials, Values};
-use crate::geometry::Color;
-use crate::io::Part;
 use crate::io::report::{Checked, Report};
-use crate::io::surface::{Surface, Vertices, face_attribute, push_fan};
+use crate::io::surface::{Surface, Vertices, push_fan};
+use crate::scene::{self, Material};
 use crate::shape::{Attribute, Mesh};
 
 /// A face, as indices from 0: of vertices, texture coordinates and normals, [`NONE`] where it has none.
@@ -70,7 +72,7 @@ impl Object {
         materials: &Materials,
         gather: &mut Gather,
         report: &mut Report,
-    ) -> Checked<Part> {
+    ) -> Checked<scene::Object> {
         let Self {
             name,
             surface,
@@ -86,41 +88,53 @@ impl Object {
             mesh = mesh.with_normals(normals)?;
         }
         let corners = mesh.triangles().to_vec();
-        let (mesh, color) = match gather.attribute(&values.colors, corners) {
+        let (mesh, looks) = match gather.attribute(&values.colors, corners) {
+            // White leaves the mesh's own colours as they are.
             Some(colors) if !values.colors.is_empty() => {
-                (mesh.with_colors(colors)?, Some(Color::ONE))
+                (mesh.with_colors(colors)?, vec![Material::default()])
             }
-            _ => paint(mesh, face_count, &runs, materials)?,
+            _ => dress(mesh, face_count, &runs, materials)?,
         };
-        Ok(Part { name, mesh, color })
+        let object = scene::Object::new(Arc::new(mesh)).named(name);
+        Ok(if looks.is_empty() {
+            object
+        } else {
+            object.with_materials(looks)
+        })
     }
 }
 
-/// Gives a mesh its materials' colours: one to the object, several to the faces.
-fn paint(
+/// Gives a mesh its materials: none, one to all of it, or a slot to each triangle.
+fn dress(
     mesh: Mesh,
     face_count: u32,
     runs: &[(u32, Option<u32>)],
     materials: &Materials,
-) -> Checked<(Mesh, Option<Color>)> {
-    let color_of =
-        |&(_, material): &(u32, Option<u32>)| material.and_then(|id| materials.color(id));
-    let first = runs.first().and_then(color_of);
-    if runs.iter().all(|run| color_of(run) == first) {
-        return Ok((mesh, first));
+) -> Checked<(Mesh, Vec<Material>)> {
+    let look_of = |number: Option<u32>| number.and_then(|number| materials.look(number));
+    let first = runs.first().and_then(|&(_, number)| look_of(number));
+    if runs.iter().all(|&(_, number)| look_of(number) == first) {
+        return Ok((mesh, first.into_iter().cloned().collect()));
     }
-    let ends = runs
-        .iter()
-        .skip(1)
-        .map(|&(start, _)| start)
-        .chain([face_count]);
-    let mut colors = Vec::new();
-    for (run, end) in runs.iter().zip(ends) {
-        let color = color_of(run).unwrap_or(Color::ONE).as_vec3().to_array();
-        colors.extend((run.0..end).map(|_| color));
+    let mut slots = HashMap::new();
+    let mut looks = Vec::new();
+    let mut slot_of_face = Vec::new();
+    let starts_of_next = runs.iter().skip(1).map(|&(start, _)| start);
+    for (&(start, number), end) in runs.iter().zip(starts_of_next.chain([face_count])) {
+        let slot = *slots.entry(number).or_insert_with(|| {
+            let neutral = || Material::colored(scene::Object::NEUTRAL);
+            looks.push(look_of(number).cloned().unwrap_or_else(neutral));
+            #[expect(clippy::cast_possible_truncation, reason = "at most as many as faces")]
+            let slot = (looks.len() - 1) as u32;
+            slot
+        });
+        slot_of_face.extend((start..end).map(|_| slot));
     }
-    let colors = face_attribute(&mesh, colors);
-    Ok((mesh.with_colors(colors)?, Some(Color::ONE)))
+    let slots = (0..mesh.triangles().len())
+        .map(|triangle| slot_of_face.get(mesh.face(triangle)).copied())
+        .map(Option::unwrap_or_default)
+        .collect();
+    Ok((mesh.with_slots(slots)?, looks))
 }
 
 /// Takes from a file's values those that an object uses, lest each of many objects hold them all.

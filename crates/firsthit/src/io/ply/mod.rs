@@ -5,24 +5,23 @@ mod faces;
 mod header;
 mod vertices;
 
-use super::Part;
+use std::sync::Arc;
+
+use super::Model;
+use super::picture;
 use super::report::{Checked, Fault, Report};
 use super::surface::{Surface, Vertices, face_attribute};
 use crate::error::Place;
-use crate::geometry::{Color, srgb_decode};
+use crate::geometry::srgb_decode;
+use crate::scene::{Material, Object, TextureMap};
 use crate::shape::Attribute;
 use body::{Ascii, Binary, Rows};
 use faces::Faces;
 use header::{Element, Format, Header, Kind, Type};
 use vertices::VertexRows;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let header = header::parse(bytes)?;
-    for texture in &header.textures {
-        report.warn("texture", &Place::Line(texture.line), || {
-            format!("textures are not read yet: '{}'", texture.name)
-        });
-    }
     match header.format {
         Format::Ascii => read_body(&header, Ascii::new(&header), report),
         Format::Little => read_body(&header, Binary::new(&header, bytes.len(), false), report),
@@ -30,7 +29,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Vec<Part>> {
     }
 }
 
-fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<Vec<Part>> {
+fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<Model> {
     let element = header
         .vertex_element()?
         .ok_or_else(|| Fault::file("no vertex element: there is no geometry"))?;
@@ -52,7 +51,8 @@ fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Chec
         }
     }
     rows.end(report);
-    part(vertices, faces, report)
+    let texture = texture(header, report);
+    model(vertices, faces, texture, report)
 }
 
 /// Passes over an element that is not read.
@@ -82,7 +82,37 @@ fn skip_value<R: Rows>(kind: Kind, rows: &mut R) -> Checked<()> {
     }
 }
 
-fn part(vertices: VertexRows, faces: Faces, report: &mut Report) -> Checked<Vec<Part>> {
+/// The texture that a comment names, as many programs write it.
+fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
+    let named = header.textures.first()?;
+    let place = Place::Line(named.line);
+    if header.textures.len() > 1 {
+        report.warn("textures", &place, || {
+            let count = header.textures.len();
+            format!(
+                "{count} textures are named, only the first is read: '{}'",
+                named.name
+            )
+        });
+    }
+    let scene = report.path().to_owned();
+    match picture::sibling(&scene, &named.name, report.settings()) {
+        Ok(texture) => Some(TextureMap::new(texture.into(), TextureMap::V_UP)),
+        Err(reason) => {
+            report.warn("texture", &place, || {
+                format!("texture '{}' is not read: {reason}", named.name)
+            });
+            None
+        }
+    }
+}
+
+fn model(
+    vertices: VertexRows,
+    faces: Faces,
+    texture: Option<TextureMap>,
+    report: &mut Report,
+) -> Checked<Model> {
     let name = report.stem();
     let Faces {
         surface, colors, ..
@@ -105,11 +135,19 @@ fn part(vertices: VertexRows, faces: Faces, report: &mut Report) -> Checked<Vec<
         _ => None,
     };
     // White leaves the mesh's own colours as they are.
-    let color = colors.is_some().then_some(Color::ONE);
+    let is_painted = colors.is_some() || texture.is_some();
+    let look = is_painted.then(|| Material {
+        texture,
+        ..Material::default()
+    });
     if let Some(colors) = colors {
         mesh = mesh.with_colors(colors)?;
     }
-    Ok(vec![Part { name, mesh, color }])
+    let object = Object::new(Arc::new(mesh)).named(name);
+    Ok(Model::of(vec![match look {
+        Some(look) => object.with_materials([look]),
+        None => object,
+    }]))
 }
 
 fn warn_if_empty(surface: &Surface, vertices: &Vertices, report: &mut Report) {

@@ -1,0 +1,114 @@
+//! Pictures for textures: PNG, JPEG, WebP, BMP and TGA, their sizes checked before they are decoded.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{ImageFormat, ImageReader, Limits};
+
+use super::{LoadSettings, read};
+use crate::scene::Texture;
+
+/// The picture that a scene at `scene` calls `name`.
+///
+/// # Errors
+///
+/// In words, why it is not read.
+pub(super) fn sibling(
+    scene: &Path,
+    name: &str,
+    settings: &LoadSettings,
+) -> Result<Texture, String> {
+    let path = read::sibling(scene, name)?;
+    let bytes = read::regular_file(&path).map_err(|error| error.to_string())?;
+    decode(
+        &bytes,
+        path.extension().and_then(|word| word.to_str()),
+        settings,
+    )
+}
+
+/// The texels of a picture. Its own bytes tell the format; where they do not (TGA), the file's extension.
+///
+/// # Errors
+///
+/// In words, what is wrong with it.
+pub(super) fn decode(
+    bytes: &[u8],
+    extension: Option<&str>,
+    settings: &LoadSettings,
+) -> Result<Texture, String> {
+    let format = image::guess_format(bytes)
+        .ok()
+        .or_else(|| extension.and_then(ImageFormat::from_extension))
+        .ok_or("its format is not known; it must be PNG, JPEG, WebP, BMP or TGA")?;
+    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
+    let words = |error: image::ImageError| crate::error::escape_controls(&error.to_string());
+    let (columns, rows) = reader().into_dimensions().map_err(words)?;
+    let side = settings.max_texture;
+    // The four bytes of a texel.
+    let bytes_needed = 4 * u64::from(columns) * u64::from(rows);
+    if columns > side || rows > side || bytes_needed > u64::from(side).pow(2) {
+        return Err(format!(
+            "{columns} x {rows} texels are over the limit of {side} a side and {side} x {side} bytes \
+             in all (--max-texture raises it)"
+        ));
+    }
+    let mut reader = reader();
+    reader.limits(limits(settings));
+    let texels = reader.decode().map_err(words)?.into_rgba8().into_raw();
+    let (texels, _) = texels.as_chunks::<4>();
+    let size = |side: u32| usize::try_from(side).unwrap_or(usize::MAX);
+    Texture::new(size(columns), size(rows), texels.to_vec()).map_err(|error| error.to_string())
+}
+
+fn limits(settings: &LoadSettings) -> Limits {
+    let mut limits = Limits::default();
+    // What decoders need beside the result is of the same order.
+    limits.max_alloc = Some(2 * u64::from(settings.max_texture).pow(2));
+    limits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn png(columns: u32, rows: u32) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
+        encoder.set_color(png::ColorType::Rgb);
+        let mut writer = encoder.write_header().unwrap();
+        let size = (3 * columns * rows) as usize;
+        let levels: Vec<u8> = (0_u8..=255).cycle().take(size).collect();
+        writer.write_image_data(&levels).unwrap();
+        writer.finish().unwrap();
+        bytes
+    }
+
+    #[test]
+    fn texels_come_row_by_row_from_the_top() {
+        let texture = decode(&png(3, 2), None, &LoadSettings::default()).unwrap();
+        assert_eq!((texture.columns(), texture.rows()), (3, 2));
+        assert_eq!(texture.texels()[4], [12, 13, 14, 255]);
+    }
+
+    #[test]
+    fn too_large_is_said_before_anything_is_decoded() {
+        let mut bytes = png(40, 2);
+        let small = LoadSettings {
+            max_texture: 39,
+            ..LoadSettings::default()
+        };
+        let error = decode(&bytes, None, &small).unwrap_err();
+        assert!(error.contains("40"), "{error}");
+        // A header that lies: 2^31 - 1 squared.
+        bytes[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
+        assert!(decode(&bytes, None, &LoadSettings::default()).is_err());
+    }
+
+    #[test]
+    fn what_is_no_picture_is_said_to_be_none() {
+        for bytes in [&b""[..], b"GIF89a", b"not a picture", &png(4, 4)[..60]] {
+            assert!(decode(bytes, Some("png"), &LoadSettings::default()).is_err());
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! Pictures on surfaces: texels, and how a point between them gets its colour.
+
+use std::sync::Arc;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Color, DVec2, srgb_decode};
+
+/// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0 is the
+/// top one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Texture {
+    columns: usize,
+    rows: usize,
+    texels: Vec<[u8; 4]>,
+}
+
+impl Texture {
+    /// The texture of `texels`, row by row from the top.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] without texels, and when there are not `columns * rows` of them.
+    pub fn new(columns: usize, rows: usize, texels: Vec<[u8; 4]>) -> Result<Self> {
+        if texels.is_empty() || columns.checked_mul(rows) != Some(texels.len()) {
+            let got = format!("{} for {columns} x {rows}", texels.len());
+            let expected = "columns times rows, at least one";
+            return Err(Error::argument("texels", expected, got));
+        }
+        Ok(Self {
+            columns,
+            rows,
+            texels,
+        })
+    }
+
+    /// Texels across.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Texels down.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// All texels, row by row from the top.
+    pub fn texels(&self) -> &[[u8; 4]] {
+        &self.texels
+    }
+
+    /// Whether some texel is not opaque.
+    pub fn has_alpha(&self) -> bool {
+        self.texels.iter().any(|texel| texel[3] != u8::MAX)
+    }
+
+    /// The same colours with other alphas.
+    pub(crate) fn with_alpha_from(&self, alpha: impl Fn([u8; 4]) -> u8) -> Self {
+        let texels = self.texels.iter().map(|&texel| {
+            let [red, green, blue, _] = texel;
+            [red, green, blue, alpha(texel)]
+        });
+        Self {
+            texels: texels.collect(),
+            ..*self
+        }
+    }
+
+    fn texel(&self, column: usize, row: usize) -> Sample {
+        let [red, green, blue, alpha] = self.texels[row * self.columns + column];
+        Sample {
+            color: Color::new(linear(red), linear(green), linear(blue)),
+            alpha: f64::from(alpha) / 255.0,
+        }
+    }
+}
+
+/// The linear value of an 8-bit level.
+fn linear(level: u8) -> f64 {
+    static TABLE: std::sync::LazyLock<[f64; 256]> = std::sync::LazyLock::new(|| {
+        let mut levels = 0_u8..=255;
+        std::array::from_fn(|_| srgb_decode(f64::from(levels.next().unwrap_or(255)) / 255.0))
+    });
+    TABLE[level as usize]
+}
+
+/// What a texture is at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// The linear colour.
+    pub color: Color,
+    /// From 0, not there, to 1, opaque.
+    pub alpha: f64,
+}
+
+/// What lies beyond a texture's edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Wrap {
+    /// The texture again.
+    #[default]
+    Repeat,
+    /// The texture again, every other time mirrored.
+    Mirror,
+    /// The texels at the edge.
+    Clamp,
+}
+
+impl Wrap {
+    /// Every way's name.
+    pub const NAMES: [(&'static str, Self); 3] = [
+        ("repeat", Self::Repeat),
+        ("mirror", Self::Mirror),
+        ("clamp", Self::Clamp),
+    ];
+
+    /// The texel at an index that may lie beyond the `count` that there are; `texel` is whole.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and count - 1"
+    )]
+    fn index(self, texel: f64, count: usize) -> usize {
+        let n = count as f64;
+        // Remainders of whole numbers are exact; far outside, where texels are finer than float64, any will do.
+        let remainder = |period: f64| {
+            let remainder = texel % period;
+            if remainder < 0.0 {
+                remainder + period
+            } else {
+                remainder
+            }
+        };
+        let inside = match self {
+            Self::Repeat => remainder(n),
+            Self::Mirror => {
+                let k = remainder(2.0 * n);
+                if k < n { k } else { 2.0 * n - 1.0 - k }
+            }
+            Self::Clamp => texel,
+        };
+        (inside.clamp(0.0, n - 1.0)) as usize
+    }
+}
+
+/// How the colour between texel centres is found. There are no smaller versions of a texture for what is
+/// far away (no mipmaps): more samples for a pixel do what those are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Filter {
+    /// That of the nearest texel.
+    Nearest,
+    /// The mean of the four around, by distance, in linear light.
+    #[default]
+    Linear,
+}
+
+impl Filter {
+    /// Every way's name.
+    pub const NAMES: [(&'static str, Self); 2] =
+        [("nearest", Self::Nearest), ("linear", Self::Linear)];
+}
+
+/// A texture on a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TextureMap {
+    /// The texels; materials may share them.
+    pub texture: Arc<Texture>,
+    /// What lies beyond the left and right edge, and beyond the top and bottom one.
+    pub wrap: [Wrap; 2],
+    /// What lies between texels.
+    pub filter: Filter,
+    /// The rows of the map from a mesh's texture coordinates (u, v, 1) to the picture's, which run from 0 at the
+    /// left to 1 at the right, and from 0 at the top to 1 at the bottom.
+    pub picture_from_uv: [[f64; 3]; 2],
+}
+
+impl TextureMap {
+    /// Texture coordinates that run downwards, as in glTF.
+    pub const V_DOWN: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// Texture coordinates that run upwards, as in OBJ and PLY.
+    pub const V_UP: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]];
+
+    /// The texture repeated, filtered, its coordinates running as `picture_from_uv` says.
+    pub fn new(texture: Arc<Texture>, picture_from_uv: [[f64; 3]; 2]) -> Self {
+        Self {
+            texture,
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+            picture_from_uv,
+        }
+    }
+
+    /// What the texture is at texture coordinates; `None` where those are not finite.
+    pub fn at(&self, uv: DVec2) -> Option<Sample> {
+        let [x, y] = self
+            .picture_from_uv
+            .map(|[a, b, c]| a * uv.x + b * uv.y + c);
+        let (x, y) = (
+            x * self.texture.columns as f64,
+            y * self.texture.rows as f64,
+        );
+        if !(x.is_finite() && y.is_finite()) {
+            return None;
+        }
+        Some(match self.filter {
+            Filter::Nearest => self.texel(x.floor(), y.floor()),
+            Filter::Linear => {
+                // Texel centres are at +1/2.
+                let (x, y) = (x - 0.5, y - 0.5);
+                let (left, top) = (x.floor(), y.floor());
+                let across =
+                    |row: f64| mix(self.texel(left, row), self.texel(left + 1.0, row), x - left);
+                mix(across(top), across(top + 1.0), y - top)
+            }
+        })
+    }
+
+    fn texel(&self, column: f64, row: f64) -> Sample {
+        let [across, down] = self.wrap;
+        self.texture.texel(
+            across.index(column, self.texture.columns),
+            down.index(row, self.texture.rows),
+        )
+    }
+}
+
+fn mix(a: Sample, b: Sample, share: f64) -> Sample {
+    Sample {
+        color: a.color + share * (b.color - a.color),
+        alpha: a.alpha + share * (b.alpha - a.alpha),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two rows of three: black to red, then transparent to opaque.
+    fn map(wrap: Wrap, filter: Filter) -> TextureMap {
+        let texels = vec![
+            [0, 0, 0, 255],
+            [255, 0, 0, 255],
+            [0, 255, 0, 255],
+            [0, 0, 0, 0],
+            [0, 0, 255, 128],
+            [255, 255, 255, 255],
+        ];
+        TextureMap {
+            wrap: [wrap; 2],
+            filter,
+            ..TextureMap::new(
+                Arc::new(Texture::new(3, 2, texels).unwrap()),
+                TextureMap::V_DOWN,
+            )
+        }
+    }
+
+    #[test]
+    fn texels_are_found_at_their_centres_whatever_the_filter() {
+        for filter in [Filter::Nearest, Filter::Linear] {
+            let map = map(Wrap::Repeat, filter);
+            for (k, texel) in map.texture.texels().iter().enumerate() {
+                let (column, row) = ((k % 3) as f64, (k / 3) as f64);
+                let uv = DVec2::new((column + 0.5) / 3.0, 0.25 + 0.5 * row);
+                let sample = map.at(uv).unwrap();
+                let expected = texel.map(|level| f64::from(level) / 255.0);
+                // 0 and 255 are the same in sRGB as in linear light.
+                let got = sample.color.extend(sample.alpha).to_array();
+                for (got, expected) in got.into_iter().zip(expected) {
+                    assert!((got - expected).abs() < 1e-12, "{k}: {got} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn wrapping_is_what_the_words_say() {
+        let column = |wrap: Wrap| (-4..7).map(move |k| wrap.index(f64::from(k), 3).to_string());
+        let spelled = |wrap| column(wrap).collect::<String>();
+        assert_eq!(spelled(Wrap::Repeat), "20120120120");
+        assert_eq!(spelled(Wrap::Mirror), "22100122100");
+        assert_eq!(spelled(Wrap::Clamp), "00000122222");
+    }
+
+    #[test]
+    fn between_two_texels_light_is_mixed_not_levels() {
+        let sample = map(Wrap::Clamp, Filter::Linear).at(DVec2::new(1.0 / 3.0, 0.25));
+        assert!((sample.unwrap().color.x - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn coordinates_beyond_all_bounds_are_harmless() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for filter in [Filter::Nearest, Filter::Linear] {
+                for far in [1e10, -1e17, 1e300, -1e300] {
+                    assert!(map(wrap, filter).at(DVec2::splat(far)).is_some());
+                }
+                assert_eq!(map(wrap, filter).at(DVec2::NAN), None);
+                assert_eq!(map(wrap, filter).at(DVec2::splat(f64::MAX)), None);
+            }
+        }
+    }
+
+    #[test]
+    fn a_texture_has_as_many_texels_as_it_says() {
+        assert!(Texture::new(2, 2, vec![[0; 4]; 3]).is_err());
+        assert!(Texture::new(0, 2, vec![]).is_err());
+    }
+}
