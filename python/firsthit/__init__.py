@@ -14,11 +14,15 @@ identifiers and ``nan`` elsewhere.
 """
 
 from ._camera import Camera
+from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
 from ._frame import Frame, render
 from ._hits import Hits
 from ._info import info
-from ._scene import DirectionalLight, Object, PointLight, Scene, load
+from ._lights import DirectionalLight, PointLight, Sky
+from ._load import load
+from ._material import Material, Texture
+from ._scene import Object, Scene
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 
 __version__ = info()["version"]
@@ -37,12 +41,16 @@ __all__ = [
     "FirsthitWarning",
     "Frame",
     "Hits",
+    "Material",
     "Mesh",
+    "NamedCamera",
     "Object",
     "Plane",
     "PointLight",
     "Scene",
+    "Sky",
     "Sphere",
+    "Texture",
     "info",
     "load",
     "render",

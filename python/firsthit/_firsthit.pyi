@@ -1,17 +1,22 @@
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypedDict, final
 
 import numpy as np
 import numpy.typing as npt
+
+from ._camera import Projection, RayStart
+from ._material import AlphaMode
 
 __all__ = [
     "Camera",
     "Mesh",
     "Scene",
     "Shape",
+    "Texels",
     "channel",
     "channel_names",
+    "check_material",
     "check_transform",
     "load",
     "occluded",
@@ -29,6 +34,30 @@ _Hits = tuple[
     npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
 ]
 _Rays = tuple[npt.NDArray[np.float64], ...]
+_Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
+_Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool]
+_MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
+_MaterialOut = tuple[_Vector, float, _MapOut | None, _MapOut | None, AlphaMode, float, bool, bool]
+_CameraOut = tuple[
+    str,
+    tuple[_Vector, _Vector, _Vector],
+    _Vector,
+    tuple[int, int],
+    tuple[Projection, RayStart],
+    bool,
+]
+
+class _Model(TypedDict):
+    meshes: list[Mesh]
+    textures: list[Texels]
+    objects: list[
+        tuple[str, int | tuple[str, list[float]], list[list[float]] | None, list[_MaterialOut]]
+    ]
+    cameras: list[_CameraOut]
+    lights: list[tuple[str, _Vector, _Vector]]
+    background: list[_Vector] | None
+    up: _Vector
+    warnings: list[str]
 
 def version() -> str: ...
 def run_program(arguments: Sequence[str]) -> int: ...
@@ -61,13 +90,19 @@ class Mesh:
         cls,
         vertices: npt.NDArray[np.float64],
         triangles: npt.NDArray[np.uint32],
-        normals: npt.NDArray[np.float32] | None,
-        uvs: npt.NDArray[np.float32] | None,
-        colors: npt.NDArray[np.float32] | None,
+        attributes: Sequence[npt.NDArray[np.float32] | None],
+        labels: Sequence[npt.NDArray[np.uint32] | None],
     ) -> Mesh: ...
+    def attributes(self) -> list[npt.NDArray[np.float32] | None]: ...
+    def labels(self) -> list[npt.NDArray[np.uint32] | None]: ...
     def counts(self) -> tuple[int, int]: ...
     def vertices(self) -> npt.NDArray[np.float64]: ...
     def triangles(self) -> npt.NDArray[np.uint32]: ...
+
+@final
+class Texels:
+    def __new__(cls, texels: npt.NDArray[np.uint8]) -> Texels: ...
+    def array(self) -> npt.NDArray[np.uint8]: ...
 
 @final
 class Shape:
@@ -90,16 +125,15 @@ class Shape:
 class Scene:
     def __new__(
         cls,
-        objects: Sequence[tuple[Shape, str, list[list[float]] | None, _Vector | None]],
+        objects: Sequence[tuple[Shape, str, list[list[float]] | None, list[_Material]]],
         lights: Sequence[tuple[str, _Vector, _Vector]],
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
 
 def check_transform(rows: list[list[float]]) -> None: ...
-def load(
-    path: Path, strict: bool
-) -> tuple[list[tuple[str, Mesh, _Vector | None]], _Vector, list[str]]: ...
+def check_material(candidate: _Material) -> None: ...
+def load(path: Path, strict: bool, max_memory: int, max_texture: int) -> _Model: ...
 def shoot(scene: Scene, rays: _Rays, threads: int) -> _Hits: ...
 def shoot_camera(scene: Scene, camera: Camera, threads: int) -> _Hits: ...
 def occluded(scene: Scene, rays: _Rays, threads: int) -> npt.NDArray[np.bool_]: ...
@@ -111,7 +145,7 @@ def render(
     scene: Scene,
     camera: Camera,
     channels: Sequence[str],
-    shading: tuple[str, _Vector, _Vector | None, bool],
+    shading: tuple[str, list[_Vector], _Vector | None, bool],
     samples: int,
     threads: int,
 ) -> list[npt.NDArray[Any]]: ...

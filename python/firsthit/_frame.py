@@ -12,6 +12,7 @@ from . import _firsthit
 from ._arrays import count, threads_or_all, vector
 from ._camera import Camera
 from ._hits import Hits
+from ._lights import Sky, background_native
 from ._scene import Scene, _rays
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def render(
     camera: Camera,
     *,
     channels: Sequence[str] = ("color",),
-    background: npt.ArrayLike = (0.0, 0.0, 0.0),
+    background: Sky | npt.ArrayLike | None = None,
     samples: int = 1,
     shade: str | OwnShade = "lambert",
     ambient: npt.ArrayLike | None = None,
@@ -129,8 +130,8 @@ def render(
     channels : sequence of str
         ``color`` (float32, linear), ``t``, ``range``, ``z`` (float64), ``object``, ``primitive``,
         ``face`` (int32), ``normal``, ``position``, ``barycentric``, ``uv`` (float64), ``front``.
-    background : (3,) array_like
-        The linear colour of misses.
+    background : Sky or (3,) array_like, optional
+        What misses see, or its linear colour; the scene's own if left out, or black.
     samples : int
         Points of each pixel whose mean is its colour; all other channels are of pixel centres.
     shade : {"lambert", "unlit", "normal"} or callable
@@ -165,7 +166,9 @@ def render(
     many, use = count("samples", samples), threads_or_all(threads)
     if many < 1:
         raise ValueError(f"samples must be at least 1, got {many}")
-    back = vector("background", background)
+    if background is None:
+        background = (0.0, 0.0, 0.0) if scene.background is None else scene.background
+    back = background_native(background)
     light = None if ambient is None else vector("ambient", ambient)
     own = None if isinstance(shade, str) else shade
     shading = (shade if isinstance(shade, str) else "unlit", back, light, bool(shadows))

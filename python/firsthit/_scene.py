@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import threading
-import warnings
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,63 +10,16 @@ import numpy as np
 from . import _firsthit
 from ._arrays import chunks, flat, numbers, threads_or_all, vector
 from ._camera import Camera
-from ._errors import FirsthitWarning
+from ._cameras import NamedCamera, find
 from ._hits import Hits
+from ._lights import Light, Sky
+from ._material import Material
 from ._shapes import Mesh, Shape, Vector
 
 if TYPE_CHECKING:
-    import os
+    from collections.abc import Sequence
 
     import numpy.typing as npt
-
-
-@dataclass(frozen=True)
-class DirectionalLight:
-    """Parallel light from infinitely far away.
-
-    Parameters
-    ----------
-    direction : (3,) array_like
-        Where the light goes, of any length but zero.
-    color : (3,) array_like
-        The linear colour that a white surface facing the light takes.
-    """
-
-    direction: Vector
-    color: Vector = (1.0, 1.0, 1.0)
-
-    def __post_init__(self) -> None:
-        direction = vector("direction", self.direction)
-        if not any(direction):
-            raise ValueError(f"direction must be a direction, not zero, got {direction}")
-        object.__setattr__(self, "direction", direction)
-        object.__setattr__(self, "color", vector("color", self.color))
-
-    def _native(self) -> tuple[str, Vector, Vector]:
-        return "directional", self.direction, self.color
-
-
-@dataclass(frozen=True)
-class PointLight:
-    """Light from one point, falling off with the square of the distance.
-
-    Parameters
-    ----------
-    position : (3,) array_like
-        Where it is.
-    intensity : (3,) array_like
-        The linear colour that a white surface facing the light takes at distance one.
-    """
-
-    position: Vector
-    intensity: Vector = (1.0, 1.0, 1.0)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position", vector("position", self.position))
-        object.__setattr__(self, "intensity", vector("intensity", self.intensity))
-
-    def _native(self) -> tuple[str, Vector, Vector]:
-        return "point", self.position, self.intensity
 
 
 class Object:
@@ -80,9 +30,10 @@ class Object:
         shape: Shape,
         name: str,
         transform: npt.NDArray[np.float64] | None,
-        color: Vector | None,
+        materials: tuple[Material, ...],
     ) -> None:
-        self._shape, self._name, self._transform, self._color = shape, name, transform, color
+        self._shape, self._name, self._transform = shape, name, transform
+        self._materials = materials
 
     @property
     def shape(self) -> Shape:
@@ -101,8 +52,13 @@ class Object:
 
     @property
     def color(self) -> Vector | None:
-        """Its linear colour; ``None`` where nobody gave one."""
-        return self._color
+        """Its linear colour, that of its first material; ``None`` where nobody gave one."""
+        return self._materials[0].color if self._materials else None
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Its materials, in the order of a mesh's slots; none where nobody gave it a look."""
+        return self._materials
 
     @property
     def triangles(self) -> int:
@@ -112,9 +68,12 @@ class Object:
     def __repr__(self) -> str:
         return f"Object({self._name!r}, {self._shape!r})"
 
-    def _native(self) -> tuple[_firsthit.Shape, str, list[list[float]] | None, Vector | None]:
+    def _native(
+        self,
+    ) -> tuple[_firsthit.Shape, str, list[list[float]] | None, list[_firsthit._Material]]:
         rows = None if self._transform is None else self._transform.tolist()
-        return self._shape._native(), self._name, rows, self._color
+        materials = [material._native() for material in self._materials]
+        return self._shape._native(), self._name, rows, materials
 
 
 class Scene:
@@ -137,7 +96,9 @@ class Scene:
 
     def __init__(self) -> None:
         self._objects: list[Object] = []
-        self._lights: list[DirectionalLight | PointLight] = []
+        self._lights: list[Light] = []
+        self._cameras: tuple[NamedCamera, ...] = ()
+        self._background: Sky | Vector | None = None
         self._up: Vector = (0.0, 0.0, 1.0)
         self._built: _firsthit.Scene | None = None
         self._is_current = False
@@ -150,6 +111,7 @@ class Scene:
         name: str = "",
         transform: npt.ArrayLike | None = None,
         color: npt.ArrayLike | None = None,
+        material: Material | Sequence[Material] | None = None,
     ) -> int:
         """Add an object.
 
@@ -164,6 +126,8 @@ class Scene:
             From object space to the world, applied to columns: any affine map that can be undone.
         color : (3,) array_like, optional
             Its linear colour; a light grey if left out, white for a mesh with colours of its own.
+        material : Material or sequence of Material, optional
+            In place of ``color``: its look, or one for each of a mesh's ``slots``.
 
         Returns
         -------
@@ -181,17 +145,14 @@ class Scene:
             if not (hasattr(shape, "vertices") and hasattr(shape, "faces")):
                 raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
             shape = Mesh(shape)
-        if color is None and isinstance(shape, Mesh) and shape._attributes[2] is not None:
-            color = (1.0, 1.0, 1.0)
         matrix = None if transform is None else _affine(transform)
-        tint = None if color is None else vector("color", color)
-        made = Object(shape, str(name), matrix, tint)
+        made = Object(shape, str(name), matrix, _materials(shape, color, material))
         with self._lock:
             self._objects.append(made)
             self._is_current = False
             return len(self._objects) - 1
 
-    def add_light(self, light: DirectionalLight | PointLight) -> None:
+    def add_light(self, light: Light) -> None:
         """Add a light; a scene without any is lit from behind the camera's left shoulder."""
         with self._lock:
             self._lights.append(light)
@@ -203,9 +164,50 @@ class Scene:
         return tuple(self._objects)
 
     @property
-    def lights(self) -> tuple[DirectionalLight | PointLight, ...]:
+    def lights(self) -> tuple[Light, ...]:
         """The lights."""
         return tuple(self._lights)
+
+    @property
+    def cameras(self) -> tuple[NamedCamera, ...]:
+        """The cameras of the file that the scene was read from, in its order."""
+        return self._cameras
+
+    def camera(
+        self, name: str | int = 0, *, columns: int | None = None, rows: int | None = None
+    ) -> Camera:
+        """Make a camera of the file that the scene was read from.
+
+        Parameters
+        ----------
+        name : str or int
+            Its name, or its number from 0.
+        columns, rows : int, optional
+            Pixels across and down, which must be given where the file does not.
+
+        Returns
+        -------
+        Camera
+            With square pixels, unless both its size and its pixels are the file's.
+
+        Raises
+        ------
+        KeyError
+            For a camera that is not there.
+        """
+        return find(self._cameras, name).at(columns=columns, rows=rows)
+
+    @property
+    def background(self) -> Sky | Vector | None:
+        """What rays see that meet nothing, where `render` is not told: a sky or a linear colour."""
+        return self._background
+
+    @background.setter
+    def background(self, background: Sky | npt.ArrayLike | None) -> None:
+        if background is None or isinstance(background, Sky):
+            self._background = background
+        else:
+            self._background = vector("background", background)
 
     @property
     def bounds(self) -> npt.NDArray[np.float64]:
@@ -336,7 +338,8 @@ class Scene:
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the objects; what is built from them is built again."""
-        return {"_objects": self._objects, "_lights": self._lights, "_up": self._up}
+        kept = ("_objects", "_lights", "_cameras", "_background", "_up")
+        return {name: self.__dict__[name] for name in kept}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__()  # type: ignore[misc]
@@ -346,6 +349,7 @@ class Scene:
         """Copy: the shapes are shared, the lists are not."""
         other = Scene()
         other._objects, other._lights = list(self._objects), list(self._lights)
+        other._cameras, other._background = self._cameras, self._background
         other._up = self._up
         with self._lock:
             other._built, other._is_current = self._built, self._is_current
@@ -399,38 +403,18 @@ def _affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return matrix
 
 
-def load(path: str | os.PathLike[str], *, strict: bool = False) -> Scene:
-    """Read a 3D file: PLY, STL or OBJ.
-
-    Parameters
-    ----------
-    path : path-like
-        The file; its extension tells the format.
-    strict : bool
-        Whether triangles that cannot be used are an error instead of a warning.
-
-    Returns
-    -------
-    Scene
-        An object for each of the file's, with names and colours.
-
-    Raises
-    ------
-    FileReadError
-        The system refused; also an `OSError`.
-    FileFormatError
-        The content is wrong; also a `ValueError`. Both are `FileError`, with path and place.
-
-    Warns
-    -----
-    FirsthitWarning
-        For what is doubtful in the file.
-    """
-    parts, up, doubts = _firsthit.load(Path(path), strict)
-    for doubt in doubts:
-        warnings.warn(doubt, FirsthitWarning, stacklevel=2)
-    scene = Scene()
-    scene._up = up
-    for name, mesh, color in parts:
-        scene.add(Mesh._wrap(mesh), name=name, color=color)
-    return scene
+def _materials(
+    shape: Shape, color: npt.ArrayLike | None, material: Material | Sequence[Material] | None
+) -> tuple[Material, ...]:
+    if material is not None:
+        if color is not None:
+            raise ValueError("color must be left out with a material, which has its own")
+        made = (material,) if isinstance(material, Material) else tuple(material)
+        for each in made:
+            if not isinstance(each, Material):
+                raise TypeError(f"material must be a Material or several, got {each!r}")
+        return made
+    if color is None:
+        painted = isinstance(shape, Mesh) and shape.colors is not None
+        return (Material(),) if painted else ()
+    return (Material(vector("color", color)),)

@@ -199,12 +199,19 @@ class Mesh(Shape):
     triangles : (m, 3) array_like of int
         Indices of vertices. May be left out when ``vertices`` is an object that has ``vertices``
         and ``faces`` of its own, as trimesh's have.
-    normals : (n, 3) array_like, optional
-        For shading; need not be of length one.
-    uvs : (n, 2) array_like, optional
+    normals : (n, 3) or (m, 3, 3) array_like, optional
+        For shading; need not be of length one. For each vertex, or for each corner of each
+        triangle, as all that follow.
+    uvs : (n, 2) or (m, 3, 2) array_like, optional
         Texture coordinates.
-    colors : (n, 3) array_like, optional
+    colors : (n, 3) or (m, 3, 3) array_like, optional
         Linear colours, which the object's colour multiplies.
+    alphas : (n, 1) or (m, 3, 1) array_like, optional
+        Alpha, which the material's multiplies.
+    faces : (m,) array_like of int, optional
+        Which polygon each triangle was part of, for the channel ``face``.
+    slots : (m,) array_like of int, optional
+        Which of the object's materials each triangle takes.
 
     Raises
     ------
@@ -226,6 +233,9 @@ class Mesh(Shape):
         normals: npt.ArrayLike | None = None,
         uvs: npt.ArrayLike | None = None,
         colors: npt.ArrayLike | None = None,
+        alphas: npt.ArrayLike | None = None,
+        faces: npt.ArrayLike | None = None,
+        slots: npt.ArrayLike | None = None,
     ) -> None:
         if triangles is None:
             if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
@@ -234,18 +244,20 @@ class Mesh(Shape):
         points = table("vertices", vertices, 3, np.float64)
         corners = _indices(triangles, len(points))
         optional = [("normals", normals, 3), ("uvs", uvs, 2), ("colors", colors, 3)]
-        attributes = [
-            None if value is None else table(name, value, columns, np.float32)
-            for name, value, columns in optional
+        attributes = tuple(
+            None if value is None else _attribute(name, value, columns)
+            for name, value, columns in [*optional, ("alphas", alphas, 1)]
+        )
+        labels = [
+            None if value is None else _labels(name, value, len(corners))
+            for name, value in [("faces", faces), ("slots", slots)]
         ]
-        self._mesh = _firsthit.Mesh(points, corners, *attributes)
-        self._attributes = attributes
+        self._mesh = _firsthit.Mesh(points, corners, attributes, labels)
 
     @classmethod
     def _wrap(cls, mesh: _firsthit.Mesh) -> Mesh:
         wrapped = cls.__new__(cls)
         wrapped._mesh = mesh
-        wrapped._attributes = [None, None, None]
         return wrapped
 
     def _native(self) -> _firsthit.Shape:
@@ -261,6 +273,36 @@ class Mesh(Shape):
         """The vertices' indices of each triangle, (m, 3) uint32: a copy."""
         return self._mesh.triangles()
 
+    @property
+    def normals(self) -> npt.NDArray[np.float32] | None:
+        """The shading normals, (n, 3) or (m, 3, 3): a copy."""
+        return self._mesh.attributes()[0]
+
+    @property
+    def uvs(self) -> npt.NDArray[np.float32] | None:
+        """The texture coordinates, (n, 2) or (m, 3, 2): a copy."""
+        return self._mesh.attributes()[1]
+
+    @property
+    def colors(self) -> npt.NDArray[np.float32] | None:
+        """The linear colours, (n, 3) or (m, 3, 3): a copy."""
+        return self._mesh.attributes()[2]
+
+    @property
+    def alphas(self) -> npt.NDArray[np.float32] | None:
+        """The alphas, (n, 1) or (m, 3, 1): a copy."""
+        return self._mesh.attributes()[3]
+
+    @property
+    def faces(self) -> npt.NDArray[np.uint32] | None:
+        """Which polygon each triangle was part of, (m,): a copy."""
+        return self._mesh.labels()[0]
+
+    @property
+    def slots(self) -> npt.NDArray[np.uint32] | None:
+        """Which of the object's materials each triangle takes, (m,): a copy."""
+        return self._mesh.labels()[1]
+
     def __repr__(self) -> str:
         vertices, triangles = self._mesh.counts()
         plural = "" if triangles == 1 else "s"
@@ -268,7 +310,28 @@ class Mesh(Shape):
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[object, ...]]:
         """Pickle by value."""
-        return type(self), (self.vertices, self.triangles, *self._attributes)
+        attributes = (*self._mesh.attributes(), *self._mesh.labels())
+        return type(self), (self.vertices, self.triangles, *attributes)
+
+
+def _attribute(name: str, value: Any, columns: int) -> npt.NDArray[np.float32]:
+    array = numbers(name, value)
+    if array.ndim == 3 and array.shape[1:] == (3, columns):
+        return np.ascontiguousarray(array, dtype=np.float32)
+    if array.ndim == 3:
+        raise ValueError(f"{name} must have the shape (m, 3, {columns}), got {array.shape}")
+    return table(name, array, columns, np.float32)
+
+
+def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
+    array = numbers(name, value)
+    if array.shape != (triangles,) or array.dtype.kind not in "iu":
+        raise ValueError(
+            f"{name} must be {triangles} whole numbers, got {array.dtype} of shape {array.shape}"
+        )
+    if array.size and not 0 <= array.min() <= array.max() < 2**32:
+        raise ValueError(f"{name} must be from 0 to 2**32 - 1, got {array.min()} to {array.max()}")
+    return np.ascontiguousarray(array, dtype=np.uint32)
 
 
 def _indices(value: Any, vertices: int) -> npt.NDArray[np.uint32]:

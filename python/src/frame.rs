@@ -18,9 +18,9 @@ use crate::errors::raise;
 use crate::run::run;
 use crate::scene::Scene;
 
-/// How to shade: the shader's name, the background, the ambient light if not the usual, shadows.
+/// How to shade: the shader's name, the background (a colour, or horizon, zenith and up), the ambient light if not the usual, shadows.
 #[derive(FromPyObject)]
-pub(crate) struct ShadingIn(String, [f64; 3], Option<[f64; 3]>, bool);
+pub(crate) struct ShadingIn(String, Vec<[f64; 3]>, Option<[f64; 3]>, bool);
 
 /// Renders channels: a flat array for each, in their order.
 #[pyfunction]
@@ -48,7 +48,14 @@ pub(crate) fn render<'py>(
     } else {
         scene.0.clone()
     };
-    let background = Background::Uniform(Color::from(background));
+    let background = match background.as_slice() {
+        &[horizon, zenith, up] => Background::Gradient {
+            horizon: Color::from(horizon),
+            zenith: Color::from(zenith),
+            up: up.into(),
+        },
+        colors => Background::Uniform(colors.first().copied().unwrap_or_default().into()),
+    };
     let shade = Shading {
         scene: &scene,
         shader,

@@ -10,6 +10,8 @@ mod arrays;
 mod camera;
 mod errors;
 mod frame;
+mod load;
+mod material;
 mod run;
 mod scene;
 mod shape;
@@ -27,7 +29,11 @@ mod _firsthit {
     #[pymodule_export]
     use crate::frame::{png, render, write};
     #[pymodule_export]
-    use crate::scene::{Scene, check_transform, load};
+    use crate::load::load;
+    #[pymodule_export]
+    use crate::material::{Texels, check_material};
+    #[pymodule_export]
+    use crate::scene::{Scene, check_transform};
     #[pymodule_export]
     use crate::shape::{Mesh, Shape};
     #[pymodule_export]

@@ -1,27 +1,24 @@
-//! Scenes, and files that hold them.
+//! Scenes.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use firsthit::io::LoadSettings;
-use firsthit::{Color, DAffine3, DMat3, DVec3, Light, Object, Transform};
+use firsthit::{Color, DAffine3, DMat3, DVec3, Light, Material, Object, Transform};
 use pyo3::prelude::*;
 
 use crate::errors::raise;
+use crate::material::{MaterialIn, material};
 use crate::run::run;
-use crate::shape::{Mesh, Shape};
+use crate::shape::Shape;
 
 /// A built scene.
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Scene(pub(crate) firsthit::Scene);
 
-/// An object: shape, name, the rows of its transform if it has one, colour if it has one.
+/// An object: shape, name, the rows of its transform if it has one, its materials.
 #[derive(FromPyObject)]
 struct ObjectIn<'py>(
     PyRef<'py, Shape>,
     String,
     Option<[[f64; 4]; 4]>,
-    Option<[f64; 3]>,
+    Vec<MaterialIn<'py>>,
 );
 
 /// A light: its kind, a direction or position, and its colour.
@@ -70,15 +67,14 @@ fn transform(py: Python<'_>, rows: &[[f64; 4]; 4]) -> PyResult<Transform> {
     transform.map_err(|error| raise(py, &error))
 }
 
-fn build(py: Python<'_>, ObjectIn(shape, name, rows, color): &ObjectIn<'_>) -> PyResult<Object> {
+fn build(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
+    let ObjectIn(shape, name, rows, materials) = object;
     let mut object = Object::new(shape.0.clone()).named(name.clone());
     if let Some(rows) = rows {
         object = object.placed(transform(py, rows)?);
     }
-    if let Some(color) = color {
-        object = object.colored(Color::from(*color));
-    }
-    Ok(object)
+    let materials: Vec<Material> = materials.iter().map(material).collect::<PyResult<_>>()?;
+    Ok(object.with_materials(materials))
 }
 
 fn light(LightIn(kind, vector, color): &LightIn) -> Light {
@@ -94,31 +90,4 @@ fn light(LightIn(kind, vector, color): &LightIn) -> Light {
             color,
         }
     }
-}
-
-/// An object of a file: its mesh, name and colour, if the file gives one.
-type ObjectOut = (String, Mesh, Option<[f64; 3]>);
-
-/// Reads a 3D file: its objects, which way is up, and warnings.
-#[pyfunction]
-pub(crate) fn load(
-    py: Python<'_>,
-    path: PathBuf,
-    strict: bool,
-) -> PyResult<(Vec<ObjectOut>, [f64; 3], Vec<String>)> {
-    let settings = LoadSettings {
-        strict,
-        ..LoadSettings::default()
-    };
-    let model = run(py, 0, |_| firsthit::io::load(&path, &settings))?;
-    let object = |object: &Object| {
-        let color = (!object.materials().is_empty()).then(|| object.color().to_array());
-        let mesh = Mesh(Arc::clone(object.mesh()?));
-        Some((object.name().to_owned(), mesh, color))
-    };
-    Ok((
-        model.objects.iter().filter_map(object).collect(),
-        model.up.to_array(),
-        model.warnings,
-    ))
 }

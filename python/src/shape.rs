@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use firsthit::shape::Attribute;
 use firsthit::{Cone, Cuboid, Cylinder, DVec3, Disc, Plane, Positions, Sphere};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{
+    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
 use crate::arrays::not_contiguous;
@@ -16,31 +19,26 @@ pub(crate) struct Mesh(pub(crate) Arc<firsthit::Mesh>);
 
 #[pymethods]
 impl Mesh {
-    /// From float64 vertices (n, 3) and uint32 triangles (m, 3), with float32 attributes per vertex.
+    /// From float64 vertices (n, 3) and uint32 triangles (m, 3); float32 normals, uvs, colours and alphas for
+    /// each vertex (n, k) or for each corner (m, 3, k); and the triangles' faces and slots.
     #[new]
     fn new(
         py: Python<'_>,
         vertices: PyReadonlyArray2<'_, f64>,
         triangles: PyReadonlyArray2<'_, u32>,
-        normals: Option<PyReadonlyArray2<'_, f32>>,
-        uvs: Option<PyReadonlyArray2<'_, f32>>,
-        colors: Option<PyReadonlyArray2<'_, f32>>,
+        attributes: AttributesIn<'_>,
+        labels: [Option<PyReadonlyArray1<'_, u32>>; 2],
     ) -> PyResult<Self> {
-        let points = vertices
-            .as_slice()
-            .map_err(not_contiguous)?
-            .as_chunks::<3>()
-            .0
-            .to_vec();
-        let corners = triangles
-            .as_slice()
-            .map_err(not_contiguous)?
-            .as_chunks::<3>()
-            .0
-            .to_vec();
+        let vertices = vertices.as_slice().map_err(not_contiguous)?;
+        let points = vertices.as_chunks::<3>().0.to_vec();
+        let triangles = triangles.as_slice().map_err(not_contiguous)?;
+        let corners = triangles.as_chunks::<3>().0.to_vec();
+        let AttributesIn(normals, uvs, colors, alphas) = attributes;
         let normals = normals.map(|array| attribute(&array)).transpose()?;
         let uvs = uvs.map(|array| attribute(&array)).transpose()?;
         let colors = colors.map(|array| attribute(&array)).transpose()?;
+        let alphas = alphas.map(|array| attribute(&array)).transpose()?;
+        let [faces, slots] = labels.map(|array| array.map(|array| array.as_array().to_vec()));
         let mesh = py.detach(|| {
             let mut mesh = firsthit::Mesh::new(Positions::compact(points), corners)?;
             if let Some(normals) = normals {
@@ -52,10 +50,35 @@ impl Mesh {
             if let Some(colors) = colors {
                 mesh = mesh.with_colors(colors)?;
             }
+            if let Some(alphas) = alphas {
+                mesh = mesh.with_alphas(alphas)?;
+            }
+            if let Some(faces) = faces {
+                mesh = mesh.with_faces(faces)?;
+            }
+            if let Some(slots) = slots {
+                mesh = mesh.with_slots(slots)?;
+            }
             Ok(mesh)
         });
         mesh.map(|mesh| Self(Arc::new(mesh)))
             .map_err(|error| raise(py, &error))
+    }
+
+    /// Normals, uvs, colours and alphas, as they go in: a copy.
+    fn attributes<'py>(&self, py: Python<'py>) -> PyResult<[Option<ArrayOut<'py>>; 4]> {
+        Ok([
+            self.0.normals().map(|a| array_of(py, a)).transpose()?,
+            self.0.uvs().map(|a| array_of(py, a)).transpose()?,
+            self.0.colors().map(|a| array_of(py, a)).transpose()?,
+            self.0.alphas().map(|a| array_of(py, a)).transpose()?,
+        ])
+    }
+
+    /// The triangles' faces and slots: a copy.
+    fn labels<'py>(&self, py: Python<'py>) -> [Option<Bound<'py, PyArray1<u32>>>; 2] {
+        [self.0.faces(), self.0.slots()]
+            .map(|labels| labels.map(|labels| PyArray1::from_slice(py, labels)))
     }
 
     /// How many vertices and triangles there are.
@@ -80,9 +103,45 @@ impl Mesh {
     }
 }
 
-fn attribute<const N: usize>(array: &PyReadonlyArray2<'_, f32>) -> PyResult<Attribute<N>> {
+/// Normals, uvs, colours and alphas.
+#[derive(FromPyObject)]
+struct AttributesIn<'py>(
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+);
+
+type ArrayOut<'py> = Bound<'py, PyArrayDyn<f32>>;
+
+/// An attribute from an array: (n, k) for each vertex, (m, 3, k) for each corner.
+fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<Attribute<N>> {
     let values = array.as_slice().map_err(not_contiguous)?;
-    Ok(Attribute::per_vertex(values.as_chunks().0.to_vec()))
+    let values = values.as_chunks().0.to_vec();
+    let corners = (array.shape().len() == 3).then(|| {
+        let count = u32::try_from(values.len()).unwrap_or(u32::MAX);
+        (0..count / 3)
+            .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
+            .collect()
+    });
+    Ok(Attribute { values, corners })
+}
+
+fn array_of<'py, const N: usize>(
+    py: Python<'py>,
+    attribute: &Attribute<N>,
+) -> PyResult<ArrayOut<'py>> {
+    match &attribute.corners {
+        None => {
+            let values = PyArray1::from_slice(py, attribute.values.as_flattened());
+            values.reshape(vec![attribute.values.len(), N])
+        }
+        Some(corners) => {
+            let values = corners.iter().flatten();
+            let values = values.flat_map(|&k| attribute.values[k as usize]).collect();
+            PyArray1::from_vec(py, values).reshape(vec![corners.len(), 3, N])
+        }
+    }
 }
 
 /// A shape in object space.

@@ -55,6 +55,26 @@ impl Cone {
         })
     }
 
+    /// The lower end of its axis.
+    pub fn bottom(&self) -> DVec3 {
+        self.bottom
+    }
+
+    /// The upper end of its axis.
+    pub fn top(&self) -> DVec3 {
+        self.top
+    }
+
+    /// The radius at the bottom.
+    pub fn bottom_radius(&self) -> f64 {
+        self.bottom_radius
+    }
+
+    /// The radius at the top.
+    pub fn top_radius(&self) -> f64 {
+        self.top_radius
+    }
+
     /// How much the radius grows along the axis.
     fn slope(&self) -> f64 {
         (self.top_radius - self.bottom_radius) / self.height

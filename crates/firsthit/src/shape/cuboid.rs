@@ -30,6 +30,16 @@ impl Cuboid {
             bounds: Bounds { low, high },
         })
     }
+
+    /// Its lowest corner.
+    pub fn low(&self) -> DVec3 {
+        self.bounds.low
+    }
+
+    /// Its highest corner.
+    pub fn high(&self) -> DVec3 {
+        self.bounds.high
+    }
 }
 
 impl Surface for Cuboid {

@@ -22,6 +22,21 @@ impl Cylinder {
             cone: Cone::new(bottom, top, radius, radius)?,
         })
     }
+
+    /// The lower end of its axis.
+    pub fn bottom(&self) -> DVec3 {
+        self.cone.bottom()
+    }
+
+    /// The upper end of its axis.
+    pub fn top(&self) -> DVec3 {
+        self.cone.top()
+    }
+
+    /// How far from the axis it is.
+    pub fn radius(&self) -> f64 {
+        self.cone.bottom_radius()
+    }
 }
 
 impl Surface for Cylinder {

@@ -25,6 +25,21 @@ impl Disc {
             radius: require_positive("radius", radius)?,
         })
     }
+
+    /// Its middle.
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// Where its front looks, of length one.
+    pub fn facing(&self) -> DVec3 {
+        self.plane.facing()
+    }
+
+    /// How far it reaches.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
 }
 
 impl Surface for Disc {

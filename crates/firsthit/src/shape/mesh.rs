@@ -143,6 +143,36 @@ impl Mesh {
         &self.triangles
     }
 
+    /// Which polygon each triangle was part of, where the mesh knows.
+    pub fn faces(&self) -> Option<&[u32]> {
+        self.faces.as_deref()
+    }
+
+    /// The shading normals, in object space, not of length one.
+    pub fn normals(&self) -> Option<&Attribute<3>> {
+        self.normals.as_ref()
+    }
+
+    /// The texture coordinates.
+    pub fn uvs(&self) -> Option<&Attribute<2>> {
+        self.uvs.as_ref()
+    }
+
+    /// The linear colours.
+    pub fn colors(&self) -> Option<&Attribute<3>> {
+        self.colors.as_ref()
+    }
+
+    /// The alphas.
+    pub fn alphas(&self) -> Option<&Attribute<1>> {
+        self.alphas.as_ref()
+    }
+
+    /// Each triangle's slot, where the mesh has more than one.
+    pub fn slots(&self) -> Option<&[u32]> {
+        self.slots.as_deref()
+    }
+
     /// The smallest box around all triangles.
     pub fn bounds(&self) -> Bounds {
         self.bounds

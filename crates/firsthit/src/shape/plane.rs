@@ -24,6 +24,16 @@ impl Plane {
         })
     }
 
+    /// A point of it.
+    pub fn point(&self) -> DVec3 {
+        self.point
+    }
+
+    /// Where its front looks, of length one.
+    pub fn facing(&self) -> DVec3 {
+        self.normal
+    }
+
     /// The parameter at which the ray crosses the plane, if it does.
     pub(super) fn crossing(&self, ray: &Ray) -> Option<f64> {
         let t = (self.point - ray.origin).dot(self.normal) / ray.direction.dot(self.normal);

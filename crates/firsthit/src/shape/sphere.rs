@@ -22,6 +22,16 @@ impl Sphere {
             radius: require_positive("radius", radius)?,
         })
     }
+
+    /// Its middle.
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// How far from the middle it is.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
 }
 
 impl Surface for Sphere {

@@ -1,0 +1,103 @@
+"""Cameras that files bring along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ._arrays import count
+from ._camera import Camera
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ._camera import Projection, RayStart
+    from ._shapes import Vector
+
+
+@dataclass(frozen=True)
+class NamedCamera:
+    """A camera of a file.
+
+    Attributes
+    ----------
+    name : str
+        Its name; may be empty.
+    camera : Camera
+        What the file says of it. Where ``has_size`` is false, its number of pixels and the shape of
+        its viewplane mean nothing: `at` makes one of a size.
+    has_size : bool
+        Whether the file gives the pixels and the shape of the viewplane too.
+    """
+
+    name: str
+    camera: Camera
+    has_size: bool
+
+    def at(self, *, columns: int | None = None, rows: int | None = None) -> Camera:
+        """Make the camera at a size.
+
+        Parameters
+        ----------
+        columns, rows : int, optional
+            Pixels across and down. Where both are left out, they are the file's.
+
+        Returns
+        -------
+        Camera
+            The viewplane's height is the file's. With another size than the file's, its width
+            follows from square pixels.
+
+        Raises
+        ------
+        ValueError
+            For a size that nobody gives.
+        """
+        if columns is None and rows is None and self.has_size:
+            return self.camera
+        if columns is None or rows is None:
+            raise ValueError("columns and rows must be given: the file does not say them")
+        across, down = count("columns", columns), count("rows", rows)
+        return _resized(self.camera, across, down)
+
+
+def _resized(camera: Camera, columns: int, rows: int) -> Camera:
+    width = camera.height * columns / max(rows, 1)
+    return Camera(
+        camera.position,
+        camera.aim,
+        camera.up,
+        camera.focal_length,
+        width,
+        camera.height,
+        rows,
+        columns,
+        camera.projection,  # type: ignore[arg-type]
+        camera.ray_start,  # type: ignore[arg-type]
+    )
+
+
+def find(cameras: Sequence[NamedCamera], name: str | int) -> NamedCamera:
+    """Return the camera of a name or number."""
+    if isinstance(name, str):
+        for camera in cameras:
+            if camera.name == name:
+                return camera
+    elif 0 <= name < len(cameras):
+        return cameras[name]
+    names = ", ".join(f"{k} {camera.name!r}" for k, camera in enumerate(cameras)) or "none"
+    raise KeyError(f"there is no camera {name!r}; there are: {names}")
+
+
+def from_native(
+    name: str,
+    vectors: tuple[Vector, Vector, Vector],
+    lengths: Vector,
+    pixels: tuple[int, int],
+    words: tuple[Projection, RayStart],
+    has_size: bool,  # noqa: FBT001 - as the native half sends it
+) -> NamedCamera:
+    """Return the camera that the native half read."""
+    position, aim, up = vectors
+    made = Camera(position, aim, up, *lengths, *pixels, *words)
+    return NamedCamera(name, made, has_size)

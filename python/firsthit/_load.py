@@ -1,0 +1,122 @@
+"""Scenes from files."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import _cameras, _firsthit
+from ._arrays import count
+from ._errors import FirsthitWarning
+from ._lights import DirectionalLight, Light, PointLight, Sky
+from ._material import Material, Texture
+from ._scene import Scene
+from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Shape, Sphere
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Sequence
+
+    from ._shapes import Vector
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    strict: bool = False,
+    max_memory: int = 8 << 30,
+    max_texture: int = 16384,
+) -> Scene:
+    """Read a 3D file.
+
+    Parameters
+    ----------
+    path : path-like
+        The file; its extension tells the format.
+    strict : bool
+        Whether triangles that cannot be used are an error instead of a warning.
+    max_memory : int
+        How many bytes of memory the file's content may take.
+    max_texture : int
+        How many texels a texture may have across or down, and the root of how many bytes in all.
+
+    Returns
+    -------
+    Scene
+        An object for each of the file's, with names, transforms and materials; with the file's
+        lights, cameras and background.
+
+    Raises
+    ------
+    FileReadError
+        The system refused; also an `OSError`.
+    FileFormatError
+        The content is wrong; also a `ValueError`. Both are `FileError`, with path and place.
+
+    Warns
+    -----
+    FirsthitWarning
+        For what is doubtful in the file.
+    """
+    limits = count("max_memory", max_memory), min(count("max_texture", max_texture), 2**32 - 1)
+    model = _firsthit.load(Path(path), strict, *limits)
+    for doubt in model["warnings"]:
+        warnings.warn(doubt, FirsthitWarning, stacklevel=2)
+    scene = Scene()
+    scene._up = model["up"]
+    meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
+    materials = _Materials(model["textures"])
+    for name, shape, rows, looks in model["objects"]:
+        made = meshes[shape] if isinstance(shape, int) else _analytic(*shape)
+        looked = [materials.made(look) for look in looks]
+        scene.add(made, name=name, transform=rows, material=looked or None)
+    for light in model["lights"]:
+        scene.add_light(_light(*light))
+    scene._cameras = tuple(_cameras.from_native(*camera) for camera in model["cameras"])
+    background = model["background"]
+    if background is not None:
+        scene.background = Sky(*background) if len(background) == 3 else background[0]
+    return scene
+
+
+def _analytic(kind: str, numbers: Sequence[float]) -> Shape:
+    # Every one of them is made from one vector, perhaps a second, and radii.
+    kinds: dict[str, tuple[Callable[..., Shape], int]] = {
+        "sphere": (Sphere, 1),
+        "plane": (Plane, 2),
+        "disc": (Disc, 2),
+        "box": (Box, 2),
+        "cylinder": (Cylinder, 2),
+        "cone": (Cone, 2),
+    }
+    make, vectors = kinds[kind]
+    return make(*(numbers[3 * k : 3 * k + 3] for k in range(vectors)), *numbers[3 * vectors :])
+
+
+def _light(kind: str, vector: Vector, color: Vector) -> Light:
+    return PointLight(vector, color) if kind == "point" else DirectionalLight(vector, color)
+
+
+class _Materials:
+    """Materials that are made once, however many objects have them."""
+
+    def __init__(self, textures: Sequence[_firsthit.Texels]) -> None:
+        self._texels = textures
+        self._textures: dict[_firsthit._MapOut, Texture] = {}
+        self._made: dict[_firsthit._MaterialOut, Material] = {}
+
+    def made(self, look: _firsthit._MaterialOut) -> Material:
+        if look not in self._made:
+            color, alpha, texture, alpha_texture, mode, cutoff, unlit, both = look
+            maps = self._texture(texture), self._texture(alpha_texture)
+            self._made[look] = Material(color, alpha, *maps, mode, cutoff, unlit, both)
+        return self._made[look]
+
+    def _texture(self, made: _firsthit._MapOut | None) -> Texture | None:
+        if made is None:
+            return None
+        if made not in self._textures:
+            number, wrap, between, rows = made
+            self._textures[made] = Texture._wrapped(self._texels[number], wrap, between, rows)
+        return self._textures[made]

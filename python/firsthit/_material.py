@@ -1,0 +1,209 @@
+"""What surfaces look like, and where they have holes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import number, numbers, vector
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._shapes import Vector
+
+Wrap = Literal["repeat", "mirror", "clamp"]
+Filter = Literal["linear", "nearest"]
+AlphaMode = Literal["opaque", "mask", "blend"]
+
+#: Texture coordinates whose v runs upwards, as in OBJ and PLY: rows of the map to the picture.
+_V_UP = ((1.0, 0.0, 0.0), (0.0, -1.0, 1.0))
+
+
+class Texture:
+    """A picture on surfaces. Immutable; materials can share one.
+
+    Parameters
+    ----------
+    texels : (rows, columns, 3 or 4) array of uint8
+        Red, green, blue as sRGB, and alpha, opaque where it is left out. Row 0 is the top row.
+    wrap : {"repeat", "mirror", "clamp"} or two of them
+        What lies beyond the left and right edge, and beyond the top and bottom one.
+    filter : {"linear", "nearest"}
+        What lies between texels: their mean in linear light, or the nearest.
+    picture_from_uv : (2, 3) array_like, optional
+        The map from (u, v, 1) to the picture's coordinates, from 0 at the left to 1 at the right
+        and from 0 at the top to 1 at the bottom. If left out, v runs upwards.
+
+    Raises
+    ------
+    ValueError
+        For an array of a wrong shape or type, and for words that are not known.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> import numpy as np
+    >>> checker = np.uint8([[[0], [255]], [[255], [0]]]).repeat(3, axis=2)
+    >>> fh.Texture(checker, filter="nearest")
+    Texture(2 x 2 texels)
+    """
+
+    def __init__(
+        self,
+        texels: npt.ArrayLike,
+        *,
+        wrap: Wrap | tuple[Wrap, Wrap] = "repeat",
+        filter: Filter = "linear",  # noqa: A002 - the field's word
+        picture_from_uv: npt.ArrayLike | None = None,
+    ) -> None:
+        array = numbers("texels", texels)
+        if array.ndim != 3 or array.shape[2] not in (3, 4) or array.dtype != np.uint8:
+            raise ValueError(
+                "texels must be uint8 of shape (rows, columns, 3 or 4), "
+                f"got {array.dtype} of shape {array.shape}"
+            )
+        if array.shape[2] == 3:
+            opaque = np.full((*array.shape[:2], 1), 255, np.uint8)
+            array = np.concatenate([array, opaque], axis=2)
+        across, down = (wrap, wrap) if isinstance(wrap, str) else wrap
+        rows = _V_UP if picture_from_uv is None else _rows(picture_from_uv)
+        native = _firsthit.Texels(np.ascontiguousarray(array))
+        self._set(native, (str(across), str(down)), str(filter), rows)
+        # Refused here, not at the first shot.
+        Material(texture=self)
+
+    def _set(
+        self,
+        texels: _firsthit.Texels,
+        wrap: tuple[str, str],
+        filter_name: str,
+        rows: tuple[Vector, Vector],
+    ) -> None:
+        self._texels, self._wrap, self._filter, self._rows = texels, wrap, filter_name, rows
+
+    @classmethod
+    def _wrapped(
+        cls,
+        texels: _firsthit.Texels,
+        wrap: tuple[str, str],
+        filter_name: str,
+        rows: tuple[Vector, Vector],
+    ) -> Texture:
+        made = cls.__new__(cls)
+        made._set(texels, wrap, filter_name, rows)
+        return made
+
+    @property
+    def texels(self) -> npt.NDArray[np.uint8]:
+        """The texels, (rows, columns, 4): a copy."""
+        return self._texels.array()
+
+    @property
+    def wrap(self) -> tuple[str, str]:
+        """What lies beyond the edges: left and right, top and bottom."""
+        return self._wrap
+
+    @property
+    def filter(self) -> str:
+        """What lies between texels."""
+        return self._filter
+
+    @property
+    def picture_from_uv(self) -> npt.NDArray[np.float64]:
+        """The map from (u, v, 1) to the picture's coordinates, (2, 3): a copy."""
+        return np.array(self._rows)
+
+    def _native(
+        self,
+    ) -> tuple[_firsthit.Texels, tuple[str, str], str, tuple[Vector, Vector]]:
+        return self._texels, self._wrap, self._filter, self._rows
+
+    def __repr__(self) -> str:
+        rows, columns, _ = self.texels.shape
+        return f"Texture({columns} x {rows} texels)"
+
+    def __reduce__(self) -> tuple[Any, tuple[object, ...]]:
+        """Pickle by value."""
+        return _texture, (self.texels, self._wrap, self._filter, self._rows)
+
+
+def _texture(texels: Any, wrap: Any, filter_name: Any, rows: Any) -> Texture:
+    return Texture(texels, wrap=wrap, filter=filter_name, picture_from_uv=rows)
+
+
+def _rows(picture_from_uv: npt.ArrayLike) -> tuple[Vector, Vector]:
+    rows = numbers("picture_from_uv", picture_from_uv)
+    if rows.shape != (2, 3) or not np.all(np.isfinite(rows)):
+        raise ValueError(f"picture_from_uv must be (2, 3) and finite, got {rows.tolist()}")
+    return vector("picture_from_uv", rows[0]), vector("picture_from_uv", rows[1])
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a surface looks like, and where it has holes.
+
+    Parameters
+    ----------
+    color : (3,) array_like
+        Linear; the mesh's own colours and the texture multiply it.
+    alpha : float
+        From 0, not there, to 1, opaque; multiplied likewise.
+    texture : Texture, optional
+        Colour and alpha, for meshes with ``uvs``.
+    alpha_texture : Texture, optional
+        Alpha alone, in place of the other's.
+    alpha_mode : {"opaque", "mask", "blend"}
+        What alpha means: nothing; holes, which rays pass, where it is below ``cutoff``; or how much
+        of what is behind shows through, which is opaque for now.
+    cutoff : float
+        The least alpha that is there.
+    unlit : bool
+        Whether the colour is seen as it is, whatever the light.
+    double_sided : bool
+        Whether the file says that both sides are to be seen. Rays meet both in any case.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> fh.Material(color=(1, 0, 0), unlit=True).color
+    (1.0, 0.0, 0.0)
+    """
+
+    color: Vector = (1.0, 1.0, 1.0)
+    alpha: float = 1.0
+    texture: Texture | None = None
+    alpha_texture: Texture | None = None
+    alpha_mode: AlphaMode = "opaque"
+    cutoff: float = 0.5
+    unlit: bool = False
+    double_sided: bool = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "color", vector("color", self.color))
+        object.__setattr__(self, "alpha", number("alpha", self.alpha))
+        object.__setattr__(self, "cutoff", number("cutoff", self.cutoff))
+        for name in ("texture", "alpha_texture"):
+            if not isinstance(getattr(self, name), Texture | None):
+                raise TypeError(f"{name} must be a Texture, got {getattr(self, name)!r}")
+        _firsthit.check_material(self._native())
+
+    def _native(self) -> _firsthit._Material:
+        return (
+            self.color,
+            self.alpha,
+            self.texture._native() if self.texture else None,
+            self.alpha_texture._native() if self.alpha_texture else None,
+            self.alpha_mode,
+            self.cutoff,
+            bool(self.unlit),
+            bool(self.double_sided),
+        )

@@ -1,0 +1,213 @@
+//! Files that hold scenes, taken apart into what Python makes a scene from.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use firsthit::io::{LoadSettings, Model, NamedCamera};
+use firsthit::{Background, DAffine3, Light, Object, RayStart, Shape, View};
+use pyo3::prelude::*;
+
+use crate::material::{MaterialOut, Texels, material_out};
+use crate::run::run;
+use crate::shape::Mesh;
+
+/// A shape: the number of a mesh, or a kind and its numbers in the order of Python's arguments.
+#[derive(IntoPyObject)]
+enum ShapeOut {
+    Mesh(usize),
+    Analytic(&'static str, Vec<f64>),
+}
+
+/// Name, shape, the rows of the transform, materials.
+type ObjectOut = (String, ShapeOut, Option<[[f64; 4]; 4]>, Vec<MaterialOut>);
+
+/// Name; position, aim and up; focal length, width and height; rows and columns; projection and ray start; whether
+/// rows, columns and width are the file's own.
+type CameraOut = (
+    String,
+    [[f64; 3]; 3],
+    [f64; 3],
+    [usize; 2],
+    [&'static str; 2],
+    bool,
+);
+
+/// Kind, direction or position, colour or intensity.
+type LightOut = (&'static str, [f64; 3], [f64; 3]);
+
+/// All that a file holds.
+#[derive(IntoPyObject)]
+pub(crate) struct ModelOut {
+    meshes: Vec<Mesh>,
+    textures: Vec<Texels>,
+    objects: Vec<ObjectOut>,
+    cameras: Vec<CameraOut>,
+    lights: Vec<LightOut>,
+    /// One colour, or horizon, zenith and up.
+    background: Option<Vec<[f64; 3]>>,
+    up: [f64; 3],
+    warnings: Vec<String>,
+}
+
+/// Reads a file.
+#[pyfunction]
+pub(crate) fn load(
+    py: Python<'_>,
+    path: PathBuf,
+    strict: bool,
+    max_memory: u64,
+    max_texture: u32,
+) -> PyResult<ModelOut> {
+    let settings = LoadSettings {
+        strict,
+        max_memory,
+        max_texture,
+    };
+    let model = run(py, 0, |_| firsthit::io::load(&path, &settings))?;
+    Ok(taken_apart(&model))
+}
+
+fn taken_apart(model: &Model) -> ModelOut {
+    let (mut meshes, mut textures) = (Shared::default(), Shared::default());
+    let mut object_out = |object: &Object| {
+        let materials = object.materials().iter();
+        let materials = materials
+            .map(|material| material_out(material, |texture| textures.number(texture)))
+            .collect();
+        let transform = object.transform();
+        let rows = (!transform.is_identity()).then(|| rows(transform.world_from_object()));
+        let shape = shape_out(object.shape(), |mesh| meshes.number(mesh));
+        (object.name().to_owned(), shape, rows, materials)
+    };
+    let objects = model.objects.iter().map(&mut object_out).collect();
+    ModelOut {
+        objects,
+        meshes: meshes.list.into_iter().map(Mesh).collect(),
+        textures: textures.list.into_iter().map(Texels).collect(),
+        cameras: model.cameras.iter().map(camera_out).collect(),
+        lights: model.lights.iter().map(light_out).collect(),
+        background: model.background.map(background_out),
+        up: model.up.to_array(),
+        warnings: model.warnings.clone(),
+    }
+}
+
+/// Things that many share, each once, by number.
+struct Shared<T> {
+    list: Vec<Arc<T>>,
+    numbers: std::collections::HashMap<*const T, usize>,
+}
+
+impl<T> Default for Shared<T> {
+    fn default() -> Self {
+        Self {
+            list: Vec::new(),
+            numbers: std::collections::HashMap::new(),
+        }
+    }
+}
+
+impl<T> Shared<T> {
+    fn number(&mut self, thing: &Arc<T>) -> usize {
+        *self.numbers.entry(Arc::as_ptr(thing)).or_insert_with(|| {
+            self.list.push(Arc::clone(thing));
+            self.list.len() - 1
+        })
+    }
+}
+
+fn shape_out(shape: &Shape, mut number: impl FnMut(&Arc<firsthit::Mesh>) -> usize) -> ShapeOut {
+    let (kind, numbers) = match shape {
+        Shape::Mesh(mesh) => return ShapeOut::Mesh(number(mesh)),
+        Shape::Sphere(sphere) => {
+            let [x, y, z] = sphere.center().to_array();
+            ("sphere", vec![x, y, z, sphere.radius()])
+        }
+        Shape::Plane(plane) => (
+            "plane",
+            [plane.point(), plane.facing()]
+                .map(|v| v.to_array())
+                .concat(),
+        ),
+        Shape::Disc(disc) => {
+            let vectors = [disc.center(), disc.facing()]
+                .map(|v| v.to_array())
+                .concat();
+            ("disc", [vectors, vec![disc.radius()]].concat())
+        }
+        Shape::Box(cuboid) => (
+            "box",
+            [cuboid.low(), cuboid.high()].map(|v| v.to_array()).concat(),
+        ),
+        Shape::Cylinder(cylinder) => {
+            let vectors = [cylinder.bottom(), cylinder.top()]
+                .map(|v| v.to_array())
+                .concat();
+            ("cylinder", [vectors, vec![cylinder.radius()]].concat())
+        }
+        Shape::Cone(cone) => {
+            let vectors = [cone.bottom(), cone.top()].map(|v| v.to_array()).concat();
+            let radii = vec![cone.bottom_radius(), cone.top_radius()];
+            ("cone", [vectors, radii].concat())
+        }
+    };
+    ShapeOut::Analytic(kind, numbers)
+}
+
+fn rows(affine: &DAffine3) -> [[f64; 4]; 4] {
+    let (m, t) = (affine.matrix3, affine.translation);
+    let row = |k: usize| [m.x_axis[k], m.y_axis[k], m.z_axis[k], t[k]];
+    [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
+}
+
+fn camera_out(camera: &NamedCamera) -> CameraOut {
+    let View {
+        position,
+        aim,
+        up,
+        focal_length,
+        width,
+        height,
+        rows,
+        columns,
+        projection,
+        ray_start,
+    } = camera.view;
+    let start = match ray_start {
+        RayStart::Viewplane => "viewplane",
+        RayStart::Eye => "eye",
+    };
+    (
+        camera.name.clone(),
+        [position, aim, up].map(|vector| vector.to_array()),
+        [focal_length, width, height],
+        [rows, columns],
+        [projection.name(), start],
+        camera.has_size,
+    )
+}
+
+fn light_out(light: &Light) -> LightOut {
+    match *light {
+        Light::Directional { direction, color } => {
+            ("directional", direction.to_array(), color.to_array())
+        }
+        Light::Point {
+            position,
+            intensity,
+        } => ("point", position.to_array(), intensity.to_array()),
+    }
+}
+
+fn background_out(background: Background) -> Vec<[f64; 3]> {
+    match background {
+        Background::Uniform(color) => vec![color.to_array()],
+        Background::Gradient {
+            horizon,
+            zenith,
+            up,
+        } => [horizon, zenith, up]
+            .map(|vector| vector.to_array())
+            .to_vec(),
+    }
+}

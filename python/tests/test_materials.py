@@ -1,0 +1,138 @@
+"""Materials, textures, and what files bring along."""
+
+import copy
+import pickle
+
+import firsthit as fh
+import numpy as np
+import pytest
+
+SQUARE = np.float64([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+HALVES = np.uint32([[0, 1, 2], [0, 2, 3]])
+UVS = SQUARE[:, :2]
+#: Red and green above blue and a transparent white.
+TEXELS = np.uint8([[[255, 0, 0, 255], [0, 255, 0, 255]], [[0, 0, 255, 255], [255, 255, 255, 0]]])
+CENTRES = np.float64([[0.25, 0.75], [0.75, 0.75], [0.25, 0.25], [0.75, 0.25]])
+
+
+def scene_of(material, **attributes):
+    scene = fh.Scene()
+    scene.add(fh.Mesh(SQUARE, HALVES, **attributes), material=material)
+    return scene
+
+
+def colors_at(scene, points):
+    """What an unlit picture sees straight down on the points."""
+    camera = fh.Camera((0.5, 0.5, 2), (0, 0, -1), (0, 1, 0), 1, 1, 1, 2, 2, "orthographic")
+    assert len(points) == 4
+    return fh.render(scene, camera, shade="unlit")["color"].reshape(4, 3)
+
+
+def test_texels_are_seen_where_they_are():
+    scene = scene_of(fh.Material(texture=fh.Texture(TEXELS)), uvs=UVS)
+    assert np.allclose(colors_at(scene, CENTRES), np.float64(TEXELS[..., :3].reshape(4, 3)) / 255)
+
+
+def test_masks_make_holes():
+    texture = fh.Texture(TEXELS, filter="nearest")
+    for mode, hits in [("opaque", 4), ("blend", 4), ("mask", 3)]:
+        scene = scene_of(fh.Material(texture=texture, alpha_mode=mode), uvs=UVS)
+        origins = np.column_stack([CENTRES, np.ones(4)])
+        assert np.isfinite(scene.shoot(origins, [0, 0, -1]).t).sum() == hits
+        assert scene.occluded(origins, [0, 0, -1]).sum() == hits
+
+
+def test_alphas_of_vertices_make_holes_too():
+    scene = scene_of(fh.Material(alpha_mode="mask"), alphas=[[0], [0], [1], [1]])
+    t = scene.shoot([[0.5, 0.2, 1], [0.5, 0.8, 1]], [0, 0, -1]).t
+    assert t.tolist() == [np.inf, 1]
+
+
+def test_slots_choose_materials():
+    red, blue = fh.Material((1, 0, 0)), fh.Material((0, 0, 1))
+    scene = scene_of([red, blue], slots=[1, 0])
+    # Pixel centres lie on the diagonal only at the first and last.
+    assert colors_at(scene, CENTRES)[[0, 3]].tolist() == [[1, 0, 0], [0, 0, 1]]
+    assert scene.objects[0].materials == (red, blue)
+
+
+def test_unlit_materials_are_seen_as_they_are():
+    camera = fh.Camera.look_at((0.5, 0.5, 2), (0.5, 0.5, 0), (0, 1, 0), 20, 3, 3)
+    seen = fh.render(scene_of(fh.Material((0.25, 0.5, 1), unlit=True)), camera)["color"]
+    assert seen[1, 1].tolist() == [0.25, 0.5, 1]
+
+
+def test_attributes_may_belong_to_corners():
+    corners = UVS[HALVES] + [[[0, 0]], [[1, 0]]]
+    scene = scene_of(None, uvs=corners)
+    hits = scene.shoot([[0.75, 0.25, 1], [0.25, 0.75, 1]], [0, 0, -1])
+    assert hits.uv.tolist() == [[0.75, 0.25], [1.25, 0.75]]
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+def test_all_of_a_scene_copies_and_pickles(again):
+    alpha = fh.Texture(TEXELS, wrap=("mirror", "clamp"))
+    texture = fh.Texture(TEXELS[..., :3], filter="nearest", picture_from_uv=np.eye(2, 3))
+    material = fh.Material(
+        (0.5, 1, 1), 0.75, texture, alpha, alpha_mode="mask", cutoff=0.25, double_sided=False
+    )
+    normals = np.float32([[0, 0, 1]] * 4)
+    attributes = {"uvs": UVS[HALVES], "normals": normals, "alphas": np.ones((4, 1))}
+    scene = scene_of([material], **attributes, faces=[7, 7], slots=[0, 0])
+    scene.background = fh.Sky((1, 1, 1), (0, 0, 1))
+    made = again(scene)
+    mesh, before = made.objects[0].shape, scene.objects[0].shape
+    for name in ("vertices", "triangles", "normals", "uvs", "alphas", "faces", "slots"):
+        assert np.array_equal(getattr(mesh, name), getattr(before, name)), name
+    assert mesh.colors is None
+    assert made.background == scene.background
+    (look,) = made.objects[0].materials
+    assert (look.color, look.alpha, look.cutoff) == ((0.5, 1, 1), 0.75, 0.25)
+    assert np.array_equal(look.texture.texels[..., :3], TEXELS[..., :3])
+    assert look.alpha_texture.wrap == ("mirror", "clamp")
+    assert look.texture.picture_from_uv.tolist() == np.eye(2, 3).tolist()
+    assert np.array_equal(colors_at(made, CENTRES), colors_at(scene, CENTRES))
+
+
+def test_a_file_s_meshes_keep_their_attributes(tmp_path):
+    path = tmp_path / "square.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n")
+    scene = fh.load(path)
+    again = pickle.loads(pickle.dumps(scene))
+    for made in (scene, again):
+        assert made.objects[0].shape.uvs.tolist() == [[[0, 0], [1, 0], [1, 1]]]
+        assert made.objects[0].materials == ()
+        assert made.cameras == ()
+        with pytest.raises(KeyError, match="there is no camera 'Front'; there are: none"):
+            made.camera("Front")
+
+
+def test_skies_are_seen_by_rays_that_miss():
+    camera = fh.Camera((0, 0, 0), (0, 0, 1), (0, 1, 0), 1, 1, 1, 1, 1)
+    scene = fh.Scene()
+    assert fh.render(scene, camera)["color"].tolist() == [[[0, 0, 0]]]
+    scene.background = fh.Sky(horizon=(1, 1, 1), zenith=(0, 0, 1))
+    assert fh.render(scene, camera)["color"].tolist() == [[[0, 0, 1]]]
+    assert fh.render(scene, camera, background=(1, 0, 0))["color"].tolist() == [[[1, 0, 0]]]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: fh.Texture(np.zeros((2, 2, 3))), "texels must be uint8"),
+        (lambda: fh.Texture(np.zeros((0, 2, 3), np.uint8)), "texels must be"),
+        (lambda: fh.Texture(TEXELS, wrap="tile"), "wrap must be one of repeat, mirror, clamp"),
+        (lambda: fh.Texture(TEXELS, filter="cubic"), "filter must be one of nearest, linear"),
+        (
+            lambda: fh.Texture(TEXELS, picture_from_uv=np.eye(3)),
+            "picture_from_uv must be",
+        ),
+        (lambda: fh.Material(alpha_mode="clip"), "alpha_mode must be one of opaque, mask, blend"),
+        (lambda: fh.Material(color=1), "color must be three numbers"),
+        (lambda: fh.Mesh(SQUARE, HALVES, slots=[0]), "slots must be 2 whole numbers"),
+        (lambda: fh.Mesh(SQUARE, HALVES, uvs=np.zeros((2, 3, 3))), r"uvs must have the shape"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
