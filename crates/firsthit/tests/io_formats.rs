@@ -242,3 +242,33 @@ fn an_stl_facet_must_have_three_vertices() {
         "{error}"
     );
 }
+
+#[test]
+fn a_stray_line_before_the_elements_of_a_ply_file_is_a_comment() {
+    let text = "ply\nformat ascii 1.0\nCreated by a program\nelement vertex 3\nproperty float x\n\
+        property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+        end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let model = read(&[("a.ply", text.as_bytes())]);
+    assert_eq!(model.objects[0].triangles(), 1);
+    assert!(
+        model.warnings[0]
+            .ends_with("a.ply:3: this line of the header is not read: 'Created by a program'"),
+        "{:?}",
+        model.warnings
+    );
+}
+
+#[test]
+fn files_without_any_geometry_are_empty_scenes() {
+    for (name, text) in [
+        ("a.obj", "o a\n"),
+        ("a.ply", "ply\nformat ascii 1.0\nend_header\n"),
+    ] {
+        let model = read(&[(name, text.as_bytes())]);
+        assert_eq!(
+            model.objects.iter().map(Object::triangles).sum::<usize>(),
+            0
+        );
+        assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
+    }
+}

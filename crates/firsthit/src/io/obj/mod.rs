@@ -118,6 +118,8 @@ struct Reader<'a> {
     /// The name in force, and the object of that name if it has faces.
     name: String,
     object: Option<usize>,
+    /// Whether there was any statement that OBJ knows.
+    has_statements: bool,
     library: Library,
     materials: Materials,
     material: Option<u32>,
@@ -136,6 +138,7 @@ impl<'a> Reader<'a> {
             objects: Vec::new(),
             object_of_name: HashMap::new(),
             object: None,
+            has_statements: false,
             library: Library::default(),
             materials: Materials::default(),
             material: None,
@@ -148,7 +151,9 @@ impl<'a> Reader<'a> {
             return Ok(());
         };
         let mut words = Words::new(statement);
-        match words.next() {
+        let word = words.next();
+        self.has_statements = self.has_statements || word.is_some_and(is_known);
+        match word {
             None => {}
             Some(b"v") => self.vertex(words, number)?,
             Some(b"vt") => self.uv(words, number)?,
@@ -272,8 +277,8 @@ impl<'a> Reader<'a> {
     }
 
     fn finish(mut self) -> Checked<Model> {
-        if self.positions.is_empty() && self.objects.is_empty() {
-            return Err(Fault::file("no geometry: neither vertices nor faces"));
+        if !self.has_statements {
+            return Err(Fault::file("not an OBJ file: it has no statement of one"));
         }
         let [vertices, uvs, normals] = &self.indices;
         vertices.check()?;
@@ -323,6 +328,16 @@ impl<'a> Reader<'a> {
             self.materials.looks.push(look.unwrap_or(None));
         }
     }
+}
+
+/// Whether a word begins a statement of the format.
+fn is_known(word: &[u8]) -> bool {
+    const READ: &[&[u8]] = &[
+        b"v", b"vt", b"vn", b"f", b"fo", b"o", b"g", b"p", b"l", b"usemtl", b"mtllib",
+    ];
+    [READ, HARMLESS, CURVES]
+        .iter()
+        .any(|words| words.contains(&word))
 }
 
 /// The rest of a line as a name, which may have blanks, and a `#` that follows none.

@@ -9,6 +9,8 @@ pub(super) struct Header<'a> {
     pub(super) format: Format,
     pub(super) elements: Vec<Element>,
     pub(super) textures: Vec<Texture>,
+    /// The first line, with its number, that says nothing a header may say.
+    pub(super) stray: Option<(u64, String)>,
     /// What follows the header.
     pub(super) body: &'a [u8],
     /// How many lines the header has.
@@ -129,6 +131,7 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
     // In a file whose lines end with CR, an LF after the header is already the body's first byte.
     lines.bare_cr = matches!(start.get(magic.len()..), Some([b'\r', next, ..]) if *next != b'\n');
     let (mut format, mut elements, mut textures) = (None, Vec::new(), Vec::new());
+    let mut stray = None;
     while let Some(line) = lines.next() {
         let number = lines.number;
         let mut words = Words::new(line);
@@ -149,10 +152,14 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
                     format: format.ok_or_else(missing)?,
                     elements,
                     textures,
+                    stray,
                     body: lines.rest(),
                     lines: number,
                 });
             }
+            // A comment whose first word is missing, as an old exporter of Blender's writes it. After an element
+            // it could as well be a misspelled property, without which all rows would be misread.
+            Some(_) if elements.is_empty() => stray = stray.or(Some((number, shown(line)))),
             Some(word) => {
                 let what = format!("unknown word '{}' in the header", shown(word));
                 return Err(Fault::line(number, what));
@@ -176,7 +183,7 @@ fn comment(mut words: Words, line: u64) -> Checked<Option<Texture>> {
     }
     let is_texture = words.next() == Some(b"TextureFile");
     Ok(is_texture.then(|| Texture {
-        name: shown(words.rest()),
+        name: String::from_utf8_lossy(words.rest()).into_owned(),
         line,
     }))
 }

@@ -11,7 +11,7 @@ use super::Model;
 use super::picture;
 use super::report::{Checked, Fault, Report};
 use super::surface::{Surface, Vertices, face_attribute};
-use crate::error::Place;
+use crate::error::{Place, escape_controls};
 use crate::geometry::srgb_decode;
 use crate::scene::{Material, Object, TextureMap};
 use crate::shape::Attribute;
@@ -22,6 +22,11 @@ use vertices::VertexRows;
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let header = header::parse(bytes)?;
+    if let Some((line, text)) = &header.stray {
+        report.warn("stray", &Place::Line(*line), || {
+            format!("this line of the header is not read: '{text}'")
+        });
+    }
     match header.format {
         Format::Ascii => read_body(&header, Ascii::new(&header), report),
         Format::Little => read_body(&header, Binary::new(&header, bytes.len(), false), report),
@@ -30,6 +35,11 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
 }
 
 fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<Model> {
+    if header.elements.is_empty() {
+        let what = || "no elements: there is nothing to see".to_owned();
+        report.warn("empty", &Place::File, what);
+        return Ok(Model::default());
+    }
     let element = header
         .vertex_element()?
         .ok_or_else(|| Fault::file("no vertex element: there is no geometry"))?;
@@ -100,7 +110,10 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
         Ok(texture) => Some(TextureMap::new(texture.into(), TextureMap::V_UP)),
         Err(reason) => {
             report.warn("texture", &place, || {
-                format!("texture '{}' is not read: {reason}", named.name)
+                format!(
+                    "texture '{}' is not read: {reason}",
+                    escape_controls(&named.name)
+                )
             });
             None
         }
