@@ -85,7 +85,7 @@ impl From<Error> for Failure {
             Error::Argument { .. } => USAGE,
             Error::Read { .. } | Error::Parse { .. } => BAD_INPUT,
             Error::Write { .. } => NOT_WRITTEN,
-            Error::Limit { .. } => LIMIT,
+            Error::Limit { .. } | Error::TooLarge { .. } => LIMIT,
             Error::Interrupted => INTERRUPTED,
             _ => INTERNAL,
         };

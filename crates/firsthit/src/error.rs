@@ -56,6 +56,16 @@ pub enum Error {
         /// How much is possible.
         limit: String,
     },
+    /// A file needs more than its reader was allowed to spend on it. Whoever reads it can allow more.
+    #[error("{}{place}: {what}", escaped(.path))]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Where in the file.
+        place: Place,
+        /// What it needs, what is allowed, and how to allow more.
+        what: String,
+    },
     /// The caller's [`Watch`](crate::watch::Watch) asked to stop.
     #[error("interrupted")]
     Interrupted,

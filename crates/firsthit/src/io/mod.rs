@@ -15,6 +15,7 @@
     )
 )]
 
+mod gzip;
 mod mtl;
 mod obj;
 mod picture;
@@ -26,13 +27,14 @@ mod stl;
 mod surface;
 mod text;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::camera::View;
 use crate::error::{Error, Place, Result};
 use crate::geometry::DVec3;
 use crate::scene::{Background, Light, Object};
-use report::{Checked, Report};
+use report::{Checked, Report, without_gz};
 
 /// What a file holds.
 #[derive(Debug, Clone, Default)]
@@ -77,7 +79,8 @@ pub struct NamedCamera {
 pub struct LoadSettings {
     /// Whether triangles that cannot be used are an error instead of a warning.
     pub strict: bool,
-    /// How many bytes of memory the file's content may take.
+    /// How many bytes of memory may be spent on the file: on its content, unpacked, on what it names, and
+    /// on the vertices, triangles and textures of all that. The trees of a scene come on top.
     pub max_memory: u64,
     /// How many texels a texture may have across or down, and the root of how many bytes it may have in all.
     pub max_texture: u32,
@@ -125,18 +128,41 @@ const FORMATS: &[Format] = &[
     },
 ];
 
-/// Reads the file at `path`, its format chosen by its extension.
+/// Reads the file at `path`, its format chosen by its extension. Packed by gzip, it is unpacked; its
+/// name may end with `.gz` then.
 ///
 /// # Errors
 ///
 /// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the
-/// content or the extension is wrong; [`Error::Limit`] for more than memory or identifiers hold.
+/// content or the extension is wrong; [`Error::TooLarge`] for more than `settings` allow, and
+/// [`Error::Limit`] for more than identifiers hold.
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
     let format = format_of(path)?;
-    let bytes = read::regular_file(path)?;
-    let mut report = Report::new(path, *settings);
-    let model = (format.read)(&bytes, &mut report).map_err(|fault| fault.into_error(path))?;
-    if let (true, Some(what)) = (settings.strict, report.dropped()) {
+    let bytes = read::regular_file(path, settings.max_memory)?;
+    model(format, bytes.into(), Report::new(path, *settings))
+}
+
+/// Reads a file's content from memory. `name` is what messages call it; its extension tells the format.
+/// Nothing that the content names, such as textures, is opened: each is a warning.
+///
+/// # Errors
+///
+/// Those of [`load`], but for [`Error::Read`].
+pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Model> {
+    let format = format_of(name)?;
+    model(format, bytes.into(), Report::new(name, *settings).in_memory())
+}
+
+fn model(format: &Format, bytes: Cow<'_, [u8]>, mut report: Report) -> Result<Model> {
+    let path = &report.path().to_owned();
+    let strict = report.settings().strict;
+    let read = |report: &mut Report| {
+        report.spend(bytes.len() as u64, "its content")?;
+        let bytes = gzip::unpacked(bytes, report)?;
+        (format.read)(&bytes, report)
+    };
+    let model = read(&mut report).map_err(|fault| fault.into_error(path))?;
+    if let (true, Some(what)) = (strict, report.dropped()) {
         return Err(parse_error(path, what));
     }
     Ok(Model {
@@ -147,7 +173,9 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
 }
 
 fn format_of(path: &Path) -> Result<&'static Format> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let unpacked = without_gz(path);
+    let extension = unpacked.extension().unwrap_or_default();
+    let extension = extension.to_ascii_lowercase();
     FORMATS
         .iter()
         .find(|format| format.extensions.iter().any(|&known| extension == known))

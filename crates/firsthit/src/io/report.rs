@@ -13,6 +13,8 @@ pub(super) type Checked<T> = Result<T, Fault>;
 pub(super) enum Fault {
     /// Its content is wrong.
     Content { place: Place, what: String },
+    /// It needs more memory than may be spent on it.
+    TooLarge { place: Place, what: String },
     /// Anything else, as it will be reported.
     Other(Error),
 }
@@ -35,6 +37,7 @@ impl Fault {
         let path = path.to_owned();
         match self {
             Self::Content { place, what } => Error::Parse { path, place, what },
+            Self::TooLarge { place, what } => Error::TooLarge { path, place, what },
             Self::Other(error) => error,
         }
     }
@@ -46,11 +49,34 @@ impl From<Error> for Fault {
     }
 }
 
+/// A number of bytes, in the largest unit that keeps it from 1 on.
+pub(super) fn size_in_words(bytes: u64) -> String {
+    const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
+    let mut words = format!("{bytes} bytes");
+    let mut size = bytes as f64;
+    for unit in UNITS {
+        size /= 1024.0;
+        if size >= 1.0 {
+            words = format!("{size:.1} {unit}").replace(".0 ", " ");
+        }
+    }
+    words
+}
+
+/// The name that a packed file has unpacked: `a.ply` of `a.ply.gz`.
+pub(super) fn without_gz(path: &Path) -> PathBuf {
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("gz") => path.with_extension(""),
+        _ => path.to_owned(),
+    }
+}
+
 /// The warnings about one file: one for each kind, however often it occurs.
 #[derive(Debug)]
 pub(super) struct Report {
     path: PathBuf,
     settings: LoadSettings,
+    in_memory: bool,
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
@@ -68,23 +94,62 @@ impl Report {
         Self {
             path: path.to_owned(),
             settings,
+            in_memory: false,
             kinds: Vec::new(),
             dropped: 0,
             first_dropped: String::new(),
         }
     }
 
+    /// The same about content that is in memory, under a mere name: it has no folder, so nothing that
+    /// it names is opened.
+    pub(super) fn in_memory(mut self) -> Self {
+        self.in_memory = true;
+        self
+    }
+
+    /// What messages call the file.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
+    /// The file in whose folder the files are that it names.
+    ///
+    /// # Errors
+    ///
+    /// In words, when it has no folder.
+    pub(super) fn scene(&self) -> Result<&Path, String> {
+        if self.in_memory {
+            Err("refused: content that is in memory has no folder".to_owned())
+        } else {
+            Ok(&self.path)
+        }
+    }
+
+    /// The settings; of the memory, what is left of it.
     pub(super) fn settings(&self) -> &LoadSettings {
         &self.settings
     }
 
+    /// Takes so many bytes from the memory that the file may use; `what` they are for.
+    pub(super) fn spend(&mut self, bytes: u64, what: &str) -> Checked<()> {
+        let left = self.settings.max_memory;
+        self.settings.max_memory = left.checked_sub(bytes).ok_or_else(|| {
+            let (bytes, left) = (size_in_words(bytes), size_in_words(left));
+            let what = format!(
+                "{what} takes {bytes} of memory, {left} are left of what is allowed \
+                 (--max-memory raises the limit)"
+            );
+            let place = Place::File;
+            Fault::TooLarge { place, what }
+        })?;
+        Ok(())
+    }
+
     /// The file's name without its extension: what an object without a name is called.
     pub(super) fn stem(&self) -> String {
-        escaped(Path::new(self.path.file_stem().unwrap_or_default()))
+        let path = without_gz(&self.path);
+        escaped(Path::new(path.file_stem().unwrap_or_default()))
     }
 
     /// Notes something doubtful. `key` tells the kinds apart; only the first of a kind is worded.

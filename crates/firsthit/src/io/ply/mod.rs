@@ -5,6 +5,7 @@ mod faces;
 mod header;
 mod vertices;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::Model;
@@ -105,8 +106,8 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
             )
         });
     }
-    let scene = report.path().to_owned();
-    match picture::sibling(&scene, &named.name, report.settings()) {
+    let scene = report.scene().map(Path::to_owned);
+    match scene.and_then(|scene| picture::sibling(&scene, &named.name, report)) {
         Ok(texture) => Some(TextureMap::new(texture.into(), TextureMap::V_UP)),
         Err(reason) => {
             report.warn("texture", &place, || {
