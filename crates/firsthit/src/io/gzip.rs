@@ -129,7 +129,10 @@ mod tests {
         for k in 10..file.len() {
             let mut damaged = file.clone();
             damaged[k] ^= 0x10;
-            assert!(unpack(&damaged, 1 << 20).is_err(), "{k}");
+            // A few bits mean nothing, as those that fill the last byte.
+            if let Ok(unpacked) = unpack(&damaged, 1 << 20) {
+                assert_eq!(unpacked.content, text, "{k}");
+            }
         }
     }
 }

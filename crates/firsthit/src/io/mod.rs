@@ -150,7 +150,11 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
 /// Those of [`load`], but for [`Error::Read`].
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Model> {
     let format = format_of(name)?;
-    model(format, bytes.into(), Report::new(name, *settings).in_memory())
+    model(
+        format,
+        bytes.into(),
+        Report::new(name, *settings).in_memory(),
+    )
 }
 
 fn model(format: &Format, bytes: Cow<'_, [u8]>, mut report: Report) -> Result<Model> {

@@ -14,11 +14,7 @@ use crate::scene::Texture;
 /// # Errors
 ///
 /// In words, why it is not read.
-pub(super) fn sibling(
-    scene: &Path,
-    name: &str,
-    report: &mut Report,
-) -> Result<Texture, String> {
+pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<Texture, String> {
     let path = read::sibling(scene, name)?;
     let bytes = read::sibling_content(&path, report)?;
     let path = without_gz(&path);
@@ -59,7 +55,10 @@ pub(super) fn decode(
     }
     // Decoders hold the picture in their own layout beside the result.
     if 2 * bytes_needed > settings.max_memory {
-        let (needed, left) = (size_in_words(2 * bytes_needed), size_in_words(settings.max_memory));
+        let (needed, left) = (
+            size_in_words(2 * bytes_needed),
+            size_in_words(settings.max_memory),
+        );
         return Err(format!(
             "it takes {needed} of memory, {left} are left of what is allowed (--max-memory raises the limit)"
         ));

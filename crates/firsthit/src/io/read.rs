@@ -28,7 +28,8 @@ pub(super) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     };
     if size > most {
         let limit = size_in_words(most);
-        let limit = format!("the {limit} of memory that are allowed (--max-memory raises the limit)");
+        let limit =
+            format!("the {limit} of memory that are allowed (--max-memory raises the limit)");
         return Err(too_large(&limit));
     }
     let mut bytes = Vec::new();
@@ -47,7 +48,10 @@ pub(super) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// # Errors
 ///
 /// In words, why it cannot be read.
-pub(super) fn sibling_content(path: &Path, report: &mut Report) -> std::result::Result<Vec<u8>, String> {
+pub(super) fn sibling_content(
+    path: &Path,
+    report: &mut Report,
+) -> std::result::Result<Vec<u8>, String> {
     let read = |report: &mut Report| {
         let bytes = regular_file(path, report.settings().max_memory)?;
         report.spend(bytes.len() as u64, "its content")?;
