@@ -158,6 +158,14 @@ pub(crate) struct LoadArgs {
     /// leaving them out
     #[arg(long)]
     pub(crate) strict: bool,
+    /// How much memory the file's content may take, unpacked; in bytes, or with K, M, G or T for their
+    /// 1024th powers
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G", allow_hyphen_values = true)]
+    pub(crate) max_memory: u64,
+    /// How many texels a texture may have across or down; in all it may have as many bytes as the square of
+    /// that
+    #[arg(long, value_name = "SIDE", value_parser = clap::value_parser!(u32).range(1..=1 << 20), default_value = "16384", allow_hyphen_values = true)]
+    pub(crate) max_texture: u32,
 }
 
 #[derive(Debug, Args)]

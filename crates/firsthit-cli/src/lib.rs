@@ -7,6 +7,7 @@ mod console;
 mod failure;
 mod help;
 mod hints;
+mod exhaustion;
 mod hits_csv;
 mod loading;
 mod output;
@@ -35,8 +36,10 @@ where
         Ok(cli) => cli,
         Err(error) => return usage::report(&error),
     };
+    let exhaustion = exhaustion::catch();
     // A panic is a bug of ours; the user gets one line of it, not a trace.
-    std::panic::set_hook(Box::new(|panic| {
+    std::panic::set_hook(Box::new(move |panic| {
+        exhaustion.is_ruled_out();
         console::say(format_args!(
             "firsthit: error: a bug in firsthit, please report it: {}",
             panic.to_string().replace('\n', " ")

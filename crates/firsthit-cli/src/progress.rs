@@ -25,11 +25,17 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
         if flag.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        std::thread::spawn(|| {
-            std::thread::sleep(GRACE);
+        let end = || {
             say_interrupted();
             std::process::exit(i32::from(INTERRUPTED));
-        });
+        };
+        let after_grace = move || {
+            std::thread::sleep(GRACE);
+            end();
+        };
+        if std::thread::Builder::new().spawn(after_grace).is_err() {
+            end();
+        }
     });
     interrupted
 }

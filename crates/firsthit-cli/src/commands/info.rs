@@ -10,10 +10,10 @@ use crate::args::InfoArgs;
 use crate::console::{counted, warn};
 use crate::failure::Failure;
 use crate::hints::{span, triple};
-use crate::loading::{self, Loaded};
+use crate::loading::{self, Loaded, with_all_cores};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let loaded = loading::read(&args.file, &args.load, None)?;
+    let loaded = with_all_cores(|| loading::read(&args.file, &args.load, None))?;
     let text = if args.json {
         format!("{:#}\n", as_json(&loaded))
     } else {
