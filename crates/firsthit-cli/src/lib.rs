@@ -56,6 +56,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),
+        Command::Schema => commands::schema::run(),
         Command::Completions { shell } => commands::completions::run(shell),
     }
 }

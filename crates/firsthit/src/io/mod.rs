@@ -22,16 +22,20 @@ mod ply;
 mod polygon;
 mod read;
 mod report;
+mod scene_file;
 mod stl;
 mod surface;
 mod text;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::camera::View;
+pub use scene_file::{Output, schema};
+
+use crate::camera::{Description, View};
 use crate::error::{Error, Place, Result};
 use crate::geometry::DVec3;
 use crate::scene::{Background, Light, Object};
+use crate::shade::Shader;
 use report::{Checked, Report};
 
 /// What a file holds.
@@ -43,11 +47,22 @@ pub struct Model {
     pub cameras: Vec<NamedCamera>,
     /// The lights.
     pub lights: Vec<Light>,
+    /// Whether the first camera is the one to look through where nobody asks for another: scene files say
+    /// how they are to be seen, models only how they can be.
+    pub has_view: bool,
     /// What rays see that meet nothing, if the file says.
     pub background: Option<Background>,
+    /// How hits get their colour, if the file says.
+    pub shader: Option<Shader>,
+    /// How many points of a pixel make its colour, if the file says.
+    pub samples: Option<u32>,
+    /// The files that it asks for.
+    pub outputs: Vec<Output>,
+    /// The files that were read for it, itself first.
+    pub files: Vec<PathBuf>,
     /// What was doubtful in the file: a line each, ready to print.
     pub warnings: Vec<String>,
-    /// Which way is up by the format's custom: +y for OBJ, +z for STL and PLY.
+    /// Which way is up: as a scene file says, else by the format's custom: +y for OBJ, +z for STL and PLY.
     pub up: DVec3,
 }
 
@@ -70,6 +85,9 @@ pub struct NamedCamera {
     /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, the view's height
     /// alone counts, and whoever makes the picture decides about the rest.
     pub has_size: bool,
+    /// What the file says of it, where that may leave something open: whoever replaces a part of it decides the
+    /// open rest anew.
+    pub description: Option<Description>,
 }
 
 /// How to read a file.
@@ -123,6 +141,7 @@ const FORMATS: &[Format] = &[
         up: DVec3::Z,
         read: stl::read,
     },
+    scene_file::FORMAT,
 ];
 
 /// Reads the file at `path`, its format chosen by its extension.
@@ -139,9 +158,17 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
     if let (true, Some(what)) = (settings.strict, report.dropped()) {
         return Err(parse_error(path, what));
     }
+    let up = if model.up == DVec3::ZERO {
+        format.up
+    } else {
+        model.up
+    };
+    let mut files = vec![path.to_owned()];
+    files.extend(report.take_files());
     Ok(Model {
         warnings: report.into_lines(),
-        up: format.up,
+        files,
+        up,
         ..model
     })
 }
@@ -184,7 +211,7 @@ mod tests {
         assert_eq!(
             error,
             "x.3ds: the extension names no known format; \
-             it must be one of .obj (OBJ), .ply (PLY), .stl (STL)"
+             it must be one of .obj (OBJ), .ply (PLY), .stl (STL), .toml (scene file)"
         );
         assert!(format_of(Path::new("noextension")).is_err());
     }

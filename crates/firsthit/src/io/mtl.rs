@@ -98,7 +98,7 @@ impl Library {
         if let Some(known) = self.pictures.get(&key) {
             return known.clone();
         }
-        let read = picture::sibling(&map.library, &map.name, report.settings());
+        let read = picture::sibling(&map.library, &map.name, report);
         let read = read.map(Arc::new).map_err(|reason| {
             report.warn_in(&map.library, "texture", &Place::Line(map.line), || {
                 let name = escape_controls(&map.name);
@@ -133,6 +133,7 @@ impl Library {
         let path = read::sibling(report.path(), &String::from_utf8_lossy(name))?;
         if self.read.insert(path.clone()) {
             let bytes = read::regular_file(&path).map_err(|error| error.to_string())?;
+            report.note_file(path.clone());
             self.parse(&text::decode(&bytes), &path, report);
         }
         Ok(())

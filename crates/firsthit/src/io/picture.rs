@@ -5,6 +5,7 @@ use std::path::Path;
 
 use image::{ImageFormat, ImageReader, Limits};
 
+use super::report::Report;
 use super::{LoadSettings, read};
 use crate::scene::Texture;
 
@@ -13,17 +14,14 @@ use crate::scene::Texture;
 /// # Errors
 ///
 /// In words, why it is not read.
-pub(super) fn sibling(
-    scene: &Path,
-    name: &str,
-    settings: &LoadSettings,
-) -> Result<Texture, String> {
+pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<Texture, String> {
     let path = read::sibling(scene, name)?;
     let bytes = read::regular_file(&path).map_err(|error| error.to_string())?;
+    report.note_file(path.clone());
     decode(
         &bytes,
         path.extension().and_then(|word| word.to_str()),
-        settings,
+        report.settings(),
     )
 }
 

@@ -54,6 +54,9 @@ pub(super) struct Report {
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
+    /// Warnings of files that this one names, worded.
+    absorbed: Vec<String>,
+    files: Vec<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -71,6 +74,8 @@ impl Report {
             kinds: Vec::new(),
             dropped: 0,
             first_dropped: String::new(),
+            absorbed: Vec::new(),
+            files: Vec::new(),
         }
     }
 
@@ -110,6 +115,22 @@ impl Report {
         }
     }
 
+    /// Takes over what another file's report came to, with the files that were read for it.
+    pub(super) fn absorb(&mut self, lines: Vec<String>, files: Vec<PathBuf>) {
+        self.absorbed.extend(lines);
+        self.files.extend(files);
+    }
+
+    /// Notes a further file that was read, such as a texture.
+    pub(super) fn note_file(&mut self, path: PathBuf) {
+        self.files.push(path);
+    }
+
+    /// The further files that were read.
+    pub(super) fn take_files(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.files)
+    }
+
     /// Notes triangles that cannot be used; `first` words which one came first.
     pub(super) fn drop_triangles(&mut self, count: u64, first: impl FnOnce() -> String) {
         if self.dropped == 0 && count > 0 {
@@ -138,6 +159,6 @@ impl Report {
             1 => kind.line,
             count => format!("{} (and {} more like it)", kind.line, count - 1),
         });
-        worded.chain(dropped).collect()
+        worded.chain(dropped).chain(self.absorbed).collect()
     }
 }

@@ -106,7 +106,7 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
         });
     }
     let scene = report.path().to_owned();
-    match picture::sibling(&scene, &named.name, report.settings()) {
+    match picture::sibling(&scene, &named.name, report) {
         Ok(texture) => Some(TextureMap::new(texture.into(), TextureMap::V_UP)),
         Err(reason) => {
             report.warn("texture", &place, || {
