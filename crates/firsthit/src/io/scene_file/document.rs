@@ -91,9 +91,17 @@ pub(super) fn named(value: &DeValue<'_>) -> String {
         DeValue::Integer(_) | DeValue::Float(_) => "a number of very many digits".to_owned(),
         DeValue::Boolean(value) => value.to_string(),
         DeValue::Datetime(_) => "a date".to_owned(),
+        DeValue::Array(items) if items.len() <= 4 && !items.iter().any(|item| is_nested(item)) => {
+            let items: Vec<String> = items.iter().map(|item| named(item.get_ref())).collect();
+            format!("[{}]", items.join(", "))
+        }
         DeValue::Array(items) => format!("an array of {}", items.len()),
         DeValue::Table(_) => "a table".to_owned(),
     }
+}
+
+fn is_nested(value: &Value<'_>) -> bool {
+    value.get_ref().is_array() || value.get_ref().is_table()
 }
 
 /// A number as float64; of an integer the nearest one.

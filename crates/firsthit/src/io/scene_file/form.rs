@@ -82,7 +82,7 @@ impl Form {
             Self::Triples => "an array of triangles, each three indices of vertices".into(),
             Self::Table(_) | Self::Named(_) => "a table".into(),
             Self::TableOrList(_) => "a table or an array of tables".into(),
-            Self::List(record) => format!("an array of tables, [[{}]]", record.name),
+            Self::List(record) => format!("an array of tables, [[{}s]]", record.name),
         }
     }
 

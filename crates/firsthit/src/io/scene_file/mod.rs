@@ -17,9 +17,6 @@ mod section;
 mod shading;
 mod suggest;
 
-#[cfg(test)]
-mod tests;
-
 pub use output::Output;
 pub use schema::schema;
 

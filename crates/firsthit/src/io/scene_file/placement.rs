@@ -1,6 +1,6 @@
 //! Where an object stands: scale, then rotate, then translate; or a matrix.
 
-use super::document::numbers;
+use super::document::{named, numbers};
 use super::form::{Form, matrix, scale};
 use super::keys::{Key, Pick, Record, Rule, Variant, key};
 use super::section::Section;
@@ -98,8 +98,10 @@ pub(super) fn read(section: &Section<'_, '_>) -> Checked<DAffine3> {
 fn checked(section: &Section<'_, '_>, name: &str, map: DAffine3) -> Checked<DAffine3> {
     match Transform::new(map) {
         Ok(_) => Ok(map),
-        Err(Error::Argument { expected, got, .. }) => {
-            Err(section.fault_at(name, format!("`{name}` must be {expected}, got {got}")))
+        Err(Error::Argument { expected, .. }) => {
+            let got = section.raw(name).map_or_else(String::new, named);
+            let what = format!("`{name}` must make {expected}, got {got}");
+            Err(section.fault_at(name, what))
         }
         Err(error) => Err(error.into()),
     }
