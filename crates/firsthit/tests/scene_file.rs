@@ -420,7 +420,11 @@ fn mistakes_are_told_with_their_place_and_the_right_word() {
         ),
         (
             "[[objects]]\nshape = 'box'\nlow = [0, 0, 0]\nhigh = [1, 1, 1]\nscale = [1, 0, 1]\n",
-            "5:9: `scale` must make an affine map that can be undone, got [1, 0, 1]",
+            "5:9: `scale` must be a factor, or three of them, [x, y, z], none of them zero, got [1, 0, 1]",
+        ),
+        (
+            "[[objects]]\nshape = 'plane'\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nmatrix = [[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 0, 0]]\n",
+            "5:10: `matrix` must make an affine map that can be undone, got an array of 3",
         ),
         (
             "[[objects]]\nshape = 'mesh'\nvertices = [[0, 0, 0]]\ntriangles = [[0, 0, 1]]\n",

@@ -73,7 +73,7 @@ impl Form {
             Self::Color => {
                 "linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\"".into()
             }
-            Self::Scale => "a factor, or three of them, [x, y, z]".into(),
+            Self::Scale => "a factor, or three of them, [x, y, z], none of them zero".into(),
             Self::Quaternion => "four finite numbers, [x, y, z, w], not all zero".into(),
             Self::Matrix => {
                 "three rows of four finite numbers, or four, the last being [0, 0, 0, 1]".into()
@@ -191,7 +191,10 @@ impl Form {
                 array(&json!({"type": "number", "minimum": 0}), 3, 3),
                 {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"},
             ]}),
-            Self::Scale => json!({"oneOf": [number, vector]}),
+            Self::Scale => {
+                let factor = json!({"type": "number", "not": {"const": 0}});
+                json!({"oneOf": [factor, array(&factor, 3, 3)]})
+            }
             Self::Quaternion => nonzero(4),
             Self::Matrix => {
                 let row = array(&number, 4, 4);
@@ -250,11 +253,11 @@ pub(super) fn color(value: &Raw<'_>) -> Option<Color> {
     (color.min_element() >= 0.0).then_some(color)
 }
 
-/// A factor for each axis.
+/// A factor for each axis, none of them zero.
 pub(super) fn scale(value: &Raw<'_>) -> Option<DVec3> {
-    number(value)
-        .map(DVec3::splat)
-        .or_else(|| numbers::<3>(value).map(DVec3::from))
+    let factors = number(value).map(DVec3::splat);
+    let factors = factors.or_else(|| numbers::<3>(value).map(DVec3::from))?;
+    factors.cmpne(DVec3::ZERO).all().then_some(factors)
 }
 
 /// The upper three rows.
