@@ -30,6 +30,7 @@ pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
 fn words(place: &Place) -> String {
     match place {
         Place::Line(line) => format!("line {line}"),
+        Place::Position { line, column } => format!("line {line}, column {column}"),
         Place::Byte(byte) => format!("byte {byte}"),
         _ => String::new(),
     }

@@ -46,7 +46,8 @@ pub(crate) fn run<T: Send>(
     threads: usize,
     work: impl FnOnce(&Stop) -> Result<T> + Send,
 ) -> PyResult<T> {
-    let pool = pool(threads).map_err(|error| PyMemoryError::new_err(format!("threads: {error}")))?;
+    let pool =
+        pool(threads).map_err(|error| PyMemoryError::new_err(format!("threads: {error}")))?;
     let stop = Stop::default();
     let (result, signal) = py.detach(|| {
         std::thread::scope(|scope| {

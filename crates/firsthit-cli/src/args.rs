@@ -26,6 +26,9 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Render the embedded example scene.
     Demo(DemoArgs),
+    /// Print the JSON Schema of scene files, by which editors complete and check them.
+    #[command(after_help = help::SCHEMA_EXAMPLES)]
+    Schema,
     /// Print the completions for a shell, to be sourced or saved.
     #[command(after_help = help::COMPLETIONS_EXAMPLES)]
     Completions {
@@ -37,7 +40,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
-    /// The 3D file: PLY, STL or OBJ
+    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
     pub(crate) file: PathBuf,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -107,17 +110,13 @@ impl From<RayStartArg> for RayStart {
 #[command(next_help_heading = "Output")]
 pub(crate) struct PictureArgs {
     /// Where to write: .png (one channel), .npy (one) or .npz (all); may be given several times.
-    /// {channel} in the name makes a file of each channel [default: the file's name with .png]
+    /// {channel} in the name makes a file of each channel [default: what a scene file asks for, else the
+    /// file's name with .png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// What to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
-    /// normal, position, barycentric, uv, front
-    #[arg(
-        long,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "color"
-    )]
+    /// normal, position, barycentric, uv, front [default: color]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) channels: Vec<String>,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
@@ -182,7 +181,7 @@ pub(crate) struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::SHOOT_EXAMPLES)]
 pub(crate) struct ShootArgs {
-    /// The 3D file: PLY, STL or OBJ
+    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The rays, or only their origins: .npy, .npz or .csv, - for standard input
     pub(crate) rays: PathBuf,
@@ -223,7 +222,7 @@ pub(crate) enum StreamFormat {
 #[derive(Debug, Args)]
 #[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// The 3D file: PLY, STL or OBJ
+    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// As JSON: triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up, warnings
     #[arg(long)]

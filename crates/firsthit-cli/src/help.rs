@@ -11,6 +11,7 @@ Examples:
   firsthit render bunny.ply             frames the model and writes bunny.png
   firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
       -o color.png -o all.npz --channels color,t,z,object,normal
+  firsthit render scene.toml            what a scene file says, as it says
   firsthit shoot part.stl rays.npy -o hits.npz
   firsthit info part.stl --json         what is in the file
 
@@ -48,6 +49,13 @@ pub(crate) const DEMO_EXAMPLES: &str = "\
 Examples:
   firsthit demo
   firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png";
+
+pub(crate) const SCHEMA_EXAMPLES: &str = "\
+Examples:
+  firsthit schema > scene.schema.json
+
+With the line #:schema scene.schema.json at the top of a scene file, editors that know Taplo (Even Better TOML) \
+complete and check it.";
 
 pub(crate) const COMPLETIONS_EXAMPLES: &str = "\
 Examples:

@@ -4,10 +4,10 @@ mod args;
 mod camera;
 mod commands;
 mod console;
+mod exhaustion;
 mod failure;
 mod help;
 mod hints;
-mod exhaustion;
 mod hits_csv;
 mod loading;
 mod output;
@@ -59,6 +59,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),
+        Command::Schema => commands::schema::run(),
         Command::Completions { shell } => commands::completions::run(shell),
     }
 }

@@ -14,6 +14,8 @@ pub(crate) struct Loaded {
     pub(crate) scene: Scene,
     pub(crate) up: firsthit::DVec3,
     pub(crate) warnings: Vec<String>,
+    /// What else the file says: the model without its objects.
+    pub(crate) model: Model,
 }
 
 /// Reads a 3D file; `neutral` is the colour of objects that have none.
@@ -27,20 +29,18 @@ pub(crate) fn read(
         max_memory: args.max_memory,
         max_texture: args.max_texture,
     };
-    let Model {
-        objects,
-        warnings,
-        up,
-        ..
-    } = load(path, &settings)?;
-    let objects = objects.into_iter().map(|object| match neutral {
-        Some(color) if object.materials().is_empty() => object.colored(color),
-        _ => object,
-    });
+    let mut model = load(path, &settings)?;
+    let objects = std::mem::take(&mut model.objects)
+        .into_iter()
+        .map(|object| match neutral {
+            Some(color) if object.materials().is_empty() => object.colored(color),
+            _ => object,
+        });
     Ok(Loaded {
         scene: Scene::new(objects.collect())?,
-        up,
-        warnings,
+        up: model.up,
+        warnings: std::mem::take(&mut model.warnings),
+        model,
     })
 }
 

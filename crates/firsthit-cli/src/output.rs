@@ -90,6 +90,49 @@ pub(crate) struct Target {
     channel: Option<&'static str>,
 }
 
+/// Files that are made together, and what is in them.
+#[derive(Debug)]
+pub(crate) struct Order {
+    pub(crate) kinds: Vec<&'static Kind>,
+    pub(crate) targets: Vec<Target>,
+}
+
+/// What a camera's picture goes to: `outputs`, each with the names of its channels; none of `inputs` may be
+/// among them. Files with the same channels are one order.
+pub(crate) fn orders(
+    outputs: &[(PathBuf, &[String])],
+    inputs: &[&Path],
+    quiet: bool,
+) -> Result<Vec<Order>, Failure> {
+    let mut orders: Vec<Order> = Vec::new();
+    for (path, channels) in outputs {
+        let kinds = kinds(channels, Source::Camera, quiet || !orders.is_empty())?;
+        let made = targets(std::slice::from_ref(path), &kinds, Source::Camera, inputs)?;
+        let names = |kinds: &[&Kind]| kinds.iter().map(|kind| kind.name).collect::<Vec<_>>();
+        match orders
+            .iter_mut()
+            .find(|order| names(&order.kinds) == names(&kinds))
+        {
+            Some(order) => order.targets.extend(made),
+            None => orders.push(Order {
+                kinds,
+                targets: made,
+            }),
+        }
+    }
+    check_paths(orders.iter().flat_map(|order| &order.targets), inputs)?;
+    for order in &orders {
+        check_all_go_somewhere(&order.targets, &order.kinds)?;
+    }
+    Ok(orders)
+}
+
+/// Refuses to write over what was read.
+pub(crate) fn check_not_inputs(orders: &[Order], inputs: &[PathBuf]) -> Result<(), Failure> {
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    check_paths(orders.iter().flat_map(|order| &order.targets), &inputs)
+}
+
 /// The files for the `kinds`; none of `inputs` may be among them.
 pub(crate) fn targets(
     outputs: &[PathBuf],
@@ -178,7 +221,10 @@ pub(crate) fn check_all_go_somewhere(
     }
 }
 
-fn check_paths(targets: &[Target], inputs: &[&Path]) -> Result<(), Failure> {
+fn check_paths<'a>(
+    targets: impl IntoIterator<Item = &'a Target>,
+    inputs: &[&Path],
+) -> Result<(), Failure> {
     let inputs: Vec<PathBuf> = inputs
         .iter()
         .filter_map(|input| input.canonicalize().ok())
@@ -298,8 +344,9 @@ impl Write for Stoppable<'_> {
 }
 
 /// The files' names, for a line of text.
-pub(crate) fn names(targets: &[Target]) -> String {
-    let names: Vec<String> = targets.iter().map(|target| escaped(&target.path)).collect();
+pub(crate) fn names<'a>(targets: impl IntoIterator<Item = &'a Target>) -> String {
+    let targets = targets.into_iter();
+    let names: Vec<String> = targets.map(|target| escaped(&target.path)).collect();
     names.join(", ")
 }
 

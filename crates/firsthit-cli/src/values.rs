@@ -36,7 +36,10 @@ fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f
 /// A number of bytes, such as `500M`.
 pub(crate) fn memory(text: &str) -> Result<u64, String> {
     let text = text.trim();
-    let unit = text.chars().next_back().map(|unit| unit.to_ascii_uppercase());
+    let unit = text
+        .chars()
+        .next_back()
+        .map(|unit| unit.to_ascii_uppercase());
     let shift = match unit {
         Some('K') => 10,
         Some('M') => 20,
@@ -44,7 +47,11 @@ pub(crate) fn memory(text: &str) -> Result<u64, String> {
         Some('T') => 40,
         _ => 0,
     };
-    let digits = if shift == 0 { text } else { &text[..text.len() - 1] };
+    let digits = if shift == 0 {
+        text
+    } else {
+        &text[..text.len() - 1]
+    };
     let bytes: Option<u64> = digits.trim().parse().ok();
     bytes
         .and_then(|number| number.checked_mul(1 << shift))

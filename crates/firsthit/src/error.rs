@@ -91,6 +91,13 @@ pub enum Place {
     File,
     /// A line of a text file, counted from 1.
     Line(u64),
+    /// A line of a text file and a character in it, both counted from 1.
+    Position {
+        /// The line.
+        line: u64,
+        /// The column.
+        column: u64,
+    },
     /// An offset into a binary file, counted from 0.
     Byte(u64),
 }
@@ -100,6 +107,7 @@ impl fmt::Display for Place {
         match self {
             Self::File => Ok(()),
             Self::Line(line) => write!(f, ":{line}"),
+            Self::Position { line, column } => write!(f, ":{line}:{column}"),
             Self::Byte(byte) => write!(f, " @ byte {byte}"),
         }
     }

@@ -23,7 +23,12 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("scene", &["geometry", "shape", "accel"]),
     ("shoot", &["geometry", "shape", "accel", "scene"]),
     ("shade", &["geometry", "scene", "shoot"]),
-    ("io", &["geometry", "camera", "shape", "scene"]),
+    (
+        "io",
+        &[
+            "geometry", "camera", "shape", "scene", "shade", "channel", "image",
+        ],
+    ),
     (
         "channel",
         &["geometry", "camera", "scene", "shoot", "shade", "image"],

@@ -30,6 +30,7 @@ fn as_json(loaded: &Loaded) -> Value {
         scene,
         up,
         warnings,
+        ..
     } = loaded;
     let object = |object: &Object| {
         json!({

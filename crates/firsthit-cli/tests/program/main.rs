@@ -13,6 +13,7 @@ mod info;
 mod interrupts;
 mod issue;
 mod rays;
+mod scene_file;
 mod shoot;
 mod support;
 mod usage;

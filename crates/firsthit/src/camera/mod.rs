@@ -1,10 +1,13 @@
 //! Pixel to ray. A file per camera model, and one for the cameras that are made from a target.
 
 mod aim_at;
+mod description;
 mod orthographic;
 mod perspective;
 
 use std::str::FromStr;
+
+pub use description::{Aim, Description, Lens};
 
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, Ray, Rays, unit};

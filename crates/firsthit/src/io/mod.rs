@@ -23,17 +23,21 @@ mod ply;
 mod polygon;
 mod read;
 mod report;
+mod scene_file;
 mod stl;
 mod surface;
 mod text;
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::camera::View;
+pub use scene_file::{Output, schema};
+
+use crate::camera::{Description, View};
 use crate::error::{Error, Place, Result};
 use crate::geometry::DVec3;
 use crate::scene::{Background, Light, Object};
+use crate::shade::Shader;
 use report::{Checked, Report, without_gz};
 
 /// What a file holds.
@@ -45,11 +49,22 @@ pub struct Model {
     pub cameras: Vec<NamedCamera>,
     /// The lights.
     pub lights: Vec<Light>,
+    /// Whether the first camera is the one to look through where nobody asks for another: scene files say
+    /// how they are to be seen, models only how they can be.
+    pub has_view: bool,
     /// What rays see that meet nothing, if the file says.
     pub background: Option<Background>,
+    /// How hits get their colour, if the file says.
+    pub shader: Option<Shader>,
+    /// How many points of a pixel make its colour, if the file says.
+    pub samples: Option<u32>,
+    /// The files that it asks for.
+    pub outputs: Vec<Output>,
+    /// The files that were read for it, itself first.
+    pub files: Vec<PathBuf>,
     /// What was doubtful in the file: a line each, ready to print.
     pub warnings: Vec<String>,
-    /// Which way is up by the format's custom: +y for OBJ, +z for STL and PLY.
+    /// Which way is up: as a scene file says, else by the format's custom: +y for OBJ, +z for STL and PLY.
     pub up: DVec3,
 }
 
@@ -72,6 +87,9 @@ pub struct NamedCamera {
     /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, the view's height
     /// alone counts, and whoever makes the picture decides about the rest.
     pub has_size: bool,
+    /// What the file says of it, where that may leave something open: whoever replaces a part of it decides the
+    /// open rest anew.
+    pub description: Option<Description>,
 }
 
 /// How to read a file.
@@ -126,6 +144,7 @@ const FORMATS: &[Format] = &[
         up: DVec3::Z,
         read: stl::read,
     },
+    scene_file::FORMAT,
 ];
 
 /// Reads the file at `path`, its format chosen by its extension. Packed by gzip, it is unpacked; its
@@ -139,7 +158,23 @@ const FORMATS: &[Format] = &[
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
     let format = format_of(path)?;
     let bytes = read::regular_file(path, settings.max_memory)?;
-    model(format, bytes.into(), Report::new(path, *settings))
+    model(format, bytes.into(), &mut Report::new(path, *settings))
+}
+
+/// [`load`] for a file that another one names: from the memory that is left to that one, whose report takes
+/// over this one's.
+fn load_part(path: &Path, whole: &mut Report) -> Result<Model> {
+    let format = format_of(path)?;
+    let bytes = read::regular_file(path, whole.settings().max_memory)?;
+    let mut report = Report::new(path, *whole.settings());
+    let mut model = model(format, bytes.into(), &mut report)?;
+    let warnings = std::mem::take(&mut model.warnings);
+    whole.absorb(
+        report.settings(),
+        warnings,
+        std::mem::take(&mut model.files),
+    );
+    Ok(model)
 }
 
 /// Reads a file's content from memory. `name` is what messages call it; its extension tells the format.
@@ -150,14 +185,11 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
 /// Those of [`load`], but for [`Error::Read`].
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Model> {
     let format = format_of(name)?;
-    model(
-        format,
-        bytes.into(),
-        Report::new(name, *settings).in_memory(),
-    )
+    let mut report = Report::new(name, *settings).in_memory();
+    model(format, bytes.into(), &mut report)
 }
 
-fn model(format: &Format, bytes: Cow<'_, [u8]>, mut report: Report) -> Result<Model> {
+fn model(format: &Format, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
     let path = &report.path().to_owned();
     let strict = report.settings().strict;
     let read = |report: &mut Report| {
@@ -165,13 +197,21 @@ fn model(format: &Format, bytes: Cow<'_, [u8]>, mut report: Report) -> Result<Mo
         let bytes = gzip::unpacked(bytes, report)?;
         (format.read)(&bytes, report)
     };
-    let model = read(&mut report).map_err(|fault| fault.into_error(path))?;
+    let model = read(report).map_err(|fault| fault.into_error(path))?;
     if let (true, Some(what)) = (strict, report.dropped()) {
         return Err(parse_error(path, what));
     }
+    let up = if model.up == DVec3::ZERO {
+        format.up
+    } else {
+        model.up
+    };
+    let mut files = vec![path.to_owned()];
+    files.extend(report.take_files());
     Ok(Model {
-        warnings: report.into_lines(),
-        up: format.up,
+        warnings: report.take_lines(),
+        files,
+        up,
         ..model
     })
 }
@@ -216,7 +256,7 @@ mod tests {
         assert_eq!(
             error,
             "x.3ds: the extension names no known format; \
-             it must be one of .obj (OBJ), .ply (PLY), .stl (STL)"
+             it must be one of .obj (OBJ), .ply (PLY), .stl (STL), .toml (scene file)"
         );
         assert!(format_of(Path::new("noextension")).is_err());
     }

@@ -353,7 +353,7 @@ mod tests {
         assert_eq!(look(b"c"), Ok(None));
         assert_eq!(look(b"d"), Err(UnknownMaterial));
         assert_eq!(
-            report.into_lines(),
+            report.take_lines(),
             [
                 "x.mtl:5: Kd must be finite and not negative, got [1, 0, NaN]",
                 "x.mtl:6: of textures only map_Kd and map_d are read, not bump 'x.png'",

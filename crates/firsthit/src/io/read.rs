@@ -55,6 +55,7 @@ pub(super) fn sibling_content(
     let read = |report: &mut Report| {
         let bytes = regular_file(path, report.settings().max_memory)?;
         report.spend(bytes.len() as u64, "its content")?;
+        report.note_file(path.to_owned());
         Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
     };
     read(report).map_err(|fault: Fault| fault.into_error(path).to_string())
@@ -94,6 +95,35 @@ pub(super) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, 
     let metadata = fs::metadata(&path).map_err(|error| error.to_string())?;
     check_regular(&metadata).map_err(|error| error.to_string())?;
     Ok(path)
+}
+
+/// The file that a scene at `scene` wants written as `name`, under the scene's folder. It need not be there,
+/// nor need its folder.
+///
+/// # Errors
+///
+/// In words, why it is refused.
+pub(super) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+    check_name(name)?;
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let path = folder.join(name);
+    let top = match folder {
+        folder if folder == Path::new("") => Path::new("."),
+        folder => folder,
+    };
+    let top = top.canonicalize().map_err(|error| error.to_string())?;
+    // Whatever is there already, on the way or at its end, must not lead out of the folder. What is not there
+    // yet cannot be a link.
+    let there = path.ancestors().find_map(|part| part.canonicalize().ok());
+    let is_within = there.is_none_or(|there| there.starts_with(&top));
+    let is_link = path
+        .ancestors()
+        .any(|part| part.is_symlink() && part.canonicalize().is_err());
+    if is_within && !is_link {
+        Ok(path)
+    } else {
+        Err("refused: it leads outside the scene's folder".to_owned())
+    }
 }
 
 /// Refuses every name that is not plainly a relative path downwards, on any system.

@@ -80,6 +80,9 @@ pub(super) struct Report {
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
+    /// Warnings of files that this one names, worded.
+    absorbed: Vec<String>,
+    files: Vec<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -98,6 +101,8 @@ impl Report {
             kinds: Vec::new(),
             dropped: 0,
             first_dropped: String::new(),
+            absorbed: Vec::new(),
+            files: Vec::new(),
         }
     }
 
@@ -175,6 +180,29 @@ impl Report {
         }
     }
 
+    /// Takes over what another file's report came to: what memory it left, what it said, and the files
+    /// that were read for it.
+    pub(super) fn absorb(
+        &mut self,
+        settings: &LoadSettings,
+        lines: Vec<String>,
+        files: Vec<PathBuf>,
+    ) {
+        self.settings.max_memory = settings.max_memory;
+        self.absorbed.extend(lines);
+        self.files.extend(files);
+    }
+
+    /// Notes a further file that was read, such as a texture.
+    pub(super) fn note_file(&mut self, path: PathBuf) {
+        self.files.push(path);
+    }
+
+    /// The further files that were read.
+    pub(super) fn take_files(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.files)
+    }
+
     /// Notes triangles that cannot be used; `first` words which one came first.
     pub(super) fn drop_triangles(&mut self, count: u64, first: impl FnOnce() -> String) {
         if self.dropped == 0 && count > 0 {
@@ -195,14 +223,16 @@ impl Report {
     }
 
     /// The warnings, ready to print.
-    pub(super) fn into_lines(self) -> Vec<String> {
+    pub(super) fn take_lines(&mut self) -> Vec<String> {
         let dropped = self
             .dropped()
             .map(|what| format!("{}: dropped: {what}", escaped(&self.path)));
-        let worded = self.kinds.into_iter().map(|kind| match kind.count {
+        let worded = std::mem::take(&mut self.kinds);
+        let worded = worded.into_iter().map(|kind| match kind.count {
             1 => kind.line,
             count => format!("{} (and {} more like it)", kind.line, count - 1),
         });
-        worded.chain(dropped).collect()
+        let absorbed = std::mem::take(&mut self.absorbed);
+        worded.chain(dropped).chain(absorbed).collect()
     }
 }
