@@ -187,7 +187,7 @@ mod unix {
     use firsthit::image::write_whole;
 
     fn write_text(path: &Path, text: &str) {
-        write_whole(path, |out| out.write_all(text.as_bytes())).unwrap();
+        write_whole(path, &(), |out| out.write_all(text.as_bytes())).unwrap();
     }
 
     #[test]
@@ -231,7 +231,7 @@ mod unix {
         }
         let ring = folder.path().join("ring.png");
         symlink("ring.png", &ring).unwrap();
-        let message = write_whole(&ring, |_| Ok(())).unwrap_err().to_string();
+        let message = write_whole(&ring, &(), |_| Ok(())).unwrap_err().to_string();
         assert!(message.ends_with("too many symbolic links"), "{message}");
     }
 
