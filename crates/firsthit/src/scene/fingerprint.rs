@@ -1,9 +1,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Light, Object, Scene};
+use super::{AlphaMode, Filter, Light, Material, Object, Scene, TextureMap, Wrap};
 use crate::geometry::Digest;
-use crate::shape::{Shape, Surface};
+use crate::shape::Surface;
 
 impl Scene {
     /// A fingerprint of what can be seen: shapes, transforms, colours, lights. Scenes with the same one
@@ -37,22 +37,91 @@ impl Scene {
     }
 }
 
-/// `known` are the shared shapes that were met before, by where they are in memory.
-fn digest_object(object: &Object, known: &mut HashMap<usize, [u8; 32]>, digest: &mut Digest) {
+/// What was met before, by where it is in memory: objects share meshes, and materials textures.
+type Known = HashMap<usize, [u8; 32]>;
+
+fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
     let of_shape = || {
         let mut digest = Digest::default();
         object.shape().digest(&mut digest);
         digest.finish()
     };
-    let shape = match object.shape() {
-        Shape::Mesh(mesh) => *known
-            .entry(Arc::as_ptr(mesh) as usize)
-            .or_insert_with(of_shape),
-        _ => of_shape(),
+    let shape = match object.mesh() {
+        Some(mesh) => *(known.entry(Arc::as_ptr(mesh).addr())).or_insert_with(of_shape),
+        None => of_shape(),
     };
     digest.bytes(&shape);
     digest.numbers(&object.transform().world_from_object().to_cols_array());
-    digest.vector(object.color());
+    // Nobody's look is the neutral colour, whoever chose it.
+    let neutral = [Material::colored(Object::NEUTRAL)];
+    let materials = if object.materials().is_empty() {
+        &neutral[..]
+    } else {
+        object.materials()
+    };
+    digest.count(materials.len());
+    for material in materials {
+        digest_material(material, known, digest);
+    }
+}
+
+/// All but `double_sided`, which changes no picture.
+fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) {
+    let Material {
+        color,
+        alpha,
+        texture,
+        alpha_texture,
+        alpha_mode,
+        unlit,
+        double_sided: _,
+    } = material;
+    digest.vector(*color);
+    digest.numbers(&[*alpha, f64::from(*unlit)]);
+    match alpha_mode {
+        AlphaMode::Opaque => digest.word("opaque"),
+        AlphaMode::Mask { cutoff } => {
+            digest.word("mask");
+            digest.numbers(&[*cutoff]);
+        }
+        AlphaMode::Blend => digest.word("blend"),
+    }
+    for map in [texture, alpha_texture] {
+        digest.count(usize::from(map.is_some()));
+        if let Some(map) = map {
+            digest_map(map, known, digest);
+        }
+    }
+}
+
+fn digest_map(map: &TextureMap, known: &mut Known, digest: &mut Digest) {
+    let TextureMap {
+        texture,
+        wrap,
+        filter,
+        picture_from_uv,
+    } = map;
+    let of_texture = || {
+        let mut digest = Digest::default();
+        digest.count(texture.columns());
+        digest.count(texture.rows());
+        digest.bytes(texture.texels().as_flattened());
+        digest.finish()
+    };
+    let texels = *(known.entry(Arc::as_ptr(texture).addr())).or_insert_with(of_texture);
+    digest.bytes(&texels);
+    for wrap in wrap {
+        digest.word(match wrap {
+            Wrap::Repeat => "repeat",
+            Wrap::Mirror => "mirror",
+            Wrap::Clamp => "clamp",
+        });
+    }
+    digest.word(match filter {
+        Filter::Nearest => "nearest",
+        Filter::Linear => "linear",
+    });
+    digest.numbers(picture_from_uv.as_flattened());
 }
 
 fn digest_light(light: &Light, digest: &mut Digest) {

@@ -1,6 +1,6 @@
-use std::sync::Arc;
+mod digest;
 
-use rayon::prelude::*;
+use std::sync::Arc;
 
 use super::attribute::check_indices;
 use super::triangle::{Shear, TriangleHit};
@@ -256,44 +256,6 @@ impl Mesh {
     }
 }
 
-/// How many triangles become one part of a digest: a constant, because the parts show in the result.
-const DIGESTED_AT_ONCE: usize = 4096;
-
-impl Mesh {
-    /// A digest of some triangles, with all that is known about them.
-    fn digest_of(&self, triangles: std::ops::Range<usize>) -> [u8; 32] {
-        let mut numbers = Vec::with_capacity(triangles.len() * 9);
-        for triangle in triangles.clone() {
-            let corners = self.corners(triangle);
-            numbers.extend(corners.iter().flat_map(DVec3::to_array));
-        }
-        for triangle in triangles.clone() {
-            numbers.push(self.face(triangle) as f64);
-        }
-        let mut digest = Digest::default();
-        digest.numbers(&numbers);
-        self.digest_attribute(self.normals.as_ref(), triangles.clone(), &mut digest);
-        self.digest_attribute(self.uvs.as_ref(), triangles.clone(), &mut digest);
-        self.digest_attribute(self.colors.as_ref(), triangles, &mut digest);
-        digest.finish()
-    }
-
-    fn digest_attribute<const N: usize>(
-        &self,
-        attribute: Option<&Attribute<N>>,
-        triangles: std::ops::Range<usize>,
-        digest: &mut Digest,
-    ) {
-        digest.count(usize::from(attribute.is_some()));
-        if let Some(attribute) = attribute {
-            let values =
-                triangles.flat_map(|k| attribute.at_corners(k, self.triangles[k]).into_iter());
-            let numbers: Vec<f64> = values.flatten().map(f64::from).collect();
-            digest.numbers(&numbers);
-        }
-    }
-}
-
 impl Surface for Arc<Mesh> {
     fn bounds(&self) -> Bounds {
         Mesh::bounds(self)
@@ -323,19 +285,8 @@ impl Surface for Arc<Mesh> {
         usize::try_from(primitive).map_or(DVec3::NAN, |triangle| Mesh::normal(self, triangle))
     }
 
-    /// Of what the triangles' corners are, not of how they are stored: neither the order of the vertices
-    /// nor those that no triangle uses make a difference.
     fn digest(&self, digest: &mut Digest) {
-        let count = self.triangles.len();
-        digest.count(count);
-        let parts: Vec<[u8; 32]> = (0..count.div_ceil(DIGESTED_AT_ONCE))
-            .into_par_iter()
-            .map(|part| {
-                let first = part * DIGESTED_AT_ONCE;
-                self.digest_of(first..count.min(first + DIGESTED_AT_ONCE))
-            })
-            .collect();
-        digest.bytes(parts.as_flattened());
+        Mesh::digest(self, digest);
     }
 }
 
