@@ -16,7 +16,7 @@ identifiers and ``nan`` elsewhere.
 from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
-from ._frame import Frame, render
+from ._frame import Frame, read_metadata, render
 from ._hits import Hits
 from ._info import info
 from ._lights import DirectionalLight, PointLight, Sky
@@ -53,5 +53,6 @@ __all__ = [
     "Texture",
     "info",
     "load",
+    "read_metadata",
     "render",
 ]

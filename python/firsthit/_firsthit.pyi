@@ -19,8 +19,10 @@ __all__ = [
     "check_material",
     "check_transform",
     "load",
+    "metadata",
     "occluded",
     "png",
+    "read",
     "render",
     "run_program",
     "shoot",
@@ -148,8 +150,20 @@ def render(
     shading: tuple[str, list[_Vector], _Vector | None, bool],
     samples: int,
     threads: int,
-) -> list[npt.NDArray[Any]]: ...
+) -> tuple[list[npt.NDArray[Any]], str]: ...
+def metadata(
+    shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]], origin: str
+) -> str: ...
 def write(
-    path: Path, shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]]
+    path: Path,
+    shape: Sequence[int],
+    channels: Sequence[tuple[str, npt.NDArray[Any]]],
+    origin: str,
+    png_scale: float | None,
 ) -> None: ...
+def read(
+    path: Path,
+) -> tuple[
+    list[tuple[str | None, list[int], npt.NDArray[Any], str]], str | None, list[str]
+]: ...
 def png(shape: Sequence[int], name: str, values: npt.NDArray[Any]) -> bytes: ...

@@ -85,7 +85,7 @@ pub(super) fn write_with_sidecar(
 }
 
 /// Where the metadata of an array is: `x.npy.json` beside `x.npy`.
-pub(super) fn sidecar_of(path: &Path) -> PathBuf {
+pub fn sidecar_of(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".json");
     PathBuf::from(name)

@@ -100,6 +100,11 @@ impl Frame {
         Self { origin, ..self }
     }
 
+    /// Where it comes from.
+    pub fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
     /// What there is to be said about it and its channels.
     pub fn metadata(&self) -> Metadata {
         let all: Vec<&Channel> = self.channels.iter().collect();

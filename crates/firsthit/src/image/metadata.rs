@@ -152,8 +152,8 @@ pub enum Encoding {
     Picture,
 }
 
-/// Where a frame comes from: what no channel knows.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// Where a frame comes from: what no channel knows. In JSON, the part of [`Metadata`] with these names.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Origin {
     /// The scene's fingerprint, such as that of `Scene::fingerprint`.
     pub scene: Option<String>,
@@ -161,6 +161,19 @@ pub struct Origin {
     pub camera: Option<CameraRecord>,
     /// How many points of a pixel its colour is the mean of, if there are colours.
     pub samples: Option<u32>,
+}
+
+impl Encoding {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Rounded => "rounded",
+            Self::TwosComplement => "two's complement",
+            Self::Steps => "steps",
+            Self::Picture => "to look at",
+        }
+    }
 }
 
 impl Metadata {
@@ -189,15 +202,6 @@ impl Metadata {
                 .map(|channel| ChannelRecord::of(channel, camera.is_some(), stored(channel)))
                 .collect(),
             camera,
-        }
-    }
-
-    /// What was to be said again about a frame in memory.
-    pub fn origin(&self) -> Origin {
-        Origin {
-            scene: self.scene.clone(),
-            camera: self.camera.clone(),
-            samples: self.samples,
         }
     }
 

@@ -23,7 +23,7 @@ mod steps;
 
 pub use colormap::legend;
 pub use compare::{Difference, compare};
-pub use file::write_whole;
+pub use file::{sidecar_of, write_whole};
 pub use format::{
     FORMATS, Format, Holds, WriteSettings, format_named, format_of, write, write_channel,
 };

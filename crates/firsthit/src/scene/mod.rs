@@ -128,9 +128,17 @@ impl Scene {
     /// The same scene with lights that nobody asked for, such as one that goes with the camera: they are
     /// not part of its [fingerprint](Self::fingerprint).
     pub fn with_borrowed_lights(self, lights: Vec<Light>) -> Self {
+        let has_none = self.lights.is_empty() || !self.has_own_lights;
         Self {
+            // Made already, it is still true.
+            fingerprint: if has_none {
+                self.fingerprint
+            } else {
+                OnceLock::new()
+            },
+            lights,
             has_own_lights: false,
-            ..self.with_lights(lights)
+            ..self
         }
     }
 

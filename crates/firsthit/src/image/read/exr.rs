@@ -10,7 +10,7 @@ use exr::meta::header::Header;
 use exr::prelude::{Vec2, f16};
 
 use super::super::metadata::{ChannelRecord, Encoding, KEY};
-use super::{Array, Metadata, Numbers, Output, elements, metadata_of};
+use super::{Array, Metadata, Numbers, Output, collected, elements, metadata_of};
 
 /// Every channel of every flat layer, at full resolution: components put together as the metadata say,
 /// or as names that programs agree on do.
@@ -24,7 +24,8 @@ fn decode_checked(bytes: &[u8]) -> Result<Output, String> {
     let words = |error: exr::error::Error| crate::error::escape_controls(&error.to_string());
     let reader = exr::block::read(Cursor::new(bytes), false).map_err(words)?;
     check_claims(reader.headers(), bytes.len())?;
-    let mut planes: Vec<Planes> = reader.headers().iter().map(Planes::of).collect();
+    let planes: Result<Vec<Planes>, String> = reader.headers().iter().map(Planes::of).collect();
+    let mut planes = planes?;
     let mut output = Output::default();
     let text = reader.headers().iter().find_map(text);
     output.metadata = metadata_of(text.as_deref(), &mut output.notes);
@@ -46,7 +47,7 @@ fn decode_checked(bytes: &[u8]) -> Result<Output, String> {
     for layer in planes {
         output
             .arrays
-            .extend(layer.into_arrays(output.metadata.as_ref()));
+            .extend(layer.into_arrays(output.metadata.as_ref())?);
     }
     Ok(output)
 }
@@ -94,98 +95,114 @@ struct Planes {
 }
 
 impl Planes {
-    fn of(header: &Header) -> Self {
+    fn of(header: &Header) -> Result<Self, String> {
         let Vec2(columns, rows) = header.layer_size;
-        let prefix = header
-            .own_attributes
-            .layer_name
-            .as_ref()
-            .map_or(String::new(), |name| format!("{name}."));
-        let channels = &header.channels.list;
-        Self {
-            prefix,
+        let name = header.own_attributes.layer_name.as_ref();
+        let mut planes = Self {
+            prefix: name.map_or(String::new(), |name| format!("{name}.")),
             rows,
             columns,
-            types: channels
-                .iter()
-                .map(|c| (c.name.to_string(), c.sample_type))
-                .collect(),
-            samples: (channels.iter())
-                .map(|c| (c.name.to_string(), vec![0; rows * columns]))
-                .collect(),
+            types: BTreeMap::new(),
+            samples: BTreeMap::new(),
+        };
+        for channel in &header.channels.list {
+            let count = rows * columns;
+            let samples = collected(count, std::iter::repeat_n(0, count))?;
+            let name = channel.name.to_string();
+            planes.types.insert(name.clone(), channel.sample_type);
+            planes.samples.insert(name, samples);
         }
+        Ok(planes)
     }
 
     /// The channels that `metadata` know, then those that go together by custom, then the others.
-    fn into_arrays(mut self, metadata: Option<&Metadata>) -> Vec<Array> {
+    fn into_arrays(mut self, metadata: Option<&Metadata>) -> Result<Vec<Array>, String> {
         let mut arrays = Vec::new();
         let records = metadata.map_or(&[][..], |metadata| &metadata.channels);
-        for record in records {
-            arrays.extend(self.recorded(record));
+        for ChannelRecord { name, stored, .. } in records {
+            if let Some(stored) = stored {
+                let is_signed = stored.encoding == Encoding::TwosComplement;
+                arrays.extend(self.take(name, &stored.names, is_signed)?);
+            }
         }
         for (name, components) in CUSTOM {
             let names: Vec<String> = components.iter().map(|&name| name.to_owned()).collect();
-            arrays.extend(self.take(name, &names, false));
+            arrays.extend(self.take(name, &names, false)?);
         }
         let others: Vec<String> = self.samples.keys().cloned().collect();
         for name in others {
             let full = format!("{}{name}", self.prefix);
-            arrays.extend(self.take(&full, &[name], false));
+            arrays.extend(self.take(&full, &[name], false)?);
         }
-        arrays
-    }
-
-    fn recorded(&mut self, record: &ChannelRecord) -> Option<Array> {
-        let stored = record.stored.as_ref()?;
-        let is_signed = stored.encoding == Encoding::TwosComplement;
-        self.take(&record.name, &stored.names, is_signed)
+        Ok(arrays)
     }
 
     /// The channels called `names` as one array, if all are there and of one type; they are then gone.
-    fn take(&mut self, name: &str, names: &[String], is_signed: bool) -> Option<Array> {
-        let kind = *self.types.get(names.first()?)?;
+    fn take(
+        &mut self,
+        name: &str,
+        names: &[String],
+        is_signed: bool,
+    ) -> Result<Option<Array>, String> {
+        let Some(&kind) = names.first().and_then(|name| self.types.get(name)) else {
+            return Ok(None);
+        };
         let is_there =
             |name: &String| self.samples.contains_key(name) && self.types.get(name) == Some(&kind);
         if !names.iter().all(is_there) {
-            return None;
+            return Ok(None);
         }
-        let planes: Vec<Vec<u32>> = names
-            .iter()
+        let planes: Vec<Vec<u32>> = (names.iter())
             .filter_map(|name| self.samples.remove(name))
             .collect();
         // A record that names a channel twice.
         if planes.len() != names.len() {
-            return None;
+            return Ok(None);
         }
-        let bits = || {
-            (0..self.rows * self.columns)
-                .flat_map(|k| planes.iter().filter_map(move |plane| plane.get(k).copied()))
-        };
-        let (dtype, numbers) = match kind {
-            SampleType::F32 => (
-                "float32",
-                Numbers::Float32(bits().map(f32::from_bits).collect()),
-            ),
-            SampleType::F16 => ("float16", Numbers::Float32(bits().map(half).collect())),
-            SampleType::U32 if is_signed => {
-                let signed = bits().map(|bits| i64::from(bits.cast_signed()));
-                ("uint32", Numbers::Integer(signed.collect()))
-            }
-            SampleType::U32 => ("uint32", Numbers::Integer(bits().map(i64::from).collect())),
-        };
+        let (dtype, numbers) = interleaved(&planes, kind, is_signed)?;
         let mut shape = vec![self.rows, self.columns];
         if names.len() > 1 {
             shape.push(names.len());
         }
-        Some(Array {
+        Ok(Some(Array {
             name: Some(name.to_owned()),
             shape,
             components: names.len(),
             numbers,
             dtype: dtype.to_owned(),
             is_picture: false,
-        })
+        }))
     }
+}
+
+/// The samples of several planes, all of the first pixel, then all of the second; and their type's name.
+fn interleaved(
+    planes: &[Vec<u32>],
+    kind: SampleType,
+    is_signed: bool,
+) -> Result<(&'static str, Numbers), String> {
+    let pixels = planes.first().map_or(0, Vec::len);
+    let count = pixels * planes.len();
+    let of_pixel = |k: usize| planes.iter().filter_map(move |plane| plane.get(k).copied());
+    let bits = (0..pixels).flat_map(of_pixel);
+    Ok(match kind {
+        SampleType::F32 => {
+            let singles = collected(count, bits.map(f32::from_bits))?;
+            ("float32", Numbers::Float32(singles))
+        }
+        SampleType::F16 => {
+            let singles = collected(count, bits.map(half))?;
+            ("float16", Numbers::Float32(singles))
+        }
+        SampleType::U32 if is_signed => {
+            let signed = collected(count, bits.map(|bits| i64::from(bits.cast_signed())))?;
+            ("uint32", Numbers::Integer(signed))
+        }
+        SampleType::U32 => {
+            let unsigned = collected(count, bits.map(i64::from))?;
+            ("uint32", Numbers::Integer(unsigned))
+        }
+    })
 }
 
 /// What programs agree to call what is in a picture.

@@ -190,6 +190,18 @@ fn elements(shape: &[u64], bytes_each: u64) -> std::result::Result<usize, String
         .ok_or_else(|| format!("{shape:?} numbers are over the limit of {MOST_BYTES} bytes"))
 }
 
+/// `values` in memory, if there is room for `count` of them.
+fn collected<T>(
+    count: usize,
+    values: impl Iterator<Item = T>,
+) -> std::result::Result<Vec<T>, String> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(count)
+        .map_err(|_| format!("no memory is free for its {count} numbers"))?;
+    all.extend(values.take(count));
+    Ok(all)
+}
+
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused.
 fn regular_file(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let refuse = |source| Error::Read {

@@ -3,7 +3,7 @@ use std::io::Cursor;
 use png::{BitDepth, Decoder, Limits, Transformations};
 
 use super::super::metadata::{Encoding, KEY};
-use super::{Array, MOST_BYTES, Numbers, Output, elements, metadata_of, only_channel};
+use super::{Array, MOST_BYTES, Numbers, Output, collected, elements, metadata_of, only_channel};
 
 /// The picture: distances where it holds steps of them, else its samples.
 pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
@@ -25,7 +25,7 @@ pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
         ));
     }
     let size = reader.output_buffer_size().ok_or("is too large")?;
-    let mut samples = vec![0; size];
+    let mut samples = collected(size, std::iter::repeat_n(0, size))?;
     reader
         .next_frame(&mut samples)
         .map_err(|error| error.to_string())?;
@@ -35,12 +35,15 @@ pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
     let text = text.map(|text| text.text.as_str());
     output.metadata = metadata_of(text, &mut output.notes);
     let (dtype, whole) = match depth {
-        BitDepth::Sixteen => ("uint16", sixteen(&samples)),
-        _ => ("uint8", samples.into_iter().map(i64::from).collect()),
+        BitDepth::Sixteen => ("uint16", collected(count, sixteen(&samples))?),
+        _ => (
+            "uint8",
+            collected(count, samples.into_iter().map(i64::from))?,
+        ),
     };
     let channel = only_channel(output.metadata.as_ref());
     let (numbers, is_picture) = match channel {
-        Some((_, Encoding::Steps, Some(scale))) => (distances(&whole, scale), false),
+        Some((_, Encoding::Steps, Some(scale))) => (distances(&whole, scale)?, false),
         Some((_, Encoding::Picture, _)) | None => (Numbers::Integer(whole), true),
         Some(_) => (Numbers::Integer(whole), false),
     };
@@ -59,19 +62,13 @@ pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
     Ok(output)
 }
 
-fn sixteen(samples: &[u8]) -> Vec<i64> {
-    let pairs = samples.chunks_exact(2);
-    pairs
-        .map(|pair| {
-            i64::from(u16::from_be_bytes(
-                <[u8; 2]>::try_from(pair).unwrap_or_default(),
-            ))
-        })
-        .collect()
+fn sixteen(samples: &[u8]) -> impl Iterator<Item = i64> {
+    let number = |pair| u16::from_be_bytes(<[u8; 2]>::try_from(pair).unwrap_or_default());
+    samples.chunks_exact(2).map(move |pair| number(pair).into())
 }
 
 /// Steps as distances: 0 is a miss.
-fn distances(steps: &[i64], scale: f64) -> Numbers {
+fn distances(steps: &[i64], scale: f64) -> Result<Numbers, String> {
     let distance = |&steps: &i64| {
         if steps == 0 {
             f64::INFINITY
@@ -79,5 +76,5 @@ fn distances(steps: &[i64], scale: f64) -> Numbers {
             scale * steps as f64
         }
     };
-    Numbers::Float64(steps.iter().map(distance).collect())
+    collected(steps.len(), steps.iter().map(distance)).map(Numbers::Float64)
 }
