@@ -107,9 +107,7 @@ class Frame:
         if self._origin == "{}":
             return {}
         channels = [(name, array.reshape(-1)[:0]) for name, array in self._channels.items()]
-        made: dict[str, Any] = json.loads(
-            _firsthit.metadata(self._shape, channels, self._origin)
-        )
+        made: dict[str, Any] = json.loads(_firsthit.metadata(self._shape, channels, self._origin))
         return made
 
     @property
