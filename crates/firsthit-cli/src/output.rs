@@ -307,6 +307,12 @@ pub(crate) fn write(
 ) -> Result<Vec<String>, Failure> {
     let watch = Interrupt(interrupted);
     let mut lines = Vec::new();
+    // All of them, or none because of what one cannot hold.
+    for target in targets {
+        if let Some(format) = target.format {
+            format.check(frame, target.channel, settings)?;
+        }
+    }
     for target in targets {
         let Target {
             path,

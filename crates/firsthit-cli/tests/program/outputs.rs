@@ -252,7 +252,9 @@ fn distances_in_steps_are_within_half_a_step() {
     fs::remove_file(lab.path("s-z.png")).unwrap();
     fs::remove_file(lab.path("s-object.png")).unwrap();
     lab.fails(
-        &format!("render square.ply {ABOVE} --channels z -o s-z.png --png-scale 0.00001"),
+        &format!(
+            "render square.ply {ABOVE} --channels z -o new.exr -o s-z.png --png-scale 0.00001"
+        ),
         2,
         "z is 5 at row 8, column 12; a scale of 0.0000764 fits",
     );

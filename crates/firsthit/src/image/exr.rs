@@ -15,9 +15,6 @@ use super::metadata::{Encoding, KEY, Stored};
 use super::{Channel, Data, Picture};
 use crate::error::{Error, Result};
 
-/// How many blocks (of 16 rows) are compressed at a time: enough for all threads, little beside the picture.
-const AT_ONCE: usize = 64;
-
 /// Every sample has 32 bits.
 const BYTES: usize = 4;
 
@@ -87,8 +84,12 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     let mut file = Cursor::new(Vec::new());
     let written = exr::block::write(&mut file, vec![header].into(), true, |meta, writer| {
         let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
-        for blocks in blocks.chunks(AT_ONCE) {
+        // Enough for all threads, little beside the picture.
+        for blocks in blocks.chunks(8 * rayon::current_num_threads()) {
             let compress = |&(place, index)| {
+                if content.watch.is_stopped() {
+                    return Err(exr::error::Error::Aborted);
+                }
                 let data = block(&planes, columns, index);
                 let chunk = UncompressedBlock { index, data }.compress_to_chunk(&meta.headers);
                 chunk.map(|chunk| (place, chunk))

@@ -110,6 +110,8 @@ pub(super) struct Content<'a> {
     pub(super) channels: Vec<&'a Channel>,
     pub(super) settings: WriteSettings,
     pub(super) metadata: Metadata,
+    /// For what takes long before the first byte is written.
+    pub(super) watch: &'a dyn Watch,
 }
 
 /// Writes all of `frame` to a file, whole or not at all, in the format that `path`'s extension names.
@@ -180,7 +182,7 @@ impl Format {
         path: &Path,
         watch: &dyn Watch,
     ) -> Result<()> {
-        let content = self.content(frame, channel, settings)?;
+        let content = self.content(frame, channel, settings, watch)?;
         let data = |out: &mut dyn Write| (self.encode)(&content, out);
         if self.has_sidecar {
             let text = content.metadata.to_json() + "\n";
@@ -204,7 +206,7 @@ impl Format {
         out: &mut dyn Write,
         target: &Path,
     ) -> Result<()> {
-        let content = self.content(frame, channel, settings)?;
+        let content = self.content(frame, channel, settings, &())?;
         let mut out = io::BufWriter::new(out);
         (self.encode)(&content, &mut out)
             .and_then(|()| out.flush())
@@ -214,12 +216,28 @@ impl Format {
             })
     }
 
+    /// Refuses what [`write`](Self::write) would refuse before it opens anything: to be asked where several
+    /// files are to be written, or none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`], as [`write`](Self::write).
+    pub fn check(
+        &self,
+        frame: &Frame,
+        channel: Option<&str>,
+        settings: WriteSettings,
+    ) -> Result<()> {
+        self.content(frame, channel, settings, &()).map(drop)
+    }
+
     /// What goes into the file, checked.
     fn content<'a>(
         &self,
         frame: &'a Frame,
         channel: Option<&str>,
         settings: WriteSettings,
+        watch: &'a dyn Watch,
     ) -> Result<Content<'a>> {
         let channels = self.select(frame, channel)?;
         let stored = |channel: &Channel| Some((self.stored)(channel, &settings));
@@ -228,6 +246,7 @@ impl Format {
             metadata: Metadata::of(frame, &channels, stored),
             channels,
             settings,
+            watch,
         };
         (self.check)(&content)?;
         Ok(content)
