@@ -3,6 +3,7 @@
 //! Names are Embree's without their prefix; its manual describes each. Everything here is `unsafe` to call.
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::mem::ManuallyDrop;
 use std::path::Path;
 
 use super::packet::{RayHits, Rays};
@@ -55,7 +56,8 @@ macro_rules! functions {
         #[derive(Debug)]
         pub(super) struct Api {
             $(pub(super) $field: $type,)*
-            _library: libloading::Library,
+            /// Never closed: Embree's threads may still be leaving when the program ends.
+            _library: ManuallyDrop<libloading::Library>,
         }
 
         impl Api {
@@ -68,7 +70,7 @@ macro_rules! functions {
                     // which the function lives in, is kept beside it.
                     let $field = *unsafe { library.get::<$type>($name) }?;
                 )*
-                Ok(Self { $($field,)* _library: library })
+                Ok(Self { $($field,)* _library: ManuallyDrop::new(library) })
             }
         }
     };

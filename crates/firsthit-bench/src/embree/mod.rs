@@ -5,7 +5,7 @@
 )]
 #![expect(
     clippy::inline_always,
-    reason = "what fills packets must end up in `trace::fast`, to be compiled for wide registers"
+    reason = "what fills packets must end up in `trace::wide`, to be compiled for wide registers"
 )]
 
 mod api;

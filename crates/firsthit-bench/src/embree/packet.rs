@@ -59,11 +59,10 @@ impl<const N: usize> RayHits<N> {
         },
     };
 
-    /// Makes ready for the next rays: what a call changes, and `geometry` must not be left from before.
+    /// Makes ready for the next rays: nothing may be left of the hits before.
     #[inline(always)]
     pub(super) fn reset(&mut self) {
         self.rays.t_near = [0.0; N];
-        self.rays.t_far = [f32::INFINITY; N];
         self.hits.primitive = [INVALID; N];
         self.hits.geometry = [INVALID; N];
     }

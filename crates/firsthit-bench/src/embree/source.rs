@@ -1,7 +1,5 @@
 //! Where Embree's rays come from: a camera's pixels or arrays. Blocks of 256 rays, packets within them.
 
-use std::array;
-
 use firsthit::{Camera, DVec3, Projection, Ray};
 
 use super::packet::Rays;
@@ -98,22 +96,33 @@ impl Source for Pixels {
         self.side * self.side
     }
 
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "loops over lanes: this is what the compiler makes wide"
+    )]
     #[inline(always)]
     fn fill<const N: usize>(&self, block: usize, first: usize, rays: &mut Rays<N>) {
         let (column, row) = self.tile(block);
         let (x, y) = in_tile(first);
         let (left, top) = ((column + x) as f32, (row + y) as f32);
-        let point: [[f32; N]; 3] = array::from_fn(|axis| {
-            array::from_fn(|k| {
+        let mut point = [[0.0_f32; N]; 3];
+        for axis in 0..3 {
+            for k in 0..N {
                 let (x, y) = (left + (k % 4) as f32, top + (k / 4) as f32);
-                self.corner[axis] + x * self.right[axis] + y * self.down[axis]
-            })
-        });
+                point[axis][k] = self.corner[axis] + x * self.right[axis] + y * self.down[axis];
+            }
+        }
         if self.perspective {
-            let [x, y, z] = &point;
-            let scale: [f32; N] =
-                array::from_fn(|k| 1.0 / (x[k] * x[k] + y[k] * y[k] + z[k] * z[k]).sqrt());
-            rays.direction = point.map(|point| array::from_fn(|k| scale[k] * point[k]));
+            let mut scale = [0.0_f32; N];
+            for k in 0..N {
+                let [x, y, z] = [point[0][k], point[1][k], point[2][k]];
+                scale[k] = 1.0 / (x * x + y * y + z * z).sqrt();
+            }
+            for axis in 0..3 {
+                for k in 0..N {
+                    rays.direction[axis][k] = scale[k] * point[axis][k];
+                }
+            }
             rays.origin = self.eye.map(|x| [x; N]);
         } else {
             rays.origin = point;

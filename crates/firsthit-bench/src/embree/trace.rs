@@ -52,28 +52,28 @@ impl Scene<'_> {
         // SAFETY (of the calls below): the scene is committed and alive; packets and valid masks are laid
         // out and aligned as Embree's headers want them; the arguments outlive the calls.
         match (door, self.width) {
-            (Door::Single, _) => fast(|| {
+            (Door::Single, _) => {
                 first_hits::<1, _>(source, answers, |_, packet| {
                     // SAFETY: see above.
                     unsafe { (self.api.intersect1)(self.handle, packet, arguments) }
                 });
-            }),
-            (_, 16) => fast(|| {
+            }
+            (_, 16) => {
                 first_hits::<16, _>(source, answers, |valid, packet| {
                     // SAFETY: see above.
                     unsafe {
                         (self.api.intersect16)(valid.0.as_ptr(), self.handle, packet, arguments);
                     }
                 });
-            }),
-            _ => fast(|| {
+            }
+            _ => {
                 first_hits::<8, _>(source, answers, |valid, packet| {
                     // SAFETY: see above.
                     unsafe {
                         (self.api.intersect8)(valid.0.as_ptr(), self.handle, packet, arguments);
                     }
                 });
-            }),
+            }
         }
         settle();
     }
@@ -84,51 +84,68 @@ impl Scene<'_> {
         let arguments = &raw mut arguments;
         // SAFETY (of the calls below): as in `first_hits`.
         match (door, self.width) {
-            (Door::Single, _) => fast(|| {
+            (Door::Single, _) => {
                 any_hits::<1, _>(source, answers, |_, rays| {
                     // SAFETY: see above.
                     unsafe { (self.api.occluded1)(self.handle, rays, arguments) }
                 });
-            }),
-            (_, 16) => fast(|| {
+            }
+            (_, 16) => {
                 any_hits::<16, _>(source, answers, |valid, rays| {
                     // SAFETY: see above.
                     unsafe {
                         (self.api.occluded16)(valid.0.as_ptr(), self.handle, rays, arguments);
                     }
                 });
-            }),
-            _ => fast(|| {
+            }
+            _ => {
                 any_hits::<8, _>(source, answers, |valid, rays| {
                     // SAFETY: see above.
                     unsafe {
                         (self.api.occluded8)(valid.0.as_ptr(), self.handle, rays, arguments);
                     }
                 });
-            }),
+            }
         }
         settle();
     }
 }
 
-/// Runs `work`, and what is inlined into it, with the processor's wide registers where it has them: filling
-/// packets must not hold Embree up.
-fn fast(work: impl FnOnce()) {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
-        #[target_feature(enable = "avx2,fma")]
-        fn wide(work: impl FnOnce()) {
-            work();
+/// Defines `$name` as `$slow`, run with the processor's wide registers where it has them: filling packets
+/// must not hold Embree up.
+macro_rules! wide {
+    ($name:ident, $slow:ident, $packet:ident) => {
+        fn $name<const N: usize, S: Source>(
+            source: &S,
+            answers: &mut Answers,
+            call: impl Fn(&Valid<N>, &mut $packet<N>),
+        ) {
+            #[cfg(target_arch = "x86_64")]
+            {
+                use std::arch::is_x86_feature_detected as has;
+                #[target_feature(enable = "avx2,fma")]
+                fn wide<const N: usize, S: Source>(
+                    source: &S,
+                    answers: &mut Answers,
+                    call: impl Fn(&Valid<N>, &mut $packet<N>),
+                ) {
+                    $slow(source, answers, call);
+                }
+                if has!("avx2") && has!("fma") {
+                    // SAFETY: the processor was just asked for both.
+                    return unsafe { wide(source, answers, call) };
+                }
+            }
+            $slow(source, answers, call);
         }
-        // SAFETY: the processor was just asked for both.
-        unsafe { wide(work) };
-        return;
-    }
-    work();
+    };
 }
 
+wide!(first_hits, first_hits_of_blocks, RayHits);
+wide!(any_hits, any_hits_of_blocks, Rays);
+
 #[inline(always)]
-fn first_hits<const N: usize, S: Source>(
+fn first_hits_of_blocks<const N: usize, S: Source>(
     source: &S,
     answers: &mut Answers,
     call: impl Fn(&Valid<N>, &mut RayHits<N>),
@@ -155,7 +172,7 @@ fn first_hits<const N: usize, S: Source>(
 }
 
 #[inline(always)]
-fn any_hits<const N: usize, S: Source>(
+fn any_hits_of_blocks<const N: usize, S: Source>(
     source: &S,
     answers: &mut Answers,
     call: impl Fn(&Valid<N>, &mut Rays<N>),
