@@ -4,7 +4,7 @@ CARGO ?= cargo
 PYTHON ?= python3
 VENV := .venv/bin
 
-.PHONY: render test test-rust test-python bench check clean
+.PHONY: render test test-rust test-python bench bench-python check clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
@@ -30,8 +30,15 @@ bench: .venv-bench/ready target/scenes/ready
 	$(CARGO) build --release --package firsthit-bench
 	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); \
 	target/release/firsthit-bench $${embree:+--embree "$$embree"} \
-	    $(if $(SCENES),--scenes $(SCENES)) $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) \
+	    $(if $(SCENES),--scenes $(SCENES)) $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
 	    $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE).md)
+
+# The same for the Python package and for whole processes.
+bench-python: .venv-bench/ready target/scenes/ready
+	$(CARGO) build --release --package firsthit-cli
+	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
+	.venv-bench/bin/python benches/python.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
+	.venv-bench/bin/python benches/process.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
 
 # Where Embree is not to be had, the bench goes on without it.
 .venv-bench/ready: benches/requirements.txt

@@ -64,6 +64,7 @@ impl Settings {
             let rows: Vec<String> = self.rows.iter().map(|row| row.name()).collect();
             words.push(format!("ROWS={}", rows.join(",")));
         }
+        words.push(format!("JUDGE={}", self.judge));
         words.join(" ")
     }
 
