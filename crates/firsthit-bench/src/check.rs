@@ -117,3 +117,47 @@ fn equal(a: &Hit, b: &Hit) -> bool {
     let bits = |hit: &Hit| [hit.t, hit.barycentric.x, hit.barycentric.y].map(f64::to_bits);
     (a.object, a.primitive) == (b.object, b.primitive) && (a.is_miss() || bits(a) == bits(b))
 }
+
+#[cfg(test)]
+mod tests {
+    use firsthit::{DVec3, Object, Scene, Sphere};
+
+    use super::*;
+
+    fn scene() -> Scene {
+        let sphere = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        Scene::new(vec![Object::new(sphere)]).unwrap()
+    }
+
+    fn rays() -> Vec<Ray> {
+        let start = |k: u32| DVec3::new(f64::from(k) * 0.1, 0.0, 5.0);
+        (0..20).map(|k| Ray::new(start(k), DVec3::NEG_Z)).collect()
+    }
+
+    #[test]
+    fn a_hit_that_is_wrong_in_the_last_bit_is_found() {
+        let (scene, rays) = (scene(), rays());
+        let judge = Judge {
+            scene: &scene,
+            budget: 1000,
+        };
+        let mut hits = firsthit_side::first_hits(&scene, rays.as_slice());
+        assert_eq!(judge.first_hits(&hits, rays.as_slice(), None).wrong, 0);
+        hits.t[3] = hits.t[3].next_up();
+        let checked = judge.first_hits(&hits, rays.as_slice(), None);
+        assert_eq!((checked.wrong, checked.judged), (1, 20));
+    }
+
+    #[test]
+    fn a_wrong_shadow_is_found() {
+        let (scene, rays) = (scene(), rays());
+        let judge = Judge {
+            scene: &scene,
+            budget: 1000,
+        };
+        let mut found = firsthit_side::any_hits(&scene, &rays);
+        assert_eq!(judge.any_hits(&found, &rays, None).wrong, 0);
+        found[19] = !found[19];
+        assert_eq!(judge.any_hits(&found, &rays, None).wrong, 1);
+    }
+}

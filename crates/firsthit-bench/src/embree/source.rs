@@ -211,3 +211,87 @@ impl Source for Columns {
         block * (BLOCK / 16) + line
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use firsthit::{Rays as _, View};
+
+    use super::super::packet::RayHits;
+    use super::*;
+
+    /// Sides that are a power of two times 16, and not.
+    const SIDES: [usize; 2] = [64, 48];
+
+    fn camera(projection: Projection, side: usize) -> Camera {
+        let view = View {
+            position: DVec3::new(3.0, -5.0, 2.0),
+            aim: DVec3::new(-3.0, 5.0, -1.5),
+            up: DVec3::Z,
+            width: 1.5,
+            height: 1.0,
+            rows: side,
+            columns: side,
+            projection,
+            ray_start: firsthit::RayStart::Eye,
+            ..View::default()
+        };
+        Camera::new(view).unwrap()
+    }
+
+    /// Every ray of a packet, with the place of its result among all.
+    fn rays<const N: usize>(pixels: &Pixels) -> Vec<(usize, [f32; 3], [f32; 3])> {
+        let mut all = Vec::new();
+        for block in 0..pixels.len() / BLOCK {
+            for first in (0..BLOCK).step_by(N) {
+                let mut packet = RayHits::<N>::EMPTY;
+                pixels.fill(block, first, &mut packet.rays);
+                let mut places = [u32::MAX; BLOCK];
+                Pixels::place(
+                    first,
+                    &std::array::from_fn::<u32, N, _>(|k| k as u32),
+                    &mut places,
+                );
+                for (place, &k) in places.iter().enumerate().filter(|(_, k)| **k != u32::MAX) {
+                    let index = 16 * pixels.line(block, place / 16) + place % 16;
+                    let lane = |v: [[f32; N]; 3]| v.map(|axis| axis[k as usize]);
+                    all.push((index, lane(packet.rays.origin), lane(packet.rays.direction)));
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn packets_hold_every_pixel_of_the_camera_once() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for side in SIDES {
+                let camera = camera(projection, side);
+                let pixels = Pixels::new(&camera);
+                for mut all in [rays::<1>(&pixels), rays::<8>(&pixels), rays::<16>(&pixels)] {
+                    all.sort_by_key(|&(index, ..)| index);
+                    assert!(all.iter().map(|&(index, ..)| index).eq(0..side * side));
+                    for (index, origin, direction) in all {
+                        let ray = camera.ray(index / side, index % side);
+                        let double = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+                        // A few roundings to float32 at coordinates below 8.
+                        assert!((double(origin) - ray.origin).length() < 1e-5);
+                        assert!((double(direction) - ray.direction).length() < 1e-6);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn columns_hold_every_ray_and_nothing_beyond() {
+        let ray = |k: usize| Ray::new(DVec3::splat(k as f64), DVec3::X).up_to(k as f64 + 0.5);
+        let all: Vec<Ray> = (0..300).map(ray).collect();
+        let columns = Columns::new(&all);
+        assert_eq!(columns.len(), all.len());
+        let mut packet = RayHits::<16>::EMPTY;
+        columns.fill(1, 32, &mut packet.rays);
+        assert_eq!(packet.rays.origin[2][11], 256.0 + 32.0 + 11.0);
+        assert_eq!(packet.rays.t_far[11], 299.5);
+        assert_eq!(packet.rays.t_far[12], 0.0);
+    }
+}
