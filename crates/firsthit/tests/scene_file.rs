@@ -577,7 +577,7 @@ fn limits_are_limits_and_not_aborts() {
         ..LoadSettings::default()
     };
     let error = load(&path, &settings).expect_err("too large");
-    assert!(matches!(error, Error::Limit { .. }), "{error}");
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
     // 1,500 objects, 1,000 times.
     let many = (0..1500).fold(String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), |text, k| {
         text + &format!("o o{k}\nf 1 2 3\n")
