@@ -23,6 +23,7 @@ from ._lights import DirectionalLight, PointLight, Sky
 from ._load import load
 from ._material import Material, Texture
 from ._scene import Object, Scene
+from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 
 __version__ = info()["version"]
@@ -48,6 +49,7 @@ __all__ = [
     "Plane",
     "PointLight",
     "Scene",
+    "Shading",
     "Sky",
     "Sphere",
     "Texture",

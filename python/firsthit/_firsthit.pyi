@@ -58,6 +58,7 @@ class _Model(TypedDict):
     cameras: list[_CameraOut]
     lights: list[tuple[str, _Vector, _Vector]]
     background: list[_Vector] | None
+    shading: tuple[str, _Vector | None, bool, int] | None
     up: _Vector
     warnings: list[str]
 

@@ -193,10 +193,10 @@ def render(
     *,
     channels: Sequence[str] = ("color",),
     background: Sky | npt.ArrayLike | None = None,
-    samples: int = 1,
-    shade: str | OwnShade = "lambert",
+    samples: int | None = None,
+    shade: str | OwnShade | None = None,
     ambient: npt.ArrayLike | None = None,
-    shadows: bool = True,
+    shadows: bool | None = None,
     threads: int | None = None,
 ) -> Frame:
     """Make a picture.
@@ -212,14 +212,15 @@ def render(
         ``face`` (int32), ``normal``, ``position``, ``barycentric``, ``uv`` (float64), ``front``.
     background : Sky or (3,) array_like, optional
         What misses see, or its linear colour; the scene's own if left out, or black.
-    samples : int
+    samples : int, optional
         Points of each pixel whose mean is its colour; all other channels are of pixel centres.
-    shade : {"lambert", "unlit", "normal"} or callable
+        This and what follows are the scene's own `Shading` if left out.
+    shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. ``shade(hits)`` gets `Hits`, misses included, and returns linear
         colours of shape (..., 3); the background is then its own affair.
     ambient : (3,) array_like, optional
         Lambert's light from everywhere.
-    shadows : bool
+    shadows : bool, optional
         Whether Lambert's lights are blocked by things.
     threads : int, optional
         How many to use; all cores if left out. The result is the same for any number.
@@ -243,7 +244,12 @@ def render(
     if not isinstance(scene, Scene) or not isinstance(camera, Camera):
         raise TypeError("render takes a Scene and a Camera")
     names = _names(channels)
-    many, use = count("samples", samples), threads_or_all(threads)
+    said = scene.shading
+    shade = said.shade if shade is None else shade
+    ambient = said.ambient if ambient is None else ambient
+    shadows = said.shadows if shadows is None else shadows
+    many = said.samples if samples is None else count("samples", samples)
+    use = threads_or_all(threads)
     if many < 1:
         raise ValueError(f"samples must be at least 1, got {many}")
     if background is None:

@@ -12,6 +12,7 @@ from ._errors import FirsthitWarning
 from ._lights import DirectionalLight, Light, PointLight, Sky
 from ._material import Material, Texture
 from ._scene import Scene
+from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Shape, Sphere
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def load(
     max_memory: int = 8 << 30,
     max_texture: int = 16384,
 ) -> Scene:
-    """Read a 3D file.
+    """Read a 3D file: a mesh, or a scene file (TOML).
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def load(
     -------
     Scene
         An object for each of the file's, with names, transforms and materials; with the file's
-        lights, cameras and background.
+        lights, cameras, background and shading.
 
     Raises
     ------
@@ -77,6 +78,8 @@ def load(
     background = model["background"]
     if background is not None:
         scene.background = Sky(*background) if len(background) == 3 else background[0]
+    if model["shading"] is not None:
+        scene.shading = Shading(*model["shading"])
     return scene
 
 
