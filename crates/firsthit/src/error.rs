@@ -93,6 +93,8 @@ pub enum Place {
     Line(u64),
     /// An offset into a binary file, counted from 0.
     Byte(u64),
+    /// A value of a JSON document, by its pointer (RFC 6901), such as `/accessors/3/count`.
+    Pointer(String),
 }
 
 impl fmt::Display for Place {
@@ -101,6 +103,7 @@ impl fmt::Display for Place {
             Self::File => Ok(()),
             Self::Line(line) => write!(f, ":{line}"),
             Self::Byte(byte) => write!(f, " @ byte {byte}"),
+            Self::Pointer(pointer) => write!(f, "#{pointer}"),
         }
     }
 }
