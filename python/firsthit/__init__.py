@@ -19,7 +19,7 @@ from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, 
 from ._frame import Frame, read_metadata, render
 from ._hits import Hits
 from ._info import info
-from ._lights import DirectionalLight, PointLight, Sky
+from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._load import load
 from ._material import Material, Texture
 from ._scene import Object, Scene
@@ -52,6 +52,7 @@ __all__ = [
     "Shading",
     "Sky",
     "Sphere",
+    "SpotLight",
     "Texture",
     "info",
     "load",

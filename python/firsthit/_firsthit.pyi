@@ -36,6 +36,7 @@ _Hits = tuple[
     npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
 ]
 _Rays = tuple[npt.NDArray[np.float64], ...]
+_Light = tuple[str, _Vector, _Vector, tuple[_Vector, tuple[float, float]] | None]
 _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
 _Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool]
 _MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
@@ -56,7 +57,7 @@ class _Model(TypedDict):
         tuple[str, int | tuple[str, list[float]], list[list[float]] | None, list[_MaterialOut]]
     ]
     cameras: list[_CameraOut]
-    lights: list[tuple[str, _Vector, _Vector]]
+    lights: list[_Light]
     background: list[_Vector] | None
     shading: tuple[str, _Vector | None, bool, int] | None
     up: _Vector
@@ -129,7 +130,7 @@ class Scene:
     def __new__(
         cls,
         objects: Sequence[tuple[Shape, str, list[list[float]] | None, list[_Material]]],
-        lights: Sequence[tuple[str, _Vector, _Vector]],
+        lights: Sequence[_Light],
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...

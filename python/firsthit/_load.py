@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from . import _cameras, _firsthit
 from ._arrays import count
 from ._errors import FirsthitWarning
-from ._lights import DirectionalLight, Light, PointLight, Sky
+from ._lights import DirectionalLight, Light, PointLight, Sky, SpotLight
 from ._material import Material, Texture
 from ._scene import Scene
 from ._shading import Shading
@@ -97,7 +97,15 @@ def _analytic(kind: str, numbers: Sequence[float]) -> Shape:
     return make(*(numbers[3 * k : 3 * k + 3] for k in range(vectors)), *numbers[3 * vectors :])
 
 
-def _light(kind: str, vector: Vector, color: Vector) -> Light:
+def _light(
+    kind: str,
+    vector: Vector,
+    color: Vector,
+    cone: tuple[Vector, tuple[float, float]] | None,
+) -> Light:
+    if cone is not None:
+        direction, angles = cone
+        return SpotLight(vector, direction, color, *angles)
     return PointLight(vector, color) if kind == "point" else DirectionalLight(vector, color)
 
 

@@ -32,8 +32,13 @@ type CameraOut = (
     bool,
 );
 
-/// Kind, direction or position, colour or intensity.
-type LightOut = (&'static str, [f64; 3], [f64; 3]);
+/// Kind, direction or position, colour or intensity; of a spot light its direction and its inner and outer angle.
+type LightOut = (
+    &'static str,
+    [f64; 3],
+    [f64; 3],
+    Option<([f64; 3], [f64; 2])>,
+);
 
 /// The shader's name, Lambert's ambient light, its shadows, samples.
 type ShadingOut = (&'static str, Option<[f64; 3]>, bool, u32);
@@ -195,16 +200,26 @@ fn camera_out(camera: &NamedCamera) -> CameraOut {
 fn light_out(light: &Light) -> LightOut {
     match *light {
         Light::Directional { direction, color } => {
-            ("directional", direction.to_array(), color.to_array())
+            ("directional", direction.to_array(), color.to_array(), None)
         }
         Light::Point {
             position,
             intensity,
-        } => ("point", position.to_array(), intensity.to_array()),
+        } => ("point", position.to_array(), intensity.to_array(), None),
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => {
+            let cone = (direction.to_array(), [inner_angle, outer_angle]);
+            let (position, intensity) = (position.to_array(), intensity.to_array());
+            ("spot", position, intensity, Some(cone))
+        }
     }
 }
 
-/// `None` where the file says nothing.
 fn shading_out(model: &Model) -> Option<ShadingOut> {
     if model.shader.is_none() && model.samples.is_none() {
         return None;

@@ -232,7 +232,8 @@ fn check_paths<'a>(
         .filter_map(|input| input.canonicalize().ok())
         .collect();
     let mut seen: Vec<PathBuf> = Vec::new();
-    let with_sidecar = targets.iter().flat_map(|Target { path, format, .. }| {
+    let with_sidecar = targets.into_iter().flat_map(|target| {
+        let Target { path, format, .. } = target;
         let has_one = format.is_some_and(|format| format.has_sidecar);
         [Some(path.clone()), has_one.then(|| sidecar_of(path))]
     });

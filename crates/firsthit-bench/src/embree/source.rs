@@ -214,7 +214,7 @@ impl Source for Columns {
 
 #[cfg(test)]
 mod tests {
-    use firsthit::{Rays as _, View};
+    use firsthit::View;
 
     use super::super::packet::RayHits;
     use super::*;

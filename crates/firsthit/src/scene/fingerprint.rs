@@ -139,5 +139,18 @@ fn digest_light(light: &Light, digest: &mut Digest) {
             digest.vector(position);
             digest.vector(intensity);
         }
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => {
+            digest.word("spot");
+            digest.vector(position);
+            digest.vector(direction);
+            digest.vector(intensity);
+            digest.numbers(&[inner_angle, outer_angle]);
+        }
     }
 }
