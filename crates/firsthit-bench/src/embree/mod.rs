@@ -15,6 +15,7 @@ mod plane;
 mod source;
 mod trace;
 
+use std::error::Error;
 use std::ffi::c_void;
 use std::marker::PhantomData;
 use std::path::Path;
@@ -43,7 +44,10 @@ pub(crate) struct Library(Api);
 impl Library {
     /// Opens the shared library at `path`.
     pub(crate) fn open(path: &Path) -> Result<Self, String> {
-        let api = Api::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let api = Api::open(path).map_err(|error| match error.source() {
+            Some(source) => format!("{}: {error}: {source}", path.display()),
+            None => format!("{}: {error}", path.display()),
+        })?;
         Ok(Self(api))
     }
 }
