@@ -53,7 +53,7 @@ def as_float32(array):
 def test_openexr_reads_every_channel_exactly_under_its_documented_name(frame, exr):
     openexr = pytest.importorskip("OpenEXR")
     with openexr.File(str(exr), separate_channels=True) as file:
-        header = file.header()
+        header = dict(file.header())
         channels = {name: channel.pixels for name, channel in file.channels().items()}
     names = []
     for name in CHANNELS:
