@@ -48,9 +48,9 @@ fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Chec
     let mut faces = Faces::new(element.count);
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => vertices.read(element, &mut rows)?,
+            "vertex" => vertices.read(element, &mut rows, report)?,
             "face" => faces.read(element, &mut rows, report)?,
-            "tristrips" => faces.read_strips(element, &mut rows)?,
+            "tristrips" => faces.read_strips(element, &mut rows, report)?,
             name => {
                 if element.count > 0 {
                     report.warn("element", &Place::Line(element.line), || {
