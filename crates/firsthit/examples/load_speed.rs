@@ -12,7 +12,11 @@ const RUNS: u32 = 5;
 /// The time that this thread has computed.
 fn cpu_time() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
+    text.split(' ')
+        .next()?
+        .parse()
+        .ok()
+        .map(Duration::from_nanos)
 }
 
 fn main() -> firsthit::Result<()> {
@@ -28,7 +32,12 @@ fn main() -> firsthit::Result<()> {
         }
         let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         let speed = |time: Duration| size as f64 / 1e6 / time.as_secs_f64();
-        println!("{name}: {:.1} MB, {:.0} MB/s of CPU time, {:.0} MB/s", size as f64 / 1e6, speed(cpu), speed(wall));
+        println!(
+            "{name}: {:.1} MB, {:.0} MB/s of CPU time, {:.0} MB/s",
+            size as f64 / 1e6,
+            speed(cpu),
+            speed(wall)
+        );
     }
     Ok(())
 }

@@ -187,7 +187,9 @@ fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile<File>> {
     let named = beside(path, create)?;
     file.seek(io::SeekFrom::Start(0))?;
     io::copy(&mut file, &mut named.as_file())?;
-    named.as_file().set_permissions(file.metadata()?.permissions())?;
+    named
+        .as_file()
+        .set_permissions(file.metadata()?.permissions())?;
     named.as_file().sync_all()?;
     Ok(named)
 }
@@ -201,11 +203,20 @@ fn path_of_open(file: &File) -> String {
 #[cfg(target_os = "linux")]
 fn give_name(file: &File, name: &Path) -> io::Result<()> {
     use rustix::fs::{AtFlags, CWD, linkat};
-    Ok(linkat(CWD, path_of_open(file), CWD, name, AtFlags::SYMLINK_FOLLOW)?)
+    Ok(linkat(
+        CWD,
+        path_of_open(file),
+        CWD,
+        name,
+        AtFlags::SYMLINK_FOLLOW,
+    )?)
 }
 
 /// What `make` makes under a name that is free, `.NAME.XXXXXX.tmp` beside `path`.
-fn beside<R>(path: &Path, make: impl FnMut(&Path) -> io::Result<R>) -> io::Result<NamedTempFile<R>> {
+fn beside<R>(
+    path: &Path,
+    make: impl FnMut(&Path) -> io::Result<R>,
+) -> io::Result<NamedTempFile<R>> {
     let name = path.file_name().ok_or_else(is_folder)?.to_string_lossy();
     // Cut short: names have at most 255 bytes, and 50 characters have at most 200.
     let prefix = format!(".{}.", name.chars().take(50).collect::<String>());

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::LoadSettings;
-use crate::memory;
 use crate::error::{Error, Place, escaped};
+use crate::memory;
 
 /// The result of a loader's steps, before the path is known.
 pub(super) type Checked<T> = Result<T, Fault>;

@@ -71,7 +71,10 @@ impl Surface {
     /// What it takes in memory.
     pub(super) fn bytes(&self) -> usize {
         let [a, b] = &self.corners;
-        let faces = self.faces.as_ref().map_or(0, |faces| size_of_val(faces.as_slice()));
+        let faces = self
+            .faces
+            .as_ref()
+            .map_or(0, |faces| size_of_val(faces.as_slice()));
         let corners = size_of_val(a.as_slice()) + size_of_val(b.as_slice());
         let polygons = size_of_val(self.polygons.as_slice());
         size_of_val(self.triangles.as_slice()) + faces + corners + polygons

@@ -164,7 +164,11 @@ impl<'a> Reader<'a> {
 
     /// Refuses to go on when what came so far takes too much memory.
     fn check_memory(&mut self) -> Checked<()> {
-        let Values { uvs, normals, colors } = &self.values;
+        let Values {
+            uvs,
+            normals,
+            colors,
+        } = &self.values;
         let values = size_of_val(uvs.as_slice()) + size_of_val(normals.as_slice());
         let vertices = size_of_val(self.positions.as_slice()) + size_of_val(colors.as_slice());
         let objects: usize = self.objects.iter().map(Object::bytes).sum();

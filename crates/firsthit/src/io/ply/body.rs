@@ -19,6 +19,15 @@ pub(super) trait Rows {
     fn table<'a>(&'a mut self, element: &Element) -> Checked<Option<Table<'a>>>;
     /// Reads a list of vertices if all is plain about it: 32 bit indices below `limit`. Else nothing is read.
     fn plain_list(&mut self, count: Type, item: Type, limit: u64, list: &mut Vec<u32>) -> bool;
+    /// Reads rows of nothing but a list of three vertices, at most so many, as long as all is plain about
+    /// them; returns how many there were.
+    fn plain_triangles(
+        &mut self,
+        element: &Element,
+        most: u64,
+        limit: u64,
+        push: impl FnMut([u32; 3]),
+    ) -> u64;
     /// Where the value stands that came last.
     fn place(&self) -> Place;
     /// At most so many values of a type, or rows of a size, can follow.
@@ -127,7 +136,6 @@ impl<'a> Binary<'a> {
             last: 0,
         }
     }
-
 }
 
 impl Rows for Binary<'_> {
@@ -178,6 +186,47 @@ impl Rows for Binary<'_> {
         }))
     }
 
+    fn plain_triangles(
+        &mut self,
+        element: &Element,
+        most: u64,
+        limit: u64,
+        mut push: impl FnMut([u32; 3]),
+    ) -> u64 {
+        let [property] = element.properties.as_slice() else {
+            return 0;
+        };
+        let Kind::List {
+            count: Type::Uint8,
+            item: Type::Int32 | Type::Uint32,
+        } = property.kind
+        else {
+            return 0;
+        };
+        // Negative indices are large here, and more than there can be vertices.
+        let limit = u32::try_from(limit.min(1 << 31)).unwrap_or(0);
+        let (mut rows, _) = self.rest.as_chunks::<13>();
+        let mut read = 0;
+        while read < most
+            && let [[3, bytes @ ..], more @ ..] = rows
+        {
+            let (words, _) = bytes.as_chunks::<4>();
+            let &[a, b, c] = words else {
+                break;
+            };
+            let corners = [a, b, c].map(|bytes| word(bytes, self.is_big));
+            if corners.iter().any(|&corner| corner >= limit) {
+                break;
+            }
+            push(corners);
+            rows = more;
+            read += 1;
+        }
+        let size = usize::try_from(13 * read).unwrap_or(usize::MAX);
+        self.rest = self.rest.get(size..).unwrap_or_default();
+        read
+    }
+
     #[inline]
     fn plain_list(&mut self, count: Type, item: Type, limit: u64, list: &mut Vec<u32>) -> bool {
         let (length, rest) = match (count, self.rest) {
@@ -190,7 +239,9 @@ impl Rows for Binary<'_> {
             }
             _ => return false,
         };
-        let words = length.checked_mul(4).and_then(|size| rest.split_at_checked(size));
+        let words = length
+            .checked_mul(4)
+            .and_then(|size| rest.split_at_checked(size));
         let (Some((words, rest)), Type::Int32 | Type::Uint32) = (words, item) else {
             return false;
         };
@@ -198,7 +249,9 @@ impl Rows for Binary<'_> {
         let (words, _) = words.as_chunks::<4>();
         list.extend(words.iter().map(|&bytes| word(bytes, self.is_big)));
         // Negative ones are large here, and more than there can be vertices.
-        let is_plain = list.iter().all(|&index| u64::from(index) < limit.min(1 << 31));
+        let is_plain = list
+            .iter()
+            .all(|&index| u64::from(index) < limit.min(1 << 31));
         if is_plain {
             self.rest = rest;
         }
@@ -307,6 +360,10 @@ impl Rows for Ascii<'_> {
 
     fn table<'b>(&'b mut self, _: &Element) -> Checked<Option<Table<'b>>> {
         Ok(None)
+    }
+
+    fn plain_triangles(&mut self, _: &Element, _: u64, _: u64, _: impl FnMut([u32; 3])) -> u64 {
+        0
     }
 
     fn plain_list(&mut self, _: Type, _: Type, _: u64, _: &mut Vec<u32>) -> bool {

@@ -52,11 +52,22 @@ impl Faces {
         );
         let is_colored = colors.iter().all(Option::is_some);
         let mut ring = Vec::new();
-        for row in 0..element.count {
-            if row.is_multiple_of(CHECK_EVERY) {
+        let mut left = element.count;
+        let mut checked = left;
+        while left > 0 {
+            let surface = &mut self.surface;
+            let push = |corners| surface.push_triangle(corners);
+            let most = left.min(CHECK_EVERY);
+            left -= rows.plain_triangles(element, most, self.vertex_count, push);
+            if checked - left >= CHECK_EVERY || left == 0 {
+                checked = left;
                 let colors = size_of_val(self.colors.as_slice());
                 report.has_grown_to(self.surface.bytes() + colors)?;
             }
+            if left == 0 {
+                break;
+            }
+            left -= 1;
             let mut color = [0.0; 3];
             rows.begin(element)?;
             for (k, property) in element.properties.iter().enumerate() {

@@ -141,19 +141,31 @@ impl VertexRows {
         let [x, y, z, nx, ny, nz, u, v, r, g, b] = columns;
         match &mut self.points {
             Points::Single(points) => {
-                points.extend(table.columns([x, y, z]).map(|point| point.map(|x| x as f32)));
+                points.extend(
+                    table
+                        .columns([x, y, z])
+                        .map(|point| point.map(|x| x as f32)),
+                );
             }
             Points::Double(points) => points.extend(table.columns([x, y, z])),
         }
         if let Some(normals) = &mut self.normals {
-            normals.extend(table.columns([nx, ny, nz]).map(|normal| normal.map(|x| x as f32)));
+            normals.extend(
+                table
+                    .columns([nx, ny, nz])
+                    .map(|normal| normal.map(|x| x as f32)),
+            );
         }
         if let Some(uvs) = &mut self.uvs {
             uvs.extend(table.columns([u, v]).map(|uv| uv.map(|x| x as f32)));
         }
         if let Some(colors) = &mut self.colors {
             let levels = &self.levels;
-            colors.extend(table.columns([r, g, b]).map(|color| color.map(|k| levels.linear(k))));
+            colors.extend(
+                table
+                    .columns([r, g, b])
+                    .map(|color| color.map(|k| levels.linear(k))),
+            );
         }
     }
 

@@ -57,7 +57,10 @@ pub(super) fn is_plainly_convex([a, b, c, d]: [DVec3; 4]) -> bool {
         (first.y, second.y)
     };
     // A component of a cross product is wrong by some 1e-16 of this at most.
-    let size = ab.length_squared().max(ac.length_squared()).max(ad.length_squared());
+    let size = ab
+        .length_squared()
+        .max(ac.length_squared())
+        .max(ad.length_squared());
     let clear = 1e-12 * size;
     (first > clear && second > clear) || (first < -clear && second < -clear)
 }
