@@ -1,9 +1,11 @@
 """Kill the program at random moments, fill the disk, take away the right to write: the old picture stays whole."""
 
+import contextlib
 import os
 import random
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -82,9 +84,7 @@ def refusals(command: list, folder: Path, what: str, prepare=None) -> list[str]:
 def short_files() -> None:
     """Let no file grow: to the program that looks like a disk without room."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-    # The signal is the shell's way to say it; programs that ignore it get an error.
-    import signal
-
+    # Ignored, the signal becomes the error that a full disk is.
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 
 
@@ -103,13 +103,9 @@ def full_disk(program: Path, folder: Path) -> list[str]:
         for picture in folder.glob("old.*"):
             shutil.copy(picture, disk / picture.name)
             (disk / picture.name).write_bytes(picture.read_bytes()[:100])
-        with (disk / "filler").open("wb") as filler:
-            try:
-                while True:
-                    filler.write(bytes(4096))
-                    filler.flush()
-            except OSError:
-                pass
+        with (disk / "filler").open("wb", buffering=0) as filler, contextlib.suppress(OSError):
+            while True:
+                filler.write(bytes(4096))
         wrong += refusals([program], disk, "a full disk")
     finally:
         subprocess.run(["umount", disk], check=True)

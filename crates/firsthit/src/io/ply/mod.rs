@@ -12,6 +12,7 @@ use super::Model;
 use super::picture;
 use super::report::{Checked, Fault, Report};
 use super::surface::{Surface, Vertices, face_attribute};
+use super::text::shown;
 use crate::error::{Place, escape_controls};
 use crate::geometry::srgb_decode;
 use crate::scene::{Material, Object, TextureMap};
@@ -102,7 +103,7 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
             let count = header.textures.len();
             format!(
                 "{count} textures are named, only the first is read: '{}'",
-                named.name
+                shown(named.name.as_bytes())
             )
         });
     }
