@@ -14,7 +14,7 @@ from pathlib import Path
 from program import Ended, arguments, run
 
 MEMORY = 1 << 30
-SECONDS = 20
+SECONDS = 60
 XYZ = "property float x\nproperty float y\nproperty float z\n"
 LIST = "property list uchar int vertex_indices\n"
 TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
@@ -179,7 +179,7 @@ def attack(program: Path, folder: Path, suffix: str, content: bytes) -> tuple[En
     trace = folder.parent / "trace"
     command = [program, "render", scene.name, "--size", "16x12", "-q", "-o", "out.png"]
     if shutil.which("strace"):
-        command = ["strace", "-f", "-qq", "-e", "trace=open,openat,connect,socket", "-o", trace, *command]
+        command = ["strace", "-f", "--seccomp-bpf", "-qq", "-e", "trace=open,openat,connect,socket", "-o", trace, *command]
     ended = run(command, folder, memory=MEMORY, seconds=SECONDS)
     left = {path.name for path in folder.iterdir()} - names
     problem = ended.disorder()
