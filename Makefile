@@ -4,14 +4,19 @@ CARGO ?= cargo
 PYTHON ?= python3
 VENV := .venv/bin
 
-.PHONY: render test test-rust test-python bench bench-python check clean
+# Each fuzz target runs so many seconds.
+SECONDS_EACH ?= 900
+SCRIPTS := crates/firsthit-cli/tests/scripts
+PROGRAM := target/release/firsthit
+
+.PHONY: render test test-rust test-python test-scripts program attack fuzz bench bench-python check clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
 	$(CARGO) run --release --package firsthit-cli --bin firsthit -- demo --output render.png
 
 # All there is to test.
-test: test-rust test-python
+test: test-rust test-python test-scripts
 
 test-rust:
 	$(CARGO) test --workspace
@@ -51,6 +56,23 @@ MAKE_SCENES := ../shared/scenes/make_scenes.py
 target/scenes/ready: | .venv-bench/ready
 	mkdir -p target/scenes
 	if [ -f $(MAKE_SCENES) ]; then .venv-bench/bin/python $(MAKE_SCENES) target/scenes && touch $@; fi
+# Files that attack, little memory, kills: a sample of them, or (make attack) all.
+test-scripts: program
+	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM) --quick
+	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM) --quick
+	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM) --quick
+
+attack: program
+	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM)
+	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM)
+	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM)
+
+program:
+	$(CARGO) build --release --package firsthit-cli
+
+# Fuzzes every loader, one after the other; see docs/robustness.md.
+fuzz:
+	SECONDS_EACH=$(SECONDS_EACH) fuzz/run
 
 .venv/ready: python/requirements-dev.txt
 	$(PYTHON) -m venv .venv

@@ -1,4 +1,6 @@
 use std::fs::{self, File, OpenOptions};
+#[cfg(target_os = "linux")]
+use std::io::Seek;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -20,8 +22,11 @@ const MOST_LINKS: usize = 40;
 /// the disk and renamed. The new file gets the permission bits of the one that it replaces, else those
 /// that the umask gives; owner, further attributes and hard links of the old file are not kept.
 /// A symbolic link stays, its target is replaced. Devices, FIFOs and open files such as `/dev/null`
-/// and `/dev/stdout` are written straight into, without this promise. A process that is killed may leave
-/// the temporary file behind.
+/// and `/dev/stdout` are written straight into, without this promise.
+///
+/// On Linux the temporary file has no name until it is complete, where the file system can do that: of a
+/// process that is killed nothing stays behind, except between naming and renaming. Elsewhere it has its name
+/// from the start, and a kill leaves it behind.
 ///
 /// # Errors
 ///
@@ -165,7 +170,7 @@ fn folder_of(path: &Path) -> &Path {
 
 /// A new file on the disk, under another name until it is committed. Dropping it removes it.
 struct Prepared {
-    temporary: NamedTempFile,
+    temporary: Temporary,
     path: PathBuf,
     /// Whether there is an old file.
     replaces: bool,
@@ -177,13 +182,13 @@ fn prepare(
     watch: &dyn Watch,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<Prepared> {
-    let temporary = temporary_beside(&path)?;
-    buffered(temporary.as_file(), watch, content)?;
+    let temporary = Temporary::beside(&path)?;
+    buffered(temporary.file(), watch, content)?;
     let replaces = permissions.is_some();
     if let Some(permissions) = permissions {
-        temporary.as_file().set_permissions(permissions)?;
+        temporary.file().set_permissions(permissions)?;
     }
-    temporary.as_file().sync_all()?;
+    temporary.file().sync_all()?;
     Ok(Prepared {
         temporary,
         path,
@@ -193,8 +198,7 @@ fn prepare(
 
 impl Prepared {
     fn commit(self) -> io::Result<()> {
-        let persisted = self.temporary.persist(&self.path);
-        persisted.map_err(|refused| refused.error)?;
+        self.temporary.become_file(&self.path)?;
         // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
         // and not every system can do it.
         let _ = File::open(folder_of(&self.path)).and_then(|folder| folder.sync_all());
@@ -212,23 +216,108 @@ fn append(
     buffered(&file, watch, content)
 }
 
-fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+/// A file that nobody sees under the name of the one it is to become.
+enum Temporary {
+    /// It has no name at all, and vanishes with the process.
+    #[cfg(target_os = "linux")]
+    Nameless(File),
+    Named(NamedTempFile),
+}
+
+impl Temporary {
+    fn beside(path: &Path) -> io::Result<Self> {
+        #[cfg(target_os = "linux")]
+        if let Some(file) = nameless_in(folder_of(path)) {
+            return Ok(Self::Nameless(file));
+        }
+        beside(path, create).map(Self::Named)
+    }
+
+    fn file(&self) -> &File {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::Nameless(file) => file,
+            Self::Named(named) => named.as_file(),
+        }
+    }
+
+    /// Takes the place of the file at `path`, from one instant to the next.
+    fn become_file(self, path: &Path) -> io::Result<()> {
+        let named = match self {
+            // Only a name can replace a name: there is no other way than by a second one.
+            #[cfg(target_os = "linux")]
+            Self::Nameless(file) => match beside(path, |name| give_name(&file, name)) {
+                Ok(named) => named.into_temp_path(),
+                Err(_) => copied(file, path)?.into_temp_path(),
+            },
+            Self::Named(named) => named.into_temp_path(),
+        };
+        named.persist(path).map_err(|refused| refused.error)
+    }
+}
+
+/// A file without a name; `None` where the file system has none, or the folder takes no files at all.
+#[cfg(target_os = "linux")]
+fn nameless_in(folder: &Path) -> Option<File> {
+    use rustix::fs::{Mode, OFlags, open};
+    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+    // As every other new file: the umask takes its bits away.
+    let file: File = open(folder, flags, Mode::from_raw_mode(0o666)).ok()?.into();
+    // Without /proc it could not be given a name later.
+    fs::metadata(path_of_open(&file)).ok().map(|_| file)
+}
+
+/// For systems that have files without names and refuse to give them one.
+#[cfg(target_os = "linux")]
+fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile<File>> {
+    let named = beside(path, create)?;
+    file.seek(io::SeekFrom::Start(0))?;
+    io::copy(&mut file, &mut named.as_file())?;
+    named
+        .as_file()
+        .set_permissions(file.metadata()?.permissions())?;
+    named.as_file().sync_all()?;
+    Ok(named)
+}
+
+#[cfg(target_os = "linux")]
+fn path_of_open(file: &File) -> String {
+    use std::os::fd::AsRawFd;
+    format!("/proc/self/fd/{}", file.as_raw_fd())
+}
+
+#[cfg(target_os = "linux")]
+fn give_name(file: &File, name: &Path) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    Ok(linkat(
+        CWD,
+        path_of_open(file),
+        CWD,
+        name,
+        AtFlags::SYMLINK_FOLLOW,
+    )?)
+}
+
+/// What `make` makes under a name that is free, `.NAME.XXXXXX.tmp` beside `path`.
+fn beside<R>(
+    path: &Path,
+    make: impl FnMut(&Path) -> io::Result<R>,
+) -> io::Result<NamedTempFile<R>> {
     let name = path.file_name().ok_or_else(is_folder)?.to_string_lossy();
     // Cut short: names have at most 255 bytes, and 50 characters have at most 200.
     let prefix = format!(".{}.", name.chars().take(50).collect::<String>());
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As every other new file: the umask takes its bits away. The crate's own default is 0o600.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
     // A folder that is missing says so in the system's words; `tempfile` keeps only the kind of the error.
     fs::metadata(folder_of(path))?;
-    builder
-        .tempfile_in(folder_of(path))
+    tempfile::Builder::new()
+        .prefix(&prefix)
+        .suffix(".tmp")
+        .make_in(folder_of(path), make)
         .map_err(|error| without_name(&error))
+}
+
+/// A new file, its permissions those that the umask gives: `tempfile` would make it private.
+fn create(name: &Path) -> io::Result<File> {
+    OpenOptions::new().write(true).create_new(true).open(name)
 }
 
 /// The system's reason alone: `tempfile` adds the temporary's name, which nobody asked for.

@@ -15,6 +15,7 @@
     )
 )]
 
+mod decimal;
 mod gltf;
 mod gzip;
 mod mtl;
@@ -198,12 +199,16 @@ pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<
     model(format, bytes.into(), &mut report)
 }
 
+/// How many times its content a file takes while it is read, where it is no attack.
+const TIMES_CONTENT: usize = 3;
+
 fn model(format: &Format, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
     let path = &report.path().to_owned();
     let strict = report.settings().strict;
     let read = |report: &mut Report| {
         report.spend(bytes.len() as u64, "its content")?;
         let bytes = gzip::unpacked(bytes, report)?;
+        report.check_memory(bytes.len().saturating_mul(TIMES_CONTENT))?;
         (format.read)(&bytes, report)
     };
     let model = read(report).map_err(|fault| fault.into_error(path))?;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::LoadSettings;
 use crate::error::{Error, Place, escaped};
+use crate::memory;
 
 /// The result of a loader's steps, before the path is known.
 pub(super) type Checked<T> = Result<T, Fault>;
@@ -77,6 +78,7 @@ pub(super) struct Report {
     path: PathBuf,
     settings: LoadSettings,
     in_memory: bool,
+    grown: usize,
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
@@ -98,6 +100,7 @@ impl Report {
             path: path.to_owned(),
             settings,
             in_memory: false,
+            grown: 0,
             kinds: Vec::new(),
             dropped: 0,
             first_dropped: String::new(),
@@ -149,6 +152,24 @@ impl Report {
             Fault::TooLarge { place, what }
         })?;
         Ok(())
+    }
+
+    /// Refuses to go on where the system has not so many bytes to give.
+    pub(super) fn check_memory(&self, bytes: usize) -> Checked<()> {
+        memory::check("the file's content", bytes).map_err(|error| Fault::TooLarge {
+            place: Place::File,
+            what: error.to_string(),
+        })
+    }
+
+    /// What is being made of the file takes so many bytes in all by now: asked from time to time by
+    /// loops in which a short file can make much of little.
+    pub(super) fn has_grown_to(&mut self, bytes: usize) -> Checked<()> {
+        let more = bytes.saturating_sub(self.grown);
+        self.grown += more;
+        // A vector that grows has room for twice as much, and is there twice meanwhile.
+        self.check_memory(bytes.saturating_mul(2))?;
+        self.spend(more as u64, "what it describes")
     }
 
     /// The file's name without its extension: what an object without a name is called.

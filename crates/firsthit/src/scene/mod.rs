@@ -21,6 +21,7 @@ pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 use crate::accel::Bvh;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Hit, Ray};
+use crate::memory;
 use crate::shape::{Mesh, Shape, Surface};
 
 /// Objects in a world, ready to be shot at from any number of threads.
@@ -83,7 +84,7 @@ impl Scene {
                 limit,
             });
         };
-        let trees = mesh_trees(&objects, known);
+        let trees = mesh_trees(&objects, known)?;
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
         let is_loose = |k: u32| {
             is_unbounded(&bounds[k as usize]) || objects[k as usize].slack() > LARGEST_SLACK
@@ -281,27 +282,32 @@ impl Scene {
 /// space), the object is better off without a box than all others are with wider ones.
 const LARGEST_SLACK: f64 = 1e-8;
 
+/// What building a tree takes at most, in bytes for each triangle: its box twice while the boxes are gathered,
+/// two nodes, and its place in the order.
+const TREE_BYTES: usize = 128;
+
 /// A tree for each mesh, however many objects share it; `built` are those there are already.
 fn mesh_trees(
     objects: &[Object],
     mut built: HashMap<*const Mesh, Arc<Bvh>>,
-) -> Vec<Option<Arc<Bvh>>> {
+) -> Result<Vec<Option<Arc<Bvh>>>> {
     let mut tree = |mesh: &Arc<Mesh>| {
-        Arc::clone(built.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
-            let count = u32::try_from(mesh.triangles().len())
-                .expect("a mesh has at most i32::MAX triangles");
-            Arc::new(Bvh::build(
-                count,
-                |k| Bounds::of(mesh.corners(k as usize)),
-                Bvh::TRIANGLES,
-            ))
-        }))
+        if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
+            return Ok(Arc::clone(built));
+        }
+        let triangles = mesh.triangles().len();
+        memory::check("the tree over a mesh", triangles.saturating_mul(TREE_BYTES))?;
+        let count = u32::try_from(triangles).expect("a mesh has at most i32::MAX triangles");
+        let bounds = |k| Bounds::of(mesh.corners(k as usize));
+        let tree = Arc::new(Bvh::build(count, bounds, Bvh::TRIANGLES));
+        built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
+        Ok(tree)
     };
     objects
         .iter()
         .map(|object| match object.shape() {
-            Shape::Mesh(mesh) => Some(tree(mesh)),
-            _ => None,
+            Shape::Mesh(mesh) => tree(mesh).map(Some),
+            _ => Ok(None),
         })
         .collect()
 }

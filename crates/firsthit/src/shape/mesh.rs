@@ -40,13 +40,19 @@ impl Mesh {
                 limit,
             });
         }
-        check_indices("triangles", &triangles, positions.len())?;
-        let corners = triangles.iter().flatten();
-        if let Some(&bad) = corners.clone().find(|&&k| !positions.get(k).is_finite()) {
-            let got = format!("{} at index {bad}", positions.get(bad));
+        let bounds = match &*positions {
+            Positions::Single(points) => bounds_of(points, &triangles),
+            Positions::Double(points) => bounds_of(points, &triangles),
+        };
+        let Some(bounds) = bounds else {
+            check_indices("triangles", &triangles, positions.len())?;
+            let mut corners = triangles.iter().flatten();
+            let bad = corners.find(|&&k| !positions.get(k).is_finite());
+            let got = bad.map_or_else(String::new, |&bad| {
+                format!("{} at index {bad}", positions.get(bad))
+            });
             return Err(Error::argument("vertices", "finite", got));
-        }
-        let bounds = Bounds::of(corners.map(|&k| positions.get(k)));
+        };
         Ok(Self {
             positions,
             triangles,
@@ -254,6 +260,31 @@ impl Mesh {
         ];
         attribute.interpolate(triangle, self.triangles[triangle], weights)
     }
+}
+
+/// The box around the corners of all triangles, in one pass; `None` if a corner is not there or not finite.
+fn bounds_of<T>(points: &[[T; 3]], triangles: &[[u32; 3]]) -> Option<Bounds>
+where
+    T: Copy + PartialOrd + Into<f64>,
+{
+    let Some(&[first, ..]) = triangles.first() else {
+        return Some(Bounds::EMPTY);
+    };
+    let [mut low, mut high] = [*points.get(first as usize)?; 2];
+    let mut is_finite = true;
+    for &corner in triangles.iter().flatten() {
+        let point = points.get(corner as usize)?;
+        for axis in 0..3 {
+            let x = point[axis];
+            low[axis] = if x < low[axis] { x } else { low[axis] };
+            high[axis] = if x > high[axis] { x } else { high[axis] };
+            is_finite &= Into::<f64>::into(x).abs() < f64::INFINITY;
+        }
+    }
+    is_finite.then(|| Bounds {
+        low: DVec3::from(low.map(Into::into)),
+        high: DVec3::from(high.map(Into::into)),
+    })
 }
 
 impl Surface for Arc<Mesh> {

@@ -39,6 +39,31 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
 ];
 
+/// Extensions that change no surface, only what it looks like: a picture without them is whole, so they are a
+/// warning even where they are required.
+const LOOKS: &[&str] = &[
+    "GOOGLE_texture_basis",
+    "KHR_animation_pointer",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_technique_webgl",
+    "KHR_techniques_webgl",
+    "KHR_texture_ktx",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MSFT_texture_dds",
+];
+
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let container = container::open(bytes, report)?;
     let document = document::parse(&container)?;
@@ -71,7 +96,7 @@ fn check_extensions(document: &Document<'_>, report: &mut Report) -> Checked<()>
     let is_known = |name: &str| KNOWN.contains(&name);
     let required = document.extensions_required.iter().enumerate();
     for (k, name) in required {
-        if !is_known(name) {
+        if !is_known(name) && !LOOKS.contains(&name.as_ref()) {
             let what = format!(
                 "the extension '{}' is required, and not read",
                 escape_controls(name)
@@ -82,11 +107,14 @@ fn check_extensions(document: &Document<'_>, report: &mut Report) -> Checked<()>
             ));
         }
     }
-    let used = document.extensions_used.iter();
-    let unknown: Vec<_> = used
+    let named = document.extensions_used.iter();
+    let mut unknown: Vec<_> = named
+        .chain(&document.extensions_required)
         .filter(|name| !is_known(name))
         .map(|name| escape_controls(name))
         .collect();
+    unknown.sort_unstable();
+    unknown.dedup();
     if !unknown.is_empty() {
         report.warn(
             "extensions",

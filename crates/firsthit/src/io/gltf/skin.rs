@@ -77,6 +77,7 @@ pub(super) fn maps(
         translation: DVec3::ZERO,
     };
     let mut maps = vec![nothing; vertices];
+    let mut sums = vec![0.0; vertices];
     for set in 0_usize.. {
         let (joints, weights) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
         let Some(index) = values.attribute(&joints) else {
@@ -91,7 +92,8 @@ pub(super) fn maps(
         let Some(shares) = values.read::<f64, 4>(&weights, &Shape::VEC4, vertices)? else {
             return Err(values.attribute_fault(&weights, "is missing"));
         };
-        for (map, (indices, shares)) in maps.iter_mut().zip(indices.iter().zip(&shares)) {
+        let places = maps.iter_mut().zip(&mut sums);
+        for ((map, sum), (indices, shares)) in places.zip(indices.iter().zip(&shares)) {
             for (&joint, &share) in indices.iter().zip(shares) {
                 // Joints without a share may be anything.
                 if share == 0.0 {
@@ -101,10 +103,29 @@ pub(super) fn maps(
                     let what = format!("joint {joint} of a skin of {}", palette.len());
                     return Err(values.attribute_fault(&joints, what));
                 };
+                *sum += share;
                 map.matrix3 += share * joint_map.matrix3;
                 map.translation += share * joint_map.translation;
             }
         }
     }
+    even_out(values, &mut maps, &sums);
     Ok(maps)
+}
+
+/// Divides by the shares' sum where it is not one, as it must be; by more than rounding, lest vertices that
+/// are right move.
+fn even_out(values: &mut Values<'_, '_>, maps: &mut [DAffine3], sums: &[f64]) {
+    let is_off = |sum: f64| sum > 0.0 && (sum - 1.0).abs() > 0.01;
+    let mut wrong = sums.iter().filter(|&&sum| is_off(sum));
+    let Some(first) = wrong.next() else { return };
+    let place = values.place("attributes");
+    values.report.warn("weights", &place, || {
+        let count = wrong.count() + 1;
+        format!("the weights of {count} vertices are divided by their sum, such as {first}: it must be 1")
+    });
+    for (map, &sum) in maps.iter_mut().zip(sums).filter(|&(_, &sum)| is_off(sum)) {
+        map.matrix3 *= 1.0 / sum;
+        map.translation /= sum;
+    }
 }
