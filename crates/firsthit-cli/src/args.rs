@@ -22,8 +22,10 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Shoot any rays at a 3D file.
     Shoot(ShootArgs),
-    /// Say what is in a 3D file.
+    /// Say what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
+    /// Compare two outputs, channel by channel.
+    Diff(DiffArgs),
     /// Render the embedded example scene.
     Demo(DemoArgs),
     /// Print the JSON Schema of scene files, by which editors complete and check them.
@@ -109,7 +111,7 @@ impl From<RayStartArg> for RayStart {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct PictureArgs {
-    /// Where to write: .png (one channel), .npy (one) or .npz (all); may be given several times.
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all); may be given several times.
     /// {channel} in the name makes a file of each channel [default: what a scene file asks for, else the
     /// file's name with .png]
     #[arg(short, long, value_name = "FILE")]
@@ -118,6 +120,10 @@ pub(crate) struct PictureArgs {
     /// normal, position, barycentric, uv, front [default: color]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) channels: Vec<String>,
+    /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene
+    /// units and 0 a miss, instead of as pictures to look at
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) png_scale: Option<f64>,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
@@ -222,13 +228,37 @@ pub(crate) enum StreamFormat {
 #[derive(Debug, Args)]
 #[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
+    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy or .npz
     pub(crate) file: PathBuf,
-    /// As JSON: triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up, warnings
+    /// As JSON: of a 3D file triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up,
+    /// warnings; of an output format, arrays, metadata (null when there are none), notes
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::DIFF_EXAMPLES)]
+pub(crate) struct DiffArgs {
+    /// An output: .png, .exr, .npy or .npz
+    pub(crate) a: PathBuf,
+    /// Another one, of any of these formats
+    pub(crate) b: PathBuf,
+    /// The largest difference of two numbers that is none; identifiers must be equal [default: 0]
+    #[arg(long, value_name = "X", value_parser = values::tolerance, allow_hyphen_values = true)]
+    pub(crate) tolerance: Option<f64>,
+    /// What to compare, with commas between [default: all channels of both]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        visible_alias = "channel"
+    )]
+    pub(crate) channels: Vec<String>,
+    /// As JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -237,7 +267,7 @@ pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
     #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
     pub(crate) size: (usize, usize),
-    /// Where to write: .png (one channel), .npy (one) or .npz (all); may be given several times.
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all); may be given several times.
     /// {channel} in the name makes a file of each channel [default: demo.png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
@@ -249,6 +279,10 @@ pub(crate) struct DemoArgs {
         default_value = "color"
     )]
     pub(crate) channels: Vec<String>,
+    /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene
+    /// units and 0 a miss, instead of as pictures to look at
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) png_scale: Option<f64>,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,

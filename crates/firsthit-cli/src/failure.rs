@@ -7,6 +7,7 @@ use firsthit::Error;
 
 use crate::console::{say, say_interrupted};
 
+const DIFFERENT: u8 = 1;
 pub(crate) const USAGE: u8 = 2;
 pub(crate) const BAD_INPUT: u8 = 3;
 pub(crate) const NOT_WRITTEN: u8 = 4;
@@ -48,6 +49,14 @@ impl Failure {
         Self {
             code: LIMIT,
             message: Some(message.to_string()),
+        }
+    }
+
+    /// What was compared differs: said already, on standard output.
+    pub(crate) fn different() -> Self {
+        Self {
+            code: DIFFERENT,
+            message: None,
         }
     }
 

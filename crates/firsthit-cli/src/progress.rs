@@ -40,6 +40,15 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
     interrupted
 }
 
+/// The flag of Ctrl-C alone, for what is not counted in rays.
+pub(crate) struct Interrupt<'a>(pub(crate) &'a AtomicBool);
+
+impl Watch for Interrupt<'_> {
+    fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
 /// Follows a computation: a bar on standard error if that is a terminal, and the flag of Ctrl-C.
 pub(crate) struct Progress<'a> {
     bar: ProgressBar,

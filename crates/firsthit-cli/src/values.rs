@@ -146,6 +146,17 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Zero or a positive number.
+pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
+    let form = "zero or a positive number";
+    let [number] = numbers::<1>(text, ',', form)?;
+    if number >= 0.0 {
+        Ok(number)
+    } else {
+        Err(format!("expected {form}"))
+    }
+}
+
 /// A positive number; infinity is one here.
 pub(crate) fn t_max(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();

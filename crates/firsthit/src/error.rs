@@ -100,6 +100,8 @@ pub enum Place {
     },
     /// An offset into a binary file, counted from 0.
     Byte(u64),
+    /// A value of a JSON document, by its pointer (RFC 6901), such as `/accessors/3/count`.
+    Pointer(String),
 }
 
 impl fmt::Display for Place {
@@ -109,6 +111,7 @@ impl fmt::Display for Place {
             Self::Line(line) => write!(f, ":{line}"),
             Self::Position { line, column } => write!(f, ":{line}:{column}"),
             Self::Byte(byte) => write!(f, " @ byte {byte}"),
+            Self::Pointer(pointer) => write!(f, "#{pointer}"),
         }
     }
 }

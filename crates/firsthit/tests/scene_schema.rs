@@ -75,8 +75,7 @@ fn sample(kind: &str, name: &str, form: &Value) -> Value {
         ("object", "file") => json!("t.obj"),
         ("output", "file") => json!("a.png"),
         (_, "position") => json!([5, 0.5, 0]),
-        (_, "look_at") => json!([0, 0, 1]),
-        (_, "up") => json!([0, 0, 1]),
+        (_, "look_at" | "up") => json!([0, 0, 1]),
         (_, "aim") => json!([0, 2, 0]),
         (_, "low" | "bottom") => json!([-1, -1, -1]),
         (_, "high" | "top") => json!([1, 1, 1]),
@@ -186,9 +185,10 @@ impl Judges {
     fn accept(&mut self, kind: &str, table: &Map<String, Value>) -> bool {
         let scene = in_scene(kind, table);
         let entries = scene.as_object().expect("a table").iter();
-        let text: String = entries
+        let lines: Vec<String> = entries
             .map(|(name, value)| format!("{name} = {}\n", as_toml(value)))
             .collect();
+        let text = lines.concat();
         let path = self.folder.path().join("scene.toml");
         fs::write(&path, &text).expect("room for a file");
         let read = load(&path, &LoadSettings::default());
@@ -329,7 +329,7 @@ fn every_example_is_in_the_documentation_with_its_pictures() {
     for entry in fs::read_dir(docs().join("scenes")).expect("docs/scenes") {
         let name = entry.expect("docs/scenes").file_name();
         let name = name.to_string_lossy();
-        if !name.ends_with(".obj") {
+        if Path::new(&*name).extension() != Some("obj".as_ref()) {
             assert!(text.contains(&format!("(scenes/{name})")), "{name}");
         }
     }

@@ -3,7 +3,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::{Shader, Shading, example};
 
-use super::render::{Job, WITHOUT_COLOR, picture};
+use super::render::{Job, WITHOUT_COLOR, picture, settings};
 use crate::args::DemoArgs;
 use crate::camera::check_size;
 use crate::console::warn;
@@ -30,6 +30,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     let targets = output::targets(outputs, &kinds, Source::Camera, &[])?;
     output::check_all_go_somewhere(&targets, &kinds)?;
     let orders = [Order { kinds, targets }];
+    let settings = settings(args.png_scale, &orders);
     with_threads(&args.run, || {
         let scene = example::scene()?;
         let (columns, rows) = args.size;
@@ -44,6 +45,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
             camera: &camera,
             shade: &shade,
             samples: args.samples.unwrap_or(DEFAULT_SAMPLES),
+            settings,
         };
         picture(&job, &orders, &args.run, interrupted)
     })

@@ -3,6 +3,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::camera::Description;
+use firsthit::image::WriteSettings;
 use firsthit::io::{Model, Output};
 use firsthit::render::{develop, shoulder_light};
 use firsthit::shoot::shoot_all;
@@ -48,7 +49,11 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
         warn(&warnings);
         let camera = camera(&args.camera, &base(&model), scene.bounds(), up)?;
         let lights = lights(&args.light, &model, &scene, &camera);
-        let scene = scene.with_lights(lights);
+        let scene = if args.light.light.is_empty() && model.lights.is_empty() {
+            scene.with_borrowed_lights(lights)
+        } else {
+            scene.with_lights(lights)
+        };
         let shade = Shading {
             scene: &scene,
             shader,
@@ -59,6 +64,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             camera: &camera,
             shade: &shade,
             samples: args.picture.samples.or(model.samples).unwrap_or(1),
+            settings: settings(args.picture.png_scale, &orders),
         };
         picture(&job, &orders, &args.run, interrupted)
     })
@@ -112,6 +118,15 @@ pub(crate) struct Job<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) shade: &'a Shading<'a>,
     pub(crate) samples: u32,
+    pub(crate) settings: WriteSettings,
+}
+
+/// How files are written; says so where the scale does nothing.
+pub(super) fn settings(png_scale: Option<f64>, orders: &[Order]) -> WriteSettings {
+    if png_scale.is_some() && !orders.iter().any(output::takes_scale) {
+        warn(&["--png-scale does nothing without t, range or z in a .png"]);
+    }
+    WriteSettings { png_scale }
 }
 
 /// Makes a picture, writes it, and says so in one line.
@@ -127,6 +142,7 @@ pub(crate) fn picture(
         camera,
         shade,
         samples,
+        settings,
     } = job;
     let pixels = camera.pixels() as u64;
     let shaded = orders.iter().filter(|order| needs_shade(order)).count() as u64;
@@ -136,7 +152,7 @@ pub(crate) fn picture(
     let mut legends = Vec::new();
     for Order { kinds, targets } in orders {
         let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
-        legends.extend(output::write(&frame, targets, interrupted)?);
+        legends.extend(output::write(&frame, targets, settings, interrupted)?);
     }
     drop(progress);
     warn(&crate::hints::hints(scene, camera, &hits));

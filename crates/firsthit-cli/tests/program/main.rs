@@ -12,6 +12,7 @@ mod files;
 mod info;
 mod interrupts;
 mod issue;
+mod outputs;
 mod rays;
 mod scene_file;
 mod shoot;

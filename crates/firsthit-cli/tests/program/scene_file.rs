@@ -41,14 +41,14 @@ fn the_examples_make_the_pictures_of_the_documentation() {
     for entry in fs::read_dir(docs().join("scenes")).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-        if name.ends_with(".png") {
+        if path.extension() == Some("png".as_ref()) {
             pictures.push(name);
         } else {
             fs::copy(&path, lab.path(&name)).unwrap();
         }
     }
     for name in lab.names() {
-        if name.ends_with(".toml") {
+        if Path::new(&name).extension() == Some("toml".as_ref()) {
             lab.ok(&format!("render --quiet {name}"));
         }
     }
@@ -84,61 +84,64 @@ fn a_scene_file_says_what_the_command_line_says() {
     assert_eq!(told, lab.npz("flags.npz"));
 }
 
+/// Flags, and what in the scene says the same.
+const REPLACEMENTS: &[(&str, &str, &str)] = &[
+    ("--fov 50", "fov = 30", "fov = 50"),
+    (
+        "--position 1,-5,2",
+        "position = [0, -6, 3]",
+        "position = [1, -5, 2]",
+    ),
+    ("--aim 0,2,-1", "look_at = [0, 0, 0.25]", "aim = [0, 2, -1]"),
+    (
+        "--look-at 0,0,1",
+        "look_at = [0, 0, 0.25]",
+        "look_at = [0, 0, 1]",
+    ),
+    ("--look-at auto", "look_at = [0, 0, 0.25]\n", ""),
+    ("--up 1,0,1", "fov = 30", "fov = 30\nup = [1, 0, 1]"),
+    (
+        "--size 20x30",
+        "columns = 32\nrows = 24",
+        "columns = 20\nrows = 30",
+    ),
+    (
+        "--focal-length 2 --viewplane 2x1 --ray-start viewplane",
+        "fov = 30",
+        "focal_length = 2\nwidth = 2\nheight = 1\nray_start = 'viewplane'",
+    ),
+    ("--orthographic", "fov = 30", "projection = 'orthographic'"),
+    (
+        "--orthographic --viewplane 3x2",
+        "fov = 30",
+        "projection = 'orthographic'\nwidth = 3\nheight = 2",
+    ),
+    ("--background 1,0,0", "[0.25, 0.5, 0.75]", "[1, 0, 0]"),
+    (
+        "--sky 1,0,0:0,0,1",
+        "[background]\ncolor = [0.25, 0.5, 0.75]",
+        "[sky]\nhorizon = [1, 0, 0]\nzenith = [0, 0, 1]",
+    ),
+    ("--ambient 0,0,0", "[0.125, 0.125, 0.125]", "[0, 0, 0]"),
+    ("--no-shadows", "[shading]", "[shading]\nshadows = false"),
+    ("--samples 3", "[shading]", "[shading]\nsamples = 3"),
+    (
+        "--shader unlit",
+        "ambient = [0.125, 0.125, 0.125]",
+        "shader = 'unlit'",
+    ),
+    (
+        "--color 1,0,0",
+        "file = 'square.ply'",
+        "file = 'square.ply'\ncolor = [1, 0, 0]",
+    ),
+];
+
 #[test]
 fn flags_replace_the_file_s_words_one_by_one() {
     let lab = with_scene();
     let all = made(&lab, SCENE, "");
-    for (options, word, instead) in [
-        ("--fov 50", "fov = 30", "fov = 50"),
-        (
-            "--position 1,-5,2",
-            "position = [0, -6, 3]",
-            "position = [1, -5, 2]",
-        ),
-        ("--aim 0,2,-1", "look_at = [0, 0, 0.25]", "aim = [0, 2, -1]"),
-        (
-            "--look-at 0,0,1",
-            "look_at = [0, 0, 0.25]",
-            "look_at = [0, 0, 1]",
-        ),
-        ("--look-at auto", "look_at = [0, 0, 0.25]\n", ""),
-        ("--up 1,0,1", "fov = 30", "fov = 30\nup = [1, 0, 1]"),
-        (
-            "--size 20x30",
-            "columns = 32\nrows = 24",
-            "columns = 20\nrows = 30",
-        ),
-        (
-            "--focal-length 2 --viewplane 2x1 --ray-start viewplane",
-            "fov = 30",
-            "focal_length = 2\nwidth = 2\nheight = 1\nray_start = 'viewplane'",
-        ),
-        ("--orthographic", "fov = 30", "projection = 'orthographic'"),
-        (
-            "--orthographic --viewplane 3x2",
-            "fov = 30",
-            "projection = 'orthographic'\nwidth = 3\nheight = 2",
-        ),
-        ("--background 1,0,0", "[0.25, 0.5, 0.75]", "[1, 0, 0]"),
-        (
-            "--sky 1,0,0:0,0,1",
-            "[background]\ncolor = [0.25, 0.5, 0.75]",
-            "[sky]\nhorizon = [1, 0, 0]\nzenith = [0, 0, 1]",
-        ),
-        ("--ambient 0,0,0", "[0.125, 0.125, 0.125]", "[0, 0, 0]"),
-        ("--no-shadows", "[shading]", "[shading]\nshadows = false"),
-        ("--samples 3", "[shading]", "[shading]\nsamples = 3"),
-        (
-            "--shader unlit",
-            "ambient = [0.125, 0.125, 0.125]",
-            "shader = 'unlit'",
-        ),
-        (
-            "--color 1,0,0",
-            "file = 'square.ply'",
-            "file = 'square.ply'\ncolor = [1, 0, 0]",
-        ),
-    ] {
+    for &(options, word, instead) in REPLACEMENTS {
         assert!(SCENE.contains(word), "{word}");
         let by_flag = made(&lab, SCENE, options);
         assert_ne!(by_flag, all, "{options}");

@@ -78,8 +78,8 @@ impl Description {
         let up = self.up.unwrap_or(up);
         let view = self.through_lens(View {
             up,
-            columns,
             rows,
+            columns,
             ..View::default()
         })?;
         let camera = match self.position {

@@ -2,6 +2,7 @@
 
 mod aim_at;
 mod description;
+mod matrices;
 mod orthographic;
 mod perspective;
 
@@ -70,6 +71,16 @@ pub enum RayStart {
     Viewplane,
     /// At the camera's position; for parallel rays, on the plane through it.
     Eye,
+}
+
+impl RayStart {
+    /// Its name, as in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viewplane => "viewplane",
+            Self::Eye => "eye",
+        }
+    }
 }
 
 /// What turns a ray's `t` into the other two distances: `range = t + offset`, `z = range * cosine`.

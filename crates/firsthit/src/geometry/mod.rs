@@ -2,6 +2,7 @@
 
 mod bounds;
 mod color;
+mod digest;
 mod double;
 mod hit;
 mod ray;
@@ -9,6 +10,7 @@ mod transform;
 
 pub use bounds::Bounds;
 pub use color::{Color, srgb_decode, srgb_encode};
+pub use digest::Digest;
 pub use double::plane_crossing;
 pub use hit::Hit;
 pub use ray::{Ray, Rays};

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
+use crate::watch::Watch;
 
 /// The writer's buffer, in bytes: few system calls, and small beside any picture.
 const BUFFER: usize = 1 << 18;
@@ -30,14 +31,81 @@ const MOST_LINKS: usize = 40;
 /// # Errors
 ///
 /// [`Error::Write`] with `path` if the system, or `content`, refuses; or if `path` is a folder or a
-/// read-only file. The temporary file is then gone and the old file as it was.
+/// read-only file; [`Error::Interrupted`] when `watch` stops it. The temporary file is then gone and the old
+/// file as it was.
 pub fn write_whole(
     path: &Path,
+    watch: &dyn Watch,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<()> {
-    write_target(path, content).map_err(|source| Error::Write {
-        path: path.to_owned(),
-        source,
+    let written = match target(path) {
+        Ok(Target::File(path, permissions)) => {
+            prepare(path, permissions, watch, content).and_then(Prepared::commit)
+        }
+        Ok(Target::Stream(path)) => append(&path, watch, content),
+        Err(error) => Err(error),
+    };
+    reported(path, watch, written)
+}
+
+/// [`write_whole`] with a second file beside, called `path` with `.json` after it. Whatever happens in
+/// between, no old `sidecar` stays beside the new content: for an instant there is none.
+pub(super) fn write_with_sidecar(
+    path: &Path,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    sidecar: &[u8],
+) -> Result<()> {
+    let beside = sidecar_of(path);
+    let refuse_sidecar = |error| reported(&beside, watch, Err(error));
+    let (target, permissions) = match target(path) {
+        Ok(Target::File(target, permissions)) => (target, permissions),
+        // Nobody looks beside a pipe.
+        Ok(Target::Stream(path)) => return reported(&path, watch, append(&path, watch, content)),
+        Err(error) => return reported(path, watch, Err(error)),
+    };
+    // Both are on the disk before either is touched: a disk that is full leaves the old ones.
+    let prepared = match prepare(target, permissions, watch, content) {
+        Ok(prepared) => prepared,
+        Err(error) => return reported(path, watch, Err(error)),
+    };
+    let second = match self::target(&beside) {
+        Ok(Target::File(target, permissions)) => {
+            prepare(target, permissions, watch, |out| out.write_all(sidecar))
+        }
+        Ok(Target::Stream(_)) => Err(io::Error::other("is not a regular file")),
+        Err(error) => Err(error),
+    };
+    let second = match second {
+        Ok(second) => second,
+        Err(error) => return refuse_sidecar(error),
+    };
+    if second.replaces
+        && let Err(error) = fs::remove_file(&second.path)
+    {
+        return refuse_sidecar(error);
+    }
+    reported(path, watch, prepared.commit())?;
+    second.commit().or_else(refuse_sidecar)
+}
+
+/// Where the metadata of an array is: `x.npy.json` beside `x.npy`.
+pub fn sidecar_of(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".json");
+    PathBuf::from(name)
+}
+
+/// The error as callers get it.
+fn reported(path: &Path, watch: &dyn Watch, written: io::Result<()>) -> Result<()> {
+    written.map_err(|source| {
+        if watch.is_stopped() {
+            return Error::Interrupted;
+        }
+        Error::Write {
+            path: path.to_owned(),
+            source,
+        }
     })
 }
 
@@ -47,17 +115,6 @@ enum Target {
     File(PathBuf, Option<fs::Permissions>),
     /// Something that a rename would destroy: a device, a FIFO, a file that a process has open.
     Stream(PathBuf),
-}
-
-fn write_target(
-    path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    match target(path)? {
-        Target::File(path, permissions) => replace(&path, permissions, content),
-        // Appending, so that what a redirected standard output already holds stays.
-        Target::Stream(path) => buffered(&OpenOptions::new().append(true).open(path)?, content),
-    }
 }
 
 fn target(path: &Path) -> io::Result<Target> {
@@ -111,23 +168,53 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-fn replace(
-    path: &Path,
+/// A new file on the disk, under another name until it is committed. Dropping it removes it.
+struct Prepared {
+    temporary: Temporary,
+    path: PathBuf,
+    /// Whether there is an old file.
+    replaces: bool,
+}
+
+fn prepare(
+    path: PathBuf,
     permissions: Option<fs::Permissions>,
+    watch: &dyn Watch,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
+) -> io::Result<Prepared> {
     // Dropping `temporary` removes it: every error below leaves nothing behind.
-    let temporary = Temporary::beside(path)?;
-    buffered(temporary.file(), content)?;
+    let temporary = Temporary::beside(&path)?;
+    buffered(temporary.file(), watch, content)?;
+    let replaces = permissions.is_some();
     if let Some(permissions) = permissions {
         temporary.file().set_permissions(permissions)?;
     }
     temporary.file().sync_all()?;
-    temporary.become_file(path)?;
-    // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
-    // and not every system can do it.
-    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
-    Ok(())
+    Ok(Prepared {
+        temporary,
+        path,
+        replaces,
+    })
+}
+
+impl Prepared {
+    fn commit(self) -> io::Result<()> {
+        self.temporary.become_file(&self.path)?;
+        // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
+        // and not every system can do it.
+        let _ = File::open(folder_of(&self.path)).and_then(|folder| folder.sync_all());
+        Ok(())
+    }
+}
+
+/// Appending, so that what a redirected standard output already holds stays.
+fn append(
+    path: &Path,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let file = OpenOptions::new().append(true).open(path)?;
+    buffered(&file, watch, content)
 }
 
 /// A file that nobody sees under the name of the one it is to become.
@@ -241,10 +328,34 @@ fn without_name(error: &io::Error) -> io::Error {
     code.map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
 }
 
-fn buffered(file: &File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut writer = BufWriter::with_capacity(BUFFER, file);
+fn buffered(
+    file: &File,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(BUFFER, Stoppable { file, watch });
     content(&mut writer)?;
     writer.flush()
+}
+
+/// A file that takes no more when the watch says stop: the temporary file then goes away in an orderly manner.
+struct Stoppable<'a> {
+    file: &'a File,
+    watch: &'a dyn Watch,
+}
+
+impl Write for Stoppable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.watch.is_stopped() {
+            // Not `ErrorKind::Interrupted`, which means: try again.
+            return Err(io::Error::other("interrupted"));
+        }
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 #[cfg(test)]
@@ -261,7 +372,7 @@ mod tests {
     }
 
     fn write_text(path: &Path, text: &str) -> Result<()> {
-        write_whole(path, |out| out.write_all(text.as_bytes()))
+        write_whole(path, &(), |out| out.write_all(text.as_bytes()))
     }
 
     #[test]
@@ -279,7 +390,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         write_text(&path, "old").unwrap();
-        let result = write_whole(&path, |out| {
+        let result = write_whole(&path, &(), |out| {
             out.write_all(&vec![1; 2 * BUFFER])?;
             Err(io::Error::other("out of ink"))
         });

@@ -16,6 +16,7 @@
 )]
 
 mod decimal;
+mod gltf;
 mod gzip;
 mod mtl;
 mod obj;
@@ -81,8 +82,10 @@ impl Model {
 /// A camera of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedCamera {
-    /// Its name; may be empty.
+    /// Its name; may be empty. In glTF, that of its node.
     pub name: String,
+    /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes may share.
+    pub own_name: String,
     /// What it is made from.
     pub view: View,
     /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, the view's height
@@ -127,6 +130,12 @@ struct Format {
 
 /// Every format there is; all else is derived from this table.
 const FORMATS: &[Format] = &[
+    Format {
+        name: "glTF",
+        extensions: &["gltf", "glb"],
+        up: DVec3::Y,
+        read: gltf::read,
+    },
     Format {
         name: "OBJ",
         extensions: &["obj"],
@@ -261,7 +270,8 @@ mod tests {
         assert_eq!(
             error,
             "x.3ds: the extension names no known format; \
-             it must be one of .obj (OBJ), .ply (PLY), .stl (STL), .toml (scene file)"
+             it must be one of .gltf (glTF), .glb (glTF), .obj (OBJ), .ply (PLY), .stl (STL), \
+             .toml (scene file)"
         );
         assert!(format_of(Path::new("noextension")).is_err());
     }

@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use super::gzip;
-use super::report::{Fault, Report, size_in_words};
+use super::report::{Checked, Report, size_in_words};
 use crate::error::{Error, Place, Result};
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
@@ -44,6 +44,14 @@ pub(super) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
 
 /// The content of a file that a scene names; of a packed one, what is packed. It counts against the
 /// scene's memory.
+pub(super) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
+    let bytes = regular_file(path, report.settings().max_memory)?;
+    report.spend(bytes.len() as u64, "its content")?;
+    report.note_file(path.to_owned());
+    Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
+}
+
+/// The same where a file that cannot be read is no more than a warning.
 ///
 /// # Errors
 ///
@@ -52,13 +60,7 @@ pub(super) fn sibling_content(
     path: &Path,
     report: &mut Report,
 ) -> std::result::Result<Vec<u8>, String> {
-    let read = |report: &mut Report| {
-        let bytes = regular_file(path, report.settings().max_memory)?;
-        report.spend(bytes.len() as u64, "its content")?;
-        report.note_file(path.to_owned());
-        Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
-    };
-    read(report).map_err(|fault: Fault| fault.into_error(path).to_string())
+    content(path, report).map_err(|fault| fault.into_error(path).to_string())
 }
 
 fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {

@@ -61,6 +61,15 @@ struct Polygon {
 }
 
 impl Surface {
+    /// The surface of triangles each of which is a face of its own.
+    pub(super) fn of(triangles: Vec<[u32; 3]>) -> Self {
+        Self {
+            face_count: u32::try_from(triangles.len()).unwrap_or(u32::MAX),
+            triangles,
+            ..Self::default()
+        }
+    }
+
     /// Makes room for triangles.
     pub(super) fn reserve(&mut self, triangles: usize, report: &Report) -> Checked<()> {
         report.check_memory(triangles.saturating_mul(size_of::<[u32; 3]>()))?;

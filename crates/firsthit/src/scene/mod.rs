@@ -1,13 +1,14 @@
 //! What there is to see: objects, lights, and the trees over them. Immutable once built.
 
 mod background;
+mod fingerprint;
 mod light;
 mod material;
 mod object;
 mod texture;
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -36,6 +37,9 @@ pub struct Scene {
     unbounded: Vec<u32>,
     bounds: Bounds,
     lights: Vec<Light>,
+    has_own_lights: bool,
+    /// Made when first asked for.
+    fingerprint: OnceLock<String>,
 }
 
 impl Scene {
@@ -61,7 +65,11 @@ impl Scene {
             _ => None,
         });
         let scene = Self::build(objects, known.collect())?;
-        Ok(scene.with_lights(self.lights.clone()))
+        let has_own_lights = self.has_own_lights;
+        Ok(Self {
+            has_own_lights,
+            ..scene.with_lights(self.lights.clone())
+        })
     }
 
     fn build(objects: Vec<Object>, known: HashMap<*const Mesh, Arc<Bvh>>) -> Result<Self> {
@@ -103,12 +111,36 @@ impl Scene {
             unbounded,
             bounds,
             lights: Vec::new(),
+            has_own_lights: true,
+            fingerprint: OnceLock::new(),
         })
     }
 
     /// The same scene with other lights.
     pub fn with_lights(self, lights: Vec<Light>) -> Self {
-        Self { lights, ..self }
+        Self {
+            lights,
+            has_own_lights: true,
+            fingerprint: OnceLock::new(),
+            ..self
+        }
+    }
+
+    /// The same scene with lights that nobody asked for, such as one that goes with the camera: they are
+    /// not part of its [fingerprint](Self::fingerprint).
+    pub fn with_borrowed_lights(self, lights: Vec<Light>) -> Self {
+        let has_none = self.lights.is_empty() || !self.has_own_lights;
+        Self {
+            // Made already, it is still true.
+            fingerprint: if has_none {
+                self.fingerprint
+            } else {
+                OnceLock::new()
+            },
+            lights,
+            has_own_lights: false,
+            ..self
+        }
     }
 
     /// The objects, in the order of their identifiers.

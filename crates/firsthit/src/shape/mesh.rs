@@ -1,10 +1,12 @@
+mod digest;
+
 use std::sync::Arc;
 
 use super::attribute::check_indices;
 use super::triangle::{Shear, TriangleHit};
 use super::{Attribute, Crossing, Positions, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, Ray, moderation, unit};
+use crate::geometry::{Bounds, DVec2, DVec3, Digest, Ray, moderation, unit};
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -312,6 +314,10 @@ impl Surface for Arc<Mesh> {
 
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
         usize::try_from(primitive).map_or(DVec3::NAN, |triangle| Mesh::normal(self, triangle))
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        Mesh::digest(self, digest);
     }
 }
 

@@ -169,6 +169,7 @@ pub(super) fn settle(cameras: Vec<Read<'_, '_>>, model: &Model) -> Checked<Vec<N
         let is_sized = description.columns.is_some() || description.rows.is_some();
         Ok(NamedCamera {
             name,
+            own_name: String::new(),
             view: *settled.view(),
             has_size: is_sized || matches!(description.lens, Some(Lens::Viewplane { .. })),
             description: Some(description),

@@ -4,8 +4,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Place, escape_controls};
-use crate::io::LoadSettings;
-use crate::io::report::{Checked, Fault};
+use crate::io::report::{Checked, Fault, Report};
 
 pub(super) type Value<'t> = Spanned<DeValue<'t>>;
 
@@ -51,22 +50,17 @@ impl<'t> Text<'t> {
     }
 
     /// The document's top table. The parser's own limit ends nesting at 80 levels.
-    pub(super) fn parse(self, settings: &LoadSettings) -> Checked<Spanned<DeTable<'t>>> {
+    pub(super) fn parse(self, report: &mut Report) -> Checked<Spanned<DeTable<'t>>> {
         let needed = self.0.len().saturating_mul(BYTES_PER_BYTE);
-        let over = |limit: String| {
-            Err(Fault::Other(Error::Limit {
-                what: "bytes of memory for a scene file",
-                got: needed.to_string(),
-                limit,
-            }))
-        };
-        if needed as u64 > settings.max_memory {
-            return over(settings.max_memory.to_string());
-        }
+        report.spend(needed as u64, "its text, parsed,")?;
         // The parser cannot be told that memory is scarce: asked here, it is an error, not the end.
         let mut room: Vec<u8> = Vec::new();
         if room.try_reserve_exact(needed).is_err() {
-            return over("what memory is free".to_owned());
+            return Err(Fault::Other(Error::Limit {
+                what: "bytes of memory for a scene file",
+                got: needed.to_string(),
+                limit: "what memory is free".to_owned(),
+            }));
         }
         drop(room);
         DeTable::parse(self.0).map_err(|error| {
@@ -91,7 +85,7 @@ pub(super) fn named(value: &DeValue<'_>) -> String {
         DeValue::Integer(_) | DeValue::Float(_) => "a number of very many digits".to_owned(),
         DeValue::Boolean(value) => value.to_string(),
         DeValue::Datetime(_) => "a date".to_owned(),
-        DeValue::Array(items) if items.len() <= 4 && !items.iter().any(|item| is_nested(item)) => {
+        DeValue::Array(items) if items.len() <= 4 && !items.iter().any(is_nested) => {
             let items: Vec<String> = items.iter().map(|item| named(item.get_ref())).collect();
             format!("[{}]", items.join(", "))
         }

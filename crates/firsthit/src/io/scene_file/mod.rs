@@ -16,6 +16,7 @@ mod schema;
 mod section;
 mod shading;
 mod suggest;
+mod variant;
 
 pub use output::Output;
 pub use schema::schema;
@@ -40,7 +41,7 @@ pub(super) const FORMAT: Format = Format {
 
 fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let text = Text::new(bytes)?;
-    let document = text.parse(report.settings())?;
+    let document = text.parse(report)?;
     let scene = Section::new(text, document.get_ref(), 0, &SCENE)?;
     let up = scene.vector("up").unwrap_or(FORMAT.up);
     let lights = scene.list("lights", &LIGHT)?;

@@ -224,6 +224,10 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
                     limit: MOST_OBJECTS.to_string(),
                 }));
             }
+            report.spend(
+                size_of_val(&*of_file) as u64,
+                "an object for each of the file's",
+            )?;
             for object in &*of_file {
                 let name = name_of(&section, object, of_file.len() > 1);
                 objects.push(finished(

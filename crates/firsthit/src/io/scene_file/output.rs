@@ -43,7 +43,10 @@ pub struct Output {
 
 pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output> {
     let name = section.need_text("file")?;
-    let path = read::sibling_to_be(report.path(), name).map_err(|reason| {
+    let path = report
+        .scene()
+        .and_then(|scene| read::sibling_to_be(scene, name));
+    let path = path.map_err(|reason| {
         let name = escape_controls(name);
         section.fault_at("file", format!("'{name}' is not written: {reason}"))
     })?;

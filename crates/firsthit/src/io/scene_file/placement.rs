@@ -87,7 +87,7 @@ pub(super) fn read(section: &Section<'_, '_>) -> Checked<DAffine3> {
     checked(section, "scale", scaled)?;
     let mut turned = DMat3::IDENTITY;
     for rotation in section.list("rotate", &ROTATION)? {
-        turned = rotation_matrix(&rotation)? * turned;
+        turned = rotation_matrix(&rotation) * turned;
     }
     let offset = section.vector("translate").unwrap_or(DVec3::ZERO);
     let placed = DAffine3::from_mat3_translation(turned, offset) * scaled;
@@ -116,7 +116,7 @@ fn from_rows(rows: &[[f64; 4]; 3]) -> DAffine3 {
     )
 }
 
-fn rotation_matrix(section: &Section<'_, '_>) -> Checked<DMat3> {
+fn rotation_matrix(section: &Section<'_, '_>) -> DMat3 {
     let Some(axis) = section.vector("axis") else {
         let [x, y, z, w] = (section.raw("quaternion"))
             .and_then(numbers::<4>)
@@ -124,9 +124,9 @@ fn rotation_matrix(section: &Section<'_, '_>) -> Checked<DMat3> {
         // Scaled first: squares of very large and very small numbers leave float64.
         let largest = [x, y, z, w].map(f64::abs).into_iter().fold(0.0, f64::max);
         let quaternion = DQuat::from_xyzw(x / largest, y / largest, z / largest, w / largest);
-        return Ok(DMat3::from_quat(quaternion.normalize()));
+        return DMat3::from_quat(quaternion.normalize());
     };
-    Ok(about(unit(axis), section.number("degrees").unwrap_or(0.0)))
+    about(unit(axis), section.number("degrees").unwrap_or(0.0))
 }
 
 /// The rotation about an axis of length one (Rodrigues' formula).

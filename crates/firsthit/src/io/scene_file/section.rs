@@ -3,9 +3,10 @@
 use toml::de::{DeTable, DeValue};
 
 use super::document::{Text, Value, integer, named, number, numbers};
-use super::form::{Form, color, quoted};
+use super::form::{Form, color};
 use super::keys::{Key, Pick, Record, Rule, Variant};
 use super::suggest::suggestion;
+use super::variant::pick;
 use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{Color, DVec3};
 use crate::io::report::{Checked, Fault};
@@ -219,17 +220,13 @@ impl<'v, 't> Section<'v, 't> {
         entries.sort_unstable_by_key(|(name, _)| name.span().start);
         let mut found = Vec::new();
         for (name, value) in entries {
-            match self.open(value, record) {
-                Some(section) => found.push((name.get_ref().as_ref(), section?)),
-                None => {
-                    let what = format!(
-                        "`{}` must be a table, got {}",
-                        escape_controls(name.get_ref()),
-                        named(value.get_ref())
-                    );
-                    return Err(self.text.fault(name.span().start, what));
-                }
-            }
+            let word = name.get_ref().as_ref();
+            let section = self.open(value, record).ok_or_else(|| {
+                let (word, came) = (escape_controls(word), named(value.get_ref()));
+                let what = format!("`{word}` must be a table, got {came}");
+                self.text.fault(name.span().start, what)
+            })?;
+            found.push((word, section?));
         }
         Ok(found)
     }
@@ -270,87 +267,6 @@ impl<'v, 't> Section<'v, 't> {
         let at = self.get(name).map_or(self.at, |value| value.span().start);
         self.text.place(at)
     }
-}
-
-/// The variant that a table is of.
-fn pick(
-    text: Text<'_>,
-    table: &DeTable<'_>,
-    at: usize,
-    record: &'static Record,
-) -> Checked<&'static Variant> {
-    let fits = |variant: &&Variant| match variant.pick {
-        Pick::Always => true,
-        Pick::Has(key) => table.contains_key(key),
-        Pick::Tag(key, value) => has_text(table, key, value),
-        Pick::Default(key, value) => !table.contains_key(key) || has_text(table, key, value),
-    };
-    if let Some(variant) = record.variants.iter().find(fits) {
-        return Ok(variant);
-    }
-    let tags: Vec<_> = (record.variants.iter())
-        .filter_map(|variant| variant.pick.tag())
-        .collect();
-    let words: Vec<&str> = tags.iter().map(|&(_, value)| value).collect();
-    let key = tags.first().map_or("", |&(key, _)| key);
-    let Some((name, value)) = table.get_key_value(key) else {
-        return Err(text.fault(at, missing_tag(table, record, key, &words)));
-    };
-    let came = value.get_ref();
-    if !came.is_str() {
-        return Err(text.fault(
-            name.span().start,
-            format!(
-                "`{key}` must be one of {}, got {}",
-                quoted(&words),
-                named(came)
-            ),
-        ));
-    }
-    let what = format!("unknown {key} {}", named(came));
-    let hint = match suggestion(came.as_str().unwrap_or_default(), &words) {
-        Some(meant) => format!(", did you mean \"{meant}\"?"),
-        None => format!("; there are {}", quoted(&words)),
-    };
-    Err(text.fault(value.span().start, what + &hint))
-}
-
-/// What to say where the key that tells the variants apart is missing; it may be only misspelt.
-fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &[&str]) -> String {
-    let mut known = vec![key];
-    known.extend(
-        record
-            .variants
-            .iter()
-            .filter_map(|variant| match variant.pick {
-                Pick::Has(key) => Some(key),
-                _ => None,
-            }),
-    );
-    let of_variants: Vec<&str> = (record.variants.iter())
-        .flat_map(Variant::keys)
-        .map(|key| key.name)
-        .collect();
-    let mut names: Vec<_> = table.keys().collect();
-    names.sort_unstable_by_key(|name| name.span().start);
-    let misspelt = names.iter().find_map(|name| {
-        let word = name.get_ref().as_ref();
-        let is_open = !of_variants.contains(&word);
-        let meant = suggestion(word, &known).filter(|_| is_open)?;
-        Some(format!(
-            ": unknown key `{}`, did you mean `{meant}`?",
-            escape_controls(word)
-        ))
-    });
-    let hint = misspelt.unwrap_or_else(|| format!(", {key} being one of {}", quoted(words)));
-    let known: Vec<String> = known.iter().map(|key| format!("`{key}`")).collect();
-    format!("this {} needs {}{hint}", record.name, known.join(" or "))
-}
-
-fn has_text(table: &DeTable<'_>, key: &str, value: &str) -> bool {
-    table
-        .get(key)
-        .is_some_and(|came| came.get_ref().as_str() == Some(value))
 }
 
 /// Checks the form of a value; tables in it are checked when they are opened.
