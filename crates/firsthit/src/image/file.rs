@@ -182,6 +182,7 @@ fn prepare(
     watch: &dyn Watch,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<Prepared> {
+    // Dropping `temporary` removes it: every error below leaves nothing behind.
     let temporary = Temporary::beside(&path)?;
     buffered(temporary.file(), watch, content)?;
     let replaces = permissions.is_some();
