@@ -2,10 +2,12 @@
 
 use super::body::{Rows, scalar_at};
 use super::header::{Element, Kind, Type};
+use super::named::NamedRows;
 use super::{Levels, skip, skip_value};
 use crate::error::Place;
 use crate::io::report::{Checked, Fault, Report};
 use crate::io::surface::Surface;
+use crate::shape::PropertyOf;
 
 /// After so many rows it is asked how much memory they take.
 const CHECK_EVERY: u64 = 1 << 16;
@@ -15,6 +17,8 @@ pub(super) struct Faces {
     pub(super) surface: Surface,
     /// A linear colour for each face, where all faces so far have one.
     pub(super) colors: Vec<[f32; 3]>,
+    /// All other numbers.
+    pub(super) named: NamedRows,
     vertex_count: u64,
 }
 
@@ -24,6 +28,7 @@ impl Faces {
         Self {
             surface: Surface::default(),
             colors: Vec::new(),
+            named: NamedRows::default(),
             vertex_count,
         }
     }
@@ -51,6 +56,8 @@ impl Faces {
                 .map_or(Type::Uint8, |c| c.1),
         );
         let is_colored = colors.iter().all(Option::is_some);
+        let is_color = |k: usize| is_colored && colors.iter().flatten().any(|&(at, _)| at == k);
+        self.named = NamedRows::new(element, PropertyOf::Faces, |k| !is_color(k));
         let mut ring = Vec::new();
         let mut left = element.count;
         let mut checked = left;
@@ -62,7 +69,9 @@ impl Faces {
             if checked - left >= CHECK_EVERY || left == 0 {
                 checked = left;
                 let colors = size_of_val(self.colors.as_slice());
-                report.has_grown_to(self.surface.bytes() + colors)?;
+                let faces = self.surface.face_count() as usize;
+                let named = faces.saturating_mul(self.named.row_bytes());
+                report.has_grown_to(self.surface.bytes() + colors + named)?;
             }
             if left == 0 {
                 break;
@@ -75,7 +84,8 @@ impl Faces {
                     Kind::List { count, item } if k == indices => {
                         self.read_ring(count, item, rows, &mut ring)?;
                     }
-                    Kind::Scalar(kind) if is_colored => {
+                    Kind::Scalar(kind) if !is_color(k) => self.named.push(k, rows.value(kind)?),
+                    Kind::Scalar(kind) => {
                         let value = rows.value(kind)?;
                         let levels = color.iter_mut().zip(colors);
                         levels
