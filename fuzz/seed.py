@@ -6,11 +6,18 @@ The corpora are not committed: the files' licences differ.
 import gzip
 import hashlib
 import re
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FOLDERS = [HERE.parent / "testdata", HERE.parent.parent / "shared" / "refdata" / "public"]
+FOLDERS = [
+    HERE.parent / "testdata",
+    HERE.parent / "docs",
+    HERE.parent.parent / "shared" / "refdata" / "public",
+]
+PROGRAM = HERE.parent / "target" / "release" / "firsthit"
 #: Larger files make each run of a fuzzer slow, and teach it little.
 LARGEST = 64 << 10
 
@@ -21,6 +28,9 @@ TARGETS = {
     "obj": {"obj"},
     "texture": {"png", "jpg", "jpeg", "webp", "bmp", "tga"},
     "gzip": {"stl"},
+    "gltf": {"gltf", "glb"},
+    "scene_file": {"toml"},
+    "output": {"exr", "png", "npz", "npy"},
 }
 
 
@@ -36,9 +46,31 @@ def with_library(path: Path, content: bytes) -> bytes:
     )
 
 
+def outputs(folder: Path) -> None:
+    """Render small outputs of every format, if the program is built."""
+    if not PROGRAM.is_file():
+        print("output: no target/release/firsthit to make seeds with")
+        return
+    demo = [PROGRAM, "demo", "--quiet", "--size", "9x7", "--samples", "1"]
+    channels = ["--channels", "color,z,object,normal,front"]
+    for name in ("a.exr", "a.npz"):
+        subprocess.run([*demo, "--output", folder / name, *channels], check=True)
+    for name in ("a.npy", "a.png"):
+        subprocess.run([*demo, "--output", folder / name], check=True)
+    depth = [*demo, "--channels", "z", "--output"]
+    subprocess.run([*depth, folder / "z.png", "--png-scale", "0.001"], check=True)
+    subprocess.run([*depth, folder / "z.npy"], check=True)
+
+
 def main() -> None:
     """Write the seeds of all targets, or of those that are named."""
-    files = [path for folder in FOLDERS for path in folder.rglob("*") if path.is_file()]
+    with tempfile.TemporaryDirectory() as made:
+        outputs(Path(made))
+        seed([*FOLDERS, Path(made)])
+
+
+def seed(folders: list[Path]) -> None:
+    files = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
     for target in sys.argv[1:] or TARGETS:
         corpus = HERE / "corpus" / target
         corpus.mkdir(parents=True, exist_ok=True)

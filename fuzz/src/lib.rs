@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use firsthit::image::read_bytes;
 use firsthit::io::{LoadSettings, Model, load, load_bytes};
 use firsthit::{DVec3, Result, Scene};
 
@@ -16,6 +17,20 @@ const SETTINGS: LoadSettings = LoadSettings {
 /// Reads content under a name that tells its format.
 pub fn read(name: &str, bytes: &[u8]) {
     check(load_bytes(Path::new(name), bytes, &SETTINGS));
+}
+
+/// Reads an output back, and says what is in it.
+pub fn read_output(name: &str, bytes: &[u8]) {
+    match read_bytes(Path::new(name), bytes, SETTINGS.max_memory) {
+        Err(error) => check_line(&error.to_string()),
+        Ok(output) => {
+            output.notes.iter().for_each(|line| check_line(line));
+            for array in &output.arrays {
+                let count: usize = array.shape.iter().product();
+                assert_eq!(array.numbers.len(), count);
+            }
+        }
+    }
 }
 
 /// Files in a folder, where the one that is read finds the others.

@@ -83,8 +83,8 @@ pub struct Format {
     stored: fn(&Channel, &WriteSettings) -> Stored,
     /// Writes what was checked.
     encode: fn(&Content<'_>, &mut dyn Write) -> io::Result<()>,
-    /// Reads a file of any origin, all of it at once.
-    pub(super) decode: fn(&[u8]) -> std::result::Result<Output, String>,
+    /// Reads a file of any origin, all of it at once; its numbers may take so many bytes.
+    pub(super) decode: fn(&[u8], u64) -> std::result::Result<Output, String>,
 }
 
 /// How much of a [`Frame`] one file takes.

@@ -32,4 +32,4 @@ pub use metadata::{
     CameraRecord, ChannelRecord, Encoding, Intrinsics, METADATA_VERSION, Metadata, Origin, Pixels,
     Pose, Stored,
 };
-pub use read::{Array, Numbers, Output, read};
+pub use read::{Array, Numbers, Output, read, read_bytes};

@@ -14,16 +14,16 @@ use super::{Array, Metadata, Numbers, Output, collected, elements, metadata_of};
 
 /// Every channel of every flat layer, at full resolution: components put together as the metadata say,
 /// or as names that programs agree on do.
-pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
+pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
     // `exr` promises not to panic. Should it, that file is one that cannot be read, not the end of the program.
-    catch_unwind(AssertUnwindSafe(|| decode_checked(bytes)))
+    catch_unwind(AssertUnwindSafe(|| decode_checked(bytes, most)))
         .unwrap_or_else(|_| Err("not an EXR that can be read".to_owned()))
 }
 
-fn decode_checked(bytes: &[u8]) -> Result<Output, String> {
+fn decode_checked(bytes: &[u8], most: u64) -> Result<Output, String> {
     let words = |error: exr::error::Error| crate::error::escape_controls(&error.to_string());
     let reader = exr::block::read(Cursor::new(bytes), false).map_err(words)?;
-    check_claims(reader.headers(), bytes.len())?;
+    check_claims(reader.headers(), bytes.len(), most)?;
     let planes: Result<Vec<Planes>, String> = reader.headers().iter().map(Planes::of).collect();
     let mut planes = planes?;
     let mut output = Output::default();
@@ -53,7 +53,7 @@ fn decode_checked(bytes: &[u8]) -> Result<Output, String> {
 }
 
 /// Refuses what a file claims to hold and cannot, before memory is taken for it.
-fn check_claims(headers: &[Header], length: usize) -> Result<(), String> {
+fn check_claims(headers: &[Header], length: usize, most: u64) -> Result<(), String> {
     let mut total = 0_u64;
     for header in headers {
         if header.deep {
@@ -64,13 +64,13 @@ fn check_claims(headers: &[Header], length: usize) -> Result<(), String> {
         }
         let Vec2(columns, rows) = header.layer_size;
         let channels = header.channels.list.len();
-        elements(&[rows as u64, columns as u64, channels as u64], 8)?;
+        elements(&[rows as u64, columns as u64, channels as u64], 8, most)?;
         let block = header.max_block_pixel_size();
-        elements(&[block.x() as u64, block.y() as u64, channels as u64], 8)?;
+        elements(&[block.x() as u64, block.y() as u64, channels as u64], 8, most)?;
         total =
             total.saturating_add((rows as u64 * columns as u64).saturating_mul(channels as u64));
     }
-    elements(&[total], 8)?;
+    elements(&[total], 8, most)?;
     // The best of the compressions packs to a thousandth.
     if total > 2048 * length as u64 {
         return Err(format!("{total} samples are more than the file can hold"));

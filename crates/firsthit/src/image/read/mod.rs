@@ -28,7 +28,8 @@ use super::file::sidecar_of;
 use super::{Encoding, Metadata, format_of};
 use crate::error::{Error, Place, Result};
 
-/// What the numbers of one file may take in memory, in bytes: 16,384 squared pixels of four channels.
+/// What the numbers of one file may take in memory, in bytes, where nobody says: 16,384 squared pixels of four
+/// channels.
 const MOST_BYTES: u64 = 1 << 32;
 
 /// Metadata are short; a sidecar that is longer is none.
@@ -105,11 +106,22 @@ impl Numbers {
 pub fn read(path: &Path) -> Result<Output> {
     let format = format_of(path)?;
     let bytes = regular_file(path, MOST_BYTES)?;
-    let mut output = (format.decode)(&bytes).map_err(|what| wrong(path, what))?;
+    let mut output = (format.decode)(&bytes, MOST_BYTES).map_err(|what| wrong(path, what))?;
     if format.has_sidecar {
         read_sidecar(path, &mut output)?;
     }
     Ok(output)
+}
+
+/// The same from a file's content. `name` is what messages call it; its extension tells the format. The numbers
+/// may take `max_memory` bytes.
+///
+/// # Errors
+///
+/// Those of [`read`], but for [`Error::Read`].
+pub fn read_bytes(name: &Path, bytes: &[u8], max_memory: u64) -> Result<Output> {
+    let format = format_of(name)?;
+    (format.decode)(bytes, max_memory).map_err(|what| wrong(name, what))
 }
 
 fn wrong(path: &Path, what: String) -> Error {
@@ -178,16 +190,20 @@ fn only_channel(metadata: Option<&Metadata>) -> Option<(&str, Encoding, Option<f
 }
 
 /// How many elements an array has, if its numbers fit into memory.
-fn elements(shape: &[u64], bytes_each: u64) -> std::result::Result<usize, String> {
+fn elements(
+    shape: &[u64],
+    bytes_each: u64,
+    most: u64,
+) -> std::result::Result<usize, String> {
     let count = shape.iter().try_fold(1_u64, |n, &side| n.checked_mul(side));
     let fits = |count: &u64| {
         count
             .checked_mul(bytes_each)
-            .is_some_and(|n| n <= MOST_BYTES)
+            .is_some_and(|n| n <= most)
     };
     (count.filter(fits))
         .and_then(|count| usize::try_from(count).ok())
-        .ok_or_else(|| format!("{shape:?} numbers are over the limit of {MOST_BYTES} bytes"))
+        .ok_or_else(|| format!("{shape:?} numbers are over the limit of {most} bytes"))
 }
 
 /// `values` in memory, if there is room for `count` of them.

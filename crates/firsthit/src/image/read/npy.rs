@@ -5,8 +5,8 @@ use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar, TypeStr};
 use super::{Array, Numbers, Output, elements};
 
 /// One array without a name.
-pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
-    let array = array(bytes, None)?;
+pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
+    let array = array(bytes, None, most)?;
     Ok(Output {
         arrays: vec![array],
         ..Output::default()
@@ -14,12 +14,12 @@ pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
 }
 
 /// An array of any type of number, of either byte order, in C or Fortran order.
-pub(super) fn array(bytes: &[u8], name: Option<String>) -> Result<Array, String> {
+pub(super) fn array(bytes: &[u8], name: Option<String>, most: u64) -> Result<Array, String> {
     let (header, data) = header(bytes)?;
     let kind = plain(&header)?;
     let size = kind.num_bytes().unwrap_or(1).max(1);
     let claimed = header.shape().to_vec();
-    let count = elements(&claimed, 8)?;
+    let count = elements(&claimed, 8, most)?;
     if count
         .checked_mul(size)
         .is_none_or(|needed| needed > data.len())

@@ -3,14 +3,14 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
 use super::super::npz::METADATA;
-use super::{MOST_BYTES, Output, metadata_of, npy};
+use super::{Output, metadata_of, npy};
 
 /// An array for each entry, and the metadata from theirs.
-pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
+pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let mut output = Output::default();
     let mut text = None;
-    let mut room = MOST_BYTES;
+    let mut room = most;
     for index in 0..archive.len() {
         let mut entry = archive.by_index(index).map_err(|error| error.to_string())?;
         let name = (entry.name().map_err(|error| error.to_string())?).into_owned();
@@ -23,12 +23,12 @@ pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
         // All entries together: a thousand of them may be the same few bytes.
         room = room
             .checked_sub(content.len() as u64)
-            .ok_or_else(|| format!("is over the limit of {MOST_BYTES} bytes unpacked"))?;
+            .ok_or_else(|| format!("is over the limit of {most} bytes unpacked"))?;
         let named = |what| format!("{}: {what}", crate::error::escape_controls(&name));
         if name == METADATA {
             text = Some(npy::text(&content).map_err(named)?);
         } else {
-            let array = npy::array(&content, Some(name.clone())).map_err(named)?;
+            let array = npy::array(&content, Some(name.clone()), most).map_err(named)?;
             output.arrays.push(array);
         }
     }

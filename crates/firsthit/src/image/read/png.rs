@@ -3,12 +3,12 @@ use std::io::Cursor;
 use png::{BitDepth, Decoder, Limits, Transformations};
 
 use super::super::metadata::{Encoding, KEY};
-use super::{Array, MOST_BYTES, Numbers, Output, collected, elements, metadata_of, only_channel};
+use super::{Array, Numbers, Output, collected, elements, metadata_of, only_channel};
 
 /// The picture: distances where it holds steps of them, else its samples.
-pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
+pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
     let limits = Limits {
-        bytes: usize::try_from(MOST_BYTES).unwrap_or(usize::MAX),
+        bytes: usize::try_from(most).unwrap_or(usize::MAX),
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::EXPAND);
@@ -17,7 +17,7 @@ pub(in crate::image) fn decode(bytes: &[u8]) -> Result<Output, String> {
     let (color, depth) = reader.output_color_type();
     let components = color.samples();
     let shape = [rows.into(), columns.into(), components as u64];
-    let count = elements(&shape, 8)?;
+    let count = elements(&shape, 8, most)?;
     // Deflate packs to a thousandth at best: a small file that claims a large picture holds none.
     if count as u64 / 8 > 2048 * bytes.len() as u64 {
         return Err(format!(
