@@ -7,6 +7,12 @@
 //! their edge: a ray cannot pass between them. (Where the paper falls back to double precision on a
 //! zero, here the sign is that of the exact difference of products.)
 
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it has the kernel's fused multiply-add"
+)]
+
+use super::Crossing;
 use crate::geometry::{DVec2, DVec3, Ray, plane_crossing};
 
 /// A ray made ready for triangles.
@@ -29,8 +35,21 @@ pub struct TriangleHit {
     pub barycentric: DVec2,
 }
 
+impl TriangleHit {
+    /// The hit in the triangle `primitive` of a mesh.
+    #[inline(always)]
+    pub(crate) fn crossing(self, primitive: i32) -> Crossing {
+        Crossing {
+            t: self.t,
+            primitive,
+            barycentric: self.barycentric,
+        }
+    }
+}
+
 impl Shear {
     /// Makes `ray` ready. Its direction is not zero.
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let longest = d.abs();
@@ -51,7 +70,18 @@ impl Shear {
         }
     }
 
+    /// The axes across the ray, and the one along which its direction is longest.
+    pub(crate) fn axes(&self) -> [usize; 3] {
+        self.axes
+    }
+
+    /// How much the ray moves along the first two axes for one along the third.
+    pub(crate) fn slope(&self) -> DVec2 {
+        self.slope
+    }
+
     /// The vertex relative to the ray: its distances from the ray across, and its place along it.
+    #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {
         let relative = vertex - self.origin;
         let [x, y, z] = self.axes.map(|axis| relative[axis]);
@@ -62,6 +92,7 @@ impl Shear {
     }
 
     /// Where the ray meets the triangle, edges and corners included; `None` past it or along it.
+    #[inline(always)]
     pub fn intersect(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
         let [(a, a_t), (b, b_t), (c, c_t)] = corners.map(|corner| self.sheared(corner));
         let u = side(c, b);
@@ -113,6 +144,7 @@ const HUGE: f64 = f64::from_bits((1023 + 500) << 52);
 /// The sides' signs are exact, their sizes are not: of a triangle seen nearly edge-on they can be nothing
 /// but rounding, and the mean any point of the triangle. These weights are good to their last digits, so
 /// the hit is where the ray crosses the triangle of the sheared corners; the tree relies on that.
+#[inline(always)]
 fn weights(a: DVec2, b: DVec2, c: DVec2) -> DVec2 {
     let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
     // A power of two scales without rounding.
@@ -124,12 +156,14 @@ fn weights(a: DVec2, b: DVec2, c: DVec2) -> DVec2 {
 
 /// `p.x * q.y - p.y * q.x` to its last digits. (Kahan's way; its error is one and a half units in the last
 /// place: Jeannerod, Louvet and Muller, Mathematics of Computation 82, 2013.)
+#[inline(always)]
 fn precise_side(p: DVec2, q: DVec2) -> f64 {
     let right = p.y * q.x;
     p.x.mul_add(q.y, -right) - p.y.mul_add(q.x, -right)
 }
 
 /// `p.x * q.y - p.y * q.x`, rounded, with the sign of the exact result; of a tiny one only the sign counts.
+#[inline(always)]
 fn side(p: DVec2, q: DVec2) -> f64 {
     let left = p.x * q.y;
     let right = p.y * q.x;

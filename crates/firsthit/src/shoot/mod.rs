@@ -1,0 +1,238 @@
+//! Rays to hits: what does this ray meet first, and does it meet anything?
+//!
+//! [`Trees`] and [`BruteForce`] come to the same bits: whatever the trees rule out, float64 decides about
+//! the rest with the same code. Brute force is the judge that every faster way is tested against.
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a kernel is not compiled for its instruction set"
+)]
+
+mod judge;
+mod object;
+mod trees;
+
+use rayon::prelude::*;
+
+pub use judge::BruteForce;
+pub use trees::Trees;
+
+use crate::accel::Scratch;
+use crate::error::{Error, Result};
+use crate::geometry::{DVec2, DVec3, Hit, Ray, Rays};
+use crate::scene::Scene;
+use crate::simd::{self, Kernel, Lanes};
+use crate::watch::Watch;
+
+/// The first object on the ray `p + t * u_r`: the smallest `t > 0`, and at the same `t` the lower
+/// (object, primitive). `u_r` need not be of length one; a ray that is zero, infinite or NaN misses.
+pub fn shoot(scene: &Scene, p: DVec3, u_r: DVec3) -> Hit {
+    first_hit::<Trees>(scene, &Ray::new(p, u_r))
+}
+
+/// Whether anything is at `0 < t <= t_max` on the ray `p + t * u_r`. Sooner known than the first hit.
+pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
+    any_hit(scene, &Ray::new(p, u_r).up_to(t_max))
+}
+
+/// [`occluded`] for a ray with its own `t_max`.
+pub fn any_hit(scene: &Scene, ray: &Ray) -> bool {
+    simd::run(scene.instruction_set(), trees::Any(scene, ray))
+}
+
+/// A way to find the first hit.
+pub trait Search {
+    /// The first hit of `ray`.
+    fn first_hit(scene: &Scene, ray: &Ray) -> Hit;
+}
+
+/// The first hit of `ray`, found by `S`.
+pub fn first_hit<S: Search>(scene: &Scene, ray: &Ray) -> Hit {
+    S::first_hit(scene, ray)
+}
+
+/// What many rays met, an array for each quantity; see [`Hit`] for their meaning.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Hits {
+    /// The rays' parameters, infinity for a miss.
+    pub t: Vec<f64>,
+    /// The objects' identifiers, -1 for a miss.
+    pub object: Vec<i32>,
+    /// The primitives' identifiers, -1 for a miss.
+    pub primitive: Vec<i32>,
+    /// The weights of a triangle's corners 1 and 2, else NaN.
+    pub barycentric: Vec<DVec2>,
+}
+
+impl Hits {
+    /// How many rays there were.
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Whether there were none.
+    pub fn is_empty(&self) -> bool {
+        self.t.is_empty()
+    }
+
+    /// What the ray `index` met.
+    ///
+    /// # Panics
+    ///
+    /// When there was no such ray.
+    pub fn get(&self, index: usize) -> Hit {
+        Hit {
+            t: self.t[index],
+            object: self.object[index],
+            primitive: self.primitive[index],
+            barycentric: self.barycentric[index],
+        }
+    }
+}
+
+/// How many rays a thread takes at a time: enough to be worth it, few enough to stop within a moment.
+const BATCH: usize = 1024;
+
+/// [`shoot`] for many rays, by all threads of the current rayon pool. The order is that of the rays, and
+/// the result does not depend on the number of threads.
+///
+/// # Errors
+///
+/// [`Error::Limit`] when the result does not fit into memory, [`Error::Interrupted`] when `watch` stops it.
+pub fn shoot_all<R: Rays + ?Sized>(scene: &Scene, rays: &R, watch: &dyn Watch) -> Result<Hits> {
+    let count = rays.len();
+    let mut hits = Hits {
+        t: filled(count, Hit::MISS.t)?,
+        object: filled(count, Hit::MISS.object)?,
+        primitive: filled(count, Hit::MISS.primitive)?,
+        barycentric: filled(count, Hit::MISS.barycentric)?,
+    };
+    hits.t
+        .par_chunks_mut(BATCH)
+        .zip(hits.object.par_chunks_mut(BATCH))
+        .zip(hits.primitive.par_chunks_mut(BATCH))
+        .zip(hits.barycentric.par_chunks_mut(BATCH))
+        .enumerate()
+        .try_for_each(|(batch, (((t, object), primitive), barycentric))| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            let first = batch * BATCH;
+            simd::run(
+                scene.instruction_set(),
+                Batch {
+                    scene,
+                    rays,
+                    first,
+                    out: Out {
+                        t,
+                        object,
+                        primitive,
+                        barycentric,
+                    },
+                },
+            );
+            watch.advance(t.len() as u64);
+            Ok(())
+        })?;
+    Ok(hits)
+}
+
+/// Where hits go.
+struct Out<'a> {
+    t: &'a mut [f64],
+    object: &'a mut [i32],
+    primitive: &'a mut [i32],
+    barycentric: &'a mut [DVec2],
+}
+
+/// Rays from `first` on, one by one.
+struct Batch<'a, R: ?Sized> {
+    scene: &'a Scene,
+    rays: &'a R,
+    first: usize,
+    out: Out<'a>,
+}
+
+impl<R: Rays + ?Sized> Kernel for Batch<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let mut scratch = Scratch::default();
+        for k in 0..self.out.t.len() {
+            let ray = self.rays.ray(self.first + k);
+            let hit = trees::first_hit(l, &mut scratch, self.scene, &ray);
+            self.out.t[k] = hit.t;
+            self.out.object[k] = hit.object;
+            self.out.primitive[k] = hit.primitive;
+            self.out.barycentric[k] = hit.barycentric;
+        }
+    }
+}
+
+/// [`any_hit`] for many rays, by all threads of the current rayon pool.
+///
+/// # Errors
+///
+/// Those of [`shoot_all`].
+pub fn occluded_all<R: Rays + ?Sized>(
+    scene: &Scene,
+    rays: &R,
+    watch: &dyn Watch,
+) -> Result<Vec<bool>> {
+    let mut found = filled(rays.len(), false)?;
+    found
+        .par_chunks_mut(BATCH)
+        .enumerate()
+        .try_for_each(|(batch, found)| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            let count = found.len() as u64;
+            let first = batch * BATCH;
+            simd::run(
+                scene.instruction_set(),
+                AnyBatch {
+                    scene,
+                    rays,
+                    first,
+                    found,
+                },
+            );
+            watch.advance(count);
+            Ok(())
+        })?;
+    Ok(found)
+}
+
+struct AnyBatch<'a, R: ?Sized> {
+    scene: &'a Scene,
+    rays: &'a R,
+    first: usize,
+    found: &'a mut [bool],
+}
+
+impl<R: Rays + ?Sized> Kernel for AnyBatch<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let mut scratch = Scratch::default();
+        for (k, found) in self.found.iter_mut().enumerate() {
+            let ray = self.rays.ray(self.first + k);
+            *found = trees::any_hit(l, &mut scratch, self.scene, &ray);
+        }
+    }
+}
+
+/// A vector of `count` times `value`, or an error instead of an abort when memory is short.
+pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
+    let mut vec = Vec::new();
+    vec.try_reserve_exact(count).map_err(|_| Error::Limit {
+        what: "elements of a result",
+        got: count.to_string(),
+        limit: "the memory there is".into(),
+    })?;
+    vec.resize(count, value);
+    Ok(vec)
+}
