@@ -12,6 +12,7 @@ use super::meshlet::Meshlet;
 use super::wide::{self, Node};
 use crate::geometry::DVec3;
 use crate::shape::{Mesh, Positions};
+use crate::simd::LANES;
 
 /// A 16-wide tree over the triangles of one mesh.
 #[derive(Debug, Clone)]
@@ -161,6 +162,25 @@ impl MeshTree {
         self.nodes.capacity() * size_of::<Node>()
             + self.leaves.capacity() * size_of::<Meshlet>()
             + self.order.capacity() * size_of::<u32>()
+    }
+
+    /// Whether there is anything to traverse.
+    pub(crate) fn has_nodes(&self) -> bool {
+        !self.nodes.is_empty()
+    }
+
+    /// The triangle in a slot (see [`super::Winner`]) by its index in the mesh.
+    pub(crate) fn triangle_in(&self, slot: u32) -> u32 {
+        self.triangle(&self.leaves[slot as usize / LANES], slot as usize % LANES)
+    }
+
+    /// Its corners, as the mesh has them.
+    pub(crate) fn corners_in(&self, mesh: &Mesh, slot: u32) -> [DVec3; 3] {
+        self.corners(
+            mesh,
+            &self.leaves[slot as usize / LANES],
+            slot as usize % LANES,
+        )
     }
 
     /// The corners of a triangle of a leaf, as the mesh has them.

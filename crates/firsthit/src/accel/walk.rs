@@ -18,7 +18,7 @@ use crate::simd::{LANES, Lanes};
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     /// Nodes and leaves still to be visited: the depth's bits above the index.
-    stack: Vec<u64>,
+    pub(super) stack: Vec<u64>,
 }
 
 /// What to do with a leaf's candidates.

@@ -3,6 +3,7 @@
 mod bounds;
 mod color;
 mod double;
+mod grid;
 mod hit;
 mod ray;
 mod transform;
@@ -10,6 +11,7 @@ mod transform;
 pub use bounds::Bounds;
 pub use color::{Color, srgb_decode, srgb_encode};
 pub use double::plane_crossing;
+pub use grid::PixelGrid;
 pub use hit::Hit;
 pub use ray::{Ray, Rays};
 pub use transform::Transform;

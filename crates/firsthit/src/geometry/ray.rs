@@ -1,4 +1,4 @@
-use super::DVec3;
+use super::{DVec3, PixelGrid};
 
 /// The points `origin + t * direction` with `0 < t <= t_max`, in world space unless said otherwise.
 ///
@@ -55,6 +55,12 @@ pub trait Rays: Sync {
     /// Whether there are none.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// What the rays have in common, if they are those of a grid of pixels, row by row from the top: then they
+    /// are shot in tiles, which is many times faster.
+    fn grid(&self) -> Option<PixelGrid> {
+        None
     }
 }
 

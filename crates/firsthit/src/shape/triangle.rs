@@ -118,7 +118,7 @@ impl Shear {
 }
 
 /// From here on the corners' places, that much farther away than the hit, leave their mean too few digits.
-const FAR: f64 = 1024.0;
+pub(crate) const FAR: f64 = 1024.0;
 
 impl Shear {
     /// Where the ray crosses the triangle's plane, in place of a `mean` that is a small difference of large

@@ -9,6 +9,7 @@
 
 mod judge;
 mod object;
+mod tiles;
 mod trees;
 
 use rayon::prelude::*;
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 pub use judge::BruteForce;
 pub use trees::Trees;
 
-use crate::accel::Scratch;
+use crate::accel::{Scratch, TILE};
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, Hit, Ray, Rays};
 use crate::scene::Scene;
@@ -100,38 +101,48 @@ const BATCH: usize = 1024;
 /// [`Error::Limit`] when the result does not fit into memory, [`Error::Interrupted`] when `watch` stops it.
 pub fn shoot_all<R: Rays + ?Sized>(scene: &Scene, rays: &R, watch: &dyn Watch) -> Result<Hits> {
     let count = rays.len();
+    let plan = tiles::Plan::new(scene, rays);
     let mut hits = Hits {
         t: filled(count, Hit::MISS.t)?,
         object: filled(count, Hit::MISS.object)?,
         primitive: filled(count, Hit::MISS.primitive)?,
         barycentric: filled(count, Hit::MISS.barycentric)?,
     };
+    // A row of tiles at a time, or a number of rays.
+    let chunk = plan
+        .as_ref()
+        .map_or(BATCH, |plan| plan.columns() * TILE)
+        .max(1);
     hits.t
-        .par_chunks_mut(BATCH)
-        .zip(hits.object.par_chunks_mut(BATCH))
-        .zip(hits.primitive.par_chunks_mut(BATCH))
-        .zip(hits.barycentric.par_chunks_mut(BATCH))
+        .par_chunks_mut(chunk)
+        .zip(hits.object.par_chunks_mut(chunk))
+        .zip(hits.primitive.par_chunks_mut(chunk))
+        .zip(hits.barycentric.par_chunks_mut(chunk))
         .enumerate()
-        .try_for_each(|(batch, (((t, object), primitive), barycentric))| {
+        .try_for_each(|(index, (((t, object), primitive), barycentric))| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
-            let first = batch * BATCH;
-            simd::run(
-                scene.instruction_set(),
-                Batch {
+            let count = t.len() as u64;
+            let out = Out {
+                t,
+                object,
+                primitive,
+                barycentric,
+            };
+            if let Some(plan) = &plan {
+                simd::run(scene.instruction_set(), tiles::Band { plan, index, out });
+            } else {
+                let first = index * chunk;
+                let batch = Batch {
                     scene,
                     rays,
                     first,
-                    out: Out {
-                        t,
-                        object,
-                        primitive,
-                        barycentric,
-                    },
-                },
-            );
-            watch.advance(t.len() as u64);
+                    out,
+                };
+                simd::run(scene.instruction_set(), batch);
+            }
+            watch.advance(count);
             Ok(())
         })?;
     Ok(hits)
@@ -143,6 +154,26 @@ struct Out<'a> {
     object: &'a mut [i32],
     primitive: &'a mut [i32],
     barycentric: &'a mut [DVec2],
+}
+
+impl Out<'_> {
+    #[inline(always)]
+    fn put(&mut self, index: usize, hit: &Hit) {
+        self.t[index] = hit.t;
+        self.object[index] = hit.object;
+        self.primitive[index] = hit.primitive;
+        self.barycentric[index] = hit.barycentric;
+    }
+
+    #[inline(always)]
+    fn get(&self, index: usize) -> Hit {
+        Hit {
+            t: self.t[index],
+            object: self.object[index],
+            primitive: self.primitive[index],
+            barycentric: self.barycentric[index],
+        }
+    }
 }
 
 /// Rays from `first` on, one by one.
@@ -157,15 +188,12 @@ impl<R: Rays + ?Sized> Kernel for Batch<'_, R> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
+    fn run<L: Lanes>(mut self, l: L) {
         let mut scratch = Scratch::default();
         for k in 0..self.out.t.len() {
             let ray = self.rays.ray(self.first + k);
             let hit = trees::first_hit(l, &mut scratch, self.scene, &ray);
-            self.out.t[k] = hit.t;
-            self.out.object[k] = hit.object;
-            self.out.primitive[k] = hit.primitive;
-            self.out.barycentric[k] = hit.barycentric;
+            self.out.put(k, &hit);
         }
     }
 }

@@ -44,13 +44,29 @@ impl Kernel for Any<'_> {
 /// The first hit of `ray`.
 #[inline(always)]
 pub(super) fn first_hit<L: Lanes>(l: L, scratch: &mut Scratch, scene: &Scene, ray: &Ray) -> Hit {
-    let mut first = Hit::MISS;
+    first_hit_among(l, scratch, scene, ray, Hit::MISS, |_| true)
+}
+
+/// The first of a hit that is known and of those in the objects that are wanted.
+#[inline(always)]
+pub(super) fn first_hit_among<L: Lanes>(
+    l: L,
+    scratch: &mut Scratch,
+    scene: &Scene,
+    ray: &Ray,
+    known: Hit,
+    is_wanted: impl Fn(u32) -> bool,
+) -> Hit {
+    let mut first = known;
     let Some(moderate) = Moderate::new(ray) else {
         return first;
     };
-    let mut t_max = moderate.ray.t_max;
+    let mut t_max = moderate.ray.t_max.min(known.t / moderate.scale);
     let mut objects = scene.on_the_way(&moderate.ray);
     while let Some(index) = objects.next(t_max) {
+        if !is_wanted(index) {
+            continue;
+        }
         let object = &scene.objects()[index as usize];
         let Some(ray) = moderate.in_object(object, t_max) else {
             continue;
