@@ -10,9 +10,10 @@
 //!
 //! `X` needs to hold only where the verdict is used: there the ray is inside the triangle, the judge's or
 //! this one, so no coordinate is larger than the triangle's extent across the ray, which is at most its
-//! extent along an axis twice, and E. `E` in units of `u reach`: the vertex 1, the start 1 and their
-//! difference 1; the same along the ray, times a slope of at most 1; the slope itself 1; product and
-//! difference 2 where they are not fused: in all 8. The judge's own rounding is 2^-29 of that.
+//! extent along an axis twice, and E. What is relative to the start is then no larger than the corners' depths and
+//! that extent: `near`. `E` in units of `u near`: two differences 2; the same along the ray, times a slope of at
+//! most 1; the slope itself 1; product and difference 2 where they are not fused: in all 7. To that comes the
+//! ray's `blur`, three times. The judge's own rounding is 2^-29 of that.
 
 use super::meshlet::Meshlet;
 use super::ray::{TreeRay, U};
@@ -33,47 +34,48 @@ pub(super) struct Candidates<L: Lanes> {
 #[inline(always)]
 pub(super) fn filter<L: Lanes>(
     l: L,
-    ray: &TreeRay<L>,
+    ray: &TreeRay,
     leaf: &Meshlet,
     limit: f32,
 ) -> Option<Candidates<L>> {
-    let error = 9.0 * U * ray.reach + 3.0 * ray.blur;
-    let size = 2.02 * leaf.size + 2.1 * error;
-    let bound = 1.01 * (4.2 * error + 9.0 * U * size) * size;
-
     let [x, y, z] = ray.axes;
-    let z = l.mul(
-        l.sub(l.load(&leaf.vertices[z % 3]), ray.start[2]),
-        ray.forwards,
-    );
-    let x = l.neg_mul_add(
-        ray.slope[0],
-        z,
-        l.sub(l.load(&leaf.vertices[x % 3]), ray.start[0]),
-    );
-    let y = l.neg_mul_add(
-        ray.slope[1],
-        z,
-        l.sub(l.load(&leaf.vertices[y % 3]), ray.start[1]),
-    );
+    macro_rules! relative {
+        ($axis:ident, $k:literal) => {{
+            let [high, low] = ray.start[$k];
+            let vertices = l.load(&leaf.vertices[$axis % 3]);
+            l.sub(l.sub(vertices, l.splat(high)), l.splat(low))
+        }};
+    }
+    let z = l.mul(relative!(z, 2), l.splat(ray.forwards));
+    let x = l.neg_mul_add(l.splat(ray.slope[0]), z, relative!(x, 0));
+    let y = l.neg_mul_add(l.splat(ray.slope[1]), z, relative!(y, 1));
     let [a, b, c] = &leaf.corners;
+    let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
+    let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
+    let near = l.add(
+        l.max(l.abs(nearest), l.abs(farthest)),
+        l.splat(3.0 * leaf.size),
+    );
+    let error = l.mul_add(near, l.splat(9.0 * U), l.splat(3.0 * ray.blur));
+    let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * leaf.size));
+    let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
+    let bound = l.mul(share, size);
+
     let (ax, bx, cx) = (l.permute(x, a), l.permute(x, b), l.permute(x, c));
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
     let u = l.mul_sub(cx, by, l.mul(cy, bx));
     let v = l.mul_sub(ax, cy, l.mul(ay, cx));
     let w = l.mul_sub(bx, ay, l.mul(by, ax));
     let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
-    let (minus, plus) = (l.splat(-bound), l.splat(bound));
+    let (minus, plus) = (l.sub(l.splat(0.0), bound), bound);
     let possible = leaf.filled & !(l.lt(least, minus) & l.lt(plus, most));
     if possible == 0 {
         return None;
     }
     let certain = l.lt(plus, least) | l.lt(most, minus);
 
-    let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
-    let slack = l.splat(ray.depth_error());
-    let nearest = l.sub(l.min(l.min(az, bz), cz), slack);
-    let farthest = l.add(l.max(l.max(az, bz), cz), slack);
+    let slack = l.mul_add(near, l.splat(24.0 * U), l.splat(3.0 * ray.blur));
+    let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
     let possible = possible & l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
     if possible == 0 {
         return None;
@@ -82,13 +84,16 @@ pub(super) fn filter<L: Lanes>(
     // weigh differs by no more than the triangle's size.
     let sum = l.add(l.add(u, v), w);
     let depth = l.div(l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz))), sum);
-    let weights = l.div(l.splat(6.1 * bound * leaf.size), l.abs(sum));
+    let weights = l.div(l.mul(bound, l.splat(6.1 * leaf.size)), l.abs(sum));
     let around = l.add(weights, slack);
     // Where the sides say too little, the triangle's own depths.
+    let low = l.select(certain, l.max(l.sub(depth, around), nearest), nearest);
+    let high = l.select(certain, l.min(l.add(depth, around), farthest), farthest);
+    let possible = possible & l.le(low, l.splat(limit)) & l.le(l.splat(0.0), high);
     Some(Candidates {
         possible,
         certain,
-        low: l.select(certain, l.max(l.sub(depth, around), nearest), nearest),
-        high: l.select(certain, l.min(l.add(depth, around), farthest), farthest),
+        low,
+        high,
     })
 }

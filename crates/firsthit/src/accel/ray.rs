@@ -19,40 +19,42 @@ pub(super) const U: f32 = f32::EPSILON / 2.0;
 /// Starts beyond this are moved. The tree is in the cube from -1 to 1.
 const FAR: f64 = 8.0;
 
-pub(super) struct TreeRay<L: Lanes> {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TreeRay {
     pub(super) ray: Ray,
     pub(super) shear: Shear,
     /// The axes of `shear`.
     pub(super) axes: [usize; 3],
-    /// The start, along those axes.
-    pub(super) start: [L::Floats; 3],
+    /// The start in two parts, along those axes.
+    pub(super) start: [[f32; 2]; 3],
     /// What the ray moves along the first two of them for a depth of 1.
-    pub(super) slope: [L::Floats; 2],
+    pub(super) slope: [f32; 2],
     /// Which way it goes along the third: 1 or -1.
-    pub(super) forwards: L::Floats,
+    pub(super) forwards: f32,
     /// `reach`, see above.
     pub(super) reach: f32,
-    /// What rounding in float64 comes to, for starts that are far away.
+    /// What rounding comes to that does not shrink near the start: that of the start itself in float64, and
+    /// that of the vertices where float32 does not hold them.
     pub(super) blur: f32,
     /// For each axis of space, which planes of a node are met first, and which last.
     planes: [[usize; 2]; 3],
     /// The start as those planes see it: moved so that boxes seem wider, which makes up for all rounding.
-    starts: [[L::Floats; 2]; 3],
-    inverse: [L::Floats; 3],
+    starts: [[f32; 2]; 3],
+    inverse: [f32; 3],
     /// Depth in a unit of `t`.
     depth_per_t: f64,
     /// The depth that the start was moved by.
     moved: f64,
 }
 
-impl<L: Lanes> TreeRay<L> {
+impl TreeRay {
     /// `None` when the ray cannot meet anything.
     #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
         reason = "the rounding is allowed for"
     )]
-    pub(super) fn new(l: L, tree: &MeshTree, ray: &Ray, shear: &Shear) -> Option<Self> {
+    pub(super) fn new(tree: &MeshTree, ray: &Ray, shear: &Shear) -> Option<Self> {
         let axes = shear.axes();
         let [x, y, z] = axes;
         let mut start = (ray.origin - tree.space.origin) * tree.space.scale;
@@ -64,7 +66,10 @@ impl<L: Lanes> TreeRay<L> {
         direction[z] = sign;
         let mut moved = 0.0;
         let mut largest = start.abs().max_element();
-        let mut blur = 1e-15 * (ray.origin.abs().max_element() * tree.space.scale + 1.0);
+        let mut blur = 1e-15 * (ray.origin.abs().max_element() * tree.space.scale + 100.0);
+        if !tree.is_exact {
+            blur += f64::from(U);
+        }
         if largest > FAR {
             // To two units before the point nearest to the middle of the tree.
             moved = (-start.dot(direction) / direction.length_squared() - 2.0).max(0.0);
@@ -82,29 +87,26 @@ impl<L: Lanes> TreeRay<L> {
         // product by 1 each, and the tree rounded the vertices by 1.
         let margin = f64::from(12.0 * U * reach + 2.0 * blur);
         let mut planes = [[0; 2]; 3];
-        let mut starts = [[l.splat(0.0); 2]; 3];
-        let mut inverse = [l.splat(0.0); 3];
+        let mut starts = [[0.0; 2]; 3];
+        let mut inverse = [0.0; 3];
         for axis in 0..3 {
             let is_back = usize::from(direction[axis].is_sign_negative());
             planes[axis] = [2 * axis + is_back, 2 * axis + (1 - is_back)];
             let wider = if is_back == 1 { -margin } else { margin };
-            starts[axis] = [
-                l.splat((start[axis] + wider) as f32),
-                l.splat((start[axis] - wider) as f32),
-            ];
-            inverse[axis] = l.splat(reciprocal(direction[axis] as f32));
+            starts[axis] = [(start[axis] + wider) as f32, (start[axis] - wider) as f32];
+            inverse[axis] = reciprocal(direction[axis] as f32);
         }
         Some(Self {
             ray: *ray,
             shear: *shear,
             axes,
             start: [
-                l.splat(start[x] as f32),
-                l.splat(start[y] as f32),
-                l.splat(start[z] as f32),
+                two_parts(start[x]),
+                two_parts(start[y]),
+                two_parts(start[z]),
             ],
-            slope: [l.splat(direction[x] as f32), l.splat(direction[y] as f32)],
-            forwards: l.splat(sign as f32),
+            slope: [direction[x] as f32, direction[y] as f32],
+            forwards: sign as f32,
             reach,
             blur,
             planes,
@@ -153,22 +155,33 @@ impl<L: Lanes> TreeRay<L> {
     /// Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013, widens by
     /// relative amounts after the test; here the two starts carry a margin, which costs nothing.
     #[inline(always)]
-    pub(super) fn boxes(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
+    pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
         let [x, y, z] = self.planes;
-        let end = |axis: usize, plane: usize, side: usize| {
-            let moved = l.sub(l.load(&node.planes[plane % 6]), self.starts[axis][side]);
-            l.mul(moved, self.inverse[axis])
-        };
+        macro_rules! end {
+            ($axis:literal, $planes:ident, $side:literal) => {{
+                let plane = l.load(&node.planes[$planes[$side] % 6]);
+                let moved = l.sub(plane, l.splat(self.starts[$axis][$side]));
+                l.mul(moved, l.splat(self.inverse[$axis]))
+            }};
+        }
         let entry = l.max(
-            l.max(end(0, x[0], 0), end(1, y[0], 0)),
-            l.max(end(2, z[0], 0), l.splat(0.0)),
+            l.max(end!(0, x, 0), end!(1, y, 0)),
+            l.max(end!(2, z, 0), l.splat(0.0)),
         );
         let exit = l.min(
-            l.min(end(0, x[1], 1), end(1, y[1], 1)),
-            l.min(end(2, z[1], 1), l.splat(limit)),
+            l.min(end!(0, x, 1), end!(1, y, 1)),
+            l.min(end!(2, z, 1), l.splat(limit)),
         );
         (l.le(entry, exit), entry)
     }
+}
+
+/// A float64 number as a float32 one and the rest.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "the rest is kept")]
+fn two_parts(x: f64) -> [f32; 2] {
+    let high = x as f32;
+    [high, (x - f64::from(high)) as f32]
 }
 
 /// One over a component of the direction, finite: along an axis where the ray moves by less than all

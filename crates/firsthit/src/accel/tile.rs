@@ -11,9 +11,9 @@ use super::frame::{Frame, HALF};
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
 use super::ray::U;
-use super::walk::Scratch;
+use super::walk::{Scratch, Stack};
 use super::wide::{LEAF, Node};
-use crate::simd::{LANES, Lanes};
+use crate::simd::{Aligned, LANES, Lanes};
 
 /// Pixels across and down a tile.
 pub(crate) const TILE: usize = LANES;
@@ -48,6 +48,7 @@ pub(crate) trait Arbiter {
 }
 
 /// The first hits of a tile's pixels so far. Depths are in units of the viewplane's.
+#[repr(C, align(64))]
 pub(crate) struct Tile {
     /// Depths between which the hit is; above all depths where there is none yet.
     low: [[f32; TILE]; TILE],
@@ -178,11 +179,11 @@ fn open<L: Lanes>(
     node: &Node,
     frame: &Frame,
     limit: f32,
-    stack: &mut Vec<u64>,
+    stack: &mut Stack,
 ) {
     let (mut met, nearest) = frame.boxes(l, node, limit);
-    let mut entries = [0.0; LANES];
-    l.store(nearest, &mut entries);
+    let mut entries = Aligned([0.0; LANES]);
+    l.store(nearest, &mut entries.0);
     let base = stack.len();
     while met != 0 {
         let child = met.trailing_zeros() as usize;
@@ -193,14 +194,8 @@ fn open<L: Lanes>(
         } else {
             l.prefetch(&tree.leaves[(index & !LEAF) as usize]);
         }
-        let key = u64::from(entries[child].to_bits()) << 32 | u64::from(index);
-        stack.push(key);
-        let mut at = stack.len() - 1;
-        while at > base && stack[at - 1] < key {
-            stack[at] = stack[at - 1];
-            at -= 1;
-        }
-        stack[at] = key;
+        let key = u64::from(entries.0[child].to_bits()) << 32 | u64::from(index);
+        stack.insert(base, key);
     }
 }
 
@@ -216,6 +211,7 @@ struct Visit<'a, A> {
 
 /// Sides of the three edges for sixteen triangles, each linear in the place of a sample relative to the
 /// triangle's first: `constant + column * across + row * down`.
+#[repr(C, align(64))]
 struct Edges {
     constant: [[f32; LANES]; 3],
     across: [[f32; LANES]; 3],
@@ -223,6 +219,7 @@ struct Edges {
 }
 
 /// What else is known of the triangles, in arrays to take single ones from.
+#[repr(C, align(64))]
 struct Known {
     edges: Edges,
     bound: [f32; LANES],
@@ -391,13 +388,15 @@ impl<A: Arbiter> Visit<'_, A> {
                 if here == 0 {
                     continue;
                 }
-                let side = |k: usize| {
-                    let along = l.mul_add(parts.across[k], column, parts.constants[k]);
-                    l.mul_add(parts.down[k], row, along)
-                };
+                macro_rules! side {
+                    ($k:literal) => {{
+                        let along = l.mul_add(parts.across[$k], column, parts.constants[$k]);
+                        l.mul_add(parts.down[$k], row, along)
+                    }};
+                }
                 let verdict = Verdict::new(
                     l,
-                    [side(0), side(1), side(2)],
+                    [side!(0), side!(1), side!(2)],
                     parts.bound,
                     parts.depths,
                     [parts.nearest, parts.farthest],
@@ -407,9 +406,10 @@ impl<A: Arbiter> Visit<'_, A> {
                 let Some(verdict) = verdict else {
                     continue;
                 };
-                let (mut lows, mut highs) = ([0.0; LANES], [0.0; LANES]);
-                l.store(verdict.low, &mut lows);
-                l.store(verdict.high, &mut highs);
+                let mut lows = Aligned([0.0; LANES]);
+                let mut highs = lows;
+                l.store(verdict.low, &mut lows.0);
+                l.store(verdict.high, &mut highs.0);
                 let mut possible = verdict.possible;
                 while possible != 0 {
                     let lane = possible.trailing_zeros() as usize;
@@ -424,7 +424,7 @@ impl<A: Arbiter> Visit<'_, A> {
                         (known.first_column[lane] as usize + usize::from(across)) % TILE,
                     );
                     let is_certain = verdict.certain >> lane & 1 == 1;
-                    let depths = (lows[lane], highs[lane]);
+                    let depths = (lows.0[lane], highs.0[lane]);
                     if self.meet(row, column, lane, depths, is_certain) {
                         self.tile.update_row(l, row);
                         changed = true;
@@ -449,16 +449,21 @@ impl<A: Arbiter> Visit<'_, A> {
             whole(known.last_column[lane]),
         ];
         let columns = (u16::MAX >> (TILE - 1 - last)) & (u16::MAX << first);
-        let place = l.sub(l.load(&COLUMNS), l.splat(known.first_column[lane]));
+        let place = l.sub(l.load(&COLUMNS.0), l.splat(known.first_column[lane]));
         let edges = &known.edges;
-        let along = |k: usize| {
-            let (across, constant) = (edges.across[k][lane], edges.constant[k][lane]);
-            l.mul_add(l.splat(across), place, l.splat(constant))
-        };
-        let along = [along(0), along(1), along(2)];
+        macro_rules! along {
+            ($k:literal) => {{
+                let (across, constant) = (edges.across[$k][lane], edges.constant[$k][lane]);
+                l.mul_add(l.splat(across), place, l.splat(constant))
+            }};
+        }
+        let along = [along!(0), along!(1), along!(2)];
         let bound = l.splat(known.bound[lane]);
-        let depth = |k: usize| l.splat(known.depths[k][lane]);
-        let depths = [depth(0), depth(1), depth(2)];
+        let depths = [
+            l.splat(known.depths[0][lane]),
+            l.splat(known.depths[1][lane]),
+            l.splat(known.depths[2][lane]),
+        ];
         let nearest = known.nearest[lane];
         let ends = [l.splat(nearest), l.splat(known.farthest[lane])];
         let mut changed = false;
@@ -467,10 +472,14 @@ impl<A: Arbiter> Visit<'_, A> {
                 continue;
             }
             let down = row as f32 - known.first_row[lane];
-            let side = |k: usize| l.add(along[k], l.splat(down * edges.down[k][lane]));
+            let sides = [
+                l.add(along[0], l.splat(down * edges.down[0][lane])),
+                l.add(along[1], l.splat(down * edges.down[1][lane])),
+                l.add(along[2], l.splat(down * edges.down[2][lane])),
+            ];
             let verdict = Verdict::new(
                 l,
-                [side(0), side(1), side(2)],
+                sides,
                 bound,
                 depths,
                 ends,
@@ -501,14 +510,12 @@ impl<A: Arbiter> Visit<'_, A> {
         if wins != 0 {
             l.store(l.select(wins, verdict.low, low), &mut self.tile.low[row]);
             l.store(l.select(wins, verdict.high, high), &mut self.tile.high[row]);
-            let put = |value: u32, to: &mut [f32; TILE]| {
-                l.store(
-                    l.select(wins, l.splat(f32::from_bits(value)), l.load(to)),
-                    to,
-                );
-            };
-            put(winner.slot, &mut self.tile.slots[row]);
-            put(winner.object, &mut self.tile.objects[row]);
+            let slots = &mut self.tile.slots[row];
+            let slot = l.splat(f32::from_bits(winner.slot));
+            l.store(l.select(wins, slot, l.load(slots)), slots);
+            let objects = &mut self.tile.objects[row];
+            let object = l.splat(f32::from_bits(winner.object));
+            l.store(l.select(wins, object, l.load(objects)), objects);
         }
         let mut open = possible & !wins;
         let mut changed = wins != 0;
@@ -573,9 +580,9 @@ impl<A: Arbiter> Visit<'_, A> {
     }
 }
 
-const COLUMNS: [f32; TILE] = [
+static COLUMNS: Aligned<[f32; TILE]> = Aligned([
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
-];
+]);
 
 /// A leaf's triangles in lanes.
 struct Parts<L: Lanes> {

@@ -116,33 +116,44 @@ pub(crate) fn verdict<L: Lanes>(
     let (x, y) = ((z + 1) % 3, (z + 2) % 3);
     let slope = [l.div64(d[x], d[z]), l.div64(d[y], d[z])];
     let scale = l.div64(l.splat64(1.0), d[z]);
-    let sheared = |k: usize| {
-        let relative = |axis: usize| l.sub64(corners.0[k][axis][half % 2], rays.origin[axis]);
-        let along = relative(z);
-        [
-            l.sub64(relative(x), l.mul64(slope[0], along)),
-            l.sub64(relative(y), l.mul64(slope[1], along)),
-            l.mul64(along, scale),
-        ]
-    };
-    let (a, b, c) = (sheared(0), sheared(1), sheared(2));
-    let side = |p: &[L::Doubles; 3], q: &[L::Doubles; 3]| {
-        let right = l.mul64(p[1], q[0]);
-        l.sub64(
-            l.fused_mul_sub64(p[0], q[1], right),
-            l.fused_mul_sub64(p[1], q[0], right),
-        )
-    };
-    let (u, v, w) = (side(&c, &b), side(&a, &c), side(&b, &a));
+    macro_rules! sheared {
+        ($corner:literal) => {{
+            let corner = &corners.0[$corner];
+            let along = l.sub64(corner[z][half % 2], rays.origin[z]);
+            let across = l.sub64(corner[x][half % 2], rays.origin[x]);
+            let upwards = l.sub64(corner[y][half % 2], rays.origin[y]);
+            [
+                l.sub64(across, l.mul64(slope[0], along)),
+                l.sub64(upwards, l.mul64(slope[1], along)),
+                l.mul64(along, scale),
+            ]
+        }};
+    }
+    let (a, b, c) = (sheared!(0), sheared!(1), sheared!(2));
+    let (u, v, w) = (side(l, &c, &b), side(l, &a, &c), side(l, &b, &a));
     let sum = l.add64(l.add64(u, v), w);
     let (v, w) = (l.div64(v, sum), l.div64(w, sum));
     let t = l.add64(
         l.add64(a[2], l.mul64(v, l.sub64(b[2], a[2]))),
         l.mul64(w, l.sub64(c[2], a[2])),
     );
-    let largest = |k: usize| l.max64(l.max64(l.abs64(a[k]), l.abs64(b[k])), l.abs64(c[k]));
-    let is_sizeable = l.le64(l.splat64(1e-140), l.max64(largest(0), largest(1)));
-    let is_near = l.le64(largest(2), l.mul64(l.splat64(FAR), l.abs64(t)));
+    macro_rules! largest {
+        ($k:literal) => {
+            l.max64(l.max64(l.abs64(a[$k]), l.abs64(b[$k])), l.abs64(c[$k]))
+        };
+    }
+    let is_sizeable = l.le64(l.splat64(1e-140), l.max64(largest!(0), largest!(1)));
+    let is_near = l.le64(largest!(2), l.mul64(l.splat64(FAR), l.abs64(t)));
     let is_ahead = l.lt64(l.splat64(0.0), t) & l.lt64(t, l.splat64(f64::INFINITY));
     (same & is_sizeable & is_near & is_ahead, [t, v, w])
+}
+
+/// On which side of an edge the ray is, to the last digits.
+#[inline(always)]
+fn side<L: Lanes>(l: L, p: &[L::Doubles; 3], q: &[L::Doubles; 3]) -> L::Doubles {
+    let right = l.mul64(p[1], q[0]);
+    l.sub64(
+        l.fused_mul_sub64(p[0], q[1], right),
+        l.fused_mul_sub64(p[1], q[0], right),
+    )
 }

@@ -12,36 +12,93 @@ use super::wide::LEAF;
 use crate::geometry::Ray;
 use crate::shape::triangle::{Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
-use crate::simd::{LANES, Lanes};
+use crate::simd::{Aligned, LANES, Lanes};
 
 /// Memory for traversals, to be used again.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Scratch {
-    /// Nodes and leaves still to be visited: the depth's bits above the index.
-    pub(super) stack: Vec<u64>,
+    pub(super) stack: Stack,
+}
+
+impl Scratch {
+    /// With its memory.
+    pub(crate) fn new() -> Self {
+        Self {
+            stack: Stack {
+                entries: vec![0; STACK].try_into().expect("it has that length"),
+                height: 0,
+            },
+        }
+    }
+}
+
+/// Nodes and leaves still to be visited: the depth's bits above the index.
+#[derive(Debug)]
+pub(super) struct Stack {
+    entries: Box<[u64; STACK]>,
+    height: usize,
+}
+
+/// A power of two. A tree has no more levels than the binary one it is made from, which are at most 97 (see
+/// `build.rs`), and each leaves up to 15 behind.
+const STACK: usize = 2048;
+
+impl Stack {
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.height = 0;
+    }
+
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.height
+    }
+
+    /// Puts `key` among those from `base` on, the smallest on top.
+    #[inline(always)]
+    pub(super) fn insert(&mut self, base: usize, key: u64) {
+        let mut at = self.height;
+        while at > base && self.entries[(at - 1) % STACK] < key {
+            self.entries[at % STACK] = self.entries[(at - 1) % STACK];
+            at -= 1;
+        }
+        self.entries[at % STACK] = key;
+        self.height += 1;
+    }
+
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<u64> {
+        self.height = self.height.checked_sub(1)?;
+        Some(self.entries[self.height % STACK])
+    }
+
+    #[inline(always)]
+    pub(super) fn top(&self) -> Option<u64> {
+        Some(self.entries[self.height.checked_sub(1)? % STACK])
+    }
 }
 
 /// What to do with a leaf's candidates.
 trait Goal<L: Lanes> {
     /// Takes note of them.
-    fn meet(&mut self, l: L, place: &Place<'_, L>, leaf: u32, candidates: &Candidates<L>);
+    fn meet(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>);
     /// The depth beyond which nothing matters any more; negative to end.
     fn limit(&self) -> f32;
 }
 
 /// What a traversal works with.
-struct Place<'a, L: Lanes> {
+struct Place<'a> {
     tree: &'a MeshTree,
     mesh: &'a Mesh,
-    ray: TreeRay<L>,
+    ray: &'a TreeRay,
 }
 
-impl<L: Lanes> Place<'_, L> {
+impl Place<'_> {
     /// The judge's word about a triangle.
     #[inline(always)]
     fn decide(&self, leaf: &Meshlet, lane: usize) -> Option<TriangleHit> {
         let corners = self.tree.corners(self.mesh, leaf, lane);
-        let hit = self.ray.shear.intersect(corners)?;
+        let hit = self.ray.shear.intersect_ahead(corners)?;
         (hit.t > 0.0 && hit.t <= self.ray.ray.t_max).then_some(hit)
     }
 
@@ -63,10 +120,11 @@ pub(crate) fn first<L: Lanes>(
     if tree.nodes.is_empty() {
         return without_tree(mesh, ray, &shear);
     }
+    let tree_ray = TreeRay::new(tree, ray, &shear)?;
     let place = Place {
         tree,
         mesh,
-        ray: TreeRay::new(l, tree, ray, &shear)?,
+        ray: &tree_ray,
     };
     let mut first = First {
         best: Best::None,
@@ -89,13 +147,13 @@ pub(crate) fn any<L: Lanes>(
     if tree.nodes.is_empty() {
         return without_tree(mesh, ray, &shear).is_some();
     }
-    let Some(tree_ray) = TreeRay::new(l, tree, ray, &shear) else {
+    let Some(tree_ray) = TreeRay::new(tree, ray, &shear) else {
         return false;
     };
     let place = Place {
         tree,
         mesh,
-        ray: tree_ray,
+        ray: &tree_ray,
     };
     let mut any = Any {
         is_found: false,
@@ -130,9 +188,13 @@ pub(crate) fn each<L: Lanes>(
                 return;
             }
         }
-    } else if let Some(ray) = TreeRay::new(l, tree, ray, &shear) {
+    } else if let Some(ray) = TreeRay::new(tree, ray, &shear) {
         each.limit = ray.depth_above(each.t_max);
-        let place = Place { tree, mesh, ray };
+        let place = Place {
+            tree,
+            mesh,
+            ray: &ray,
+        };
         traverse(l, &mut scratch.stack, &place, &mut each);
     }
 }
@@ -158,7 +220,7 @@ fn without_tree(mesh: &Mesh, ray: &Ray, shear: &Shear) -> Option<Crossing> {
 }
 
 #[inline(always)]
-fn traverse<L: Lanes, G: Goal<L>>(l: L, stack: &mut Vec<u64>, place: &Place<'_, L>, goal: &mut G) {
+fn traverse<L: Lanes, G: Goal<L>>(l: L, stack: &mut Stack, place: &Place<'_>, goal: &mut G) {
     let tree = place.tree;
     stack.clear();
     let mut index = 0_u32;
@@ -166,26 +228,19 @@ fn traverse<L: Lanes, G: Goal<L>>(l: L, stack: &mut Vec<u64>, place: &Place<'_, 
         if index & LEAF == 0 {
             let node = &tree.nodes[index as usize];
             let (mut met, entry) = place.ray.boxes(l, node, goal.limit());
-            let mut entries = [0.0; LANES];
-            l.store(entry, &mut entries);
+            let mut entries = Aligned([0.0; LANES]);
+            l.store(entry, &mut entries.0);
             let base = stack.len();
             while met != 0 {
                 let child = met.trailing_zeros() as usize;
                 met &= met - 1;
                 let key =
-                    u64::from(entries[child].to_bits()) << 32 | u64::from(node.children[child]);
-                // The farthest at the bottom.
-                stack.push(key);
-                let mut at = stack.len() - 1;
-                while at > base && stack[at - 1] < key {
-                    stack[at] = stack[at - 1];
-                    at -= 1;
-                }
-                stack[at] = key;
+                    u64::from(entries.0[child].to_bits()) << 32 | u64::from(node.children[child]);
+                stack.insert(base, key);
             }
         } else {
             let leaf = &tree.leaves[(index & !LEAF) as usize];
-            if let Some(candidates) = filter(l, &place.ray, leaf, goal.limit()) {
+            if let Some(candidates) = filter(l, place.ray, leaf, goal.limit()) {
                 goal.meet(l, place, index & !LEAF, &candidates);
             }
         }
@@ -200,7 +255,7 @@ fn traverse<L: Lanes, G: Goal<L>>(l: L, stack: &mut Vec<u64>, place: &Place<'_, 
                 break;
             }
         }
-        if let Some(&next) = stack.last() {
+        if let Some(next) = stack.top() {
             prefetch(l, tree, next);
         }
     }
@@ -237,7 +292,7 @@ enum Best {
 
 impl Best {
     #[inline(always)]
-    fn decided<L: Lanes>(&self, place: &Place<'_, L>) -> Option<Crossing> {
+    fn decided(&self, place: &Place<'_>) -> Option<Crossing> {
         match *self {
             Self::None => None,
             Self::Decided { crossing, .. } => Some(crossing),
@@ -261,7 +316,7 @@ struct First {
 impl First {
     /// Lets float64 decide between the best so far and a candidate.
     #[inline(always)]
-    fn compare<L: Lanes>(&mut self, place: &Place<'_, L>, leaf: u32, lane: usize) {
+    fn compare(&mut self, place: &Place<'_>, leaf: u32, lane: usize) {
         let leaf = &place.tree.leaves[leaf as usize];
         let Some(hit) = place.decide(leaf, lane) else {
             return;
@@ -286,15 +341,16 @@ impl First {
 
 impl<L: Lanes> Goal<L> for First {
     #[inline(always)]
-    fn meet(&mut self, l: L, place: &Place<'_, L>, leaf: u32, candidates: &Candidates<L>) {
-        let (mut lows, mut highs) = ([0.0; LANES], [0.0; LANES]);
-        l.store(candidates.low, &mut lows);
-        l.store(candidates.high, &mut highs);
+    fn meet(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let mut lows = Aligned([0.0; LANES]);
+        let mut highs = lows;
+        l.store(candidates.low, &mut lows.0);
+        l.store(candidates.high, &mut highs.0);
         let mut possible = candidates.possible;
         while possible != 0 {
             let lane = possible.trailing_zeros() as usize;
             possible &= possible - 1;
-            let (low, high) = (lows[lane], highs[lane]);
+            let (low, high) = (lows.0[lane], highs.0[lane]);
             let (best_low, best_high) = match self.best {
                 Best::None => (self.within, f32::INFINITY),
                 Best::Pending { low, high, .. } | Best::Decided { low, high, .. } => (low, high),
@@ -331,7 +387,7 @@ struct Any {
 
 impl<L: Lanes> Goal<L> for Any {
     #[inline(always)]
-    fn meet(&mut self, l: L, place: &Place<'_, L>, leaf: u32, candidates: &Candidates<L>) {
+    fn meet(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
         let inside =
             l.lt(l.splat(0.0), candidates.low) & l.lt(candidates.high, l.splat(self.within));
         let leaf = &place.tree.leaves[leaf as usize];
@@ -363,7 +419,7 @@ struct Each<V> {
 
 impl<L: Lanes, V: FnMut(u32, f64) -> f64> Goal<L> for Each<V> {
     #[inline(always)]
-    fn meet(&mut self, _: L, place: &Place<'_, L>, leaf: u32, candidates: &Candidates<L>) {
+    fn meet(&mut self, _: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
         let leaf = &place.tree.leaves[leaf as usize];
         let mut possible = candidates.possible;
         while possible != 0 {

@@ -19,6 +19,7 @@ pub use transform::Transform;
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
 /// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the largest will do.
+#[inline]
 pub fn unit(v: DVec3) -> DVec3 {
     let v = moderation(v) * v;
     v / v.length()
@@ -26,6 +27,7 @@ pub fn unit(v: DVec3) -> DVec3 {
 
 /// What brings `v` to a length whose square is in the range of float64: a power of two, which scales
 /// without rounding, and 1 for all but extreme lengths.
+#[inline]
 pub(crate) fn moderation(v: DVec3) -> f64 {
     const TWO_TO_600: f64 = f64::from_bits((1023 + 600) << 52);
     let largest = v.abs().max_element();

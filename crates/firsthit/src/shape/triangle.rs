@@ -84,7 +84,8 @@ impl Shear {
     #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {
         let relative = vertex - self.origin;
-        let [x, y, z] = self.axes.map(|axis| relative[axis]);
+        let [x, y, z] = self.axes;
+        let (x, y, z) = (relative[x], relative[y], relative[z]);
         (
             DVec2::new(x - self.slope.x * z, y - self.slope.y * z),
             z * self.scale,
@@ -94,7 +95,21 @@ impl Shear {
     /// Where the ray meets the triangle, edges and corners included; `None` past it or along it.
     #[inline(always)]
     pub fn intersect(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
-        let [(a, a_t), (b, b_t), (c, c_t)] = corners.map(|corner| self.sheared(corner));
+        self.intersect_from::<false>(corners)
+    }
+
+    /// The same where `t` is above zero; else perhaps `None`, which is sooner known.
+    #[inline(always)]
+    pub(crate) fn intersect_ahead(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
+        self.intersect_from::<true>(corners)
+    }
+
+    #[inline(always)]
+    fn intersect_from<const AHEAD: bool>(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
+        // Not by `map`, which is not inlined.
+        let (a, a_t) = self.sheared(corners[0]);
+        let (b, b_t) = self.sheared(corners[1]);
+        let (c, c_t) = self.sheared(corners[2]);
         let u = side(c, b);
         let v = side(a, c);
         let w = side(b, a);
@@ -107,6 +122,9 @@ impl Shear {
         // Exactly the corners' place where they have the same one.
         let mean = a_t + barycentric.x * (b_t - a_t) + barycentric.y * (c_t - a_t);
         let farthest = a_t.abs().max(b_t.abs()).max(c_t.abs());
+        if AHEAD && mean < -ROUNDING * farthest {
+            return None;
+        }
         let t = if farthest > FAR * mean.abs() {
             self.without_cancellation(corners, mean, farthest)
         } else {
@@ -120,6 +138,9 @@ impl Shear {
 /// From here on the corners' places, that much farther away than the hit, leave their mean too few digits.
 pub(crate) const FAR: f64 = 1024.0;
 
+/// What the mean is off at most, as a share of the corners' farthest place.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 impl Shear {
     /// Where the ray crosses the triangle's plane, in place of a `mean` that is a small difference of large
     /// numbers. Off the mean by no more than its rounding, which the tree allows for: where the triangle is
@@ -127,7 +148,7 @@ impl Shear {
     #[cold]
     fn without_cancellation(&self, corners: [DVec3; 3], mean: f64, farthest: f64) -> f64 {
         let t = plane_crossing(self.origin, self.direction, corners);
-        let rounding = 4.0 * f64::EPSILON * farthest;
+        let rounding = ROUNDING * farthest;
         if (t - mean).abs() <= rounding {
             t
         } else {
@@ -149,8 +170,8 @@ fn weights(a: DVec2, b: DVec2, c: DVec2) -> DVec2 {
     let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
     // A power of two scales without rounding.
     let scale = if largest < 1e-140 { HUGE } else { 1.0 };
-    let [a, b, c] = [a, b, c].map(|corner| scale * corner);
-    let [u, v, w] = [(c, b), (a, c), (b, a)].map(|(p, q)| precise_side(p, q));
+    let (a, b, c) = (scale * a, scale * b, scale * c);
+    let (u, v, w) = (precise_side(c, b), precise_side(a, c), precise_side(b, a));
     DVec2::new(v, w) / (u + v + w)
 }
 

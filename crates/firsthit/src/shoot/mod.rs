@@ -19,7 +19,7 @@ pub use trees::Trees;
 
 use crate::accel::{Scratch, TILE};
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, Hit, Ray, Rays};
+use crate::geometry::{DVec2, DVec3, Hit, PixelGrid, Ray, Rays};
 use crate::scene::Scene;
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
@@ -100,12 +100,34 @@ const BATCH: usize = 1024;
 ///
 /// [`Error::Limit`] when the result does not fit into memory, [`Error::Interrupted`] when `watch` stops it.
 pub fn shoot_all<R: Rays + ?Sized>(scene: &Scene, rays: &R, watch: &dyn Watch) -> Result<Hits> {
+    shoot_each(scene, &Borrowed(rays), watch)
+}
+
+/// Rays behind a pointer: kernels are compiled once, not for each kind of rays.
+struct Borrowed<'a, R: ?Sized>(&'a R);
+
+impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self.0.ray(index)
+    }
+
+    fn grid(&self) -> Option<PixelGrid> {
+        self.0.grid()
+    }
+}
+
+fn shoot_each(scene: &Scene, rays: &dyn Rays, watch: &dyn Watch) -> Result<Hits> {
     let count = rays.len();
     let plan = tiles::Plan::new(scene, rays);
     let mut hits = Hits {
-        t: filled(count, Hit::MISS.t)?,
-        object: filled(count, Hit::MISS.object)?,
-        primitive: filled(count, Hit::MISS.primitive)?,
+        // Written once, by whoever shoots: memory that is zero costs nothing.
+        t: zeroed(count, 0.0)?,
+        object: zeroed(count, 0)?,
+        primitive: zeroed(count, 0)?,
         barycentric: filled(count, Hit::MISS.barycentric)?,
     };
     // A row of tiles at a time, or a number of rays.
@@ -177,19 +199,19 @@ impl Out<'_> {
 }
 
 /// Rays from `first` on, one by one.
-struct Batch<'a, R: ?Sized> {
+struct Batch<'a> {
     scene: &'a Scene,
-    rays: &'a R,
+    rays: &'a dyn Rays,
     first: usize,
     out: Out<'a>,
 }
 
-impl<R: Rays + ?Sized> Kernel for Batch<'_, R> {
+impl Kernel for Batch<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        let mut scratch = Scratch::default();
+        let mut scratch = Scratch::new();
         for k in 0..self.out.t.len() {
             let ray = self.rays.ray(self.first + k);
             let hit = trees::first_hit(l, &mut scratch, self.scene, &ray);
@@ -208,6 +230,7 @@ pub fn occluded_all<R: Rays + ?Sized>(
     rays: &R,
     watch: &dyn Watch,
 ) -> Result<Vec<bool>> {
+    let rays: &dyn Rays = &Borrowed(rays);
     let mut found = filled(rays.len(), false)?;
     found
         .par_chunks_mut(BATCH)
@@ -233,19 +256,19 @@ pub fn occluded_all<R: Rays + ?Sized>(
     Ok(found)
 }
 
-struct AnyBatch<'a, R: ?Sized> {
+struct AnyBatch<'a> {
     scene: &'a Scene,
-    rays: &'a R,
+    rays: &'a dyn Rays,
     first: usize,
     found: &'a mut [bool],
 }
 
-impl<R: Rays + ?Sized> Kernel for AnyBatch<'_, R> {
+impl Kernel for AnyBatch<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let mut scratch = Scratch::default();
+        let mut scratch = Scratch::new();
         for (k, found) in self.found.iter_mut().enumerate() {
             let ray = self.rays.ray(self.first + k);
             *found = trees::any_hit(l, &mut scratch, self.scene, &ray);
@@ -253,14 +276,25 @@ impl<R: Rays + ?Sized> Kernel for AnyBatch<'_, R> {
     }
 }
 
-/// A vector of `count` times `value`, or an error instead of an abort when memory is short.
-pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
-    let mut vec = Vec::new();
+/// A vector of `count` times `zero`, or an error instead of an abort when memory is short.
+fn zeroed<T: Clone>(count: usize, zero: T) -> Result<Vec<T>> {
+    // Asks whether there is so much; the standard library has no fallible way to memory that is zero already.
+    drop(reserved(Vec::<T>::new(), count)?);
+    Ok(vec![zero; count])
+}
+
+fn reserved<T>(mut vec: Vec<T>, count: usize) -> Result<Vec<T>> {
     vec.try_reserve_exact(count).map_err(|_| Error::Limit {
         what: "elements of a result",
         got: count.to_string(),
         limit: "the memory there is".into(),
     })?;
+    Ok(vec)
+}
+
+/// A vector of `count` times `value`, or an error instead of an abort when memory is short.
+pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
+    let mut vec = reserved(Vec::new(), count)?;
     vec.resize(count, value);
     Ok(vec)
 }

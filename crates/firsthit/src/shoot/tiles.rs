@@ -14,9 +14,9 @@ use crate::shape::{Crossing, Mesh, Shape, triangle::Shear};
 use crate::simd::{Kernel, LANES, Lanes, WIDE};
 
 /// A scene made ready for a grid of pixels.
-pub(super) struct Plan<'a, R: ?Sized> {
+pub(super) struct Plan<'a> {
     scene: &'a Scene,
-    rays: &'a R,
+    rays: &'a dyn Rays,
     grid: PixelGrid,
     /// What tiles can do, the nearest first.
     meshes: Vec<Placed>,
@@ -32,9 +32,9 @@ struct Placed {
     depth: f64,
 }
 
-impl<'a, R: Rays + ?Sized> Plan<'a, R> {
+impl<'a> Plan<'a> {
     /// `None` when rays one by one are the better way.
-    pub(super) fn new(scene: &'a Scene, rays: &'a R) -> Option<Self> {
+    pub(super) fn new(scene: &'a Scene, rays: &'a dyn Rays) -> Option<Self> {
         let grid = rays.grid()?;
         if !is_moderate(&grid) {
             return None;
@@ -148,20 +148,20 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
 }
 
 /// A row of tiles.
-pub(super) struct Band<'a, R: ?Sized> {
-    pub(super) plan: &'a Plan<'a, R>,
+pub(super) struct Band<'a> {
+    pub(super) plan: &'a Plan<'a>,
     /// Its number, from the top.
     pub(super) index: usize,
     pub(super) out: Out<'a>,
 }
 
-impl<R: Rays + ?Sized> Kernel for Band<'_, R> {
+impl Kernel for Band<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
         let grid = &self.plan.grid;
-        let mut scratch = Scratch::default();
+        let mut scratch = Scratch::new();
         let rows = (grid.rows - self.index * TILE).min(TILE);
         for tile in 0..grid.columns.div_ceil(TILE) {
             let mut work = Work {
@@ -183,13 +183,13 @@ impl<R: Rays + ?Sized> Kernel for Band<'_, R> {
 }
 
 /// A tile by its first pixel.
-struct Work<'a, R: ?Sized> {
-    plan: &'a Plan<'a, R>,
+struct Work<'a> {
+    plan: &'a Plan<'a>,
     row: usize,
     column: usize,
 }
 
-impl<R: Rays + ?Sized> Work<'_, R> {
+impl Work<'_> {
     /// Whether float32 could tell who wins.
     #[inline(always)]
     fn fill<L: Lanes>(
@@ -308,60 +308,65 @@ impl<R: Rays + ?Sized> Work<'_, R> {
         }
         let x = l.load64(&x);
         let up = grid.y(self.row + row) * grid.upwards;
-        let point = |axis: usize| {
-            let across = l.mul64(x, l.splat64(grid.right[axis]));
-            l.add64(
-                l.add64(l.splat64(grid.toward[axis]), across),
-                l.splat64(up[axis]),
-            )
-        };
-        let point = [point(0), point(1), point(2)];
-        let position = |axis: usize| l.splat64(grid.position[axis]);
+        // The lanes of a vector: an expression for each axis.
+        macro_rules! vector {
+            ($axis:ident => $value:expr) => {
+                [
+                    {
+                        let $axis = 0;
+                        $value
+                    },
+                    {
+                        let $axis = 1;
+                        $value
+                    },
+                    {
+                        let $axis = 2;
+                        $value
+                    },
+                ]
+            };
+        }
+        let toward = vector!(k => l.splat64(grid.toward[k]));
+        let position = vector!(k => l.splat64(grid.position[k]));
+        let point = vector!(k => {
+            let across = l.mul64(x, l.splat64(grid.right[k]));
+            l.add64(l.add64(toward[k], across), l.splat64(up[k]))
+        });
         let (origin, direction) = if let Some(parallel) = grid.parallel {
-            let start = |axis: usize| {
-                let start = if grid.starts_on_viewplane {
-                    point[axis]
-                } else {
-                    l.sub64(point[axis], l.splat64(grid.toward[axis]))
-                };
-                l.add64(position(axis), start)
+            let start = if grid.starts_on_viewplane {
+                point
+            } else {
+                vector!(k => l.sub64(point[k], toward[k]))
             };
-            let along = |axis: usize| l.splat64(parallel[axis]);
-            (
-                [start(0), start(1), start(2)],
-                [along(0), along(1), along(2)],
-            )
+            let origin = vector!(k => l.add64(position[k], start[k]));
+            (origin, vector!(k => l.splat64(parallel[k])))
         } else {
-            let square = |axis: usize| l.mul64(point[axis], point[axis]);
-            let length = l.sqrt64(l.add64(l.add64(square(0), square(1)), square(2)));
-            let along = |axis: usize| l.div64(point[axis], length);
-            let start = |axis: usize| {
-                if grid.starts_on_viewplane {
-                    l.add64(position(axis), point[axis])
-                } else {
-                    position(axis)
-                }
+            let squares = vector!(k => l.mul64(point[k], point[k]));
+            let length = l.sqrt64(l.add64(l.add64(squares[0], squares[1]), squares[2]));
+            let origin = if grid.starts_on_viewplane {
+                vector!(k => l.add64(position[k], point[k]))
+            } else {
+                position
             };
-            (
-                [start(0), start(1), start(2)],
-                [along(0), along(1), along(2)],
-            )
+            (origin, vector!(k => l.div64(point[k], length)))
         };
         let place = object.transform().world_from_object().translation;
         let matrix = &object.transform().object_from_world().matrix3;
-        let turned = |v: [L::Doubles; 3], axis: usize| {
-            let part = |k: usize| l.mul64(l.splat64(matrix.col(k)[axis]), v[k]);
-            l.add64(l.add64(part(0), part(1)), part(2))
-        };
-        let moved = |axis: usize| l.sub64(origin[axis], l.splat64(place[axis]));
-        let moved = [moved(0), moved(1), moved(2)];
+        macro_rules! turned {
+            ($v:ident, $k:ident) => {{
+                let part = [
+                    l.mul64(l.splat64(matrix.x_axis[$k]), $v[0]),
+                    l.mul64(l.splat64(matrix.y_axis[$k]), $v[1]),
+                    l.mul64(l.splat64(matrix.z_axis[$k]), $v[2]),
+                ];
+                l.add64(l.add64(part[0], part[1]), part[2])
+            }};
+        }
+        let moved = vector!(k => l.sub64(origin[k], l.splat64(place[k])));
         Pencil {
-            origin: [turned(moved, 0), turned(moved, 1), turned(moved, 2)],
-            direction: [
-                turned(direction, 0),
-                turned(direction, 1),
-                turned(direction, 2),
-            ],
+            origin: vector!(k => turned!(moved, k)),
+            direction: vector!(k => turned!(direction, k)),
         }
     }
 
@@ -422,7 +427,7 @@ impl<R: Rays + ?Sized> Work<'_, R> {
     }
 }
 
-impl<R: Rays + ?Sized> Arbiter for Work<'_, R> {
+impl Arbiter for Work<'_> {
     #[inline(never)]
     fn settle(
         &mut self,

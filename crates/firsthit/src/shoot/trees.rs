@@ -1,5 +1,7 @@
 //! One ray through the trees: the objects on its way, and in each mesh the triangles.
 
+use std::cell::Cell;
+
 use super::Search;
 use super::object::{Moderate, identifier};
 use crate::accel::{self, Scratch};
@@ -18,6 +20,11 @@ impl Search for Trees {
     }
 }
 
+thread_local! {
+    /// What single rays work with; made once for each thread.
+    static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
+}
+
 struct First<'a>(&'a Scene, &'a Ray);
 
 impl Kernel for First<'_> {
@@ -25,7 +32,10 @@ impl Kernel for First<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Hit {
-        first_hit(l, &mut Scratch::default(), self.0, self.1)
+        let mut scratch = SCRATCH.take().unwrap_or_else(Scratch::new);
+        let hit = first_hit(l, &mut scratch, self.0, self.1);
+        SCRATCH.set(Some(scratch));
+        hit
     }
 }
 
@@ -37,7 +47,10 @@ impl Kernel for Any<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> bool {
-        any_hit(l, &mut Scratch::default(), self.0, self.1)
+        let mut scratch = SCRATCH.take().unwrap_or_else(Scratch::new);
+        let is_hit = any_hit(l, &mut scratch, self.0, self.1);
+        SCRATCH.set(Some(scratch));
+        is_hit
     }
 }
 

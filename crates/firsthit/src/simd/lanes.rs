@@ -3,6 +3,11 @@ pub(crate) const LANES: usize = 16;
 /// How many float64 lanes there are.
 pub(crate) const WIDE: usize = 8;
 
+/// Aligned to a cache line, so that no access to a register's worth needs two.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct Aligned<T>(pub(crate) T);
+
 /// Sixteen float32 numbers, or eight float64 ones, at once.
 ///
 /// A value of the type proves that the machine has the instructions. Masks have lane 0 in bit 0. What the

@@ -23,7 +23,7 @@ mod lanes;
 mod portable;
 mod set;
 
-pub(crate) use lanes::{LANES, Lanes, WIDE};
+pub(crate) use lanes::{Aligned, LANES, Lanes, WIDE};
 pub use set::InstructionSet;
 
 /// Something to be computed with lanes.
