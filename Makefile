@@ -4,14 +4,19 @@ CARGO ?= cargo
 PYTHON ?= python3
 VENV := .venv/bin
 
-.PHONY: render test test-rust test-python check clean
+# Each fuzz target runs so many seconds.
+SECONDS_EACH ?= 900
+SCRIPTS := crates/firsthit-cli/tests/scripts
+PROGRAM := target/release/firsthit
+
+.PHONY: render test test-rust test-python test-scripts program attack fuzz bench bench-python check clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
 	$(CARGO) run --release --package firsthit-cli --bin firsthit -- demo --output render.png
 
 # All there is to test.
-test: test-rust test-python
+test: test-rust test-python test-scripts
 
 test-rust:
 	$(CARGO) test --workspace
@@ -22,6 +27,52 @@ test-python: .venv/ready
 	$(VENV)/python -m pytest
 	$(VENV)/python -m mypy.stubtest firsthit._firsthit
 	$(VENV)/mypy python/firsthit python/examples
+
+# firsthit beside Embree in one table, see docs/performance.md. For every day:
+# make bench SCENES=bunny ROWS=primary ROUNDS=3. With RECORD=1 the table is kept in benches/record/.
+BENCH_MACHINE = $(shell lscpu | sed -n 's/^Model name: *//p' | tr 'A-Z' 'a-z' | tr -cs 'a-z0-9\n' '-')
+bench: .venv-bench/ready target/scenes/ready
+	$(CARGO) build --release --package firsthit-bench
+	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); \
+	target/release/firsthit-bench $${embree:+--embree "$$embree"} \
+	    $(if $(SCENES),--scenes $(SCENES)) $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
+	    $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE).md)
+
+# The same for the Python package and for whole processes.
+bench-python: .venv-bench/ready target/scenes/ready
+	$(CARGO) build --release --package firsthit-cli
+	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
+	.venv-bench/bin/python benches/python.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
+	.venv-bench/bin/python benches/process.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
+
+# Where Embree is not to be had, the bench goes on without it.
+.venv-bench/ready: benches/requirements.txt
+	$(PYTHON) -m venv .venv-bench
+	.venv-bench/bin/pip install --quiet --requirement benches/requirements.txt && touch $@ || \
+	    echo "bench: embreex cannot be installed here; firsthit is measured alone"
+
+# Where the models are not, the bench has small scenes of its own.
+MAKE_SCENES := ../shared/scenes/make_scenes.py
+target/scenes/ready: | .venv-bench/ready
+	mkdir -p target/scenes
+	if [ -f $(MAKE_SCENES) ]; then .venv-bench/bin/python $(MAKE_SCENES) target/scenes && touch $@; fi
+# Files that attack, little memory, kills: a sample of them, or (make attack) all.
+test-scripts: program
+	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM) --quick
+	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM) --quick
+	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM) --quick
+
+attack: program
+	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM)
+	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM)
+	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM)
+
+program:
+	$(CARGO) build --release --package firsthit-cli
+
+# Fuzzes every loader, one after the other; see docs/robustness.md.
+fuzz:
+	SECONDS_EACH=$(SECONDS_EACH) fuzz/run
 
 .venv/ready: python/requirements-dev.txt
 	$(PYTHON) -m venv .venv
@@ -37,4 +88,4 @@ check: .venv/ready
 	$(VENV)/ruff format --check python
 
 clean:
-	rm -rf target .venv render.png
+	rm -rf target .venv .venv-bench render.png

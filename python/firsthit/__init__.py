@@ -16,13 +16,14 @@ identifiers and ``nan`` elsewhere.
 from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
-from ._frame import Frame, render
+from ._frame import Frame, read_metadata, render
 from ._hits import Hits
 from ._info import info
-from ._lights import DirectionalLight, PointLight, Sky
+from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._load import load
 from ._material import Material, Texture
 from ._scene import Object, Scene
+from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 
 __version__ = info()["version"]
@@ -48,10 +49,13 @@ __all__ = [
     "Plane",
     "PointLight",
     "Scene",
+    "Shading",
     "Sky",
     "Sphere",
+    "SpotLight",
     "Texture",
     "info",
     "load",
+    "read_metadata",
     "render",
 ]

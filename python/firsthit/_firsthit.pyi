@@ -19,8 +19,10 @@ __all__ = [
     "check_material",
     "check_transform",
     "load",
+    "metadata",
     "occluded",
     "png",
+    "read",
     "render",
     "run_program",
     "shoot",
@@ -34,6 +36,7 @@ _Hits = tuple[
     npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
 ]
 _Rays = tuple[npt.NDArray[np.float64], ...]
+_Light = tuple[str, _Vector, _Vector, tuple[_Vector, tuple[float, float]] | None]
 _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
 _Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool]
 _MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
@@ -54,8 +57,9 @@ class _Model(TypedDict):
         tuple[str, int | tuple[str, list[float]], list[list[float]] | None, list[_MaterialOut]]
     ]
     cameras: list[_CameraOut]
-    lights: list[tuple[str, _Vector, _Vector]]
+    lights: list[_Light]
     background: list[_Vector] | None
+    shading: tuple[str, _Vector | None, bool, int] | None
     up: _Vector
     warnings: list[str]
 
@@ -126,7 +130,7 @@ class Scene:
     def __new__(
         cls,
         objects: Sequence[tuple[Shape, str, list[list[float]] | None, list[_Material]]],
-        lights: Sequence[tuple[str, _Vector, _Vector]],
+        lights: Sequence[_Light],
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
@@ -148,8 +152,18 @@ def render(
     shading: tuple[str, list[_Vector], _Vector | None, bool],
     samples: int,
     threads: int,
-) -> list[npt.NDArray[Any]]: ...
+) -> tuple[list[npt.NDArray[Any]], str]: ...
+def metadata(
+    shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]], origin: str
+) -> str: ...
 def write(
-    path: Path, shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]]
+    path: Path,
+    shape: Sequence[int],
+    channels: Sequence[tuple[str, npt.NDArray[Any]]],
+    origin: str,
+    png_scale: float | None,
 ) -> None: ...
+def read(
+    path: Path,
+) -> tuple[list[tuple[str | None, list[int], npt.NDArray[Any], str]], str | None, list[str]]: ...
 def png(shape: Sequence[int], name: str, values: npt.NDArray[Any]) -> bytes: ...

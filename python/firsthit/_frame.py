@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import count, threads_or_all, vector
+from ._arrays import count, number, threads_or_all, vector
 from ._camera import Camera
+from ._errors import FirsthitWarning
 from ._hits import Hits
 from ._lights import Sky, background_native
 from ._scene import Scene, _rays
@@ -33,8 +36,79 @@ class Frame:
     frame shows itself.
     """
 
-    def __init__(self, shape: tuple[int, int], channels: dict[str, npt.NDArray[Any]]) -> None:
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        channels: dict[str, npt.NDArray[Any]],
+        origin: str = "{}",
+        metadata: dict[str, Any] | None = None,
+    ) -> None:
         self._shape, self._channels = shape, channels
+        self._origin, self._metadata = origin, metadata
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Frame:
+        """Read a picture from a file.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.exr``, ``.npz``, ``.npy`` or ``.png``, of `save`, of the program, or of others.
+
+        Returns
+        -------
+        Frame
+            With the channels as they are in the file: float32 from an EXR, distances from a PNG
+            that was written with a scale, bytes from other PNGs. A channel whose name the file
+            does not tell is called ``array``.
+
+        Raises
+        ------
+        FileReadError
+            The system refused; also an `OSError`.
+        FileFormatError
+            The content is wrong; also a `ValueError`.
+        ValueError
+            For an unknown extension, and for a batch of rays, which is no picture.
+
+        Warns
+        -----
+        FirsthitWarning
+            For what is doubtful in the file.
+        """
+        arrays, said, doubts = _firsthit.read(Path(path))
+        for doubt in doubts:
+            warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=2)
+        metadata = None if said is None else json.loads(said)
+        records = {} if metadata is None else {c["name"]: c for c in metadata["channels"]}
+        channels = {}
+        for name, shape, values, in_file in arrays:
+            if len(shape) < 2:
+                raise ValueError(f"{os.fspath(path)} must hold a picture, got the shape {shape}")
+            dtype = in_file
+            if values.dtype.kind == "f":
+                dtype = str(values.dtype)
+            elif name in records and in_file == "uint32":
+                dtype = records[name]["dtype"]
+            channels[name or "array"] = values.astype(dtype, copy=False).reshape(shape)
+        rows, columns = next((array.shape[:2] for array in channels.values()), (0, 0))
+        return cls((rows, columns), channels, said or "{}", metadata)
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """What the frame says of itself, and what its files keep.
+
+        Channels with unit, frame, miss value and type; where pixel centres are; the camera, also
+        as intrinsic matrix and pose; the scene's fingerprint; the version. Of a frame from a file,
+        what the file says; empty for files of other programs.
+        """
+        if self._metadata is not None:
+            return self._metadata
+        if self._origin == "{}":
+            return {}
+        channels = [(name, array.reshape(-1)[:0]) for name, array in self._channels.items()]
+        made: dict[str, Any] = json.loads(_firsthit.metadata(self._shape, channels, self._origin))
+        return made
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -65,41 +139,47 @@ class Frame:
         rows, columns = self._shape
         return f"Frame({columns} x {rows} pixels: {', '.join(self._channels)})"
 
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | os.PathLike[str], *, png_scale: float | None = None) -> None:
         """Write the frame to a file, whole or not at all.
 
         Parameters
         ----------
         path : path-like
-            ``.npz`` takes all channels; ``.npy`` and ``.png`` take the only one, or ``color``.
-            ``{channel}`` in the name makes a file of each. Arrays are exact and linear; a PNG is
-            for looking.
+            ``.exr`` and ``.npz`` take all channels; ``.npy`` and ``.png`` take the only one, or
+            ``color``. ``{channel}`` in the name makes a file of each. Arrays are exact and linear,
+            an EXR is linear float32, a PNG is for looking.
+        png_scale : float, optional
+            Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers of steps of
+            this length, 0 being a miss. A distance that 65535 steps do not reach is an error.
 
         Raises
         ------
         ValueError
-            For an unknown extension, or several channels for a file that takes one.
+            For an unknown extension, several channels for a file that takes one, or numbers that
+            the format cannot hold.
         FileWriteError
             The system refused; an old file is as it was.
         """
         text = os.fspath(path)
         if "{channel}" in text:
             for name in self._channels:
-                self._write(Path(text.replace("{channel}", name)), [name])
+                self._write(Path(text.replace("{channel}", name)), [name], png_scale)
             return
         target = Path(text)
         names = list(self._channels)
-        if target.suffix.lower() != ".npz" and len(names) != 1:
+        if target.suffix.lower() not in (".npz", ".exr") and len(names) != 1:
             if "color" not in names:
                 raise ValueError(
-                    f"path must end in .npz or contain {{channel}} for several channels, got {text}"
+                    "path must end in .exr or .npz, or contain {channel}, "
+                    f"for several channels, got {text}"
                 )
             names = ["color"]
-        self._write(target, names)
+        self._write(target, names, png_scale)
 
-    def _write(self, path: Path, names: list[str]) -> None:
+    def _write(self, path: Path, names: list[str], png_scale: float | None) -> None:
         channels = [(name, np.ascontiguousarray(self._channels[name]).ravel()) for name in names]
-        _firsthit.write(path, list(self._shape), channels)
+        scale = None if png_scale is None else number("png_scale", png_scale)
+        _firsthit.write(path, list(self._shape), channels, self._origin, scale)
 
     def _repr_png_(self) -> bytes:
         name = "color" if "color" in self._channels else next(iter(self._channels))
@@ -113,10 +193,10 @@ def render(
     *,
     channels: Sequence[str] = ("color",),
     background: Sky | npt.ArrayLike | None = None,
-    samples: int = 1,
-    shade: str | OwnShade = "lambert",
+    samples: int | None = None,
+    shade: str | OwnShade | None = None,
     ambient: npt.ArrayLike | None = None,
-    shadows: bool = True,
+    shadows: bool | None = None,
     threads: int | None = None,
 ) -> Frame:
     """Make a picture.
@@ -132,14 +212,15 @@ def render(
         ``face`` (int32), ``normal``, ``position``, ``barycentric``, ``uv`` (float64), ``front``.
     background : Sky or (3,) array_like, optional
         What misses see, or its linear colour; the scene's own if left out, or black.
-    samples : int
+    samples : int, optional
         Points of each pixel whose mean is its colour; all other channels are of pixel centres.
-    shade : {"lambert", "unlit", "normal"} or callable
+        This and what follows are the scene's own `Shading` if left out.
+    shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. ``shade(hits)`` gets `Hits`, misses included, and returns linear
         colours of shape (..., 3); the background is then its own affair.
     ambient : (3,) array_like, optional
         Lambert's light from everywhere.
-    shadows : bool
+    shadows : bool, optional
         Whether Lambert's lights are blocked by things.
     threads : int, optional
         How many to use; all cores if left out. The result is the same for any number.
@@ -163,7 +244,12 @@ def render(
     if not isinstance(scene, Scene) or not isinstance(camera, Camera):
         raise TypeError("render takes a Scene and a Camera")
     names = _names(channels)
-    many, use = count("samples", samples), threads_or_all(threads)
+    said = scene.shading
+    shade = said.shade if shade is None else shade
+    ambient = said.ambient if ambient is None else ambient
+    shadows = said.shadows if shadows is None else shadows
+    many = said.samples if samples is None else count("samples", samples)
+    use = threads_or_all(threads)
     if many < 1:
         raise ValueError(f"samples must be at least 1, got {many}")
     if background is None:
@@ -174,11 +260,36 @@ def render(
     shading = (shade if isinstance(shade, str) else "unlit", back, light, bool(shadows))
     asked = [name for name in names if own is None or name != "color"]
     shape = (camera.rows, camera.columns)
-    arrays = _firsthit.render(scene._native(), camera._native, asked, shading, many, use)
+    arrays, origin = _firsthit.render(scene._native(), camera._native, asked, shading, many, use)
     made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
     if own is not None and "color" in names:
         made["color"] = _own_colors(scene, camera, own, many, threads)
-    return Frame(shape, {name: made[name] for name in names})
+    return Frame(shape, {name: made[name] for name in names}, origin)
+
+
+def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
+    """Read what an output says of itself.
+
+    Parameters
+    ----------
+    path : path-like
+        ``.exr``, ``.npz``, ``.npy`` (whose metadata are in ``NAME.npy.json``) or ``.png``.
+
+    Returns
+    -------
+    dict or None
+        As `Frame.metadata`, and how the file stores each channel; ``None`` for a file without.
+        ``docs/outputs.md`` and the JSON Schema beside it say what every entry means.
+
+    Raises
+    ------
+    FileReadError, FileFormatError, ValueError
+        As `Frame.load`.
+    """
+    _, said, doubts = _firsthit.read(Path(path))
+    for doubt in doubts:
+        warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=2)
+    return None if said is None else json.loads(said)
 
 
 def _names(channels: Sequence[str]) -> list[str]:

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from . import _cameras, _firsthit
 from ._arrays import count
 from ._errors import FirsthitWarning
-from ._lights import DirectionalLight, Light, PointLight, Sky
+from ._lights import DirectionalLight, Light, PointLight, Sky, SpotLight
 from ._material import Material, Texture
 from ._scene import Scene
+from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Shape, Sphere
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def load(
     max_memory: int = 8 << 30,
     max_texture: int = 16384,
 ) -> Scene:
-    """Read a 3D file.
+    """Read a 3D file: a mesh, or a scene file (TOML).
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def load(
     -------
     Scene
         An object for each of the file's, with names, transforms and materials; with the file's
-        lights, cameras and background.
+        lights, cameras, background and shading.
 
     Raises
     ------
@@ -77,6 +78,8 @@ def load(
     background = model["background"]
     if background is not None:
         scene.background = Sky(*background) if len(background) == 3 else background[0]
+    if model["shading"] is not None:
+        scene.shading = Shading(*model["shading"])
     return scene
 
 
@@ -94,7 +97,15 @@ def _analytic(kind: str, numbers: Sequence[float]) -> Shape:
     return make(*(numbers[3 * k : 3 * k + 3] for k in range(vectors)), *numbers[3 * vectors :])
 
 
-def _light(kind: str, vector: Vector, color: Vector) -> Light:
+def _light(
+    kind: str,
+    vector: Vector,
+    color: Vector,
+    cone: tuple[Vector, tuple[float, float]] | None,
+) -> Light:
+    if cone is not None:
+        direction, angles = cone
+        return SpotLight(vector, direction, color, *angles)
     return PointLight(vector, color) if kind == "point" else DirectionalLight(vector, color)
 
 

@@ -14,6 +14,7 @@ from ._cameras import NamedCamera, find
 from ._hits import Hits
 from ._lights import Light, Sky
 from ._material import Material
+from ._shading import Shading
 from ._shapes import Mesh, Shape, Vector
 
 if TYPE_CHECKING:
@@ -99,6 +100,7 @@ class Scene:
         self._lights: list[Light] = []
         self._cameras: tuple[NamedCamera, ...] = ()
         self._background: Sky | Vector | None = None
+        self._shading = Shading()
         self._up: Vector = (0.0, 0.0, 1.0)
         self._built: _firsthit.Scene | None = None
         self._is_current = False
@@ -208,6 +210,17 @@ class Scene:
             self._background = background
         else:
             self._background = vector("background", background)
+
+    @property
+    def shading(self) -> Shading:
+        """How hits get their colour, where `render` is not told."""
+        return self._shading
+
+    @shading.setter
+    def shading(self, shading: Shading) -> None:
+        if not isinstance(shading, Shading):
+            raise TypeError(f"shading must be a Shading, got {shading!r}")
+        self._shading = shading
 
     @property
     def bounds(self) -> npt.NDArray[np.float64]:
@@ -338,7 +351,7 @@ class Scene:
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the objects; what is built from them is built again."""
-        kept = ("_objects", "_lights", "_cameras", "_background", "_up")
+        kept = ("_objects", "_lights", "_cameras", "_background", "_shading", "_up")
         return {name: self.__dict__[name] for name in kept}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -350,7 +363,7 @@ class Scene:
         other = Scene()
         other._objects, other._lights = list(self._objects), list(self._lights)
         other._cameras, other._background = self._cameras, self._background
-        other._up = self._up
+        other._shading, other._up = self._shading, self._up
         with self._lock:
             other._built, other._is_current = self._built, self._is_current
         return other

@@ -21,7 +21,7 @@ pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
         Error::Read { path, .. } => file("FileReadError", path, String::new()),
         Error::Write { path, .. } => file("FileWriteError", path, String::new()),
         Error::Parse { path, place, .. } => file("FileFormatError", path, words(place)),
-        Error::Limit { .. } => PyMemoryError::new_err(message),
+        Error::Limit { .. } | Error::TooLarge { .. } => PyMemoryError::new_err(message),
         Error::Interrupted => PyKeyboardInterrupt::new_err(()),
         _ => PyRuntimeError::new_err(message),
     }
@@ -30,6 +30,7 @@ pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
 fn words(place: &Place) -> String {
     match place {
         Place::Line(line) => format!("line {line}"),
+        Place::Position { line, column } => format!("line {line}, column {column}"),
         Place::Byte(byte) => format!("byte {byte}"),
         _ => String::new(),
     }

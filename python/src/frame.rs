@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use firsthit::channel::{self, Kind};
-use firsthit::image::{self, Channel, Data, Frame};
+use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
 use firsthit::render::shoulder_light;
 use firsthit::shade::Lambert;
 use firsthit::{Background, Color, Shader, Shading};
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -22,7 +22,7 @@ use crate::scene::Scene;
 #[derive(FromPyObject)]
 pub(crate) struct ShadingIn(String, Vec<[f64; 3]>, Option<[f64; 3]>, bool);
 
-/// Renders channels: a flat array for each, in their order.
+/// Renders channels: a flat array for each, in their order, and the JSON of where they come from.
 #[pyfunction]
 pub(crate) fn render<'py>(
     py: Python<'py>,
@@ -32,7 +32,7 @@ pub(crate) fn render<'py>(
     shading: ShadingIn,
     samples: u32,
     threads: usize,
-) -> PyResult<Vec<Bound<'py, PyAny>>> {
+) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
     let kinds = channels.iter().map(|name| channel::kind(name));
     let kinds: Vec<&Kind> = kinds
         .collect::<firsthit::Result<_>>()
@@ -43,8 +43,10 @@ pub(crate) fn render<'py>(
         let ambient = ambient.map_or(lambert.ambient, Color::from);
         *lambert = Lambert { ambient, shadows };
     }
+    // Kept by the scene, of which the next picture may be.
+    run(py, threads, |_| Ok(scene.0.fingerprint().len()))?;
     let scene = if scene.0.lights().is_empty() {
-        scene.0.clone().with_lights(vec![shoulder_light(&camera.0)])
+        (scene.0.clone()).with_borrowed_lights(vec![shoulder_light(&camera.0)])
     } else {
         scene.0.clone()
     };
@@ -64,11 +66,11 @@ pub(crate) fn render<'py>(
     let frame = run(py, threads, |stop| {
         firsthit::render(&scene, &camera.0, &shade, &kinds, samples, stop)
     })?;
-    Ok(frame
-        .into_channels()
-        .into_iter()
-        .map(|channel| array(py, channel.data))
-        .collect())
+    let origin = serde_json::to_string(frame.origin());
+    let origin = origin.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let channels = frame.into_channels().into_iter();
+    let arrays = channels.map(|channel| array(py, channel.data)).collect();
+    Ok((arrays, origin))
 }
 
 /// The data of a channel as a flat array, not copied.
@@ -81,21 +83,32 @@ pub(crate) fn array(py: Python<'_>, data: Data) -> Bound<'_, PyAny> {
     }
 }
 
-/// A frame from flat arrays.
+/// What there is to be said about a frame of channels of some types, as JSON.
+#[pyfunction]
+pub(crate) fn metadata(
+    py: Python<'_>,
+    shape: Vec<u64>,
+    channels: Vec<(String, Bound<'_, PyAny>)>,
+    origin: &str,
+) -> PyResult<String> {
+    let mut metadata = frame(py, vec![0, 0], channels, origin)?.metadata();
+    metadata.shape = shape;
+    Ok(metadata.to_json())
+}
+
+/// A frame from flat arrays; `origin` is the JSON of an origin, or of metadata.
 fn frame(
     py: Python<'_>,
     shape: Vec<usize>,
     arrays: Vec<(String, Bound<'_, PyAny>)>,
+    origin: &str,
 ) -> PyResult<Frame> {
-    let mut frame = Frame::new(shape);
+    let origin: Origin = serde_json::from_str(origin)
+        .map_err(|error| PyValueError::new_err(format!("origin: {error}")))?;
+    let mut frame = Frame::new(shape).from_origin(origin);
     for (name, array) in arrays {
         let kind = channel::kind(&name).map_err(|error| raise(py, &error))?;
-        let channel = Channel {
-            name: kind.name,
-            components: kind.components,
-            data: data(&array)?,
-            picture: kind.picture,
-        };
+        let channel = kind.channel(data(&array)?);
         frame.push(channel).map_err(|error| raise(py, &error))?;
     }
     Ok(frame)
@@ -134,10 +147,38 @@ pub(crate) fn write(
     path: PathBuf,
     shape: Vec<usize>,
     channels: Vec<(String, Bound<'_, PyAny>)>,
+    origin: &str,
+    png_scale: Option<f64>,
 ) -> PyResult<()> {
-    let frame = frame(py, shape, channels)?;
-    py.detach(|| image::write(&frame, &path))
-        .map_err(|error| raise(py, &error))
+    let frame = frame(py, shape, channels, origin)?;
+    let settings = WriteSettings { png_scale };
+    run(py, 0, |stop| {
+        image::format_of(&path)?.write(&frame, None, settings, &path, stop)
+    })
+}
+
+/// A channel of a file: its name, its shape, its numbers, and their type in the file.
+type ArrayOut<'py> = (Option<String>, Vec<usize>, Bound<'py, PyAny>, String);
+
+/// Reads an output: its channels, its metadata as JSON, and what is doubtful.
+#[pyfunction]
+#[expect(clippy::type_complexity, reason = "three things")]
+pub(crate) fn read(
+    py: Python<'_>,
+    path: PathBuf,
+) -> PyResult<(Vec<ArrayOut<'_>>, Option<String>, Vec<String>)> {
+    let output = run(py, 0, |_| image::read(&path))?;
+    let array = |array: image::Array| {
+        let numbers = match array.numbers {
+            Numbers::Float64(values) => PyArray1::from_vec(py, values).into_any(),
+            Numbers::Float32(values) => PyArray1::from_vec(py, values).into_any(),
+            Numbers::Integer(values) => PyArray1::from_vec(py, values).into_any(),
+        };
+        (array.name, array.shape, numbers, array.dtype)
+    };
+    let metadata = output.metadata.as_ref().map(Metadata::to_json);
+    let arrays = output.arrays.into_iter().map(array).collect();
+    Ok((arrays, metadata, output.notes))
 }
 
 /// One channel as the bytes of a PNG.
@@ -148,10 +189,11 @@ pub(crate) fn png<'py>(
     name: String,
     values: Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyBytes>> {
-    let frame = frame(py, shape, vec![(name, values)])?;
+    let frame = frame(py, shape, vec![(name, values)], "{}")?;
+    let (settings, memory) = (WriteSettings::default(), "memory".as_ref());
     let mut bytes = Vec::new();
     let encoded = image::format_named("png")
-        .and_then(|format| format.encode(&frame, None, &mut bytes, "memory".as_ref()));
+        .and_then(|format| format.encode(&frame, None, settings, &mut bytes, memory));
     encoded.map_err(|error| raise(py, &error))?;
     Ok(PyBytes::new(py, &bytes))
 }

@@ -27,7 +27,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::camera::Camera;
     #[pymodule_export]
-    use crate::frame::{png, render, write};
+    use crate::frame::{metadata, png, read, render, write};
     #[pymodule_export]
     use crate::load::load;
     #[pymodule_export]

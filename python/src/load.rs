@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firsthit::io::{LoadSettings, Model, NamedCamera};
-use firsthit::{Background, DAffine3, Light, Object, RayStart, Shape, View};
+use firsthit::{Background, DAffine3, Light, Object, RayStart, Shader, Shape, View};
 use pyo3::prelude::*;
 
 use crate::material::{MaterialOut, Texels, material_out};
@@ -32,8 +32,16 @@ type CameraOut = (
     bool,
 );
 
-/// Kind, direction or position, colour or intensity.
-type LightOut = (&'static str, [f64; 3], [f64; 3]);
+/// Kind, direction or position, colour or intensity; of a spot light its direction and its inner and outer angle.
+type LightOut = (
+    &'static str,
+    [f64; 3],
+    [f64; 3],
+    Option<([f64; 3], [f64; 2])>,
+);
+
+/// The shader's name, Lambert's ambient light, its shadows, samples.
+type ShadingOut = (&'static str, Option<[f64; 3]>, bool, u32);
 
 /// All that a file holds.
 #[derive(IntoPyObject)]
@@ -45,6 +53,7 @@ pub(crate) struct ModelOut {
     lights: Vec<LightOut>,
     /// One colour, or horizon, zenith and up.
     background: Option<Vec<[f64; 3]>>,
+    shading: Option<ShadingOut>,
     up: [f64; 3],
     warnings: Vec<String>,
 }
@@ -87,6 +96,7 @@ fn taken_apart(model: &Model) -> ModelOut {
         cameras: model.cameras.iter().map(camera_out).collect(),
         lights: model.lights.iter().map(light_out).collect(),
         background: model.background.map(background_out),
+        shading: shading_out(model),
         up: model.up.to_array(),
         warnings: model.warnings.clone(),
     }
@@ -190,13 +200,36 @@ fn camera_out(camera: &NamedCamera) -> CameraOut {
 fn light_out(light: &Light) -> LightOut {
     match *light {
         Light::Directional { direction, color } => {
-            ("directional", direction.to_array(), color.to_array())
+            ("directional", direction.to_array(), color.to_array(), None)
         }
         Light::Point {
             position,
             intensity,
-        } => ("point", position.to_array(), intensity.to_array()),
+        } => ("point", position.to_array(), intensity.to_array(), None),
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => {
+            let cone = (direction.to_array(), [inner_angle, outer_angle]);
+            let (position, intensity) = (position.to_array(), intensity.to_array());
+            ("spot", position, intensity, Some(cone))
+        }
     }
+}
+
+fn shading_out(model: &Model) -> Option<ShadingOut> {
+    if model.shader.is_none() && model.samples.is_none() {
+        return None;
+    }
+    let shader = model.shader.clone().unwrap_or_default();
+    let (ambient, shadows) = match &shader {
+        Shader::Lambert(lambert) => (Some(lambert.ambient.to_array()), lambert.shadows),
+        _ => (None, true),
+    };
+    Some((shader.name(), ambient, shadows, model.samples.unwrap_or(1)))
 }
 
 fn background_out(background: Background) -> Vec<[f64; 3]> {

@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use firsthit::watch::Watch;
 use firsthit::{Error, Result};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::errors::raise;
 
@@ -24,6 +25,18 @@ impl Watch for Stop {
     }
 }
 
+/// So many threads (0: all cores), or as many as the system grants: the result is the same.
+fn pool(threads: usize) -> std::result::Result<ThreadPool, ThreadPoolBuildError> {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let mut threads = if threads == 0 { cores() } else { threads };
+    loop {
+        match ThreadPoolBuilder::new().num_threads(threads).build() {
+            Err(_) if threads > 1 => threads /= 2,
+            result => return result,
+        }
+    }
+}
+
 /// Does `work` with `threads` threads (0: all cores) while other Python threads run.
 ///
 /// The threads live as long as the call: a pool that outlived it would not survive `fork`. Making them
@@ -33,8 +46,8 @@ pub(crate) fn run<T: Send>(
     threads: usize,
     work: impl FnOnce(&Stop) -> Result<T> + Send,
 ) -> PyResult<T> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| PyRuntimeError::new_err(format!("threads: {error}")))?;
+    let pool =
+        pool(threads).map_err(|error| PyMemoryError::new_err(format!("threads: {error}")))?;
     let stop = Stop::default();
     let (result, signal) = py.detach(|| {
         std::thread::scope(|scope| {

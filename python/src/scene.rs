@@ -21,9 +21,9 @@ struct ObjectIn<'py>(
     Vec<MaterialIn<'py>>,
 );
 
-/// A light: its kind, a direction or position, and its colour.
+/// A light: its kind, a direction or position, its colour; of a spot light its direction and both angles.
 #[derive(FromPyObject)]
-struct LightIn(String, [f64; 3], [f64; 3]);
+struct LightIn(String, [f64; 3], [f64; 3], Option<([f64; 3], [f64; 2])>);
 
 #[pymethods]
 impl Scene {
@@ -77,17 +77,23 @@ fn build(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
     Ok(object.with_materials(materials))
 }
 
-fn light(LightIn(kind, vector, color): &LightIn) -> Light {
+fn light(LightIn(kind, vector, color, cone): &LightIn) -> Light {
     let (vector, color) = (DVec3::from(*vector), Color::from(*color));
-    if kind == "point" {
-        Light::Point {
+    match cone {
+        Some((direction, [inner_angle, outer_angle])) => Light::Spot {
+            position: vector,
+            direction: DVec3::from(*direction),
+            intensity: color,
+            inner_angle: *inner_angle,
+            outer_angle: *outer_angle,
+        },
+        None if kind == "point" => Light::Point {
             position: vector,
             intensity: color,
-        }
-    } else {
-        Light::Directional {
+        },
+        None => Light::Directional {
             direction: vector,
             color,
-        }
+        },
     }
 }

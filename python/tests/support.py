@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 REFDATA = Path(__file__).parents[3] / "shared" / "refdata" / "public"
-TESTDATA = Path(__file__).parents[2] / "testdata"
+ROOT = Path(__file__).parents[2]
+TESTDATA = ROOT / "testdata"
 
 needs_refdata = pytest.mark.skipif(not REFDATA.is_dir(), reason="../shared/refdata is not here")
 

@@ -188,8 +188,8 @@ def test_frames_are_saved_whole_and_show_themselves(tmp_path):
     frame = fh.render(ball(), small(), channels=("color", "z", "object"), background=(1, 1, 1))
     frame.save(tmp_path / "out.npz")
     with np.load(tmp_path / "out.npz") as saved:
-        assert set(saved) == {"color", "z", "object"}
-        for name in saved:
+        assert set(saved) == {"color", "z", "object", "metadata"}
+        for name in frame:
             np.testing.assert_array_equal(saved[name], frame[name])
     frame.save(tmp_path / "out.png")
     with Image.open(tmp_path / "out.png") as picture:
@@ -201,7 +201,7 @@ def test_frames_are_saved_whole_and_show_themselves(tmp_path):
     assert frame._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match=r"known format's extension"):
         frame.save(tmp_path / "out.gif")
-    with pytest.raises(ValueError, match=r"must end in .npz"):
+    with pytest.raises(ValueError, match=r"must end in .exr or .npz"):
         fh.render(ball(), small(), channels=("z", "t")).save(tmp_path / "out.png")
     with pytest.raises(fh.FileWriteError):
         frame.save(tmp_path / "none" / "out.png")

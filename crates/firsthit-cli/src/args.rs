@@ -22,10 +22,15 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Shoot any rays at a 3D file.
     Shoot(ShootArgs),
-    /// Say what is in a 3D file.
+    /// Say what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
+    /// Compare two outputs, channel by channel.
+    Diff(DiffArgs),
     /// Render the embedded example scene.
     Demo(DemoArgs),
+    /// Print the JSON Schema of scene files, by which editors complete and check them.
+    #[command(after_help = help::SCHEMA_EXAMPLES)]
+    Schema,
     /// Print the completions for a shell, to be sourced or saved.
     #[command(after_help = help::COMPLETIONS_EXAMPLES)]
     Completions {
@@ -37,7 +42,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
-    /// The 3D file: PLY, STL or OBJ
+    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
     pub(crate) file: PathBuf,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -106,19 +111,19 @@ impl From<RayStartArg> for RayStart {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct PictureArgs {
-    /// Where to write: .png (one channel), .npy (one) or .npz (all); may be given several times.
-    /// {channel} in the name makes a file of each channel [default: the file's name with .png]
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all); may be given several times.
+    /// {channel} in the name makes a file of each channel [default: what a scene file asks for, else the
+    /// file's name with .png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// What to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
-    /// normal, position, barycentric, uv, front
-    #[arg(
-        long,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "color"
-    )]
+    /// normal, position, barycentric, uv, front [default: color]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) channels: Vec<String>,
+    /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene
+    /// units and 0 a miss, instead of as pictures to look at
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) png_scale: Option<f64>,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
@@ -158,6 +163,14 @@ pub(crate) struct LoadArgs {
     /// leaving them out
     #[arg(long)]
     pub(crate) strict: bool,
+    /// How much memory the file's content may take, unpacked; in bytes, or with K, M, G or T for their
+    /// 1024th powers
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G", allow_hyphen_values = true)]
+    pub(crate) max_memory: u64,
+    /// How many texels a texture may have across or down; in all it may have as many bytes as the square of
+    /// that
+    #[arg(long, value_name = "SIDE", value_parser = clap::value_parser!(u32).range(1..=1 << 20), default_value = "16384", allow_hyphen_values = true)]
+    pub(crate) max_texture: u32,
 }
 
 #[derive(Debug, Args)]
@@ -174,7 +187,7 @@ pub(crate) struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::SHOOT_EXAMPLES)]
 pub(crate) struct ShootArgs {
-    /// The 3D file: PLY, STL or OBJ
+    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The rays, or only their origins: .npy, .npz or .csv, - for standard input
     pub(crate) rays: PathBuf,
@@ -215,13 +228,37 @@ pub(crate) enum StreamFormat {
 #[derive(Debug, Args)]
 #[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// The 3D file: PLY, STL or OBJ
+    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy or .npz
     pub(crate) file: PathBuf,
-    /// As JSON: triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up, warnings
+    /// As JSON: of a 3D file triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up,
+    /// warnings; of an output format, arrays, metadata (null when there are none), notes
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::DIFF_EXAMPLES)]
+pub(crate) struct DiffArgs {
+    /// An output: .png, .exr, .npy or .npz
+    pub(crate) a: PathBuf,
+    /// Another one, of any of these formats
+    pub(crate) b: PathBuf,
+    /// The largest difference of two numbers that is none; identifiers must be equal [default: 0]
+    #[arg(long, value_name = "X", value_parser = values::tolerance, allow_hyphen_values = true)]
+    pub(crate) tolerance: Option<f64>,
+    /// What to compare, with commas between [default: all channels of both]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        visible_alias = "channel"
+    )]
+    pub(crate) channels: Vec<String>,
+    /// As JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -230,7 +267,7 @@ pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
     #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
     pub(crate) size: (usize, usize),
-    /// Where to write: .png (one channel), .npy (one) or .npz (all); may be given several times.
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all); may be given several times.
     /// {channel} in the name makes a file of each channel [default: demo.png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
@@ -242,6 +279,10 @@ pub(crate) struct DemoArgs {
         default_value = "color"
     )]
     pub(crate) channels: Vec<String>,
+    /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene
+    /// units and 0 a miss, instead of as pictures to look at
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) png_scale: Option<f64>,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,

@@ -7,6 +7,7 @@ use firsthit::Error;
 
 use crate::console::{say, say_interrupted};
 
+const DIFFERENT: u8 = 1;
 pub(crate) const USAGE: u8 = 2;
 pub(crate) const BAD_INPUT: u8 = 3;
 pub(crate) const NOT_WRITTEN: u8 = 4;
@@ -51,6 +52,14 @@ impl Failure {
         }
     }
 
+    /// What was compared differs: said already, on standard output.
+    pub(crate) fn different() -> Self {
+        Self {
+            code: DIFFERENT,
+            message: None,
+        }
+    }
+
     /// Standard output did not take it. A reader that has gone away had enough: that is no failure.
     pub(crate) fn stdout(error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
@@ -85,7 +94,7 @@ impl From<Error> for Failure {
             Error::Argument { .. } => USAGE,
             Error::Read { .. } | Error::Parse { .. } => BAD_INPUT,
             Error::Write { .. } => NOT_WRITTEN,
-            Error::Limit { .. } => LIMIT,
+            Error::Limit { .. } | Error::TooLarge { .. } => LIMIT,
             Error::Interrupted => INTERRUPTED,
             _ => INTERNAL,
         };

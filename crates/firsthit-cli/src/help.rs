@@ -11,10 +11,13 @@ Examples:
   firsthit render bunny.ply             frames the model and writes bunny.png
   firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
       -o color.png -o all.npz --channels color,t,z,object,normal
+  firsthit render scene.toml            what a scene file says, as it says
   firsthit shoot part.stl rays.npy -o hits.npz
   firsthit info part.stl --json         what is in the file
+  firsthit info all.npz                 from which camera and scene it is
+  firsthit diff all.npz again.exr       whether two outputs are the same
 
-Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
+Exit codes: 0 done, 1 the outputs differ (diff), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
 
 const RENDER_EXAMPLES: &str = "\
@@ -25,6 +28,8 @@ Examples:
   firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
       -o color.png -o all.npz --channels color,t,range,z,object,normal,position
   firsthit render part.stl --channels z,object -o 'part-{channel}.png'
+  firsthit render part.stl --channels color,z,object,normal -o part.exr
+  firsthit render part.stl --channels z -o depth.png --png-scale 0.001
 
 Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3";
 
@@ -42,12 +47,29 @@ with six numbers in a line. Directions of any length will do: t counts in length
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:
   firsthit info part.stl
-  firsthit info part.stl --json | jq .triangles";
+  firsthit info part.stl --json | jq .triangles
+  firsthit info part.exr
+  firsthit info depth.png --json | jq .metadata.camera.intrinsics.k";
+
+pub(crate) const DIFF_EXAMPLES: &str = "\
+Examples:
+  firsthit diff yesterday.exr today.exr
+  firsthit diff all.npz depth.png --channels z --tolerance 0.0005
+
+Channels are compared by name. Numbers are compared by the lower precision of the two files; NaN equals NaN. \
+Exit codes: 0 equal within the tolerance, 1 different, 2 wrong usage, 3 a file that cannot be read.";
 
 pub(crate) const DEMO_EXAMPLES: &str = "\
 Examples:
   firsthit demo
   firsthit demo --size 1920x1080 --samples 64 -o wallpaper.png";
+
+pub(crate) const SCHEMA_EXAMPLES: &str = "\
+Examples:
+  firsthit schema > scene.schema.json
+
+With the line #:schema scene.schema.json at the top of a scene file, editors that know Taplo (Even Better TOML) \
+complete and check it.";
 
 pub(crate) const COMPLETIONS_EXAMPLES: &str = "\
 Examples:
@@ -73,5 +95,5 @@ pub(crate) fn render() -> String {
         }
         let _ = write!(text, "\n{line}");
     }
-    text + "\n\nA PNG shows distances from yellow (near) to violet, and misses in black."
+    text + "\n\nA PNG shows distances from yellow (near) to violet, and misses in black; with --png-scale it holds them in 16 bits."
 }

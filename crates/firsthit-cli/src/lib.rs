@@ -4,6 +4,7 @@ mod args;
 mod camera;
 mod commands;
 mod console;
+mod exhaustion;
 mod failure;
 mod help;
 mod hints;
@@ -24,7 +25,7 @@ use args::{Cli, Command};
 use failure::Failure;
 
 /// Runs the program with its arguments, the first of which is its own name, and returns the exit code: 0
-/// done, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, 70 a bug of
+/// done, 1 outputs that differ, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, 70 a bug of
 /// ours, 130 interrupted.
 pub fn run<I, T>(args: I) -> u8
 where
@@ -35,8 +36,10 @@ where
         Ok(cli) => cli,
         Err(error) => return usage::report(&error),
     };
+    let exhaustion = exhaustion::catch();
     // A panic is a bug of ours; the user gets one line of it, not a trace.
-    std::panic::set_hook(Box::new(|panic| {
+    std::panic::set_hook(Box::new(move |panic| {
+        exhaustion.is_ruled_out();
         console::say(format_args!(
             "firsthit: error: a bug in firsthit, please report it: {}",
             panic.to_string().replace('\n', " ")
@@ -55,7 +58,9 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Render(args) => commands::render::run(&args, &interrupted),
         Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
+        Command::Diff(args) => commands::diff::run(&args),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),
+        Command::Schema => commands::schema::run(),
         Command::Completions { shell } => commands::completions::run(shell),
     }
 }

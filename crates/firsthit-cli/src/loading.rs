@@ -4,6 +4,7 @@ use std::path::Path;
 
 use firsthit::io::{LoadSettings, Model, load};
 use firsthit::{Color, Scene};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::args::{LoadArgs, RunArgs};
 use crate::failure::Failure;
@@ -13,6 +14,8 @@ pub(crate) struct Loaded {
     pub(crate) scene: Scene,
     pub(crate) up: firsthit::DVec3,
     pub(crate) warnings: Vec<String>,
+    /// What else the file says: the model without its objects.
+    pub(crate) model: Model,
 }
 
 /// Reads a 3D file; `neutral` is the colour of objects that have none.
@@ -23,22 +26,21 @@ pub(crate) fn read(
 ) -> Result<Loaded, Failure> {
     let settings = LoadSettings {
         strict: args.strict,
-        ..LoadSettings::default()
+        max_memory: args.max_memory,
+        max_texture: args.max_texture,
     };
-    let Model {
-        objects,
-        warnings,
-        up,
-        ..
-    } = load(path, &settings)?;
-    let objects = objects.into_iter().map(|object| match neutral {
-        Some(color) if object.materials().is_empty() => object.colored(color),
-        _ => object,
-    });
+    let mut model = load(path, &settings)?;
+    let objects = std::mem::take(&mut model.objects)
+        .into_iter()
+        .map(|object| match neutral {
+            Some(color) if object.materials().is_empty() => object.colored(color),
+            _ => object,
+        });
     Ok(Loaded {
         scene: Scene::new(objects.collect())?,
-        up,
-        warnings,
+        up: model.up,
+        warnings: std::mem::take(&mut model.warnings),
+        model,
     })
 }
 
@@ -47,8 +49,28 @@ pub(crate) fn with_threads<T: Send>(
     args: &RunArgs,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
-    let threads = args.threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| Failure::limit(format!("threads: {error}")))?
-        .install(work)
+    pool(args.threads.map(usize::from))?.install(work)
+}
+
+/// Runs `work` with all cores.
+pub(crate) fn with_all_cores<T: Send>(
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    pool(None)?.install(work)
+}
+
+/// So many threads, or as many as the system grants: the result is the same. The last resort is the thread
+/// that runs already.
+fn pool(threads: Option<usize>) -> Result<ThreadPool, Failure> {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let mut threads = threads.unwrap_or_else(cores);
+    let builder = ThreadPoolBuilder::new;
+    while threads > 0 {
+        if let Ok(pool) = builder().num_threads(threads).build() {
+            return Ok(pool);
+        }
+        threads /= 2;
+    }
+    let alone = builder().num_threads(1).use_current_thread().build();
+    alone.map_err(|error| Failure::limit(format!("threads: {error}")))
 }

@@ -2,16 +2,18 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use firsthit::Error;
 use firsthit::channel::{KINDS, Kind};
 use firsthit::error::{escape_controls, escaped};
-use firsthit::image::{self, FORMATS, Format, Frame, Holds, legend, write_whole};
+use firsthit::image::{
+    self, FORMATS, Format, Frame, Holds, Picture, WriteSettings, legend, sidecar_of, write_whole,
+};
 
 use crate::console::say;
 use crate::failure::Failure;
 use crate::hits_csv::write_csv;
+use crate::progress::Interrupt;
 
 /// Stands for the channel's name in the name of a file.
 const PLACEHOLDER: &str = "{channel}";
@@ -34,7 +36,7 @@ impl Source {
     fn forms(self) -> impl Iterator<Item = (&'static str, Option<&'static Format>)> {
         let formats = FORMATS.iter().filter(move |format| match self {
             Self::Camera => true,
-            Self::Rays => format.name != "png",
+            Self::Rays => !format.only_pictures,
         });
         let extensions = formats.flat_map(|format| {
             let with = move |&extension| (extension, Some(format));
@@ -88,6 +90,49 @@ pub(crate) struct Target {
     format: Option<&'static Format>,
     /// The only channel in it; `None`: all.
     channel: Option<&'static str>,
+}
+
+/// Files that are made together, and what is in them.
+#[derive(Debug)]
+pub(crate) struct Order {
+    pub(crate) kinds: Vec<&'static Kind>,
+    pub(crate) targets: Vec<Target>,
+}
+
+/// What a camera's picture goes to: `outputs`, each with the names of its channels; none of `inputs` may be
+/// among them. Files with the same channels are one order.
+pub(crate) fn orders(
+    outputs: &[(PathBuf, &[String])],
+    inputs: &[&Path],
+    quiet: bool,
+) -> Result<Vec<Order>, Failure> {
+    let mut orders: Vec<Order> = Vec::new();
+    for (path, channels) in outputs {
+        let kinds = kinds(channels, Source::Camera, quiet || !orders.is_empty())?;
+        let made = targets(std::slice::from_ref(path), &kinds, Source::Camera, inputs)?;
+        let names = |kinds: &[&Kind]| kinds.iter().map(|kind| kind.name).collect::<Vec<_>>();
+        match orders
+            .iter_mut()
+            .find(|order| names(&order.kinds) == names(&kinds))
+        {
+            Some(order) => order.targets.extend(made),
+            None => orders.push(Order {
+                kinds,
+                targets: made,
+            }),
+        }
+    }
+    check_paths(orders.iter().flat_map(|order| &order.targets), inputs)?;
+    for order in &orders {
+        check_all_go_somewhere(&order.targets, &order.kinds)?;
+    }
+    Ok(orders)
+}
+
+/// Refuses to write over what was read.
+pub(crate) fn check_not_inputs(orders: &[Order], inputs: &[PathBuf]) -> Result<(), Failure> {
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    check_paths(orders.iter().flat_map(|order| &order.targets), &inputs)
 }
 
 /// The files for the `kinds`; none of `inputs` may be among them.
@@ -153,7 +198,7 @@ fn only_channel(
         [kind] => Ok(Some(kind.name)),
         kinds if kinds.iter().any(|kind| kind.name == "color") => Ok(Some("color")),
         _ => Err(Failure::usage(format!(
-            "{} holds one channel of several; put {PLACEHOLDER} into the name for a file of each, or use .npz",
+            "{} holds one channel of several; put {PLACEHOLDER} into the name for a file of each, or use .exr or .npz",
             escaped(path)
         ))),
     }
@@ -171,20 +216,29 @@ pub(crate) fn check_all_go_somewhere(
     match kinds.iter().find(|kind| !goes(kind)) {
         None => Ok(()),
         Some(kind) => Err(Failure::usage(format!(
-            "the channel {} goes to no file: {} takes one channel; put {PLACEHOLDER} into a name for a file of each, or add -o with a name in .npz",
+            "the channel {} goes to no file: {} takes one channel; put {PLACEHOLDER} into a name for a file of each, or add -o with a name in .exr or .npz",
             kind.name,
             names(targets)
         ))),
     }
 }
 
-fn check_paths(targets: &[Target], inputs: &[&Path]) -> Result<(), Failure> {
+fn check_paths<'a>(
+    targets: impl IntoIterator<Item = &'a Target>,
+    inputs: &[&Path],
+) -> Result<(), Failure> {
     let inputs: Vec<PathBuf> = inputs
         .iter()
         .filter_map(|input| input.canonicalize().ok())
         .collect();
     let mut seen: Vec<PathBuf> = Vec::new();
-    for Target { path, .. } in targets {
+    let with_sidecar = targets.into_iter().flat_map(|target| {
+        let Target { path, format, .. } = target;
+        let has_one = format.is_some_and(|format| format.has_sidecar);
+        [Some(path.clone()), has_one.then(|| sidecar_of(path))]
+    });
+    for path in with_sidecar.flatten() {
+        let path = &path;
         let place = place(path)?;
         if seen.contains(&place) {
             return Err(Failure::usage(format!(
@@ -232,80 +286,73 @@ fn place(path: &Path) -> Result<PathBuf, Failure> {
     }
 }
 
+/// Whether some of the files can hold distances in steps of a scale.
+pub(crate) fn takes_scale(Order { kinds, targets }: &Order) -> bool {
+    let is_distance = |name: &str| {
+        let kind = kinds.iter().find(|kind| kind.name == name);
+        kind.is_some_and(|kind| kind.picture == Picture::Distance)
+    };
+    (targets.iter()).any(|target| is_png(target) && target.channel.is_some_and(is_distance))
+}
+
+fn is_png(target: &Target) -> bool {
+    target.format.is_some_and(|format| format.name == "png")
+}
+
 /// Writes all files, each whole or not at all; returns what to say about them.
 pub(crate) fn write(
     frame: &Frame,
     targets: &[Target],
+    settings: WriteSettings,
     interrupted: &AtomicBool,
 ) -> Result<Vec<String>, Failure> {
+    let watch = Interrupt(interrupted);
     let mut lines = Vec::new();
+    // All of them, or none because of what one cannot hold.
     for target in targets {
-        write_one(frame, target, interrupted)?;
-        let shown = target
-            .channel
-            .filter(|_| target.format.is_some_and(|format| format.name == "png"))
-            .and_then(|name| frame.channel(name));
-        if let Some(legend) = shown.and_then(legend) {
-            lines.push(format!("{}: {legend}", escaped(&target.path)));
+        if let Some(format) = target.format {
+            format.check(frame, target.channel, settings)?;
         }
+    }
+    for target in targets {
+        let Target {
+            path,
+            format,
+            channel,
+        } = target;
+        match format {
+            Some(format) => format.write(frame, *channel, settings, path, &watch)?,
+            None => write_whole(path, &watch, |out| write_csv(frame, out))?,
+        }
+        let shown = channel.filter(|_| is_png(target));
+        let shown = shown.and_then(|name| frame.channel(name));
+        lines.extend(shown.and_then(|channel| said(channel, settings, path)));
     }
     Ok(lines)
 }
 
-fn write_one(frame: &Frame, target: &Target, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let mut refused = None;
-    let written = write_whole(&target.path, |out| {
-        let mut out = Stoppable { out, interrupted };
-        let Some(format) = target.format else {
-            let mut out = io::BufWriter::new(out);
-            // Dropping the buffer would swallow the error of its last bytes.
-            return write_csv(frame, &mut out).and_then(|()| out.flush());
-        };
-        match format.encode(frame, target.channel, &mut out, &target.path) {
-            Err(Error::Write { source, .. }) => Err(source),
-            Err(error) => {
-                refused = Some(error);
-                Err(io::Error::other("refused"))
-            }
-            Ok(()) => Ok(()),
+/// How to read a picture back.
+fn said(channel: &image::Channel, settings: WriteSettings, path: &Path) -> Option<String> {
+    let text = match settings.png_scale {
+        Some(scale) if channel.picture == Picture::Distance => {
+            format!("{} in steps of {scale}, 16 bits; misses 0", channel.name)
         }
-    });
-    match written {
-        Err(_) if interrupted.load(Ordering::Relaxed) => Err(Error::Interrupted.into()),
-        Err(error) => Err(refused.unwrap_or(error).into()),
-        Ok(()) => Ok(()),
-    }
-}
-
-/// A writer that Ctrl-C ends, so that the temporary file goes away in an orderly manner.
-struct Stoppable<'a> {
-    out: &'a mut dyn Write,
-    interrupted: &'a AtomicBool,
-}
-
-impl Write for Stoppable<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.interrupted.load(Ordering::Relaxed) {
-            // Not `ErrorKind::Interrupted`, which means: try again.
-            return Err(io::Error::other("interrupted"));
-        }
-        self.out.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
-    }
+        _ => legend(channel)?,
+    };
+    Some(format!("{}: {text}", escaped(path)))
 }
 
 /// The files' names, for a line of text.
-pub(crate) fn names(targets: &[Target]) -> String {
-    let names: Vec<String> = targets.iter().map(|target| escaped(&target.path)).collect();
+pub(crate) fn names<'a>(targets: impl IntoIterator<Item = &'a Target>) -> String {
+    let targets = targets.into_iter();
+    let names: Vec<String> = targets.map(|target| escaped(&target.path)).collect();
     names.join(", ")
 }
 
 /// Writes all channels to standard output.
 pub(crate) fn stream(frame: &Frame, format: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    image::format_named(format)?.encode(frame, None, &mut out, Path::new("standard output"))?;
+    let (settings, name) = (WriteSettings::default(), Path::new("standard output"));
+    image::format_named(format)?.encode(frame, None, settings, &mut out, name)?;
     out.flush().map_err(|error| Failure::stdout(&error))
 }

@@ -25,13 +25,28 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
         if flag.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        std::thread::spawn(|| {
-            std::thread::sleep(GRACE);
+        let end = || {
             say_interrupted();
             std::process::exit(i32::from(INTERRUPTED));
-        });
+        };
+        let after_grace = move || {
+            std::thread::sleep(GRACE);
+            end();
+        };
+        if std::thread::Builder::new().spawn(after_grace).is_err() {
+            end();
+        }
     });
     interrupted
+}
+
+/// The flag of Ctrl-C alone, for what is not counted in rays.
+pub(crate) struct Interrupt<'a>(pub(crate) &'a AtomicBool);
+
+impl Watch for Interrupt<'_> {
+    fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
 }
 
 /// Follows a computation: a bar on standard error if that is a terminal, and the flag of Ctrl-C.

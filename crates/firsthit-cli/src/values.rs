@@ -33,6 +33,32 @@ fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f
         .ok_or_else(|| format!("expected {form}"))
 }
 
+/// A number of bytes, such as `500M`.
+pub(crate) fn memory(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let unit = text
+        .chars()
+        .next_back()
+        .map(|unit| unit.to_ascii_uppercase());
+    let shift = match unit {
+        Some('K') => 10,
+        Some('M') => 20,
+        Some('G') => 30,
+        Some('T') => 40,
+        _ => 0,
+    };
+    let digits = if shift == 0 {
+        text
+    } else {
+        &text[..text.len() - 1]
+    };
+    let bytes: Option<u64> = digits.trim().parse().ok();
+    bytes
+        .and_then(|number| number.checked_mul(1 << shift))
+        .filter(|&bytes| bytes > 0)
+        .ok_or_else(|| "expected a whole number of bytes, or of K, M, G or T, such as 500M".into())
+}
+
 pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     numbers::<3>(
         text,
@@ -117,6 +143,17 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
         Ok(number)
     } else {
         Err("expected a positive number".into())
+    }
+}
+
+/// Zero or a positive number.
+pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
+    let form = "zero or a positive number";
+    let [number] = numbers::<1>(text, ',', form)?;
+    if number >= 0.0 {
+        Ok(number)
+    } else {
+        Err(format!("expected {form}"))
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, Hit, Ray, Rays};
-use crate::image::{Channel, Data, Picture};
+use crate::image::{Channel, Data, Description, Picture, Unit};
 use crate::scene::Scene;
 use crate::shade::Shade;
 use crate::shoot::{Hits, filled};
@@ -44,6 +44,10 @@ pub struct Kind {
     pub components: usize,
     /// How it becomes a picture.
     pub picture: Picture,
+    /// What its numbers count.
+    pub unit: Unit,
+    /// What its numbers are relative to: `world`, `camera`, `ray`, `triangle` or `texture`.
+    pub frame: Option<&'static str>,
     make: Make,
 }
 
@@ -66,6 +70,8 @@ pub const KINDS: &[Kind] = &[
         about: "linear red, green, blue (Rec. 709); the background for a miss",
         components: 3,
         picture: Picture::Color,
+        unit: Unit::LinearColor,
+        frame: None,
         make: Make::Color,
     },
     Kind {
@@ -73,6 +79,8 @@ pub const KINDS: &[Kind] = &[
         about: "distance from the ray's start along the ray (in lengths of the direction); inf for a miss",
         components: 1,
         picture: Picture::Distance,
+        unit: Unit::DirectionLength,
+        frame: Some("ray"),
         make: Make::Doubles(|_, _, hit, out| out[0] = hit.t),
     },
     Kind {
@@ -80,6 +88,8 @@ pub const KINDS: &[Kind] = &[
         about: "distance from the camera's position along the ray; inf for a miss",
         components: 1,
         picture: Picture::Distance,
+        unit: Unit::SceneLength,
+        frame: Some("camera"),
         make: Make::Distance(Camera::range),
     },
     Kind {
@@ -87,6 +97,8 @@ pub const KINDS: &[Kind] = &[
         about: "distance from the camera's position along its aim; inf for a miss",
         components: 1,
         picture: Picture::Distance,
+        unit: Unit::SceneLength,
+        frame: Some("camera"),
         make: Make::Distance(Camera::z),
     },
     Kind {
@@ -94,6 +106,8 @@ pub const KINDS: &[Kind] = &[
         about: "identifier of the object; -1 for a miss",
         components: 1,
         picture: Picture::Identifier,
+        unit: Unit::None,
+        frame: None,
         make: Make::Integers(|_, hit| hit.object),
     },
     Kind {
@@ -101,6 +115,8 @@ pub const KINDS: &[Kind] = &[
         about: "identifier of the object's part, such as the triangle; -1 for a miss",
         components: 1,
         picture: Picture::Identifier,
+        unit: Unit::None,
+        frame: None,
         make: Make::Integers(|_, hit| hit.primitive),
     },
     Kind {
@@ -108,6 +124,8 @@ pub const KINDS: &[Kind] = &[
         about: "identifier of the polygon that the triangle was part of; -1 for a miss",
         components: 1,
         picture: Picture::Identifier,
+        unit: Unit::None,
+        frame: None,
         make: Make::Integers(Scene::face),
     },
     Kind {
@@ -115,6 +133,8 @@ pub const KINDS: &[Kind] = &[
         about: "geometric normal in the world, of length one, outwards; NaN for a miss",
         components: 3,
         picture: Picture::Direction,
+        unit: Unit::None,
+        frame: Some("world"),
         make: Make::Doubles(|scene, ray, hit, out| {
             out.copy_from_slice(&scene.normal(ray, hit).to_array());
         }),
@@ -124,6 +144,8 @@ pub const KINDS: &[Kind] = &[
         about: "where the hit is in the world; NaN for a miss",
         components: 3,
         picture: Picture::Position,
+        unit: Unit::SceneLength,
+        frame: Some("world"),
         make: Make::Doubles(|_, ray, hit, out| {
             if !hit.is_miss() {
                 out.copy_from_slice(&ray.at(hit.t).to_array());
@@ -135,6 +157,8 @@ pub const KINDS: &[Kind] = &[
         about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
         components: 3,
         picture: Picture::Fraction,
+        unit: Unit::None,
+        frame: Some("triangle"),
         make: Make::Doubles(|_, _, hit, out| {
             let [b, c] = hit.barycentric.to_array();
             out.copy_from_slice(&[1.0 - b - c, b, c]);
@@ -145,6 +169,8 @@ pub const KINDS: &[Kind] = &[
         about: "texture coordinates; NaN for a miss and where there are none",
         components: 2,
         picture: Picture::Fraction,
+        unit: Unit::None,
+        frame: Some("texture"),
         make: Make::Doubles(|scene, _, hit, out| out.copy_from_slice(&scene.uv(hit).to_array())),
     },
     Kind {
@@ -152,6 +178,8 @@ pub const KINDS: &[Kind] = &[
         about: "whether the front of the surface was met; false for a miss",
         components: 1,
         picture: Picture::Mask,
+        unit: Unit::None,
+        frame: None,
         make: Make::Flags(|scene, ray, hit| scene.is_front(ray, scene.normal(ray, hit))),
     },
 ];
@@ -224,12 +252,22 @@ impl Kind {
             }
             Make::Color => colors(shots, shade, watch)?,
         };
-        Ok(Channel {
+        Ok(self.channel(data))
+    }
+
+    /// The channel of this kind with `data`, which [`Frame::push`](crate::image::Frame::push) checks.
+    pub fn channel(&self, data: Data) -> Channel {
+        Channel {
             name: self.name,
             components: self.components,
             data,
             picture: self.picture,
-        })
+            description: Description {
+                about: self.about,
+                unit: self.unit,
+                frame: self.frame,
+            },
+        }
     }
 }
 

@@ -56,6 +56,16 @@ pub enum Error {
         /// How much is possible.
         limit: String,
     },
+    /// A file needs more than its reader was allowed to spend on it. Whoever reads it can allow more.
+    #[error("{}{place}: {what}", escaped(.path))]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Where in the file.
+        place: Place,
+        /// What it needs, what is allowed, and how to allow more.
+        what: String,
+    },
     /// The caller's [`Watch`](crate::watch::Watch) asked to stop.
     #[error("interrupted")]
     Interrupted,
@@ -81,8 +91,17 @@ pub enum Place {
     File,
     /// A line of a text file, counted from 1.
     Line(u64),
+    /// A line of a text file and a character in it, both counted from 1.
+    Position {
+        /// The line.
+        line: u64,
+        /// The column.
+        column: u64,
+    },
     /// An offset into a binary file, counted from 0.
     Byte(u64),
+    /// A value of a JSON document, by its pointer (RFC 6901), such as `/accessors/3/count`.
+    Pointer(String),
 }
 
 impl fmt::Display for Place {
@@ -90,7 +109,9 @@ impl fmt::Display for Place {
         match self {
             Self::File => Ok(()),
             Self::Line(line) => write!(f, ":{line}"),
+            Self::Position { line, column } => write!(f, ":{line}:{column}"),
             Self::Byte(byte) => write!(f, " @ byte {byte}"),
+            Self::Pointer(pointer) => write!(f, "#{pointer}"),
         }
     }
 }

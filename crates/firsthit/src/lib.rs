@@ -35,6 +35,7 @@ pub mod example;
 pub mod geometry;
 pub mod image;
 pub mod io;
+mod memory;
 pub mod render;
 mod sampling;
 pub mod scene;

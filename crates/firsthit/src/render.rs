@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use crate::camera::Camera;
+use crate::camera::{Camera, View};
 use crate::channel::{Kind, Shots, single};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, Ray};
-use crate::image::{Channel, Data, Frame};
+use crate::geometry::{Color, DMat3, Ray};
+use crate::image::{CameraRecord, Channel, Data, Frame, Intrinsics, Origin, Pose};
 use crate::sampling::offset;
 use crate::scene::{Light, Scene};
 use crate::shade::Shade;
@@ -60,7 +60,11 @@ pub fn develop(
         hits,
         camera: Some(camera),
     };
-    let mut frame = Frame::new([camera.rows(), camera.columns()]);
+    let mut frame = Frame::new([camera.rows(), camera.columns()]).from_origin(origin(
+        scene,
+        Some(camera),
+        Some(samples),
+    ));
     for kind in channels {
         frame.push(if kind.needs_shade() && samples > 1 {
             antialiased(scene, camera, shade, kind, samples, watch)?
@@ -99,13 +103,59 @@ fn antialiased(
             watch.advance(u64::from(samples));
             Ok(())
         })?;
-    let data = Data::Float32(colors);
-    Ok(Channel {
-        name: kind.name,
-        components: kind.components,
-        data,
-        picture: kind.picture,
-    })
+    Ok(kind.channel(Data::Float32(colors)))
+}
+
+/// What outputs say about where they come from: the scene's fingerprint and the camera, if one made the
+/// rays. `samples` are the points of a pixel that its colour is the mean of, if there are colours.
+pub fn origin(scene: &Scene, camera: Option<&Camera>, samples: Option<u32>) -> Origin {
+    Origin {
+        scene: Some(scene.fingerprint().to_owned()),
+        camera: camera.map(camera_record),
+        samples,
+    }
+}
+
+fn camera_record(camera: &Camera) -> CameraRecord {
+    let &View {
+        position,
+        aim,
+        up,
+        focal_length,
+        width,
+        height,
+        rows,
+        columns,
+        projection,
+        ray_start,
+    } = camera.view();
+    let row = |m: &DMat3, k: usize| m.row(k).to_array();
+    let pose = camera.world_from_camera();
+    let pose_row = |k: usize| {
+        let [x, y, z] = row(&pose.matrix3, k);
+        [x, y, z, pose.translation[k]]
+    };
+    CameraRecord {
+        position: position.to_array(),
+        aim: aim.to_array(),
+        up: up.to_array(),
+        focal_length,
+        width,
+        height,
+        rows: rows as u64,
+        columns: columns as u64,
+        projection: projection.name().to_owned(),
+        ray_start: ray_start.name().to_owned(),
+        intrinsics: camera.intrinsic_matrix().map(|k| Intrinsics {
+            k: [0, 1, 2].map(|row_index| row(&k, row_index)),
+            first_pixel_center: 0.5,
+            axes: "right, down, forwards".to_owned(),
+        }),
+        pose: Pose {
+            world_from_camera: [pose_row(0), pose_row(1), pose_row(2), [0.0, 0.0, 0.0, 1.0]],
+            axes: "right, up, backwards".to_owned(),
+        },
+    }
 }
 
 /// The ray through sample point `k` of `count` in a pixel, pixels counted row by row from the top. The only

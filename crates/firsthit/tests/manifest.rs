@@ -23,7 +23,9 @@ fn row(line: &str) -> Option<Row<'_>> {
         return None;
     };
     let extension = Path::new(file).extension()?.to_ascii_lowercase();
-    let is_mesh = ["ply", "stl", "obj"].iter().any(|&mesh| extension == mesh);
+    let is_mesh = ["ply", "stl", "obj", "gltf", "glb"]
+        .iter()
+        .any(|&mesh| extension == mesh);
     is_mesh.then_some(Row {
         file,
         expect,
@@ -48,8 +50,12 @@ fn triangle_count(model: &Model) -> usize {
 }
 
 fn area(model: &Model) -> f64 {
-    let meshes = model.objects.iter().filter_map(Object::mesh);
-    let triangles = meshes.flat_map(|mesh| (0..mesh.triangles().len()).map(|k| mesh.corners(k)));
+    let triangles = model.objects.iter().flat_map(|object| {
+        let mesh = object.mesh().expect("files have meshes only");
+        let place = *object.transform().world_from_object();
+        let corners = move |k| mesh.corners(k).map(|corner| place.transform_point3(corner));
+        (0..mesh.triangles().len()).map(corners)
+    });
     triangles
         .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
         .sum()

@@ -321,7 +321,13 @@ fn the_same_picture_with_1_2_and_7_threads() {
             let mut bytes = Vec::new();
             let format = firsthit::image::format_named("npz").unwrap();
             format
-                .encode(&frame, None, &mut bytes, "memory".as_ref())
+                .encode(
+                    &frame,
+                    None,
+                    firsthit::image::WriteSettings::default(),
+                    &mut bytes,
+                    "memory".as_ref(),
+                )
                 .unwrap();
             bytes
         })

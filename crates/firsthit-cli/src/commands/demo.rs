@@ -3,12 +3,13 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::{Shader, Shading, example};
 
-use super::render::{Job, WITHOUT_COLOR, picture};
+use super::render::{Job, WITHOUT_COLOR, picture, settings};
 use crate::args::DemoArgs;
 use crate::camera::check_size;
 use crate::console::warn;
 use crate::failure::Failure;
 use crate::loading::with_threads;
+use crate::output::Order;
 use crate::output::{self, Source};
 
 /// The embedded scene is small: it can be made well.
@@ -28,6 +29,8 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     };
     let targets = output::targets(outputs, &kinds, Source::Camera, &[])?;
     output::check_all_go_somewhere(&targets, &kinds)?;
+    let orders = [Order { kinds, targets }];
+    let settings = settings(args.png_scale, &orders);
     with_threads(&args.run, || {
         let scene = example::scene()?;
         let (columns, rows) = args.size;
@@ -41,9 +44,9 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
             scene: &scene,
             camera: &camera,
             shade: &shade,
-            kinds: &kinds,
             samples: args.samples.unwrap_or(DEFAULT_SAMPLES),
+            settings,
         };
-        picture(&job, &targets, &args.run, interrupted)
+        picture(&job, &orders, &args.run, interrupted)
     })
 }

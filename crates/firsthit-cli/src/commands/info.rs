@@ -3,26 +3,35 @@ use std::io::Write;
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
+use firsthit::image::format_of;
 use firsthit::{Bounds, DVec3, Object, Scene, Shape};
 use serde_json::{Value, json};
 
+use super::info_output;
 use crate::args::InfoArgs;
 use crate::console::{counted, warn};
 use crate::failure::Failure;
 use crate::hints::{span, triple};
-use crate::loading::{self, Loaded};
+use crate::loading::{self, Loaded, with_all_cores};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let loaded = loading::read(&args.file, &args.load, None)?;
-    let text = if args.json {
-        format!("{:#}\n", as_json(&loaded))
-    } else {
-        warn(&loaded.warnings);
-        as_text(&loaded)
+    let text = match format_of(&args.file) {
+        Ok(format) => info_output::text(&args.file, format, args.json)?,
+        Err(_) => of_model(args)?,
     };
     std::io::stdout()
         .write_all(text.as_bytes())
         .map_err(|error| Failure::stdout(&error))
+}
+
+fn of_model(args: &InfoArgs) -> Result<String, Failure> {
+    let loaded = with_all_cores(|| loading::read(&args.file, &args.load, None))?;
+    Ok(if args.json {
+        format!("{:#}\n", as_json(&loaded))
+    } else {
+        warn(&loaded.warnings);
+        as_text(&loaded)
+    })
 }
 
 fn as_json(loaded: &Loaded) -> Value {
@@ -30,6 +39,7 @@ fn as_json(loaded: &Loaded) -> Value {
         scene,
         up,
         warnings,
+        ..
     } = loaded;
     let object = |object: &Object| {
         json!({

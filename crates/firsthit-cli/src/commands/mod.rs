@@ -2,6 +2,9 @@
 
 pub(crate) mod completions;
 pub(crate) mod demo;
+pub(crate) mod diff;
 pub(crate) mod info;
+pub(crate) mod info_output;
 pub(crate) mod render;
+pub(crate) mod schema;
 pub(crate) mod shoot;

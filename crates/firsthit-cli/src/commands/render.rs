@@ -2,19 +2,23 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use firsthit::channel::Kind;
+use firsthit::camera::Description;
+use firsthit::image::WriteSettings;
+use firsthit::io::{Model, Output};
 use firsthit::render::{develop, shoulder_light};
 use firsthit::shoot::shoot_all;
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 
 use crate::args::{LightingArgs, RenderArgs, RunArgs};
-use crate::camera::{camera, size};
+use crate::camera::{camera, check};
 use crate::console::{counted, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
-use crate::output::{self, Source, Target};
+use crate::output::{self, Order, Source};
 use crate::progress::Progress;
 use crate::values::LightArg;
+
+const DEFAULT_CHANNEL: &str = "color";
 
 /// The only one that looks at lights.
 const DEFAULT_SHADER: &str = "lambert";
@@ -22,41 +26,79 @@ const DEFAULT_SHADER: &str = "lambert";
 pub(super) const WITHOUT_COLOR: &str = "without color among the --channels";
 
 pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let kinds = output::kinds(&args.picture.channels, Source::Camera, args.run.quiet)?;
-    warn(&idle_options(args, &kinds));
-    size(&args.camera)?;
-    let default = [default_output(&args.file)];
-    let outputs = if args.picture.output.is_empty() {
-        &default[..]
-    } else {
-        &args.picture.output
-    };
-    let targets = output::targets(outputs, &kinds, Source::Camera, &[&args.file])?;
-    output::check_all_go_somewhere(&targets, &kinds)?;
+    check(&args.camera)?;
+    // What is wrong with these is told before large files are read.
+    let asked = (!args.picture.output.is_empty())
+        .then(|| orders(args, &[]))
+        .transpose()?;
+    output::kinds(&args.picture.channels, Source::Camera, true)?;
     with_threads(&args.run, || {
         let Loaded {
             scene,
             up,
             warnings,
+            model,
         } = loading::read(&args.file, &args.load, args.light.color)?;
+        let orders = match asked {
+            Some(orders) => orders,
+            None => orders(args, &model.outputs)?,
+        };
+        output::check_not_inputs(&orders, &model.files)?;
+        let shader = shader(&args.light, model.shader.as_ref())?;
+        warn(&idle_options(args, &orders, &shader));
         warn(&warnings);
-        let camera = camera(&args.camera, scene.bounds(), up)?;
-        let lights = lights(&args.light, &scene, &camera);
-        let scene = scene.with_lights(lights);
+        let camera = camera(&args.camera, &base(&model), scene.bounds(), up)?;
+        let lights = lights(&args.light, &model, &scene, &camera);
+        let scene = if args.light.light.is_empty() && model.lights.is_empty() {
+            scene.with_borrowed_lights(lights)
+        } else {
+            scene.with_lights(lights)
+        };
         let shade = Shading {
             scene: &scene,
-            shader: shader(&args.light)?,
-            background: background(&args.light, &camera),
+            shader,
+            background: background(&args.light, &model, &camera),
         };
         let job = Job {
             scene: &scene,
             camera: &camera,
             shade: &shade,
-            kinds: &kinds,
-            samples: args.picture.samples.unwrap_or(1),
+            samples: args.picture.samples.or(model.samples).unwrap_or(1),
+            settings: settings(args.picture.png_scale, &orders),
         };
-        picture(&job, &targets, &args.run, interrupted)
+        picture(&job, &orders, &args.run, interrupted)
     })
+}
+
+/// What goes where: as the command line says, else as the file says, else a picture with the file's name.
+fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> {
+    let color = [DEFAULT_CHANNEL.to_owned()];
+    let channels = match &args.picture.channels[..] {
+        [] => &color[..],
+        channels => channels,
+    };
+    let outputs: Vec<(PathBuf, &[String])> = if !args.picture.output.is_empty() {
+        let paths = args.picture.output.iter().cloned();
+        paths.map(|path| (path, channels)).collect()
+    } else if of_file.is_empty() {
+        vec![(default_output(&args.file), channels)]
+    } else if args.picture.channels.is_empty() {
+        let own = of_file.iter();
+        own.map(|output| (output.path.clone(), &output.channels[..]))
+            .collect()
+    } else {
+        let paths = of_file.iter().map(|output| output.path.clone());
+        paths.map(|path| (path, channels)).collect()
+    };
+    output::orders(&outputs, &[&args.file], args.run.quiet)
+}
+
+/// What the file says of the camera to look through.
+fn base(model: &Model) -> Description {
+    let first = model.cameras.first().filter(|_| model.has_view);
+    first
+        .and_then(|camera| camera.description)
+        .unwrap_or_default()
 }
 
 /// The input's name with the extension of a picture, in the current folder.
@@ -75,14 +117,22 @@ pub(crate) struct Job<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) camera: &'a Camera,
     pub(crate) shade: &'a Shading<'a>,
-    pub(crate) kinds: &'a [&'static Kind],
     pub(crate) samples: u32,
+    pub(crate) settings: WriteSettings,
+}
+
+/// How files are written; says so where the scale does nothing.
+pub(super) fn settings(png_scale: Option<f64>, orders: &[Order]) -> WriteSettings {
+    if png_scale.is_some() && !orders.iter().any(output::takes_scale) {
+        warn(&["--png-scale does nothing without t, range or z in a .png"]);
+    }
+    WriteSettings { png_scale }
 }
 
 /// Makes a picture, writes it, and says so in one line.
 pub(crate) fn picture(
     job: &Job<'_>,
-    targets: &[Target],
+    orders: &[Order],
     args: &RunArgs,
     interrupted: &AtomicBool,
 ) -> Result<(), Failure> {
@@ -91,26 +141,26 @@ pub(crate) fn picture(
         scene,
         camera,
         shade,
-        kinds,
         samples,
+        settings,
     } = job;
     let pixels = camera.pixels() as u64;
-    let colors = if kinds.iter().any(|kind| kind.needs_shade()) {
-        u64::from(samples)
-    } else {
-        0
-    };
-    let progress = Progress::new(pixels * (1 + colors), args.quiet, interrupted);
+    let shaded = orders.iter().filter(|order| needs_shade(order)).count() as u64;
+    let work = pixels * (1 + shaded * u64::from(samples));
+    let progress = Progress::new(work, args.quiet, interrupted);
     let hits = shoot_all(scene, camera, &progress)?;
-    let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
+    let mut legends = Vec::new();
+    for Order { kinds, targets } in orders {
+        let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
+        legends.extend(output::write(&frame, targets, settings, interrupted)?);
+    }
     drop(progress);
-    let legends = output::write(&frame, targets, interrupted)?;
     warn(&crate::hints::hints(scene, camera, &hits));
     if !args.quiet {
         let hit = hits.t.iter().filter(|&&t| t < f64::INFINITY).count();
         say(format_args!(
             "{}: {} x {} pixels, {:.1} % hit, {}, {}, {:.2} s",
-            output::names(targets),
+            output::names(orders.iter().flat_map(|order| &order.targets)),
             camera.columns(),
             camera.rows(),
             100.0 * hit as f64 / pixels as f64,
@@ -125,7 +175,7 @@ pub(crate) fn picture(
 
 /// Says of options that would do nothing that they do: whoever gives them may expect something else, or
 /// may give the same options to all runs.
-fn idle_options(args: &RenderArgs, kinds: &[&'static Kind]) -> Vec<String> {
+fn idle_options(args: &RenderArgs, orders: &[Order], shader: &Shader) -> Vec<String> {
     let light = &args.light;
     let for_lambert = [
         ("--light", !light.light.is_empty()),
@@ -145,52 +195,65 @@ fn idle_options(args: &RenderArgs, kinds: &[&'static Kind]) -> Vec<String> {
             .map(|(name, _)| format!("{name} does nothing {why}"))
             .collect()
     };
-    if !kinds.iter().any(|kind| kind.needs_shade()) {
+    if !orders.iter().any(needs_shade) {
         return given(
             &[for_color.as_slice(), &for_lambert].concat(),
             WITHOUT_COLOR,
         );
     }
     let mut idle = Vec::new();
-    if let Some(shader) = light
-        .shader
-        .as_deref()
-        .filter(|&shader| shader != DEFAULT_SHADER)
-    {
-        idle = given(
-            &for_lambert,
-            &format!("with --shader {shader}, only with {DEFAULT_SHADER}"),
+    if shader.name() != DEFAULT_SHADER {
+        let why = format!(
+            "with --shader {}, only with {DEFAULT_SHADER}",
+            shader.name()
         );
+        idle = given(&for_lambert, &why);
     }
-    if light.shader.as_deref() == Some("normal") && light.color.is_some() {
+    if shader.name() == "normal" && light.color.is_some() {
         idle.push("--color does nothing with --shader normal, which shows directions".into());
     }
     idle
 }
 
-fn shader(args: &LightingArgs) -> Result<Shader, Failure> {
-    let mut shader = Shader::named(args.shader.as_deref().unwrap_or(DEFAULT_SHADER))?;
+fn needs_shade(order: &Order) -> bool {
+    order.kinds.iter().any(|kind| kind.needs_shade())
+}
+
+fn shader(args: &LightingArgs, of_file: Option<&Shader>) -> Result<Shader, Failure> {
+    let mut shader = match (args.shader.as_deref(), of_file) {
+        // The file's settings go with the file's shader.
+        (Some(name), Some(shader)) if shader.name() == name => shader.clone(),
+        (Some(name), _) => Shader::named(name)?,
+        (None, Some(shader)) => shader.clone(),
+        (None, None) => Shader::named(DEFAULT_SHADER)?,
+    };
     if let Shader::Lambert(lambert) = &mut shader {
         lambert.ambient = args.ambient.unwrap_or(lambert.ambient);
-        lambert.shadows = !args.no_shadows;
+        lambert.shadows &= !args.no_shadows;
     }
     Ok(shader)
 }
 
-fn background(args: &LightingArgs, camera: &Camera) -> Background {
-    match args.sky {
-        Some(sky) => Background::Gradient {
+fn background(args: &LightingArgs, model: &Model, camera: &Camera) -> Background {
+    match (args.sky, args.background) {
+        (Some(sky), _) => Background::Gradient {
             horizon: sky.horizon,
             zenith: sky.zenith,
             up: camera.view().up,
         },
-        None => Background::Uniform(args.background.unwrap_or(Color::new(0.85, 0.87, 0.9))),
+        (None, Some(color)) => Background::Uniform(color),
+        (None, None) => model
+            .background
+            .unwrap_or(Background::Uniform(Color::new(0.85, 0.87, 0.9))),
     }
 }
 
-fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Vec<Light> {
-    if args.light.is_empty() {
+fn lights(args: &LightingArgs, model: &Model, scene: &Scene, camera: &Camera) -> Vec<Light> {
+    if args.light.is_empty() && model.lights.is_empty() {
         return vec![shoulder_light(camera)];
+    }
+    if args.light.is_empty() {
+        return model.lights.clone();
     }
     let centre = if scene.bounds().is_empty() {
         camera.position()

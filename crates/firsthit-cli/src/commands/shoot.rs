@@ -4,7 +4,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::channel::{Kind, Shots};
-use firsthit::image::Frame;
+use firsthit::image::{Frame, WriteSettings};
+use firsthit::render::origin;
 use firsthit::shoot::{Hits, shoot_all};
 use firsthit::{Background, Rays as _, Scene, Shader, Shading};
 
@@ -48,7 +49,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         let frame = frame(&scene, &rays, &hits, &kinds, &progress)?;
         drop(progress);
         // Files first: a reader of standard output who has had enough ends the program.
-        output::write(&frame, &sinks.files, interrupted)?;
+        output::write(&frame, &sinks.files, WriteSettings::default(), interrupted)?;
         if let Some(format) = sinks.stdout {
             stream(&frame, format)?;
         }
@@ -91,7 +92,7 @@ fn frame(
         shader: Shader::default(),
         background: Background::default(),
     };
-    let mut frame = Frame::new([rays.len()]);
+    let mut frame = Frame::new([rays.len()]).from_origin(origin(scene, None, None));
     for kind in kinds {
         frame.push(kind.make(&shots, &shade, watch)?)?;
     }

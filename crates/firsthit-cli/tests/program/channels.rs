@@ -116,8 +116,8 @@ fn row_0_is_the_top() {
 fn a_placeholder_makes_a_file_of_each_channel() {
     let lab = Lab::with_square();
     lab.ok("render square.ply --size 32x24 --channels z,object,normal -o s-{channel}.png -o {channel}.npy -o all.npz");
-    let expected =
-        "all.npz,normal.npy,object.npy,s-normal.png,s-object.png,s-z.png,square.ply,z.npy";
+    let expected = "all.npz,normal.npy,normal.npy.json,object.npy,object.npy.json,\
+        s-normal.png,s-object.png,s-z.png,square.ply,z.npy,z.npy.json";
     assert_eq!(lab.names().join(","), expected);
     assert_eq!(lab.png("s-object.png").1, 24);
     let all = lab.npz("all.npz");
@@ -190,10 +190,10 @@ fn every_number_of_threads_writes_the_same_bytes() {
     let mut files = Vec::new();
     for threads in [1, 2, 7] {
         lab.ok(&format!(
-            "demo --size 48x30 --samples 3 --threads {threads} -o a.png -o a.npz \
+            "demo --size 48x30 --samples 3 --threads {threads} -o a.png -o a.npz -o a.exr \
              --channels color,t,object,primitive,normal,position,barycentric"
         ));
-        files.push((lab.read("a.png"), lab.read("a.npz")));
+        files.push(["a.png", "a.npz", "a.exr"].map(|name| lab.read(name)));
     }
     assert_eq!(files[0], files[1]);
     assert_eq!(files[0], files[2]);

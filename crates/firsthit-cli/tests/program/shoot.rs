@@ -137,7 +137,15 @@ fn several_files_and_standard_output_get_the_same() {
     assert_eq!(array(&lab.read("t.npy")), lab.npz("all.npz")["t"]);
     assert_eq!(
         lab.names(),
-        ["all.npz", "hits.csv", "object.npy", "square.ply", "t.npy"]
+        [
+            "all.npz",
+            "hits.csv",
+            "object.npy",
+            "object.npy.json",
+            "square.ply",
+            "t.npy",
+            "t.npy.json"
+        ]
     );
 }
 

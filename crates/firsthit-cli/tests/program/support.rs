@@ -195,12 +195,14 @@ fn widened<T: Into<f64>>(values: Vec<T>) -> Vec<f64> {
 pub(crate) fn arrays(npz: Vec<u8>) -> Arrays {
     let mut archive = zip::ZipArchive::new(Cursor::new(npz)).unwrap();
     (0..archive.len())
-        .map(|k| {
+        .filter_map(|k| {
             let mut entry = archive.by_index(k).unwrap();
             let name = entry.name().unwrap().into_owned();
+            let name = name.trim_end_matches(".npy").to_owned();
             let mut bytes = Vec::new();
             entry.read_to_end(&mut bytes).unwrap();
-            (name.trim_end_matches(".npy").to_owned(), array(&bytes))
+            // A text, not numbers.
+            (name != "metadata").then(|| (name, array(&bytes)))
         })
         .collect()
 }

@@ -1,10 +1,14 @@
 //! Pixel to ray. A file per camera model, and one for the cameras that are made from a target.
 
 mod aim_at;
+mod description;
+mod matrices;
 mod orthographic;
 mod perspective;
 
 use std::str::FromStr;
+
+pub use description::{Aim, Description, Lens};
 
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, unit};
@@ -72,6 +76,16 @@ pub enum RayStart {
     Viewplane,
     /// At the camera's position; for parallel rays, on the plane through it.
     Eye,
+}
+
+impl RayStart {
+    /// Its name, as in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viewplane => "viewplane",
+            Self::Eye => "eye",
+        }
+    }
 }
 
 /// What turns a ray's `t` into the other two distances: `range = t + offset`, `z = range * cosine`.

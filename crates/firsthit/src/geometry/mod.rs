@@ -2,6 +2,7 @@
 
 mod bounds;
 mod color;
+mod digest;
 mod double;
 mod grid;
 mod hit;
@@ -10,6 +11,7 @@ mod transform;
 
 pub use bounds::Bounds;
 pub use color::{Color, srgb_decode, srgb_encode};
+pub use digest::Digest;
 pub use double::plane_crossing;
 pub use grid::PixelGrid;
 pub use hit::Hit;

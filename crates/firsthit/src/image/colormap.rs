@@ -239,6 +239,7 @@ mod tests {
             components,
             data,
             picture,
+            description: crate::image::Description::default(),
         };
         let values: Vec<f64> = (0..channel.data.len())
             .map(|index| channel.data.value(index))

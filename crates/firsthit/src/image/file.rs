@@ -1,10 +1,13 @@
 use std::fs::{self, File, OpenOptions};
+#[cfg(target_os = "linux")]
+use std::io::Seek;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
+use crate::watch::Watch;
 
 /// The writer's buffer, in bytes: few system calls, and small beside any picture.
 const BUFFER: usize = 1 << 18;
@@ -19,20 +22,90 @@ const MOST_LINKS: usize = 40;
 /// the disk and renamed. The new file gets the permission bits of the one that it replaces, else those
 /// that the umask gives; owner, further attributes and hard links of the old file are not kept.
 /// A symbolic link stays, its target is replaced. Devices, FIFOs and open files such as `/dev/null`
-/// and `/dev/stdout` are written straight into, without this promise. A process that is killed may leave
-/// the temporary file behind.
+/// and `/dev/stdout` are written straight into, without this promise.
+///
+/// On Linux the temporary file has no name until it is complete, where the file system can do that: of a
+/// process that is killed nothing stays behind, except between naming and renaming. Elsewhere it has its name
+/// from the start, and a kill leaves it behind.
 ///
 /// # Errors
 ///
 /// [`Error::Write`] with `path` if the system, or `content`, refuses; or if `path` is a folder or a
-/// read-only file. The temporary file is then gone and the old file as it was.
+/// read-only file; [`Error::Interrupted`] when `watch` stops it. The temporary file is then gone and the old
+/// file as it was.
 pub fn write_whole(
     path: &Path,
+    watch: &dyn Watch,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<()> {
-    write_target(path, content).map_err(|source| Error::Write {
-        path: path.to_owned(),
-        source,
+    let written = match target(path) {
+        Ok(Target::File(path, permissions)) => {
+            prepare(path, permissions, watch, content).and_then(Prepared::commit)
+        }
+        Ok(Target::Stream(path)) => append(&path, watch, content),
+        Err(error) => Err(error),
+    };
+    reported(path, watch, written)
+}
+
+/// [`write_whole`] with a second file beside, called `path` with `.json` after it. Whatever happens in
+/// between, no old `sidecar` stays beside the new content: for an instant there is none.
+pub(super) fn write_with_sidecar(
+    path: &Path,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    sidecar: &[u8],
+) -> Result<()> {
+    let beside = sidecar_of(path);
+    let refuse_sidecar = |error| reported(&beside, watch, Err(error));
+    let (target, permissions) = match target(path) {
+        Ok(Target::File(target, permissions)) => (target, permissions),
+        // Nobody looks beside a pipe.
+        Ok(Target::Stream(path)) => return reported(&path, watch, append(&path, watch, content)),
+        Err(error) => return reported(path, watch, Err(error)),
+    };
+    // Both are on the disk before either is touched: a disk that is full leaves the old ones.
+    let prepared = match prepare(target, permissions, watch, content) {
+        Ok(prepared) => prepared,
+        Err(error) => return reported(path, watch, Err(error)),
+    };
+    let second = match self::target(&beside) {
+        Ok(Target::File(target, permissions)) => {
+            prepare(target, permissions, watch, |out| out.write_all(sidecar))
+        }
+        Ok(Target::Stream(_)) => Err(io::Error::other("is not a regular file")),
+        Err(error) => Err(error),
+    };
+    let second = match second {
+        Ok(second) => second,
+        Err(error) => return refuse_sidecar(error),
+    };
+    if second.replaces
+        && let Err(error) = fs::remove_file(&second.path)
+    {
+        return refuse_sidecar(error);
+    }
+    reported(path, watch, prepared.commit())?;
+    second.commit().or_else(refuse_sidecar)
+}
+
+/// Where the metadata of an array is: `x.npy.json` beside `x.npy`.
+pub fn sidecar_of(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".json");
+    PathBuf::from(name)
+}
+
+/// The error as callers get it.
+fn reported(path: &Path, watch: &dyn Watch, written: io::Result<()>) -> Result<()> {
+    written.map_err(|source| {
+        if watch.is_stopped() {
+            return Error::Interrupted;
+        }
+        Error::Write {
+            path: path.to_owned(),
+            source,
+        }
     })
 }
 
@@ -42,17 +115,6 @@ enum Target {
     File(PathBuf, Option<fs::Permissions>),
     /// Something that a rename would destroy: a device, a FIFO, a file that a process has open.
     Stream(PathBuf),
-}
-
-fn write_target(
-    path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    match target(path)? {
-        Target::File(path, permissions) => replace(&path, permissions, content),
-        // Appending, so that what a redirected standard output already holds stays.
-        Target::Stream(path) => buffered(&OpenOptions::new().append(true).open(path)?, content),
-    }
 }
 
 fn target(path: &Path) -> io::Result<Target> {
@@ -106,42 +168,157 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-fn replace(
-    path: &Path,
-    permissions: Option<fs::Permissions>,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    // Dropping `temporary` removes it: every error below leaves nothing behind.
-    let temporary = temporary_beside(path)?;
-    buffered(temporary.as_file(), content)?;
-    if let Some(permissions) = permissions {
-        temporary.as_file().set_permissions(permissions)?;
-    }
-    temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|refused| refused.error)?;
-    // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
-    // and not every system can do it.
-    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
-    Ok(())
+/// A new file on the disk, under another name until it is committed. Dropping it removes it.
+struct Prepared {
+    temporary: Temporary,
+    path: PathBuf,
+    /// Whether there is an old file.
+    replaces: bool,
 }
 
-fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+fn prepare(
+    path: PathBuf,
+    permissions: Option<fs::Permissions>,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<Prepared> {
+    // Dropping `temporary` removes it: every error below leaves nothing behind.
+    let temporary = Temporary::beside(&path)?;
+    buffered(temporary.file(), watch, content)?;
+    let replaces = permissions.is_some();
+    if let Some(permissions) = permissions {
+        temporary.file().set_permissions(permissions)?;
+    }
+    temporary.file().sync_all()?;
+    Ok(Prepared {
+        temporary,
+        path,
+        replaces,
+    })
+}
+
+impl Prepared {
+    fn commit(self) -> io::Result<()> {
+        self.temporary.become_file(&self.path)?;
+        // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
+        // and not every system can do it.
+        let _ = File::open(folder_of(&self.path)).and_then(|folder| folder.sync_all());
+        Ok(())
+    }
+}
+
+/// Appending, so that what a redirected standard output already holds stays.
+fn append(
+    path: &Path,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let file = OpenOptions::new().append(true).open(path)?;
+    buffered(&file, watch, content)
+}
+
+/// A file that nobody sees under the name of the one it is to become.
+enum Temporary {
+    /// It has no name at all, and vanishes with the process.
+    #[cfg(target_os = "linux")]
+    Nameless(File),
+    Named(NamedTempFile),
+}
+
+impl Temporary {
+    fn beside(path: &Path) -> io::Result<Self> {
+        #[cfg(target_os = "linux")]
+        if let Some(file) = nameless_in(folder_of(path)) {
+            return Ok(Self::Nameless(file));
+        }
+        beside(path, create).map(Self::Named)
+    }
+
+    fn file(&self) -> &File {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::Nameless(file) => file,
+            Self::Named(named) => named.as_file(),
+        }
+    }
+
+    /// Takes the place of the file at `path`, from one instant to the next.
+    fn become_file(self, path: &Path) -> io::Result<()> {
+        let named = match self {
+            // Only a name can replace a name: there is no other way than by a second one.
+            #[cfg(target_os = "linux")]
+            Self::Nameless(file) => match beside(path, |name| give_name(&file, name)) {
+                Ok(named) => named.into_temp_path(),
+                Err(_) => copied(file, path)?.into_temp_path(),
+            },
+            Self::Named(named) => named.into_temp_path(),
+        };
+        named.persist(path).map_err(|refused| refused.error)
+    }
+}
+
+/// A file without a name; `None` where the file system has none, or the folder takes no files at all.
+#[cfg(target_os = "linux")]
+fn nameless_in(folder: &Path) -> Option<File> {
+    use rustix::fs::{Mode, OFlags, open};
+    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+    // As every other new file: the umask takes its bits away.
+    let file: File = open(folder, flags, Mode::from_raw_mode(0o666)).ok()?.into();
+    // Without /proc it could not be given a name later.
+    fs::metadata(path_of_open(&file)).ok().map(|_| file)
+}
+
+/// For systems that have files without names and refuse to give them one.
+#[cfg(target_os = "linux")]
+fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile<File>> {
+    let named = beside(path, create)?;
+    file.seek(io::SeekFrom::Start(0))?;
+    io::copy(&mut file, &mut named.as_file())?;
+    named
+        .as_file()
+        .set_permissions(file.metadata()?.permissions())?;
+    named.as_file().sync_all()?;
+    Ok(named)
+}
+
+#[cfg(target_os = "linux")]
+fn path_of_open(file: &File) -> String {
+    use std::os::fd::AsRawFd;
+    format!("/proc/self/fd/{}", file.as_raw_fd())
+}
+
+#[cfg(target_os = "linux")]
+fn give_name(file: &File, name: &Path) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    Ok(linkat(
+        CWD,
+        path_of_open(file),
+        CWD,
+        name,
+        AtFlags::SYMLINK_FOLLOW,
+    )?)
+}
+
+/// What `make` makes under a name that is free, `.NAME.XXXXXX.tmp` beside `path`.
+fn beside<R>(
+    path: &Path,
+    make: impl FnMut(&Path) -> io::Result<R>,
+) -> io::Result<NamedTempFile<R>> {
     let name = path.file_name().ok_or_else(is_folder)?.to_string_lossy();
     // Cut short: names have at most 255 bytes, and 50 characters have at most 200.
     let prefix = format!(".{}.", name.chars().take(50).collect::<String>());
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As every other new file: the umask takes its bits away. The crate's own default is 0o600.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
     // A folder that is missing says so in the system's words; `tempfile` keeps only the kind of the error.
     fs::metadata(folder_of(path))?;
-    builder
-        .tempfile_in(folder_of(path))
+    tempfile::Builder::new()
+        .prefix(&prefix)
+        .suffix(".tmp")
+        .make_in(folder_of(path), make)
         .map_err(|error| without_name(&error))
+}
+
+/// A new file, its permissions those that the umask gives: `tempfile` would make it private.
+fn create(name: &Path) -> io::Result<File> {
+    OpenOptions::new().write(true).create_new(true).open(name)
 }
 
 /// The system's reason alone: `tempfile` adds the temporary's name, which nobody asked for.
@@ -151,10 +328,34 @@ fn without_name(error: &io::Error) -> io::Error {
     code.map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
 }
 
-fn buffered(file: &File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut writer = BufWriter::with_capacity(BUFFER, file);
+fn buffered(
+    file: &File,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(BUFFER, Stoppable { file, watch });
     content(&mut writer)?;
     writer.flush()
+}
+
+/// A file that takes no more when the watch says stop: the temporary file then goes away in an orderly manner.
+struct Stoppable<'a> {
+    file: &'a File,
+    watch: &'a dyn Watch,
+}
+
+impl Write for Stoppable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.watch.is_stopped() {
+            // Not `ErrorKind::Interrupted`, which means: try again.
+            return Err(io::Error::other("interrupted"));
+        }
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 #[cfg(test)]
@@ -171,7 +372,7 @@ mod tests {
     }
 
     fn write_text(path: &Path, text: &str) -> Result<()> {
-        write_whole(path, |out| out.write_all(text.as_bytes()))
+        write_whole(path, &(), |out| out.write_all(text.as_bytes()))
     }
 
     #[test]
@@ -189,7 +390,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         write_text(&path, "old").unwrap();
-        let result = write_whole(&path, |out| {
+        let result = write_whole(&path, &(), |out| {
             out.write_all(&vec![1; 2 * BUFFER])?;
             Err(io::Error::other("out of ink"))
         });

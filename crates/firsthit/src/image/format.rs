@@ -1,8 +1,12 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::{Channel, Frame, npy, npz, png, write_whole};
+use super::file::{write_whole, write_with_sidecar};
+use super::metadata::{Metadata, Stored};
+use super::read::Output;
+use super::{Channel, Frame, exr, npy, npz, png};
 use crate::error::{Error, Result, escaped};
+use crate::watch::Watch;
 
 /// The file formats. This list is the only place that knows all of them.
 pub const FORMATS: &[Format] = &[
@@ -10,25 +14,51 @@ pub const FORMATS: &[Format] = &[
         name: "png",
         extensions: &["png"],
         holds: Holds::OneChannel,
-        summary: "a picture to look at: one channel, 8 bits, sRGB",
+        only_pictures: true,
+        has_sidecar: false,
+        summary: "a picture to look at: one channel, 8 bits, sRGB; distances in steps of 16 bits",
         check: png::check,
+        stored: png::stored,
         encode: png::encode,
+        decode: super::read::png::decode,
+    },
+    Format {
+        name: "exr",
+        extensions: &["exr"],
+        holds: Holds::AllChannels,
+        only_pictures: true,
+        has_sidecar: false,
+        summary: "OpenEXR: all channels of a picture, float32 and uint32, ZIP compression",
+        check: exr::check,
+        stored: |channel, _| exr::stored(channel),
+        encode: exr::encode,
+        decode: super::read::exr::decode,
     },
     Format {
         name: "npy",
         extensions: &["npy"],
         holds: Holds::OneChannel,
+        only_pictures: false,
+        has_sidecar: true,
         summary: "a NumPy array: one channel, exact values",
-        check: npy::check,
-        encode: |shape, channels, out| channels.iter().try_for_each(|c| npy::encode(shape, c, out)),
+        check: |_| Ok(()),
+        stored: |channel, _| Stored::exact(channel, vec!["the array".to_owned()]),
+        encode: |content, out| {
+            (content.channels.iter()).try_for_each(|c| npy::encode(content.shape, c, out))
+        },
+        decode: super::read::npy::decode,
     },
     Format {
         name: "npz",
         extensions: &["npz"],
         holds: Holds::AllChannels,
+        only_pictures: false,
+        has_sidecar: false,
         summary: "NumPy arrays: all channels, exact values, uncompressed",
-        check: npy::check,
+        check: |_| Ok(()),
+        stored: |channel, _| Stored::exact(channel, vec![channel.name.to_owned()]),
         encode: npz::encode,
+        decode: super::read::npz::decode,
     },
 ];
 
@@ -41,12 +71,20 @@ pub struct Format {
     pub extensions: &'static [&'static str],
     /// How much of a frame a file of it takes.
     pub holds: Holds,
+    /// Whether it takes `[rows, columns]` alone, not a batch of rays.
+    pub only_pictures: bool,
+    /// Whether the metadata is in a file of its own beside, `NAME.json`, because there is no room within.
+    pub has_sidecar: bool,
     /// What it is for, as a phrase for lists.
     pub summary: &'static str,
-    /// Whether this shape and these channels can be stored.
-    check: fn(&[usize], &[&Channel]) -> Result<()>,
+    /// Whether this content can be stored.
+    check: fn(&Content<'_>) -> Result<()>,
+    /// How it stores a channel.
+    stored: fn(&Channel, &WriteSettings) -> Stored,
     /// Writes what was checked.
-    encode: fn(&[usize], &[&Channel], &mut dyn Write) -> io::Result<()>,
+    encode: fn(&Content<'_>, &mut dyn Write) -> io::Result<()>,
+    /// Reads a file of any origin, all of it at once.
+    pub(super) decode: fn(&[u8]) -> std::result::Result<Output, String>,
 }
 
 /// How much of a [`Frame`] one file takes.
@@ -58,13 +96,31 @@ pub enum Holds {
     AllChannels,
 }
 
+/// What a format leaves open.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WriteSettings {
+    /// What one step of a 16 bit PNG is, in scene units: distances are then stored in such steps, 0 being
+    /// a miss. `None`: as pictures to look at.
+    pub png_scale: Option<f64>,
+}
+
+/// What goes into a file.
+pub(super) struct Content<'a> {
+    pub(super) shape: &'a [usize],
+    pub(super) channels: Vec<&'a Channel>,
+    pub(super) settings: WriteSettings,
+    pub(super) metadata: Metadata,
+    /// For what takes long before the first byte is written.
+    pub(super) watch: &'a dyn Watch,
+}
+
 /// Writes all of `frame` to a file, whole or not at all, in the format that `path`'s extension names.
 ///
 /// # Errors
 ///
 /// Those of [`format_of`] and [`Format::write`].
 pub fn write(frame: &Frame, path: &Path) -> Result<()> {
-    format_of(path)?.write(frame, None, path)
+    format_of(path)?.write(frame, None, WriteSettings::default(), path, &())
 }
 
 /// Writes the channel `name` of `frame` to a file, otherwise as [`write()`].
@@ -73,7 +129,7 @@ pub fn write(frame: &Frame, path: &Path) -> Result<()> {
 ///
 /// Those of [`format_of`] and [`Format::write`].
 pub fn write_channel(frame: &Frame, name: &str, path: &Path) -> Result<()> {
-    format_of(path)?.write(frame, Some(name), path)
+    format_of(path)?.write(frame, Some(name), WriteSettings::default(), path, &())
 }
 
 /// The format that `path`'s extension names, in any case. To be asked before hours of rendering.
@@ -110,16 +166,30 @@ pub fn format_named(name: &str) -> Result<&'static Format> {
 }
 
 impl Format {
-    /// Writes `frame`, or only the channel called `channel`, to a file, see [`write_whole`].
+    /// Writes `frame`, or only the channel called `channel`, to a file, see [`write_whole`]. A format that
+    /// [`has_sidecar`](Self::has_sidecar) also writes `NAME.json`, unless `path` is a device or a pipe.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] if the frame has no such channel, has several where this format
-    /// [holds](Self::holds) one, or has a shape that this format cannot store; then nothing was opened.
-    /// [`Error::Write`] if the system refuses.
-    pub fn write(&self, frame: &Frame, channel: Option<&str>, path: &Path) -> Result<()> {
-        let channels = self.select(frame, channel)?;
-        write_whole(path, |out| (self.encode)(&frame.shape, &channels, out))
+    /// [holds](Self::holds) one, or has a shape or values that this format cannot store; then nothing was
+    /// opened. [`Error::Write`] if the system refuses, [`Error::Interrupted`] when `watch` stops it.
+    pub fn write(
+        &self,
+        frame: &Frame,
+        channel: Option<&str>,
+        settings: WriteSettings,
+        path: &Path,
+        watch: &dyn Watch,
+    ) -> Result<()> {
+        let content = self.content(frame, channel, settings, watch)?;
+        let data = |out: &mut dyn Write| (self.encode)(&content, out);
+        if self.has_sidecar {
+            let text = content.metadata.to_json() + "\n";
+            write_with_sidecar(path, watch, data, text.as_bytes())
+        } else {
+            write_whole(path, watch, data)
+        }
     }
 
     /// Writes the same bytes as [`write`](Self::write) to any writer, which need not be buffered.
@@ -132,12 +202,13 @@ impl Format {
         &self,
         frame: &Frame,
         channel: Option<&str>,
+        settings: WriteSettings,
         out: &mut dyn Write,
         target: &Path,
     ) -> Result<()> {
-        let channels = self.select(frame, channel)?;
+        let content = self.content(frame, channel, settings, &())?;
         let mut out = io::BufWriter::new(out);
-        (self.encode)(&frame.shape, &channels, &mut out)
+        (self.encode)(&content, &mut out)
             .and_then(|()| out.flush())
             .map_err(|source| Error::Write {
                 path: target.to_owned(),
@@ -145,7 +216,42 @@ impl Format {
             })
     }
 
-    /// The channels that go into the file, checked.
+    /// Refuses what [`write`](Self::write) would refuse before it opens anything: to be asked where several
+    /// files are to be written, or none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`], as [`write`](Self::write).
+    pub fn check(
+        &self,
+        frame: &Frame,
+        channel: Option<&str>,
+        settings: WriteSettings,
+    ) -> Result<()> {
+        self.content(frame, channel, settings, &()).map(drop)
+    }
+
+    /// What goes into the file, checked.
+    fn content<'a>(
+        &self,
+        frame: &'a Frame,
+        channel: Option<&str>,
+        settings: WriteSettings,
+        watch: &'a dyn Watch,
+    ) -> Result<Content<'a>> {
+        let channels = self.select(frame, channel)?;
+        let stored = |channel: &Channel| Some((self.stored)(channel, &settings));
+        let content = Content {
+            shape: &frame.shape,
+            metadata: Metadata::of(frame, &channels, stored),
+            channels,
+            settings,
+            watch,
+        };
+        (self.check)(&content)?;
+        Ok(content)
+    }
+
     fn select<'a>(&self, frame: &'a Frame, channel: Option<&str>) -> Result<Vec<&'a Channel>> {
         let all: Vec<&Channel> = frame.channels.iter().collect();
         let channels = match channel {
@@ -158,10 +264,28 @@ impl Format {
         if self.holds == Holds::OneChannel && channels.len() != 1 {
             let names: Vec<&str> = channels.iter().map(|channel| channel.name).collect();
             let got = format!("{} for {}: [{}]", names.len(), self.name, names.join(", "));
-            let expected = "the single one that this format holds; name it, or choose npz";
+            let expected = "the single one that this format holds; name it, or choose exr or npz";
             return Err(Error::argument("channel", expected, got));
         }
-        (self.check)(&frame.shape, &channels)?;
         Ok(channels)
+    }
+}
+
+/// `[rows, columns]` of a picture, each from 1 to what the format can say.
+pub(super) fn picture_sides(shape: &[usize], expected: &'static str) -> Result<(usize, usize)> {
+    const LONGEST: usize = (1 << 31) - 1;
+    match *shape {
+        [rows, columns] if (1..=LONGEST).contains(&rows) && (1..=LONGEST).contains(&columns) => {
+            Ok((rows, columns))
+        }
+        _ => Err(Error::argument("shape", expected, format!("{shape:?}"))),
+    }
+}
+
+/// The row and the column of an element that a message is about.
+pub(super) fn pixel(index: usize, shape: &[usize]) -> String {
+    match shape {
+        [_, columns] => format!("row {}, column {}", index / columns, index % columns),
+        _ => format!("element {index}"),
     }
 }

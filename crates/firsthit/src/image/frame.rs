@@ -1,3 +1,4 @@
+use super::{Metadata, Origin};
 use crate::error::{Error, Result};
 
 /// What a picture or a batch of rays gave: named channels over the same elements.
@@ -7,6 +8,7 @@ use crate::error::{Error, Result};
 pub struct Frame {
     pub(super) shape: Vec<usize>,
     pub(super) channels: Vec<Channel>,
+    pub(super) origin: Origin,
 }
 
 /// One named output: the same number of values for every element of its [`Frame`].
@@ -20,6 +22,34 @@ pub struct Channel {
     pub data: Data,
     /// How it becomes something to look at.
     pub picture: Picture,
+    /// What it is, for those who see nothing but the file.
+    pub description: Description,
+}
+
+/// What a [`Channel`]'s values are, in words for its metadata.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Description {
+    /// One line: what it is, and its value for a miss.
+    pub about: &'static str,
+    /// What its numbers count.
+    pub unit: Unit,
+    /// What its numbers are relative to: `world`, `camera`, `ray`, `triangle` or `texture`.
+    pub frame: Option<&'static str>,
+}
+
+/// What a channel's numbers count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Unit {
+    /// Nothing: identifiers, fractions, vectors of length one.
+    #[default]
+    None,
+    /// Linear light with Rec. 709 primaries, 1 being a white surface in full light.
+    LinearColor,
+    /// The scene's own unit of length.
+    SceneLength,
+    /// Lengths of the ray's direction: for a camera's rays, which have length one, the scene's unit.
+    DirectionLength,
 }
 
 /// The values of a [`Channel`], as they are stored in files.
@@ -61,7 +91,24 @@ impl Frame {
         Self {
             shape: shape.into(),
             channels: Vec::new(),
+            origin: Origin::default(),
         }
+    }
+
+    /// The same frame, knowing where it comes from.
+    pub fn from_origin(self, origin: Origin) -> Self {
+        Self { origin, ..self }
+    }
+
+    /// Where it comes from.
+    pub fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
+    /// What there is to be said about it and its channels.
+    pub fn metadata(&self) -> Metadata {
+        let all: Vec<&Channel> = self.channels.iter().collect();
+        Metadata::of(self, &all, |_| None)
     }
 
     /// Adds `channel` after the others.
@@ -161,7 +208,30 @@ impl Data {
     }
 }
 
+impl Unit {
+    /// Its name in metadata, for rays of a camera or for others.
+    pub fn name(self, has_camera: bool) -> Option<&'static str> {
+        match self {
+            Self::None => None,
+            Self::LinearColor => Some("linear Rec. 709"),
+            Self::DirectionLength if !has_camera => Some("length of the ray's direction"),
+            Self::SceneLength | Self::DirectionLength => Some("scene length"),
+        }
+    }
+}
+
 impl Picture {
+    /// What a ray has that met nothing, as metadata say it.
+    pub fn miss(self) -> &'static str {
+        match self {
+            Self::Color => "background",
+            Self::Distance => "inf",
+            Self::Identifier => "-1",
+            Self::Direction | Self::Position | Self::Fraction => "nan",
+            Self::Mask => "false",
+        }
+    }
+
     /// Whether `channel`'s type and number of components make this kind of picture.
     fn fits(self, channel: &Channel) -> bool {
         let floats = matches!(channel.data, Data::Float64(_) | Data::Float32(_));
@@ -185,6 +255,7 @@ mod tests {
             components,
             data,
             picture,
+            description: Description::default(),
         }
     }
 

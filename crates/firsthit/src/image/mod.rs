@@ -1,21 +1,35 @@
 //! The stored result: named channels over the elements of a picture or a batch, and their file formats.
 //!
 //! A [`Frame`] holds what came out. [`write()`] stores it, in the [`Format`] that the path's extension
-//! names; [`FORMATS`] lists them. A file appears whole or not at all, see [`write_whole`].
+//! names; [`FORMATS`] lists them. A file appears whole or not at all, see [`write_whole`]. [`Metadata`] is
+//! what every file says about itself, and [`read`] reads any of them back.
 //!
 //! Colours are linear in a frame and in NPY and NPZ; only PNG applies the sRGB curve. Nothing is ever
 //! filtered, tone-mapped or resized here, and the same frame gives the same bytes on every machine.
 
 mod colormap;
+mod compare;
+mod exr;
 mod file;
 mod format;
 mod frame;
+mod metadata;
 mod npy;
 mod npz;
 mod png;
+mod read;
 mod srgb;
+mod steps;
 
 pub use colormap::legend;
-pub use file::write_whole;
-pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};
-pub use frame::{Channel, Data, Frame, Picture};
+pub use compare::{Difference, compare};
+pub use file::{sidecar_of, write_whole};
+pub use format::{
+    FORMATS, Format, Holds, WriteSettings, format_named, format_of, write, write_channel,
+};
+pub use frame::{Channel, Data, Description, Frame, Picture, Unit};
+pub use metadata::{
+    CameraRecord, ChannelRecord, Encoding, Intrinsics, METADATA_VERSION, Metadata, Origin, Pixels,
+    Pose, Stored,
+};
+pub use read::{Array, Numbers, Output, read};

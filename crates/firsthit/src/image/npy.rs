@@ -3,19 +3,9 @@ use std::io::{self, Write};
 use npyz::{DType, TypeStr, WriteOptions, WriterBuilder};
 
 use super::{Channel, Data};
-use crate::error::Result;
 
 /// How many values are turned into bytes at a time: the buffer of 64 KiB stays in the cache.
 const CHUNK: usize = 8192;
-
-/// An array can have any shape, and the other limits are the file system's.
-#[expect(
-    clippy::unnecessary_wraps,
-    reason = "the signature of every format's check"
-)]
-pub(super) fn check(_shape: &[usize], _channels: &[&Channel]) -> Result<()> {
-    Ok(())
-}
 
 /// Writes one channel as an NPY array of `shape`, followed by the components if there are several.
 pub(super) fn encode(shape: &[usize], channel: &Channel, out: &mut dyn Write) -> io::Result<()> {
@@ -34,6 +24,19 @@ pub(super) fn encode(shape: &[usize], channel: &Channel, out: &mut dyn Write) ->
         Data::Int32(values) => write_values(values, i32::to_le_bytes, out),
         Data::Bool(values) => write_values(values, |value| [u8::from(value)], out),
     }
+}
+
+/// Writes a text as NumPy does: an array without dimensions, of UTF-32.
+pub(super) fn encode_text(text: &str, out: &mut dyn Write) -> io::Result<()> {
+    let characters: Vec<u32> = text.chars().map(u32::from).collect();
+    let kind: TypeStr = (format!("<U{}", characters.len()).parse())
+        .expect("a number of characters is NumPy's name of a text's type");
+    WriteOptions::new_header_only()
+        .dtype(DType::Plain(kind))
+        .shape(&[])
+        .writer(&mut *out)
+        .write_header_only()?;
+    write_values(&characters, u32::to_le_bytes, out)
 }
 
 /// Little-endian on every machine.

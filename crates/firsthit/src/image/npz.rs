@@ -3,29 +3,32 @@ use std::io::{self, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{Channel, npy};
+use super::format::Content;
+use super::npy;
 
 /// From here on an entry needs ZIP64, with some room for its header.
 const LARGE: u64 = u32::MAX as u64 - 65_536;
 
-/// Writes all channels as an NPZ archive: an entry `NAME.npy` for each, uncompressed, in their order.
+/// The entry that holds the metadata: a text, in an array without dimensions.
+pub(super) const METADATA: &str = "metadata";
+
+/// Writes all channels as an NPZ archive: an entry `NAME.npy` for each, uncompressed, in their order, and
+/// then the metadata.
 ///
 /// As a stream, so that a pipe will do. All dates are 1 January 1980, the earliest that ZIP can say:
 /// today's would change the bytes every day.
-pub(super) fn encode(
-    shape: &[usize],
-    channels: &[&Channel],
-    out: &mut dyn Write,
-) -> io::Result<()> {
+pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<()> {
     let mut archive = ZipWriter::new_stream(out);
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
-    for channel in channels {
+    for channel in &content.channels {
         let large = channel.data.len() as u64 * 8 > LARGE;
         archive.start_file(format!("{}.npy", channel.name), options.large_file(large))?;
-        npy::encode(shape, channel, &mut archive)?;
+        npy::encode(content.shape, channel, &mut archive)?;
     }
+    archive.start_file(format!("{METADATA}.npy"), options)?;
+    npy::encode_text(&content.metadata.to_json(), &mut archive)?;
     archive.finish()?.into_inner().flush()
 }

@@ -2,65 +2,112 @@ use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
-use super::Channel;
 use super::colormap::ColorMap;
-use crate::error::{Error, Result};
-
-/// The longest side that a PNG can have.
-const LONGEST: usize = (1 << 31) - 1;
+use super::format::{Content, WriteSettings, picture_sides};
+use super::metadata::{Encoding, KEY, Stored};
+use super::{Channel, Picture, legend, steps};
+use crate::error::Result;
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
 const CHUNK: usize = 1 << 16;
 
-/// Refuses what is no picture.
-pub(super) fn check(shape: &[usize], _channels: &[&Channel]) -> Result<()> {
-    match shape {
-        [rows, columns] if (1..=LONGEST).contains(rows) && (1..=LONGEST).contains(columns) => {
-            Ok(())
-        }
-        _ => {
-            let expected = "[rows, columns], each from 1 to 2^31 - 1, for a PNG";
-            Err(Error::argument("shape", expected, format!("{shape:?}")))
+/// Refuses what is no picture, and distances that 16 bits of the chosen steps do not hold.
+pub(super) fn check(content: &Content<'_>) -> Result<()> {
+    picture_sides(
+        content.shape,
+        "[rows, columns], each from 1 to 2^31 - 1, for a PNG",
+    )?;
+    let scales = (content.channels.iter()).filter_map(|c| Some((c, scale(c, &content.settings)?)));
+    for (channel, scale) in scales {
+        steps::check(channel, scale, content.shape)?;
+    }
+    Ok(())
+}
+
+/// The length of a step, for a channel that is stored in steps.
+fn scale(channel: &Channel, settings: &WriteSettings) -> Option<f64> {
+    settings
+        .png_scale
+        .filter(|_| channel.picture == Picture::Distance)
+}
+
+pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
+    let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    match scale(channel, settings) {
+        Some(scale) => Stored {
+            scale: Some(scale),
+            ..Stored::new(names(&["grey"]), "uint16", Encoding::Steps, "0")
+        },
+        None => {
+            let miss = if channel.picture == Picture::Color {
+                channel.picture.miss()
+            } else {
+                "black"
+            };
+            let names = names(&["red", "green", "blue"]);
+            Stored {
+                legend: legend(channel),
+                ..Stored::new(names, "uint8", Encoding::Picture, miss)
+            }
         }
     }
 }
 
-/// Writes one channel as 8 bit RGB, row by row: no second picture is held in memory.
-pub(super) fn encode(
-    shape: &[usize],
-    channels: &[&Channel],
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let (&[rows, columns], &[channel]) = (shape, channels) else {
+/// Writes one channel row by row: no second picture is held in memory.
+pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let (&[rows, columns], &[channel]) = (content.shape, &content.channels[..]) else {
         return Err(io::Error::other("not a picture of one channel"));
     };
-    let mut writer = header(rows, columns, out)?;
-    let mut writer = writer.stream_writer_with_size(CHUNK)?;
+    let text = content.metadata.to_json();
+    match scale(channel, &content.settings) {
+        Some(scale) => {
+            let mut writer = header((rows, columns), ColorType::Grayscale, &text, out)?;
+            let mut writer = writer.stream_writer_with_size(CHUNK)?;
+            steps::encode(channel, scale, columns, &mut writer)?;
+            writer.finish()?;
+        }
+        None => {
+            let mut writer = header((rows, columns), ColorType::Rgb, &text, out)?;
+            let mut writer = writer.stream_writer_with_size(CHUNK)?;
+            encode_colors(channel, columns, &mut writer)?;
+            writer.finish()?;
+        }
+    }
+    Ok(())
+}
+
+fn encode_colors(channel: &Channel, columns: usize, out: &mut dyn Write) -> io::Result<()> {
     let map = ColorMap::of(channel);
     let mut values = Vec::with_capacity(columns * channel.components);
     let mut bytes = vec![0; columns * 3];
-    for row in 0..rows {
-        let start = row * columns * channel.components;
+    for start in (0..channel.data.len()).step_by(columns * channel.components) {
         let end = start + columns * channel.components;
         values.clear();
         values.extend((start..end).map(|index| channel.data.value(index)));
         map.apply(&values, channel.components, &mut bytes);
-        writer.write_all(&bytes)?;
+        out.write_all(&bytes)?;
     }
-    writer.finish()?;
     Ok(())
 }
 
-fn header(
-    rows: usize,
-    columns: usize,
-    out: &mut dyn Write,
-) -> io::Result<png::Writer<&mut dyn Write>> {
+/// Everything before the pixels. Grey is 16 bits and no colour: it says nothing of sRGB.
+fn header<'a>(
+    (rows, columns): (usize, usize),
+    color: ColorType,
+    text: &str,
+    out: &'a mut dyn Write,
+) -> io::Result<png::Writer<&'a mut dyn Write>> {
     let side = |pixels: usize| u32::try_from(pixels).map_err(io::Error::other);
     let mut encoder = Encoder::new(out, side(columns)?, side(rows)?);
-    encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
-    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_color(color);
+    if color == ColorType::Rgb {
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    } else {
+        encoder.set_depth(BitDepth::Sixteen);
+    }
     encoder.set_compression(Compression::Fast);
+    // Before the pixels: readers that stop at the last row see it too.
+    encoder.add_text_chunk(KEY.to_owned(), text.to_owned())?;
     Ok(encoder.write_header()?)
 }

@@ -15,6 +15,9 @@
     )
 )]
 
+mod decimal;
+mod gltf;
+mod gzip;
 mod mtl;
 mod obj;
 mod picture;
@@ -22,17 +25,22 @@ mod ply;
 mod polygon;
 mod read;
 mod report;
+mod scene_file;
 mod stl;
 mod surface;
 mod text;
 
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-use crate::camera::View;
+pub use scene_file::{Output, schema};
+
+use crate::camera::{Description, View};
 use crate::error::{Error, Place, Result};
 use crate::geometry::DVec3;
 use crate::scene::{Background, Light, Object};
-use report::{Checked, Report};
+use crate::shade::Shader;
+use report::{Checked, Report, without_gz};
 
 /// What a file holds.
 #[derive(Debug, Clone, Default)]
@@ -43,11 +51,22 @@ pub struct Model {
     pub cameras: Vec<NamedCamera>,
     /// The lights.
     pub lights: Vec<Light>,
+    /// Whether the first camera is the one to look through where nobody asks for another: scene files say
+    /// how they are to be seen, models only how they can be.
+    pub has_view: bool,
     /// What rays see that meet nothing, if the file says.
     pub background: Option<Background>,
+    /// How hits get their colour, if the file says.
+    pub shader: Option<Shader>,
+    /// How many points of a pixel make its colour, if the file says.
+    pub samples: Option<u32>,
+    /// The files that it asks for.
+    pub outputs: Vec<Output>,
+    /// The files that were read for it, itself first.
+    pub files: Vec<PathBuf>,
     /// What was doubtful in the file: a line each, ready to print.
     pub warnings: Vec<String>,
-    /// Which way is up by the format's custom: +y for OBJ, +z for STL and PLY.
+    /// Which way is up: as a scene file says, else by the format's custom: +y for OBJ, +z for STL and PLY.
     pub up: DVec3,
 }
 
@@ -63,13 +82,18 @@ impl Model {
 /// A camera of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedCamera {
-    /// Its name; may be empty.
+    /// Its name; may be empty. In glTF, that of its node.
     pub name: String,
+    /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes may share.
+    pub own_name: String,
     /// What it is made from.
     pub view: View,
     /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, the view's height
     /// alone counts, and whoever makes the picture decides about the rest.
     pub has_size: bool,
+    /// What the file says of it, where that may leave something open: whoever replaces a part of it decides the
+    /// open rest anew.
+    pub description: Option<Description>,
 }
 
 /// How to read a file.
@@ -77,7 +101,8 @@ pub struct NamedCamera {
 pub struct LoadSettings {
     /// Whether triangles that cannot be used are an error instead of a warning.
     pub strict: bool,
-    /// How many bytes of memory the file's content may take.
+    /// How many bytes of memory may be spent on the file: on its content, unpacked, on what it names, and
+    /// on the vertices, triangles and textures of all that. The trees of a scene come on top.
     pub max_memory: u64,
     /// How many texels a texture may have across or down, and the root of how many bytes it may have in all.
     pub max_texture: u32,
@@ -106,6 +131,12 @@ struct Format {
 /// Every format there is; all else is derived from this table.
 const FORMATS: &[Format] = &[
     Format {
+        name: "glTF",
+        extensions: &["gltf", "glb"],
+        up: DVec3::Y,
+        read: gltf::read,
+    },
+    Format {
         name: "OBJ",
         extensions: &["obj"],
         up: DVec3::Y,
@@ -123,31 +154,86 @@ const FORMATS: &[Format] = &[
         up: DVec3::Z,
         read: stl::read,
     },
+    scene_file::FORMAT,
 ];
 
-/// Reads the file at `path`, its format chosen by its extension.
+/// Reads the file at `path`, its format chosen by its extension. Packed by gzip, it is unpacked; its
+/// name may end with `.gz` then.
 ///
 /// # Errors
 ///
 /// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the
-/// content or the extension is wrong; [`Error::Limit`] for more than memory or identifiers hold.
+/// content or the extension is wrong; [`Error::TooLarge`] for more than `settings` allow, and
+/// [`Error::Limit`] for more than identifiers hold.
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
     let format = format_of(path)?;
-    let bytes = read::regular_file(path)?;
-    let mut report = Report::new(path, *settings);
-    let model = (format.read)(&bytes, &mut report).map_err(|fault| fault.into_error(path))?;
-    if let (true, Some(what)) = (settings.strict, report.dropped()) {
+    let bytes = read::regular_file(path, settings.max_memory)?;
+    model(format, bytes.into(), &mut Report::new(path, *settings))
+}
+
+/// [`load`] for a file that another one names: from the memory that is left to that one, whose report takes
+/// over this one's.
+fn load_part(path: &Path, whole: &mut Report) -> Result<Model> {
+    let format = format_of(path)?;
+    let bytes = read::regular_file(path, whole.settings().max_memory)?;
+    let mut report = Report::new(path, *whole.settings());
+    let mut model = model(format, bytes.into(), &mut report)?;
+    let warnings = std::mem::take(&mut model.warnings);
+    whole.absorb(
+        report.settings(),
+        warnings,
+        std::mem::take(&mut model.files),
+    );
+    Ok(model)
+}
+
+/// Reads a file's content from memory. `name` is what messages call it; its extension tells the format.
+/// Nothing that the content names, such as textures, is opened: each is a warning.
+///
+/// # Errors
+///
+/// Those of [`load`], but for [`Error::Read`].
+pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Model> {
+    let format = format_of(name)?;
+    let mut report = Report::new(name, *settings).in_memory();
+    model(format, bytes.into(), &mut report)
+}
+
+/// How many times its content a file takes while it is read, where it is no attack.
+const TIMES_CONTENT: usize = 3;
+
+fn model(format: &Format, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
+    let path = &report.path().to_owned();
+    let strict = report.settings().strict;
+    let read = |report: &mut Report| {
+        report.spend(bytes.len() as u64, "its content")?;
+        let bytes = gzip::unpacked(bytes, report)?;
+        report.check_memory(bytes.len().saturating_mul(TIMES_CONTENT))?;
+        (format.read)(&bytes, report)
+    };
+    let model = read(report).map_err(|fault| fault.into_error(path))?;
+    if let (true, Some(what)) = (strict, report.dropped()) {
         return Err(parse_error(path, what));
     }
+    let up = if model.up == DVec3::ZERO {
+        format.up
+    } else {
+        model.up
+    };
+    let mut files = vec![path.to_owned()];
+    files.extend(report.take_files());
     Ok(Model {
-        warnings: report.into_lines(),
-        up: format.up,
+        warnings: report.take_lines(),
+        files,
+        up,
         ..model
     })
 }
 
 fn format_of(path: &Path) -> Result<&'static Format> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let unpacked = without_gz(path);
+    let extension = unpacked.extension().unwrap_or_default();
+    let extension = extension.to_ascii_lowercase();
     FORMATS
         .iter()
         .find(|format| format.extensions.iter().any(|&known| extension == known))
@@ -184,7 +270,8 @@ mod tests {
         assert_eq!(
             error,
             "x.3ds: the extension names no known format; \
-             it must be one of .obj (OBJ), .ply (PLY), .stl (STL)"
+             it must be one of .gltf (glTF), .glb (glTF), .obj (OBJ), .ply (PLY), .stl (STL), \
+             .toml (scene file)"
         );
         assert!(format_of(Path::new("noextension")).is_err());
     }

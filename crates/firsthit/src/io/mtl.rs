@@ -98,7 +98,7 @@ impl Library {
         if let Some(known) = self.pictures.get(&key) {
             return known.clone();
         }
-        let read = picture::sibling(&map.library, &map.name, report.settings());
+        let read = picture::sibling(&map.library, &map.name, report);
         let read = read.map(Arc::new).map_err(|reason| {
             report.warn_in(&map.library, "texture", &Place::Line(map.line), || {
                 let name = escape_controls(&map.name);
@@ -130,9 +130,9 @@ impl Library {
     }
 
     fn add_file(&mut self, name: &[u8], report: &mut Report) -> Result<(), String> {
-        let path = read::sibling(report.path(), &String::from_utf8_lossy(name))?;
+        let path = read::sibling(report.scene()?, &String::from_utf8_lossy(name))?;
         if self.read.insert(path.clone()) {
-            let bytes = read::regular_file(&path).map_err(|error| error.to_string())?;
+            let bytes = read::sibling_content(&path, report)?;
             self.parse(&text::decode(&bytes), &path, report);
         }
         Ok(())
@@ -353,7 +353,7 @@ mod tests {
         assert_eq!(look(b"c"), Ok(None));
         assert_eq!(look(b"d"), Err(UnknownMaterial));
         assert_eq!(
-            report.into_lines(),
+            report.take_lines(),
             [
                 "x.mtl:5: Kd must be finite and not negative, got [1, 0, NaN]",
                 "x.mtl:6: of textures only map_Kd and map_d are read, not bump 'x.png'",

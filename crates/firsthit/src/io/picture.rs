@@ -5,6 +5,7 @@ use std::path::Path;
 
 use image::{ImageFormat, ImageReader, Limits};
 
+use super::report::{Report, size_in_words, without_gz};
 use super::{LoadSettings, read};
 use crate::scene::Texture;
 
@@ -13,18 +14,17 @@ use crate::scene::Texture;
 /// # Errors
 ///
 /// In words, why it is not read.
-pub(super) fn sibling(
-    scene: &Path,
-    name: &str,
-    settings: &LoadSettings,
-) -> Result<Texture, String> {
+pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<Texture, String> {
     let path = read::sibling(scene, name)?;
-    let bytes = read::regular_file(&path).map_err(|error| error.to_string())?;
-    decode(
-        &bytes,
-        path.extension().and_then(|word| word.to_str()),
-        settings,
-    )
+    let bytes = read::sibling_content(&path, report)?;
+    let path = without_gz(&path);
+    let extension = path.extension().and_then(|word| word.to_str());
+    let texture = decode(&bytes, extension, report.settings())?;
+    let size = size_of_val(texture.texels()) as u64;
+    report
+        .spend(size, "the texture")
+        .map_err(|fault| fault.into_error(&path).to_string())?;
+    Ok(texture)
 }
 
 /// The texels of a picture. Its own bytes tell the format; where they do not (TGA), the file's extension.
@@ -51,6 +51,16 @@ pub(super) fn decode(
         return Err(format!(
             "{columns} x {rows} texels are over the limit of {side} a side and {side} x {side} bytes \
              in all (--max-texture raises it)"
+        ));
+    }
+    // Decoders hold the picture in their own layout beside the result.
+    if 2 * bytes_needed > settings.max_memory {
+        let (needed, left) = (
+            size_in_words(2 * bytes_needed),
+            size_in_words(settings.max_memory),
+        );
+        return Err(format!(
+            "it takes {needed} of memory, {left} are left of what is allowed (--max-memory raises the limit)"
         ));
     }
     let mut reader = reader();

@@ -4,11 +4,13 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use super::gzip;
+use super::report::{Checked, Report, size_in_words};
+use crate::error::{Error, Place, Result};
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
-/// file is mapped: one that shrinks meanwhile would end the process.
-pub(super) fn regular_file(path: &Path) -> Result<Vec<u8>> {
+/// file is mapped: one that shrinks meanwhile would end the process. More than `most` bytes are refused.
+pub(super) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     let refuse = |source| Error::Read {
         path: path.to_owned(),
         source,
@@ -18,20 +20,47 @@ pub(super) fn regular_file(path: &Path) -> Result<Vec<u8>> {
     let file = File::open(path).map_err(refuse)?;
     let metadata = file.metadata().map_err(refuse)?;
     check_regular(&metadata).map_err(refuse)?;
+    let size = metadata.len();
+    let too_large = |limit: &str| Error::TooLarge {
+        path: path.to_owned(),
+        place: Place::File,
+        what: format!("the file's {} are more than {limit}", size_in_words(size)),
+    };
+    if size > most {
+        let limit = size_in_words(most);
+        let limit =
+            format!("the {limit} of memory that are allowed (--max-memory raises the limit)");
+        return Err(too_large(&limit));
+    }
     let mut bytes = Vec::new();
-    let reserved = usize::try_from(metadata.len()).map(|size| bytes.try_reserve_exact(size));
+    let reserved = usize::try_from(size).map(|size| bytes.try_reserve_exact(size));
     if !matches!(reserved, Ok(Ok(()))) {
-        return Err(Error::Limit {
-            what: "bytes of a file",
-            got: metadata.len().to_string(),
-            limit: "what memory is free".to_owned(),
-        });
+        return Err(too_large("what memory is free"));
     }
     // `take`: a file that grows while it is read stays within what was reserved.
-    file.take(metadata.len())
-        .read_to_end(&mut bytes)
-        .map_err(refuse)?;
+    file.take(size).read_to_end(&mut bytes).map_err(refuse)?;
     Ok(bytes)
+}
+
+/// The content of a file that a scene names; of a packed one, what is packed. It counts against the
+/// scene's memory.
+pub(super) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
+    let bytes = regular_file(path, report.settings().max_memory)?;
+    report.spend(bytes.len() as u64, "its content")?;
+    report.note_file(path.to_owned());
+    Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
+}
+
+/// The same where a file that cannot be read is no more than a warning.
+///
+/// # Errors
+///
+/// In words, why it cannot be read.
+pub(super) fn sibling_content(
+    path: &Path,
+    report: &mut Report,
+) -> std::result::Result<Vec<u8>, String> {
+    content(path, report).map_err(|fault| fault.into_error(path).to_string())
 }
 
 fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {
@@ -68,6 +97,35 @@ pub(super) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, 
     let metadata = fs::metadata(&path).map_err(|error| error.to_string())?;
     check_regular(&metadata).map_err(|error| error.to_string())?;
     Ok(path)
+}
+
+/// The file that a scene at `scene` wants written as `name`, under the scene's folder. It need not be there,
+/// nor need its folder.
+///
+/// # Errors
+///
+/// In words, why it is refused.
+pub(super) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+    check_name(name)?;
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let path = folder.join(name);
+    let top = match folder {
+        folder if folder == Path::new("") => Path::new("."),
+        folder => folder,
+    };
+    let top = top.canonicalize().map_err(|error| error.to_string())?;
+    // Whatever is there already, on the way or at its end, must not lead out of the folder. What is not there
+    // yet cannot be a link.
+    let there = path.ancestors().find_map(|part| part.canonicalize().ok());
+    let is_within = there.is_none_or(|there| there.starts_with(&top));
+    let is_link = path
+        .ancestors()
+        .any(|part| part.is_symlink() && part.canonicalize().is_err());
+    if is_within && !is_link {
+        Ok(path)
+    } else {
+        Err("refused: it leads outside the scene's folder".to_owned())
+    }
 }
 
 /// Refuses every name that is not plainly a relative path downwards, on any system.
@@ -130,7 +188,7 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn devices_are_refused() {
-        let error = regular_file(Path::new("/dev/zero")).unwrap_err();
+        let error = regular_file(Path::new("/dev/zero"), u64::MAX).unwrap_err();
         assert!(error.to_string().contains("device"), "{error}");
     }
 }

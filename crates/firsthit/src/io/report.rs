@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::LoadSettings;
 use crate::error::{Error, Place, escaped};
+use crate::memory;
 
 /// The result of a loader's steps, before the path is known.
 pub(super) type Checked<T> = Result<T, Fault>;
@@ -13,6 +14,8 @@ pub(super) type Checked<T> = Result<T, Fault>;
 pub(super) enum Fault {
     /// Its content is wrong.
     Content { place: Place, what: String },
+    /// It needs more memory than may be spent on it.
+    TooLarge { place: Place, what: String },
     /// Anything else, as it will be reported.
     Other(Error),
 }
@@ -35,6 +38,7 @@ impl Fault {
         let path = path.to_owned();
         match self {
             Self::Content { place, what } => Error::Parse { path, place, what },
+            Self::TooLarge { place, what } => Error::TooLarge { path, place, what },
             Self::Other(error) => error,
         }
     }
@@ -46,14 +50,41 @@ impl From<Error> for Fault {
     }
 }
 
+/// A number of bytes, in the largest unit that keeps it from 1 on.
+pub(super) fn size_in_words(bytes: u64) -> String {
+    const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
+    let mut words = format!("{bytes} bytes");
+    let mut size = bytes as f64;
+    for unit in UNITS {
+        size /= 1024.0;
+        if size >= 1.0 {
+            words = format!("{size:.1} {unit}").replace(".0 ", " ");
+        }
+    }
+    words
+}
+
+/// The name that a packed file has unpacked: `a.ply` of `a.ply.gz`.
+pub(super) fn without_gz(path: &Path) -> PathBuf {
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("gz") => path.with_extension(""),
+        _ => path.to_owned(),
+    }
+}
+
 /// The warnings about one file: one for each kind, however often it occurs.
 #[derive(Debug)]
 pub(super) struct Report {
     path: PathBuf,
     settings: LoadSettings,
+    in_memory: bool,
+    grown: usize,
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
+    /// Warnings of files that this one names, worded.
+    absorbed: Vec<String>,
+    files: Vec<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -68,23 +99,83 @@ impl Report {
         Self {
             path: path.to_owned(),
             settings,
+            in_memory: false,
+            grown: 0,
             kinds: Vec::new(),
             dropped: 0,
             first_dropped: String::new(),
+            absorbed: Vec::new(),
+            files: Vec::new(),
         }
     }
 
+    /// The same about content that is in memory, under a mere name: it has no folder, so nothing that
+    /// it names is opened.
+    pub(super) fn in_memory(mut self) -> Self {
+        self.in_memory = true;
+        self
+    }
+
+    /// What messages call the file.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
+    /// The file in whose folder the files are that it names.
+    ///
+    /// # Errors
+    ///
+    /// In words, when it has no folder.
+    pub(super) fn scene(&self) -> Result<&Path, String> {
+        if self.in_memory {
+            Err("refused: content that is in memory has no folder".to_owned())
+        } else {
+            Ok(&self.path)
+        }
+    }
+
+    /// The settings; of the memory, what is left of it.
     pub(super) fn settings(&self) -> &LoadSettings {
         &self.settings
     }
 
+    /// Takes so many bytes from the memory that the file may use; `what` they are for.
+    pub(super) fn spend(&mut self, bytes: u64, what: &str) -> Checked<()> {
+        let left = self.settings.max_memory;
+        self.settings.max_memory = left.checked_sub(bytes).ok_or_else(|| {
+            let (bytes, left) = (size_in_words(bytes), size_in_words(left));
+            let what = format!(
+                "{what} takes {bytes} of memory, {left} are left of what is allowed \
+                 (--max-memory raises the limit)"
+            );
+            let place = Place::File;
+            Fault::TooLarge { place, what }
+        })?;
+        Ok(())
+    }
+
+    /// Refuses to go on where the system has not so many bytes to give.
+    pub(super) fn check_memory(&self, bytes: usize) -> Checked<()> {
+        memory::check("the file's content", bytes).map_err(|error| Fault::TooLarge {
+            place: Place::File,
+            what: error.to_string(),
+        })
+    }
+
+    /// What is being made of the file takes so many bytes in all by now: asked from time to time by
+    /// loops in which a short file can make much of little.
+    pub(super) fn has_grown_to(&mut self, bytes: usize) -> Checked<()> {
+        let more = bytes.saturating_sub(self.grown);
+        self.grown += more;
+        // A vector that grows has room for twice as much, and is there twice meanwhile.
+        self.check_memory(bytes.saturating_mul(2))?;
+        self.spend(more as u64, "what it describes")
+    }
+
     /// The file's name without its extension: what an object without a name is called.
     pub(super) fn stem(&self) -> String {
-        escaped(Path::new(self.path.file_stem().unwrap_or_default()))
+        let path = without_gz(&self.path);
+        escaped(Path::new(path.file_stem().unwrap_or_default()))
     }
 
     /// Notes something doubtful. `key` tells the kinds apart; only the first of a kind is worded.
@@ -110,6 +201,29 @@ impl Report {
         }
     }
 
+    /// Takes over what another file's report came to: what memory it left, what it said, and the files
+    /// that were read for it.
+    pub(super) fn absorb(
+        &mut self,
+        settings: &LoadSettings,
+        lines: Vec<String>,
+        files: Vec<PathBuf>,
+    ) {
+        self.settings.max_memory = settings.max_memory;
+        self.absorbed.extend(lines);
+        self.files.extend(files);
+    }
+
+    /// Notes a further file that was read, such as a texture.
+    pub(super) fn note_file(&mut self, path: PathBuf) {
+        self.files.push(path);
+    }
+
+    /// The further files that were read.
+    pub(super) fn take_files(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.files)
+    }
+
     /// Notes triangles that cannot be used; `first` words which one came first.
     pub(super) fn drop_triangles(&mut self, count: u64, first: impl FnOnce() -> String) {
         if self.dropped == 0 && count > 0 {
@@ -130,14 +244,16 @@ impl Report {
     }
 
     /// The warnings, ready to print.
-    pub(super) fn into_lines(self) -> Vec<String> {
+    pub(super) fn take_lines(&mut self) -> Vec<String> {
         let dropped = self
             .dropped()
             .map(|what| format!("{}: dropped: {what}", escaped(&self.path)));
-        let worded = self.kinds.into_iter().map(|kind| match kind.count {
+        let worded = std::mem::take(&mut self.kinds);
+        let worded = worded.into_iter().map(|kind| match kind.count {
             1 => kind.line,
             count => format!("{} (and {} more like it)", kind.line, count - 1),
         });
-        worded.chain(dropped).collect()
+        let absorbed = std::mem::take(&mut self.absorbed);
+        worded.chain(dropped).chain(absorbed).collect()
     }
 }

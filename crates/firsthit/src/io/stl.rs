@@ -16,6 +16,9 @@ use crate::shape::Positions;
 const HEADER: usize = 80;
 const FACET: usize = 50;
 
+/// After so many lines of text it is asked how much memory they take.
+const CHECK_EVERY: u64 = 1 << 16;
+
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let (positions, name) = match facets_of(bytes)? {
         Facets::Binary { facets, trailing } => {
@@ -25,6 +28,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
                     format!("{trailing} bytes after the last facet are not read")
                 });
             }
+            report.has_grown_to(facets.len())?;
             (Positions::Single(read_binary(facets)), None)
         }
         Facets::Text => {
@@ -39,7 +43,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
         report.warn("empty", &Place::File, what);
     }
     let mut surface = Surface::default();
-    surface.reserve(count as usize);
+    surface.reserve(count as usize, report)?;
     (0..count.min(u32::MAX / 3)).for_each(|k| surface.push_triangle([3 * k, 3 * k + 1, 3 * k + 2]));
     let (mesh, _) = surface.finish(&Vertices::new(positions), &name, report)?;
     Ok(Model::of(vec![Object::new(Arc::new(mesh)).named(name)]))
@@ -124,6 +128,9 @@ fn read_text(text: &[u8], report: &mut Report) -> Checked<(Vec<[f64; 3]>, Option
     let mut reader = TextReader::default();
     let mut lines = Lines::new(text);
     while let Some(line) = lines.next() {
+        if lines.number.is_multiple_of(CHECK_EVERY) {
+            report.has_grown_to(size_of_val(reader.points.as_slice()))?;
+        }
         reader.line(line, lines.number, report)?;
     }
     if let Some(open) = reader.open {

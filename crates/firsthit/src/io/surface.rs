@@ -61,8 +61,32 @@ struct Polygon {
 }
 
 impl Surface {
-    pub(super) fn reserve(&mut self, triangles: usize) {
+    /// The surface of triangles each of which is a face of its own.
+    pub(super) fn of(triangles: Vec<[u32; 3]>) -> Self {
+        Self {
+            face_count: u32::try_from(triangles.len()).unwrap_or(u32::MAX),
+            triangles,
+            ..Self::default()
+        }
+    }
+
+    /// Makes room for triangles.
+    pub(super) fn reserve(&mut self, triangles: usize, report: &Report) -> Checked<()> {
+        report.check_memory(triangles.saturating_mul(size_of::<[u32; 3]>()))?;
         self.triangles.reserve(triangles);
+        Ok(())
+    }
+
+    /// What it takes in memory.
+    pub(super) fn bytes(&self) -> usize {
+        let [a, b] = &self.corners;
+        let faces = self
+            .faces
+            .as_ref()
+            .map_or(0, |faces| size_of_val(faces.as_slice()));
+        let corners = size_of_val(a.as_slice()) + size_of_val(b.as_slice());
+        let polygons = size_of_val(self.polygons.as_slice());
+        size_of_val(self.triangles.as_slice()) + faces + corners + polygons
     }
 
     /// Whether there are no triangles.
@@ -127,6 +151,11 @@ impl Surface {
             let Some(fan) = self.triangles.get_mut(range.clone()) else {
                 continue;
             };
+            if let &mut [[a, b, c], [.., d]] = fan
+                && polygon::is_plainly_convex([a, b, c, d].map(|k| vertices.positions.get(k)))
+            {
+                continue;
+            }
             if !fan.iter().all(|triangle| vertices.is_usable(triangle)) {
                 continue;
             }

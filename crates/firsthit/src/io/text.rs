@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::decimal;
 use crate::error::escape_controls;
 
 /// The text as UTF-8, without its byte order mark. Only a mark tells UTF-16; what is no valid text
@@ -45,6 +46,12 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// Passes over a line that was read from [`Lines::rest`], to what follows it.
+    pub(super) fn pass(&mut self, rest: &'a [u8]) {
+        self.number += 1;
+        self.rest = rest;
+    }
+
     /// What follows the line that came last.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
@@ -59,8 +66,7 @@ impl<'a> Iterator for Lines<'a> {
             return None;
         }
         self.number += 1;
-        let ends = |byte: &u8| matches!(byte, b'\n' | b'\r');
-        let end = self.rest.iter().position(ends).unwrap_or(self.rest.len());
+        let end = memchr::memchr2(b'\n', b'\r', self.rest).unwrap_or(self.rest.len());
         let (line, rest) = self.rest.split_at_checked(end)?;
         self.rest = match rest {
             [b'\r', b'\n', rest @ ..] if !self.bare_cr => rest,
@@ -107,6 +113,9 @@ fn is_blank(byte: u8) -> bool {
 
 /// The number that a word spells, with any of `.5`, `5.`, `1E+05`, `inf`, `nan`.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
+    if let Some((number, [])) = decimal::number(word) {
+        return Some(number);
+    }
     str::from_utf8(word).ok()?.parse().ok()
 }
 

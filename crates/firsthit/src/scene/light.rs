@@ -17,4 +17,18 @@ pub enum Light {
         /// The linear colour that a white surface facing the light takes at distance one.
         intensity: Color,
     },
+    /// Light from one point into a cone, falling off with the square of the distance, and from full light at
+    /// the inner angle to none at the outer one.
+    Spot {
+        /// Where the light is.
+        position: DVec3,
+        /// Where the middle of the cone goes; any length but zero.
+        direction: DVec3,
+        /// The linear colour that a white surface facing the light takes at distance one.
+        intensity: Color,
+        /// Between the middle and the end of full light, in radians; less than `outer_angle`.
+        inner_angle: f64,
+        /// Between the middle and the end of all light, in radians; at most a quarter turn.
+        outer_angle: f64,
+    },
 }

@@ -1,13 +1,14 @@
 //! What there is to see: objects, lights, and the trees over them. Immutable once built.
 
 mod background;
+mod fingerprint;
 mod light;
 mod material;
 mod object;
 mod texture;
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -20,6 +21,7 @@ pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 use crate::accel::{Bvh, InstructionSet, MeshTree, Walk};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Hit, Ray};
+use crate::memory;
 use crate::shape::{Mesh, Shape, Surface};
 
 /// Objects in a world, ready to be shot at from any number of threads.
@@ -37,6 +39,9 @@ pub struct Scene {
     bounds: Bounds,
     lights: Vec<Light>,
     instruction_set: InstructionSet,
+    has_own_lights: bool,
+    /// Made when first asked for.
+    fingerprint: OnceLock<String>,
 }
 
 impl Scene {
@@ -63,7 +68,11 @@ impl Scene {
             _ => None,
         });
         let scene = Self::build(objects, known.collect())?;
-        Ok(scene.with_lights(self.lights.clone()))
+        let has_own_lights = self.has_own_lights;
+        Ok(Self {
+            has_own_lights,
+            ..scene.with_lights(self.lights.clone())
+        })
     }
 
     fn build(objects: Vec<Object>, known: HashMap<*const Mesh, Arc<MeshTree>>) -> Result<Self> {
@@ -78,7 +87,7 @@ impl Scene {
                 limit,
             });
         };
-        let trees = mesh_trees(&objects, known);
+        let trees = mesh_trees(&objects, known)?;
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
         let is_loose = |k: u32| {
             count <= FEW
@@ -108,12 +117,36 @@ impl Scene {
             bounds,
             lights: Vec::new(),
             instruction_set: InstructionSet::current()?,
+            has_own_lights: true,
+            fingerprint: OnceLock::new(),
         })
     }
 
     /// The same scene with other lights.
     pub fn with_lights(self, lights: Vec<Light>) -> Self {
-        Self { lights, ..self }
+        Self {
+            lights,
+            has_own_lights: true,
+            fingerprint: OnceLock::new(),
+            ..self
+        }
+    }
+
+    /// The same scene with lights that nobody asked for, such as one that goes with the camera: they are
+    /// not part of its [fingerprint](Self::fingerprint).
+    pub fn with_borrowed_lights(self, lights: Vec<Light>) -> Self {
+        let has_none = self.lights.is_empty() || !self.has_own_lights;
+        Self {
+            // Made already, it is still true.
+            fingerprint: if has_none {
+                self.fingerprint
+            } else {
+                OnceLock::new()
+            },
+            lights,
+            has_own_lights: false,
+            ..self
+        }
     }
 
     /// The objects, in the order of their identifiers.
@@ -291,23 +324,30 @@ const FEW: u32 = 4;
 /// space), the object is better off without a box than all others are with wider ones.
 const LARGEST_SLACK: f64 = 1e-8;
 
+/// What building a tree takes at most, in bytes for each triangle: its box twice while the boxes are gathered,
+/// two nodes, and its place in the order.
+const TREE_BYTES: usize = 128;
+
 /// A tree for each mesh, however many objects share it; `built` are those there are already.
 fn mesh_trees(
     objects: &[Object],
     mut built: HashMap<*const Mesh, Arc<MeshTree>>,
-) -> Vec<Option<Arc<MeshTree>>> {
+) -> Result<Vec<Option<Arc<MeshTree>>>> {
     let mut tree = |mesh: &Arc<Mesh>| {
-        Arc::clone(
-            built
-                .entry(Arc::as_ptr(mesh))
-                .or_insert_with(|| Arc::new(MeshTree::build(mesh))),
-        )
+        if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
+            return Ok(Arc::clone(built));
+        }
+        let triangles = mesh.triangles().len();
+        memory::check("the tree over a mesh", triangles.saturating_mul(TREE_BYTES))?;
+        let tree = Arc::new(MeshTree::build(mesh));
+        built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
+        Ok(tree)
     };
     objects
         .iter()
         .map(|object| match object.shape() {
-            Shape::Mesh(mesh) => Some(tree(mesh)),
-            _ => None,
+            Shape::Mesh(mesh) => tree(mesh).map(Some),
+            _ => Ok(None),
         })
         .collect()
 }

@@ -88,6 +88,18 @@ impl Arriving {
                 let towards = position - point.position;
                 (towards, 1.0, intensity / towards.length_squared())
             }
+            Light::Spot {
+                position,
+                direction,
+                intensity,
+                inner_angle,
+                outer_angle,
+            } => {
+                let towards = position - point.position;
+                let along = unit(-towards).dot(unit(direction));
+                let share = within_cone(along, inner_angle, outer_angle);
+                (towards, 1.0, share * intensity / towards.length_squared())
+            }
         };
         let cosine = unit(towards).dot(point.smooth);
         // Written so that a NaN (the point is where the light is) fails.
@@ -97,6 +109,14 @@ impl Arriving {
             light: cosine * light,
         })
     }
+}
+
+/// How much of a spot's light goes in a direction: the square of the cosine's way from the outer angle to the
+/// inner one, as `KHR_lights_punctual` suggests.
+fn within_cone(cosine: f64, inner_angle: f64, outer_angle: f64) -> f64 {
+    let (inner, outer) = (libm::cos(inner_angle), libm::cos(outer_angle));
+    let share = ((cosine - outer) / (inner - outer).max(1e-9)).clamp(0.0, 1.0);
+    share * share
 }
 
 /// Where shadow rays start: off the surface by more than the rounding of the point on it, so that they do

@@ -57,6 +57,11 @@ macro_rules! shaders {
                 }
             }
 
+            /// Its name.
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$kind(_) => $name,)* }
+            }
+
             fn color(&self, scene: &Scene, ray: &Ray, hit: &Hit) -> Color {
                 match self { $(Self::$kind(settings) => $shade(settings, scene, ray, hit),)* }
             }

@@ -25,12 +25,17 @@ impl<const N: usize> Attribute<N> {
         vertices: [u32; 3],
         weights: [f64; 3],
     ) -> [f64; N] {
+        let values = self.at_corners(triangle, vertices);
+        std::array::from_fn(|n| (0..3).map(|k| weights[k] * f64::from(values[k][n])).sum())
+    }
+
+    /// The values at the corners of a triangle.
+    pub(super) fn at_corners(&self, triangle: usize, vertices: [u32; 3]) -> [[f32; N]; 3] {
         let corners = self
             .corners
             .as_ref()
             .map_or(vertices, |corners| corners[triangle]);
-        let values = corners.map(|corner| self.values[corner as usize]);
-        std::array::from_fn(|n| (0..3).map(|k| weights[k] * f64::from(values[k][n])).sum())
+        corners.map(|corner| self.values[corner as usize])
     }
 
     pub(super) fn check(

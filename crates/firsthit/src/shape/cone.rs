@@ -1,7 +1,7 @@
 use super::interval::Interval;
 use super::{Crossing, Surface, require_finite, sines};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec3, Digest, Ray, unit};
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
 /// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
@@ -174,6 +174,12 @@ impl Surface for Cone {
                 unit(outwards - self.slope() * self.axis)
             }
         }
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        digest.vector(self.bottom);
+        digest.vector(self.top);
+        digest.numbers(&[self.bottom_radius, self.top_radius]);
     }
 }
 

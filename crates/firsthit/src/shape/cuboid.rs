@@ -1,7 +1,7 @@
 use super::interval::Interval;
 use super::{Crossing, Surface, require_finite};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Digest, Ray};
 
 /// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,6 +73,11 @@ impl Surface for Cuboid {
             .and_then(|face| faces.get(face))
             .copied()
             .unwrap_or(DVec3::NAN)
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        digest.vector(self.bounds.low);
+        digest.vector(self.bounds.high);
     }
 }
 

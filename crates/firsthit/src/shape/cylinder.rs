@@ -1,6 +1,6 @@
 use super::{Cone, Crossing, Surface};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Digest, Ray};
 
 /// A round bar with both lids. Its primitives: 0 the side, 1 the bottom, 2 the top.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +50,10 @@ impl Surface for Cylinder {
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.cone.normal(point, primitive)
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        self.cone.digest(digest);
     }
 }
 

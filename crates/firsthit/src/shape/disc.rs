@@ -1,7 +1,7 @@
 use super::plane::Plane;
 use super::{Crossing, Surface, require_positive, sines};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Digest, Ray};
 
 /// The part of a plane within `radius` of `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +59,12 @@ impl Surface for Disc {
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.plane.normal(point, primitive)
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        self.plane.digest(digest);
+        digest.vector(self.center);
+        digest.numbers(&[self.radius]);
     }
 }
 

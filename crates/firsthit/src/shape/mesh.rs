@@ -1,10 +1,12 @@
+mod digest;
+
 use std::sync::Arc;
 
 use super::attribute::check_indices;
 use super::triangle::{Shear, TriangleHit};
 use super::{Attribute, Crossing, Positions, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, Ray, moderation, unit};
+use crate::geometry::{Bounds, DVec2, DVec3, Digest, Ray, moderation, unit};
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -38,13 +40,19 @@ impl Mesh {
                 limit,
             });
         }
-        check_indices("triangles", &triangles, positions.len())?;
-        let corners = triangles.iter().flatten();
-        if let Some(&bad) = corners.clone().find(|&&k| !positions.get(k).is_finite()) {
-            let got = format!("{} at index {bad}", positions.get(bad));
+        let bounds = match &*positions {
+            Positions::Single(points) => bounds_of(points, &triangles),
+            Positions::Double(points) => bounds_of(points, &triangles),
+        };
+        let Some(bounds) = bounds else {
+            check_indices("triangles", &triangles, positions.len())?;
+            let mut corners = triangles.iter().flatten();
+            let bad = corners.find(|&&k| !positions.get(k).is_finite());
+            let got = bad.map_or_else(String::new, |&bad| {
+                format!("{} at index {bad}", positions.get(bad))
+            });
             return Err(Error::argument("vertices", "finite", got));
-        }
-        let bounds = Bounds::of(corners.map(|&k| positions.get(k)));
+        };
         Ok(Self {
             positions,
             triangles,
@@ -254,6 +262,31 @@ impl Mesh {
     }
 }
 
+/// The box around the corners of all triangles, in one pass; `None` if a corner is not there or not finite.
+fn bounds_of<T>(points: &[[T; 3]], triangles: &[[u32; 3]]) -> Option<Bounds>
+where
+    T: Copy + PartialOrd + Into<f64>,
+{
+    let Some(&[first, ..]) = triangles.first() else {
+        return Some(Bounds::EMPTY);
+    };
+    let [mut low, mut high] = [*points.get(first as usize)?; 2];
+    let mut is_finite = true;
+    for &corner in triangles.iter().flatten() {
+        let point = points.get(corner as usize)?;
+        for axis in 0..3 {
+            let x = point[axis];
+            low[axis] = if x < low[axis] { x } else { low[axis] };
+            high[axis] = if x > high[axis] { x } else { high[axis] };
+            is_finite &= Into::<f64>::into(x).abs() < f64::INFINITY;
+        }
+    }
+    is_finite.then(|| Bounds {
+        low: DVec3::from(low.map(Into::into)),
+        high: DVec3::from(high.map(Into::into)),
+    })
+}
+
 impl Surface for Arc<Mesh> {
     fn bounds(&self) -> Bounds {
         Mesh::bounds(self)
@@ -281,6 +314,10 @@ impl Surface for Arc<Mesh> {
 
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
         usize::try_from(primitive).map_or(DVec3::NAN, |triangle| Mesh::normal(self, triangle))
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        Mesh::digest(self, digest);
     }
 }
 

@@ -28,7 +28,7 @@ pub use positions::Positions;
 pub use sphere::Sphere;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, Ray};
+use crate::geometry::{Bounds, DVec2, DVec3, Digest, Ray};
 
 /// Where a ray crosses a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +63,9 @@ pub trait Surface {
 
     /// The normal at a point of the surface, of length one, outwards for closed shapes.
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3;
+
+    /// Adds every number that the shape is made from: two shapes that differ anywhere differ here.
+    fn digest(&self, digest: &mut Digest);
 }
 
 /// Makes [`Shape`] and everything that depends on the list of shapes.
@@ -95,6 +98,11 @@ macro_rules! shapes {
 
             fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
                 match self { $(Self::$kind(shape) => Surface::normal(shape, point, primitive),)* }
+            }
+
+            fn digest(&self, digest: &mut Digest) {
+                digest.word(self.name());
+                match self { $(Self::$kind(shape) => Surface::digest(shape, digest),)* }
             }
         }
 

@@ -1,6 +1,6 @@
 use super::{Crossing, Surface, require_direction, require_finite};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec3, Digest, Ray, unit};
 
 /// The infinite plane through a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +53,11 @@ impl Surface for Plane {
 
     fn normal(&self, _point: DVec3, _primitive: i32) -> DVec3 {
         self.normal
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        digest.vector(self.point);
+        digest.vector(self.normal);
     }
 }
 

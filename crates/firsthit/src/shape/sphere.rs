@@ -1,6 +1,6 @@
 use super::{Crossing, Surface, require_finite, require_positive};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec3, Digest, Ray, unit};
 
 /// All points at `radius` from `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +66,11 @@ impl Surface for Sphere {
 
     fn normal(&self, point: DVec3, _primitive: i32) -> DVec3 {
         unit(point - self.center)
+    }
+
+    fn digest(&self, digest: &mut Digest) {
+        digest.vector(self.center);
+        digest.numbers(&[self.radius]);
     }
 }
 

@@ -19,6 +19,7 @@ pub use trees::Trees;
 
 use crate::accel::{Scratch, TILE};
 use crate::error::{Error, Result};
+use crate::memory;
 use crate::geometry::{DVec2, DVec3, Hit, PixelGrid, Ray, Rays};
 use crate::scene::Scene;
 use crate::simd::{self, Kernel, Lanes};
@@ -278,8 +279,8 @@ impl Kernel for AnyBatch<'_> {
 
 /// A vector of `count` times `zero`, or an error instead of an abort when memory is short.
 fn zeroed<T: Clone>(count: usize, zero: T) -> Result<Vec<T>> {
-    // Asks whether there is so much; the standard library has no fallible way to memory that is zero already.
-    drop(reserved(Vec::<T>::new(), count)?);
+    // The standard library has no fallible way to memory that is zero already.
+    memory::check("a result", count.saturating_mul(size_of::<T>()))?;
     Ok(vec![zero; count])
 }
 

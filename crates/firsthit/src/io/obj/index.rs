@@ -32,18 +32,24 @@ impl Indices {
         Ok(())
     }
 
-    /// The index, from 0, that a word states: from 1 upwards from the first, from -1 downwards from the
-    /// last that has come. Values that are yet to come may be named: see [`Indices::check`].
-    pub(super) fn resolve(&mut self, word: &[u8], line: u64) -> Checked<u32> {
-        let stated: Option<i64> = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+    /// The index that a word states.
+    pub(super) fn parse(&mut self, word: &[u8], line: u64) -> Checked<u32> {
+        let stated = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+        let stated = stated.ok_or_else(|| {
+            let what = format!("'{}' is not an index of {}", shown(word), self.kind);
+            Fault::line(line, what)
+        })?;
+        self.resolve(stated, line)
+    }
+
+    /// The index, from 0, of a stated one: from 1 upwards from the first, from -1 downwards from the last
+    /// that has come. Values that are yet to come may be named: see [`Indices::check`].
+    #[inline]
+    pub(super) fn resolve(&mut self, stated: i64, line: u64) -> Checked<u32> {
         let index = match stated {
-            None => {
-                let what = format!("'{}' is not an index of {}", shown(word), self.kind);
-                return Err(Fault::line(line, what));
-            }
-            Some(0) => return Err(self.fault("0", line)),
-            Some(stated @ 1..) => stated - 1,
-            Some(stated) => i64::from(self.count).saturating_add(stated),
+            0 => return Err(self.fault("0", line)),
+            1.. => stated - 1,
+            _ => i64::from(self.count).saturating_add(stated),
         };
         match u32::try_from(index) {
             Ok(index) if index != NONE => {
@@ -52,7 +58,7 @@ impl Indices {
                 }
                 Ok(index)
             }
-            _ => Err(self.fault(&shown(word), line)),
+            _ => Err(self.fault(&stated.to_string(), line)),
         }
     }
 

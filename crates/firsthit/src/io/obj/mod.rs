@@ -2,6 +2,7 @@
 
 mod index;
 mod object;
+mod plain;
 
 use std::collections::HashMap;
 
@@ -39,11 +40,24 @@ const HARMLESS: &[&[u8]] = &[
     b"t",
 ];
 
+/// After so many lines it is asked how much memory they take.
+const CHECK_EVERY: u64 = 1 << 16;
+
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let text = text::decode(bytes);
     let mut reader = Reader::new(report);
     let mut lines = Lines::new(&text);
-    while let Some(line) = lines.next() {
+    loop {
+        // Counted, not measured: what a statement adds is of the order of its bytes.
+        if lines.number.is_multiple_of(CHECK_EVERY) {
+            reader.check_memory()?;
+        }
+        if reader.plain_line(&mut lines)? {
+            continue;
+        }
+        let Some(line) = lines.next() else {
+            break;
+        };
         let number = lines.number;
         if is_continued(line) {
             reader.statement(&joined(line, &mut lines), number)?;
@@ -125,6 +139,7 @@ struct Reader<'a> {
     material: Option<u32>,
     /// The face that is being read.
     face: Face,
+    corners: Vec<plain::Corner>,
 }
 
 impl<'a> Reader<'a> {
@@ -143,7 +158,81 @@ impl<'a> Reader<'a> {
             materials: Materials::default(),
             material: None,
             face: Face::default(),
+            corners: Vec::new(),
         }
+    }
+
+    /// Refuses to go on when what came so far takes too much memory.
+    fn check_memory(&mut self) -> Checked<()> {
+        let Values {
+            uvs,
+            normals,
+            colors,
+        } = &self.values;
+        let values = size_of_val(uvs.as_slice()) + size_of_val(normals.as_slice());
+        let vertices = size_of_val(self.positions.as_slice()) + size_of_val(colors.as_slice());
+        let objects: usize = self.objects.iter().map(Object::bytes).sum();
+        self.report.has_grown_to(values + vertices + objects)
+    }
+
+    /// Reads the next line if it is one of the plain ones, of which files mostly consist.
+    #[inline]
+    fn plain_line(&mut self, lines: &mut Lines) -> Checked<bool> {
+        let number = lines.number + 1;
+        let rest = match lines.rest() {
+            [b'v', text @ ..] if text.starts_with(b" ") && self.values.colors.is_empty() => {
+                let Some((position, rest)) = plain::numbers(text) else {
+                    return Ok(false);
+                };
+                self.positions.push(position);
+                let [vertices, ..] = &mut self.indices;
+                vertices.add(number)?;
+                rest
+            }
+            [b'v', b'n', text @ ..] => {
+                let Some((normal, rest)) = plain::numbers(text) else {
+                    return Ok(false);
+                };
+                self.push_normal(normal, number)?;
+                rest
+            }
+            [b'v', b't', text @ ..] => {
+                let Some((uv, rest)) = plain::numbers(text) else {
+                    return Ok(false);
+                };
+                self.push_uv(uv, number)?;
+                rest
+            }
+            [b'f', text @ ..] => {
+                let Some(rest) = plain::face(text, &mut self.corners) else {
+                    return Ok(false);
+                };
+                self.plain_face(number)?;
+                rest
+            }
+            _ => return Ok(false),
+        };
+        self.has_statements = true;
+        lines.pass(rest);
+        Ok(true)
+    }
+
+    /// Adds the face of the corners that were read.
+    fn plain_face(&mut self, line: u64) -> Checked<()> {
+        self.face.clear();
+        let [vertices, uvs, normals] = &mut self.indices;
+        let [uv_ring, normal_ring] = &mut self.face.others;
+        let resolve = |indices: &mut Indices, stated| match stated {
+            0 => Ok(NONE),
+            stated => indices.resolve(stated, line),
+        };
+        for &[vertex, uv, normal] in &self.corners {
+            self.face.vertices.push(resolve(vertices, vertex)?);
+            uv_ring.push(resolve(uvs, uv)?);
+            normal_ring.push(resolve(normals, normal)?);
+        }
+        self.end_face(line);
+        Ok(())
     }
 
     fn statement(&mut self, line: &[u8], number: u64) -> Checked<()> {
@@ -207,20 +296,28 @@ impl<'a> Reader<'a> {
         vertices.add(line)
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
     fn uv(&mut self, mut words: Words, line: u64) -> Checked<()> {
         let [u] = numbers(&mut words, line)?;
         let v = words.next().map_or(Some(0.0), number);
         let v = v.ok_or_else(|| Fault::line(line, "a texture coordinate that is not a number"))?;
-        self.values.uvs.push([u as f32, v as f32]);
+        self.push_uv([u, v], line)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
+    fn push_uv(&mut self, uv: [f64; 2], line: u64) -> Checked<()> {
+        self.values.uvs.push(uv.map(|x| x as f32));
         let [_, uvs, _] = &mut self.indices;
         uvs.add(line)
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
     fn normal(&mut self, mut words: Words, line: u64) -> Checked<()> {
         let normal = numbers(&mut words, line)?;
-        self.values.normals.push(normal.map(|x: f64| x as f32));
+        self.push_normal(normal, line)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
+    fn push_normal(&mut self, normal: [f64; 3], line: u64) -> Checked<()> {
+        self.values.normals.push(normal.map(|x| x as f32));
         let [.., normals] = &mut self.indices;
         normals.add(line)
     }
@@ -230,11 +327,17 @@ impl<'a> Reader<'a> {
         for word in words {
             self.corner(word, line)?;
         }
+        self.end_face(line);
+        Ok(())
+    }
+
+    /// Adds the face whose corners have come.
+    fn end_face(&mut self, line: u64) {
         if self.face.vertices.len() < 3 {
             self.warn("face", line, || {
                 "a face of less than 3 corners is not read".to_owned()
             });
-            return Ok(());
+            return;
         }
         let object = self.object.unwrap_or_else(|| {
             let object = self.objects.len();
@@ -246,19 +349,18 @@ impl<'a> Reader<'a> {
         if let Some(object) = self.objects.get_mut(object) {
             object.push(&self.face, self.material);
         }
-        Ok(())
     }
 
     /// Reads `v`, `v/t`, `v//n` or `v/t/n`; what stands between the slashes may be missing.
     fn corner(&mut self, word: &[u8], line: u64) -> Checked<()> {
         let mut pieces = word.split(|&byte| byte == b'/');
         let [vertices, uvs, normals] = &mut self.indices;
-        let vertex = vertices.resolve(pieces.next().unwrap_or_default(), line)?;
+        let vertex = vertices.parse(pieces.next().unwrap_or_default(), line)?;
         self.face.vertices.push(vertex);
         for (indices, ring) in [uvs, normals].into_iter().zip(&mut self.face.others) {
             ring.push(match pieces.next() {
                 None | Some([]) => NONE,
-                Some(piece) => indices.resolve(piece, line)?,
+                Some(piece) => indices.parse(piece, line)?,
             });
         }
         if pieces.next().is_some() {
@@ -277,6 +379,7 @@ impl<'a> Reader<'a> {
     }
 
     fn finish(mut self) -> Checked<Model> {
+        self.check_memory()?;
         if !self.has_statements {
             return Err(Fault::file("not an OBJ file: it has no statement of one"));
         }

@@ -45,6 +45,11 @@ impl Object {
         }
     }
 
+    /// What it takes in memory so far.
+    pub(super) fn bytes(&self) -> usize {
+        self.surface.bytes() + size_of::<Self>()
+    }
+
     pub(super) fn push(&mut self, face: &Face, material: Option<u32>) {
         if self
             .materials

@@ -15,6 +15,19 @@ pub(super) trait Rows {
     fn value(&mut self, kind: Type) -> Checked<f64>;
     /// Passes over all rows of an element at once, where that is possible.
     fn skip_fixed(&mut self, element: &Element) -> Checked<bool>;
+    /// All rows of an element at once, where they are all of one size; they are read then.
+    fn table<'a>(&'a mut self, element: &Element) -> Checked<Option<Table<'a>>>;
+    /// Reads a list of vertices if all is plain about it: 32 bit indices below `limit`. Else nothing is read.
+    fn plain_list(&mut self, count: Type, item: Type, limit: u64, list: &mut Vec<u32>) -> bool;
+    /// Reads rows of nothing but a list of three vertices, at most so many, as long as all is plain about
+    /// them; returns how many there were.
+    fn plain_triangles(
+        &mut self,
+        element: &Element,
+        most: u64,
+        limit: u64,
+        push: impl FnMut([u32; 3]),
+    ) -> u64;
     /// Where the value stands that came last.
     fn place(&self) -> Place;
     /// At most so many values of a type, or rows of a size, can follow.
@@ -49,6 +62,63 @@ pub(super) trait Rows {
     }
 }
 
+/// Rows of equal size.
+pub(super) struct Table<'a> {
+    rows: &'a [u8],
+    /// Bytes in a row.
+    row: usize,
+    is_big: bool,
+}
+
+impl Table<'_> {
+    /// The values of some columns, row by row; of each the offset in a row, and the type.
+    pub(super) fn columns<const N: usize>(
+        &self,
+        columns: [(usize, Type); N],
+    ) -> impl Iterator<Item = [f64; N]> {
+        let rows = self.rows.chunks_exact(self.row.max(1));
+        rows.map(move |row| {
+            columns.map(|(offset, kind)| {
+                let bytes = row.get(offset..).unwrap_or_default();
+                // Every column lies within the row.
+                value(bytes, kind, self.is_big).unwrap_or(f64::NAN)
+            })
+        })
+    }
+}
+
+#[inline]
+fn word(bytes: [u8; 4], is_big: bool) -> u32 {
+    if is_big {
+        u32::from_be_bytes(bytes)
+    } else {
+        u32::from_le_bytes(bytes)
+    }
+}
+
+/// The value that some bytes begin with.
+#[inline]
+fn value(bytes: &[u8], kind: Type, is_big: bool) -> Option<f64> {
+    #[inline]
+    fn take<const N: usize>(bytes: &[u8], is_big: bool) -> Option<[u8; N]> {
+        let mut bytes = *bytes.first_chunk::<N>()?;
+        if is_big {
+            bytes.reverse();
+        }
+        Some(bytes)
+    }
+    Some(match kind {
+        Type::Int8 => i8::from_le_bytes(take(bytes, is_big)?).into(),
+        Type::Uint8 => u8::from_le_bytes(take(bytes, is_big)?).into(),
+        Type::Int16 => i16::from_le_bytes(take(bytes, is_big)?).into(),
+        Type::Uint16 => u16::from_le_bytes(take(bytes, is_big)?).into(),
+        Type::Int32 => i32::from_le_bytes(take(bytes, is_big)?).into(),
+        Type::Uint32 => u32::from_le_bytes(take(bytes, is_big)?).into(),
+        Type::Float32 => f32::from_le_bytes(take(bytes, is_big)?).into(),
+        Type::Float64 => f64::from_le_bytes(take(bytes, is_big)?),
+    })
+}
+
 /// A binary body.
 pub(super) struct Binary<'a> {
     rest: &'a [u8],
@@ -66,21 +136,6 @@ impl<'a> Binary<'a> {
             last: 0,
         }
     }
-
-    /// The next bytes, little end first.
-    #[inline]
-    fn take<const N: usize>(&mut self) -> Checked<[u8; N]> {
-        self.last = (self.size - self.rest.len()) as u64;
-        let Some((&bytes, rest)) = self.rest.split_first_chunk::<N>() else {
-            return Err(Fault::at(self.place(), "truncated: the file ends here"));
-        };
-        self.rest = rest;
-        let mut bytes = bytes;
-        if self.is_big {
-            bytes.reverse();
-        }
-        Ok(bytes)
-    }
 }
 
 impl Rows for Binary<'_> {
@@ -94,26 +149,26 @@ impl Rows for Binary<'_> {
 
     #[inline]
     fn value(&mut self, kind: Type) -> Checked<f64> {
-        Ok(match kind {
-            Type::Int8 => i8::from_le_bytes(self.take()?).into(),
-            Type::Uint8 => u8::from_le_bytes(self.take()?).into(),
-            Type::Int16 => i16::from_le_bytes(self.take()?).into(),
-            Type::Uint16 => u16::from_le_bytes(self.take()?).into(),
-            Type::Int32 => i32::from_le_bytes(self.take()?).into(),
-            Type::Uint32 => u32::from_le_bytes(self.take()?).into(),
-            Type::Float32 => f32::from_le_bytes(self.take()?).into(),
-            Type::Float64 => f64::from_le_bytes(self.take()?),
-        })
+        self.last = (self.size - self.rest.len()) as u64;
+        let truncated = || Fault::at(Place::Byte(self.last), "truncated: the file ends here");
+        let value = value(self.rest, kind, self.is_big).ok_or_else(truncated)?;
+        let size = usize::try_from(kind.size()).unwrap_or(usize::MAX);
+        self.rest = self.rest.get(size..).unwrap_or_default();
+        Ok(value)
     }
 
     fn skip_fixed(&mut self, element: &Element) -> Checked<bool> {
+        Ok(self.table(element)?.is_some())
+    }
+
+    fn table<'a>(&'a mut self, element: &Element) -> Checked<Option<Table<'a>>> {
         if element.has_lists() {
-            return Ok(false);
+            return Ok(None);
         }
         let size = element.smallest_row().checked_mul(element.count);
-        let rest = size
+        let pieces = size
             .and_then(|size| usize::try_from(size).ok())
-            .and_then(|size| self.rest.get(size..));
+            .and_then(|size| self.rest.split_at_checked(size));
         let truncated = || {
             let place = Place::Byte((self.size - self.rest.len()) as u64);
             let (name, count) = (&element.name, element.count);
@@ -122,8 +177,85 @@ impl Rows for Binary<'_> {
                 format!("truncated: not enough bytes for {count} rows of '{name}'"),
             )
         };
-        self.rest = rest.ok_or_else(truncated)?;
-        Ok(true)
+        let (rows, rest) = pieces.ok_or_else(truncated)?;
+        self.rest = rest;
+        Ok(Some(Table {
+            rows,
+            row: usize::try_from(element.smallest_row()).unwrap_or(usize::MAX),
+            is_big: self.is_big,
+        }))
+    }
+
+    fn plain_triangles(
+        &mut self,
+        element: &Element,
+        most: u64,
+        limit: u64,
+        mut push: impl FnMut([u32; 3]),
+    ) -> u64 {
+        let [property] = element.properties.as_slice() else {
+            return 0;
+        };
+        let Kind::List {
+            count: Type::Uint8,
+            item: Type::Int32 | Type::Uint32,
+        } = property.kind
+        else {
+            return 0;
+        };
+        // Negative indices are large here, and more than there can be vertices.
+        let limit = u32::try_from(limit.min(1 << 31)).unwrap_or(0);
+        let (mut rows, _) = self.rest.as_chunks::<13>();
+        let mut read = 0;
+        while read < most
+            && let [[3, bytes @ ..], more @ ..] = rows
+        {
+            let (words, _) = bytes.as_chunks::<4>();
+            let &[a, b, c] = words else {
+                break;
+            };
+            let corners = [a, b, c].map(|bytes| word(bytes, self.is_big));
+            if corners.iter().any(|&corner| corner >= limit) {
+                break;
+            }
+            push(corners);
+            rows = more;
+            read += 1;
+        }
+        let size = usize::try_from(13 * read).unwrap_or(usize::MAX);
+        self.rest = self.rest.get(size..).unwrap_or_default();
+        read
+    }
+
+    #[inline]
+    fn plain_list(&mut self, count: Type, item: Type, limit: u64, list: &mut Vec<u32>) -> bool {
+        let (length, rest) = match (count, self.rest) {
+            (Type::Uint8, &[length, ref rest @ ..]) => (usize::from(length), rest),
+            (Type::Int32 | Type::Uint32, rest) => {
+                let Some((&bytes, rest)) = rest.split_first_chunk::<4>() else {
+                    return false;
+                };
+                (word(bytes, self.is_big) as usize, rest)
+            }
+            _ => return false,
+        };
+        let words = length
+            .checked_mul(4)
+            .and_then(|size| rest.split_at_checked(size));
+        let (Some((words, rest)), Type::Int32 | Type::Uint32) = (words, item) else {
+            return false;
+        };
+        list.clear();
+        let (words, _) = words.as_chunks::<4>();
+        list.extend(words.iter().map(|&bytes| word(bytes, self.is_big)));
+        // Negative ones are large here, and more than there can be vertices.
+        let is_plain = list
+            .iter()
+            .all(|&index| u64::from(index) < limit.min(1 << 31));
+        if is_plain {
+            self.rest = rest;
+        }
+        is_plain
     }
 
     fn place(&self) -> Place {
@@ -224,6 +356,18 @@ impl Rows for Ascii<'_> {
 
     fn skip_fixed(&mut self, element: &Element) -> Checked<bool> {
         Ok(element.properties.is_empty())
+    }
+
+    fn table<'b>(&'b mut self, _: &Element) -> Checked<Option<Table<'b>>> {
+        Ok(None)
+    }
+
+    fn plain_triangles(&mut self, _: &Element, _: u64, _: u64, _: impl FnMut([u32; 3])) -> u64 {
+        0
+    }
+
+    fn plain_list(&mut self, _: Type, _: Type, _: u64, _: &mut Vec<u32>) -> bool {
+        false
     }
 
     fn place(&self) -> Place {

@@ -7,6 +7,9 @@ use crate::error::Place;
 use crate::io::report::{Checked, Fault, Report};
 use crate::io::surface::Surface;
 
+/// After so many rows it is asked how much memory they take.
+const CHECK_EVERY: u64 = 1 << 16;
+
 /// What the rows of faces say.
 pub(super) struct Faces {
     pub(super) surface: Surface,
@@ -38,7 +41,7 @@ impl Faces {
             Fault::line(element.line, "element 'face' has no list 'vertex_indices'")
         })?;
         warn_of_lists(element, report);
-        self.surface.reserve(rows.capacity(element));
+        self.surface.reserve(rows.capacity(element), report)?;
         let colors = ["red", "green", "blue"].map(|name| scalar_at(element, &[name]));
         let levels = Levels::new(
             colors
@@ -49,7 +52,22 @@ impl Faces {
         );
         let is_colored = colors.iter().all(Option::is_some);
         let mut ring = Vec::new();
-        for _ in 0..element.count {
+        let mut left = element.count;
+        let mut checked = left;
+        while left > 0 {
+            let surface = &mut self.surface;
+            let push = |corners| surface.push_triangle(corners);
+            let most = left.min(CHECK_EVERY);
+            left -= rows.plain_triangles(element, most, self.vertex_count, push);
+            if checked - left >= CHECK_EVERY || left == 0 {
+                checked = left;
+                let colors = size_of_val(self.colors.as_slice());
+                report.has_grown_to(self.surface.bytes() + colors)?;
+            }
+            if left == 0 {
+                break;
+            }
+            left -= 1;
             let mut color = [0.0; 3];
             rows.begin(element)?;
             for (k, property) in element.properties.iter().enumerate() {
@@ -83,6 +101,9 @@ impl Faces {
         rows: &mut R,
         ring: &mut Vec<u32>,
     ) -> Checked<()> {
+        if rows.plain_list(count, item, self.vertex_count, ring) {
+            return Ok(());
+        }
         ring.clear();
         for _ in 0..rows.length(count, item)? {
             let index = rows.value(item)?;
@@ -110,7 +131,12 @@ impl Faces {
 
     /// Reads strips: each vertex makes a triangle with the two before it, every other one turned over;
     /// a negative index begins anew.
-    pub(super) fn read_strips<R: Rows>(&mut self, element: &Element, rows: &mut R) -> Checked<()> {
+    pub(super) fn read_strips<R: Rows>(
+        &mut self,
+        element: &Element,
+        rows: &mut R,
+        report: &Report,
+    ) -> Checked<()> {
         let Some(strip) = list_at(element, &["vertex_indices", "vertex_index"]) else {
             return skip(element, rows);
         };
@@ -120,7 +146,7 @@ impl Faces {
                 match property.kind {
                     Kind::List { count, item } if k == strip => {
                         let length = rows.length(count, item)?;
-                        self.read_strip(length, item, rows)?;
+                        self.read_strip(length, item, rows, report)?;
                     }
                     kind => skip_value(kind, rows)?,
                 }
@@ -130,8 +156,15 @@ impl Faces {
         Ok(())
     }
 
-    fn read_strip<R: Rows>(&mut self, length: u64, item: Type, rows: &mut R) -> Checked<()> {
-        self.surface.reserve(usize::try_from(length).unwrap_or(0));
+    fn read_strip<R: Rows>(
+        &mut self,
+        length: u64,
+        item: Type,
+        rows: &mut R,
+        report: &Report,
+    ) -> Checked<()> {
+        let triangles = usize::try_from(length).unwrap_or(usize::MAX);
+        self.surface.reserve(triangles, report)?;
         let (mut last, mut is_odd) = ([None; 2], false);
         for _ in 0..length {
             let index = rows.value(item)?;

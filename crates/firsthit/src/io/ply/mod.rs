@@ -5,12 +5,14 @@ mod faces;
 mod header;
 mod vertices;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::Model;
 use super::picture;
 use super::report::{Checked, Fault, Report};
 use super::surface::{Surface, Vertices, face_attribute};
+use super::text::shown;
 use crate::error::{Place, escape_controls};
 use crate::geometry::srgb_decode;
 use crate::scene::{Material, Object, TextureMap};
@@ -47,9 +49,9 @@ fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Chec
     let mut faces = Faces::new(element.count);
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => vertices.read(element, &mut rows)?,
+            "vertex" => vertices.read(element, &mut rows, report)?,
             "face" => faces.read(element, &mut rows, report)?,
-            "tristrips" => faces.read_strips(element, &mut rows)?,
+            "tristrips" => faces.read_strips(element, &mut rows, report)?,
             name => {
                 if element.count > 0 {
                     report.warn("element", &Place::Line(element.line), || {
@@ -101,12 +103,12 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
             let count = header.textures.len();
             format!(
                 "{count} textures are named, only the first is read: '{}'",
-                named.name
+                shown(named.name.as_bytes())
             )
         });
     }
-    let scene = report.path().to_owned();
-    match picture::sibling(&scene, &named.name, report.settings()) {
+    let scene = report.scene().map(Path::to_owned);
+    match scene.and_then(|scene| picture::sibling(&scene, &named.name, report)) {
         Ok(texture) => Some(TextureMap::new(texture.into(), TextureMap::V_UP)),
         Err(reason) => {
             report.warn("texture", &place, || {

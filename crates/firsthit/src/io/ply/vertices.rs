@@ -1,9 +1,9 @@
 //! The vertices of a PLY file.
 
-use super::body::{Rows, scalar_at};
+use super::body::{Rows, Table, scalar_at};
 use super::header::{Element, Format, Header, Kind, Type};
 use super::{Levels, skip_value};
-use crate::io::report::{Checked, Fault};
+use crate::io::report::{Checked, Fault, Report};
 use crate::shape::Positions;
 
 /// The properties that are read, by all the names they go by.
@@ -82,8 +82,19 @@ impl VertexRows {
         })
     }
 
-    pub(super) fn read<R: Rows>(&mut self, element: &Element, rows: &mut R) -> Checked<()> {
-        self.reserve(rows.capacity(element));
+    pub(super) fn read<R: Rows>(
+        &mut self,
+        element: &Element,
+        rows: &mut R,
+        report: &mut Report,
+    ) -> Checked<()> {
+        let capacity = rows.capacity(element);
+        report.has_grown_to(capacity.saturating_mul(self.row_bytes()))?;
+        self.reserve(capacity);
+        if let Some(table) = rows.table(element)? {
+            self.read_table(element, &table);
+            return Ok(());
+        }
         let mut row = [0.0; NAMES.len()];
         for _ in 0..element.count {
             rows.begin(element)?;
@@ -97,6 +108,65 @@ impl VertexRows {
             self.push(row);
         }
         Ok(())
+    }
+
+    /// What a vertex takes in memory.
+    fn row_bytes(&self) -> usize {
+        let position = match self.points {
+            Points::Single(_) => size_of::<[f32; 3]>(),
+            Points::Double(_) => size_of::<[f64; 3]>(),
+        };
+        let normal = self.normals.as_ref().map_or(0, |_| size_of::<[f32; 3]>());
+        let uv = self.uvs.as_ref().map_or(0, |_| size_of::<[f32; 2]>());
+        let color = self.colors.as_ref().map_or(0, |_| size_of::<[f32; 3]>());
+        position + normal + uv + color
+    }
+
+    /// Reads all rows column by column.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "kept as float32, as declared or by design"
+    )]
+    fn read_table(&mut self, element: &Element, table: &Table) {
+        // A property that is missing is never asked for: it has no column.
+        let mut columns = [(usize::MAX, Type::Uint8); NAMES.len()];
+        let mut offset = 0;
+        for (property, slot) in element.properties.iter().zip(&self.slots) {
+            let (Kind::Scalar(kind) | Kind::List { count: kind, .. }) = property.kind;
+            if let Some(column) = slot.and_then(|slot| columns.get_mut(slot)) {
+                *column = (offset, kind);
+            }
+            offset += usize::try_from(kind.size()).unwrap_or(0);
+        }
+        let [x, y, z, nx, ny, nz, u, v, r, g, b] = columns;
+        match &mut self.points {
+            Points::Single(points) => {
+                points.extend(
+                    table
+                        .columns([x, y, z])
+                        .map(|point| point.map(|x| x as f32)),
+                );
+            }
+            Points::Double(points) => points.extend(table.columns([x, y, z])),
+        }
+        if let Some(normals) = &mut self.normals {
+            normals.extend(
+                table
+                    .columns([nx, ny, nz])
+                    .map(|normal| normal.map(|x| x as f32)),
+            );
+        }
+        if let Some(uvs) = &mut self.uvs {
+            uvs.extend(table.columns([u, v]).map(|uv| uv.map(|x| x as f32)));
+        }
+        if let Some(colors) = &mut self.colors {
+            let levels = &self.levels;
+            colors.extend(
+                table
+                    .columns([r, g, b])
+                    .map(|color| color.map(|k| levels.linear(k))),
+            );
+        }
     }
 
     fn reserve(&mut self, count: usize) {

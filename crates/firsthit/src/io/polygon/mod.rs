@@ -42,6 +42,29 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     Some(clipper::Clipper::new(&points).run())
 }
 
+/// Whether a quadrilateral is so clearly convex, seen along one of the axes, that no rounding can say
+/// otherwise: the common case, decided without [`triangulate`]. `false` for corners that are not finite.
+pub(super) fn is_plainly_convex([a, b, c, d]: [DVec3; 4]) -> bool {
+    let [ab, ac, ad] = [b - a, c - a, d - a];
+    let (first, second) = (ab.cross(ac), ac.cross(ad));
+    // Both triangles of the fan, seen along the axis nearest their common normal.
+    let sum = (first + second).abs();
+    let (first, second) = if sum.z >= sum.x && sum.z >= sum.y {
+        (first.z, second.z)
+    } else if sum.x >= sum.y {
+        (first.x, second.x)
+    } else {
+        (first.y, second.y)
+    };
+    // A component of a cross product is wrong by some 1e-16 of this at most.
+    let size = ab
+        .length_squared()
+        .max(ac.length_squared())
+        .max(ad.length_squared());
+    let clear = 1e-12 * size;
+    (first > clear && second > clear) || (first < -clear && second < -clear)
+}
+
 /// How far corners may lie apart along the normal, as a share of the polygon's size, before seeing it
 /// along the normal says nothing about it.
 const BENT: f64 = 0.1;

@@ -1,0 +1,163 @@
+//! A time counts only for right answers: every run is compared with Embree's and, in a sample, with the judge's.
+
+use firsthit::{Hit, Hits, Ray, Rays};
+use rayon::prelude::*;
+
+use crate::embree::Answers;
+use crate::firsthit_side;
+
+/// What was compared, and what was not equal.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Checked {
+    /// Rays shown to the judge: the sample, and some of those where Embree answers otherwise.
+    pub(crate) judged: usize,
+    /// Rays whose answer is not the judge's, bit for bit.
+    pub(crate) wrong: usize,
+    /// Rays that hit for one side only.
+    pub(crate) other_outcome: usize,
+    /// Rays that hit different triangles.
+    pub(crate) other_triangle: usize,
+    /// The largest difference in `t`, as a share of it, where the triangles are equal.
+    pub(crate) largest_difference: f64,
+}
+
+/// At most so many of the rays where Embree answers otherwise go to the judge.
+const DISPUTED: usize = 16;
+
+/// The judge and what he may spend.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Judge<'a> {
+    pub(crate) scene: &'a firsthit::Scene,
+    /// Triangle tests for one sample.
+    pub(crate) budget: u64,
+}
+
+impl Judge<'_> {
+    /// Compares first hits.
+    pub(crate) fn first_hits(
+        &self,
+        hits: &Hits,
+        rays: &(impl Rays + ?Sized),
+        embree: Option<&Answers>,
+    ) -> Checked {
+        let mut checked = Checked::default();
+        let mut disputed = Vec::new();
+        for (index, answers) in embree
+            .into_iter()
+            .flat_map(|a| (0..hits.len()).map(move |k| (k, a)))
+        {
+            let hit = hits.get(index);
+            match answers.hit(index) {
+                None if hit.is_miss() => {}
+                Some((t, object, primitive))
+                    if (hit.object, hit.primitive) == (object as i32, primitive as i32) =>
+                {
+                    let difference = (f64::from(t) - hit.t).abs() / hit.t;
+                    checked.largest_difference = checked.largest_difference.max(difference);
+                }
+                answer => {
+                    if answer.is_some() && !hit.is_miss() {
+                        checked.other_triangle += 1;
+                    } else {
+                        checked.other_outcome += 1;
+                    }
+                    disputed.push(index);
+                }
+            }
+        }
+        let sample = self.sample(hits.len(), disputed);
+        let differs = |&index: &usize| {
+            !equal(
+                &firsthit_side::judge(self.scene, &rays.ray(index)),
+                &hits.get(index),
+            )
+        };
+        checked.judged = sample.len();
+        checked.wrong = sample.par_iter().filter(|index| differs(index)).count();
+        checked
+    }
+
+    /// Compares whether rays meet anything.
+    pub(crate) fn any_hits(
+        &self,
+        found: &[bool],
+        rays: &[Ray],
+        embree: Option<&Answers>,
+    ) -> Checked {
+        let disputed: Vec<usize> = embree.map_or_else(Vec::new, |answers| {
+            let differs = |&index: &usize| answers.is_occluded(index) != found[index];
+            (0..found.len()).filter(differs).collect()
+        });
+        let other_outcome = disputed.len();
+        let sample = self.sample(found.len(), disputed);
+        let differs = |&&index: &&usize| {
+            firsthit_side::judge(self.scene, &rays[index]).is_miss() == found[index]
+        };
+        Checked {
+            judged: sample.len(),
+            wrong: sample.par_iter().filter(differs).count(),
+            other_outcome,
+            ..Checked::default()
+        }
+    }
+
+    /// Rays evenly over all, and the first disputed ones.
+    fn sample(&self, rays: usize, mut disputed: Vec<usize>) -> Vec<usize> {
+        let count = (self.budget / self.scene.triangles().max(1)).clamp(8, 4096) as usize;
+        // An odd step, so that pixels of all columns come up.
+        let step = (rays / count).max(1) | 1;
+        disputed.truncate(DISPUTED);
+        disputed.extend((step / 2..rays).step_by(step));
+        disputed
+    }
+}
+
+/// Equal to the last bit; misses have NaN for weights.
+fn equal(a: &Hit, b: &Hit) -> bool {
+    let bits = |hit: &Hit| [hit.t, hit.barycentric.x, hit.barycentric.y].map(f64::to_bits);
+    (a.object, a.primitive) == (b.object, b.primitive) && (a.is_miss() || bits(a) == bits(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use firsthit::{DVec3, Object, Scene, Sphere};
+
+    use super::*;
+
+    fn scene() -> Scene {
+        let sphere = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        Scene::new(vec![Object::new(sphere)]).unwrap()
+    }
+
+    fn rays() -> Vec<Ray> {
+        let start = |k: u32| DVec3::new(f64::from(k) * 0.1, 0.0, 5.0);
+        (0..20).map(|k| Ray::new(start(k), DVec3::NEG_Z)).collect()
+    }
+
+    #[test]
+    fn a_hit_that_is_wrong_in_the_last_bit_is_found() {
+        let (scene, rays) = (scene(), rays());
+        let judge = Judge {
+            scene: &scene,
+            budget: 1000,
+        };
+        let mut hits = firsthit_side::first_hits(&scene, rays.as_slice());
+        assert_eq!(judge.first_hits(&hits, rays.as_slice(), None).wrong, 0);
+        hits.t[3] = hits.t[3].next_up();
+        let checked = judge.first_hits(&hits, rays.as_slice(), None);
+        assert_eq!((checked.wrong, checked.judged), (1, 20));
+    }
+
+    #[test]
+    fn a_wrong_shadow_is_found() {
+        let (scene, rays) = (scene(), rays());
+        let judge = Judge {
+            scene: &scene,
+            budget: 1000,
+        };
+        let mut found = firsthit_side::any_hits(&scene, &rays);
+        assert_eq!(judge.any_hits(&found, &rays, None).wrong, 0);
+        found[19] = !found[19];
+        assert_eq!(judge.any_hits(&found, &rays, None).wrong, 1);
+    }
+}

@@ -1,0 +1,67 @@
+//! firsthit beside Embree: the same scenes, the same rays, one run. `docs/performance.md` says how to read it.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "counts of rays and triangles, and float64 to float32 on purpose: Embree takes nothing else"
+)]
+
+mod check;
+mod embree;
+mod firsthit_side;
+mod measure;
+mod report;
+mod rows;
+mod scenes;
+mod settings;
+mod tree;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use rayon::ThreadPoolBuilder;
+
+use embree::Library;
+use report::Report;
+use settings::Settings;
+
+fn main() -> ExitCode {
+    match run(&Settings::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => {
+            eprintln!("firsthit-bench: error: firsthit differs from the judge, see the table");
+            ExitCode::FAILURE
+        }
+        Err(message) => {
+            eprintln!("firsthit-bench: error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The whole table; false when an answer of firsthit is not the judge's.
+fn run(settings: &Settings) -> Result<bool, String> {
+    let library = settings
+        .embree
+        .as_deref()
+        .map(Library::open)
+        .transpose()
+        .map_err(|error| format!("--embree: {error}"))?;
+    let device = library.as_ref().map(embree::Device::new).transpose()?;
+    // The main thread is the one worker of the default pool: what is measured runs here, on one thread.
+    let failed = |error: rayon::ThreadPoolBuildError| error.to_string();
+    let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    alone.build_global().map_err(failed)?;
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(2)
+        .build()
+        .map_err(failed)?;
+    let mut report = Report::new(settings, device.as_ref());
+    for name in settings.scenes()? {
+        let scene = scenes::find(&name, settings)?;
+        let trees = tree::measure(&scene, device.as_ref(), settings, &pool)?;
+        report.tree(&scene, &trees);
+        rows::measure(&scene, &trees, settings, &pool, &mut report)?;
+    }
+    report.finish()
+}

@@ -1,0 +1,219 @@
+//! The rows of the table: which rays, and both sides' times for them.
+
+mod rays;
+
+use std::cell::RefCell;
+use std::hint::black_box;
+
+use clap::ValueEnum;
+use firsthit::{Camera, Projection, Ray, Rays};
+use rayon::ThreadPool;
+
+use crate::check::{Checked, Judge};
+use crate::embree::{Answers, Columns, Door, FlushToZero, Pixels, Source};
+use crate::firsthit_side;
+use crate::measure::{self, Timing};
+use crate::report::Report;
+use crate::scenes::BenchScene;
+use crate::settings::Settings;
+use crate::tree::Trees;
+use rays::Surface;
+
+/// A kind of rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Row {
+    /// The pixels of a perspective camera, from its description
+    Primary,
+    /// The pixels of an orthographic camera, from its description
+    Orthographic,
+    /// From each hit of the first row to the light: anything in between?
+    Shadow,
+    /// Four from each hit, as far as the scene's reach: anything there?
+    Occlusion,
+    /// One from each hit, as a matt surface scatters: the first hit
+    Bounce,
+    /// From points all over the scene's box in all directions: the first hit
+    Random,
+}
+
+impl Row {
+    /// Every row, in the table's order.
+    pub(crate) const ALL: &[Self] = &[
+        Self::Primary,
+        Self::Orthographic,
+        Self::Shadow,
+        Self::Occlusion,
+        Self::Bounce,
+        Self::Random,
+    ];
+
+    /// Its name, as on the command line.
+    pub(crate) fn name(self) -> String {
+        let value = self.to_possible_value().expect("no row is hidden");
+        value.get_name().to_owned()
+    }
+}
+
+/// Embree's columns: robust or not, and the door.
+pub(crate) const DOORS: [(bool, Door); 6] = [
+    (false, Door::Single),
+    (false, Door::Packet),
+    (false, Door::Coherent),
+    (true, Door::Single),
+    (true, Door::Packet),
+    (true, Door::Coherent),
+];
+
+/// A row for one scene. Times are nanoseconds of one thread for each ray.
+#[derive(Debug, Clone)]
+pub(crate) struct Measured {
+    pub(crate) row: Row,
+    pub(crate) rays: usize,
+    pub(crate) firsthit: Timing,
+    /// As [`DOORS`]; none without Embree.
+    pub(crate) embree: Vec<Timing>,
+    /// How many times faster firsthit is with two threads.
+    pub(crate) speedup: f64,
+    pub(crate) checked: Checked,
+}
+
+/// Measures all rows that were asked for.
+pub(crate) fn measure(
+    scene: &BenchScene,
+    trees: &Trees<'_>,
+    settings: &Settings,
+    pool: &ThreadPool,
+    report: &mut Report<'_>,
+) -> Result<(), String> {
+    let run = Run {
+        trees,
+        judge: Judge {
+            scene: &trees.firsthit,
+            budget: settings.judge,
+        },
+        rounds: settings.rounds,
+        pool,
+    };
+    let side = settings.side;
+    let camera = scene.look.camera(Projection::Perspective, side)?;
+    let surface = Surface::seen(&trees.firsthit, &camera);
+    for &row in settings.rows() {
+        let measured = match row {
+            Row::Primary => run.pixels(row, &camera),
+            Row::Orthographic => {
+                run.pixels(row, &scene.look.camera(Projection::Orthographic, side)?)
+            }
+            Row::Shadow => run.any_hits(row, &surface.to_light(scene.look.light)),
+            Row::Occlusion => run.any_hits(row, &surface.around(scene.look.reach, side * side)),
+            Row::Bounce => run.array(row, &surface.scattered()),
+            Row::Random => run.array(row, &rays::anywhere(trees.firsthit.bounds(), side * side)),
+        };
+        report.row(&scene.name, measured);
+    }
+    Ok(())
+}
+
+/// What all rows of a scene need.
+struct Run<'a> {
+    trees: &'a Trees<'a>,
+    judge: Judge<'a>,
+    rounds: u32,
+    pool: &'a ThreadPool,
+}
+
+impl Run<'_> {
+    fn pixels(&self, row: Row, camera: &Camera) -> Measured {
+        self.first_hits(row, camera, &Pixels::new(camera))
+    }
+
+    fn array(&self, row: Row, rays: &[Ray]) -> Measured {
+        self.first_hits(row, rays, &Columns::new(rays))
+    }
+
+    /// `rays` for firsthit and `source` for Embree are the same ones.
+    fn first_hits(&self, row: Row, rays: &(impl Rays + ?Sized), source: &impl Source) -> Measured {
+        let scene = &self.trees.firsthit;
+        let mut ours = || drop(black_box(firsthit_side::first_hits(scene, rays)));
+        let theirs = |(robust, door): (bool, Door), answers: &mut Answers| {
+            if let Some(trees) = &self.trees.embree {
+                trees.of(robust).first_hits(source, door, answers);
+            }
+        };
+        let mut answers = Answers::new(source.len());
+        let times = self.in_turns(source.len(), &mut ours, &theirs, &mut answers);
+        let hits = firsthit_side::first_hits(scene, rays);
+        // What Embree answers at its most careful.
+        theirs((true, Door::Single), &mut answers);
+        let answers = self.trees.embree.is_some().then_some(&answers);
+        let judge = self.judge;
+        let check = || judge.first_hits(&hits, rays, answers);
+        Measured {
+            row,
+            rays: source.len(),
+            firsthit: times[0],
+            embree: times[1..].to_vec(),
+            checked: self.pool.install(check),
+            speedup: measure::speedup(self.rounds, self.pool, &|| {
+                drop(black_box(firsthit_side::first_hits(scene, rays)));
+            }),
+        }
+    }
+
+    fn any_hits(&self, row: Row, rays: &[Ray]) -> Measured {
+        let scene = &self.trees.firsthit;
+        let source = &Columns::new(rays);
+        let mut ours = || drop(black_box(firsthit_side::any_hits(scene, rays)));
+        let theirs = |(robust, door): (bool, Door), answers: &mut Answers| {
+            if let Some(trees) = &self.trees.embree {
+                trees.of(robust).any_hits(source, door, answers);
+            }
+        };
+        let mut answers = Answers::new(rays.len());
+        let times = self.in_turns(rays.len(), &mut ours, &theirs, &mut answers);
+        let found = firsthit_side::any_hits(scene, rays);
+        theirs((true, Door::Single), &mut answers);
+        let answers = self.trees.embree.is_some().then_some(&answers);
+        let judge = self.judge;
+        let check = || judge.any_hits(&found, rays, answers);
+        Measured {
+            row,
+            rays: rays.len(),
+            firsthit: times[0],
+            embree: times[1..].to_vec(),
+            checked: self.pool.install(check),
+            speedup: measure::speedup(self.rounds, self.pool, &|| {
+                drop(black_box(firsthit_side::any_hits(scene, rays)));
+            }),
+        }
+    }
+
+    /// firsthit's time, then Embree's through each of [`DOORS`].
+    fn in_turns(
+        &self,
+        rays: usize,
+        ours: &mut dyn FnMut(),
+        theirs: &dyn Fn((bool, Door), &mut Answers),
+        answers: &mut Answers,
+    ) -> Vec<Timing> {
+        // All doors write into the same planes, as a program would.
+        let answers = RefCell::new(answers);
+        let mut doors: Vec<_> = DOORS
+            .into_iter()
+            .map(|door| {
+                let answers = &answers;
+                move || {
+                    let _flush = FlushToZero::on();
+                    theirs(door, &mut answers.borrow_mut());
+                }
+            })
+            .collect();
+        if self.trees.embree.is_none() {
+            doors.clear();
+        }
+        let mut contestants: Vec<&mut dyn FnMut()> = vec![ours];
+        for door in &mut doors {
+            contestants.push(door);
+        }
+        measure::in_turns(self.rounds, rays, &mut contestants)
+    }
+}

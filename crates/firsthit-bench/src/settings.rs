@@ -1,0 +1,79 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+use crate::rows::Row;
+use crate::scenes;
+
+/// firsthit beside Embree: the same scenes, the same rays, one run.
+#[derive(Debug, Parser)]
+#[command(name = "firsthit-bench", max_term_width = 100)]
+pub(crate) struct Settings {
+    /// Embree 4's shared library [default: firsthit is measured alone]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) embree: Option<PathBuf>,
+    /// The folder with the scenes: NAME.ply beside NAME.cam
+    #[arg(long, value_name = "FOLDER", default_value = "target/scenes")]
+    pub(crate) folder: PathBuf,
+    /// The scenes, by name [default: all of the folder; the built-in ones where it is empty]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub(crate) scenes: Vec<String>,
+    /// The rows [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub(crate) rows: Vec<Row>,
+    /// How often each time is taken, in turns; the smallest counts
+    #[arg(long, default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) rounds: u32,
+    /// Pixels across and down, a multiple of 16
+    #[arg(long, default_value_t = 1024, value_parser = side)]
+    pub(crate) side: usize,
+    /// How many triangles the judge may test for a row's sample of hits
+    #[arg(long, value_name = "NUMBER", default_value_t = 300_000_000)]
+    pub(crate) judge: u64,
+    /// Write the table to this file, too
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
+}
+
+fn side(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(side) if side > 0 && side % 16 == 0 && side <= 16384 => Ok(side),
+        _ => Err(format!("must be a multiple of 16 up to 16384, got {text}")),
+    }
+}
+
+impl Settings {
+    /// The names of the scenes to measure.
+    pub(crate) fn scenes(&self) -> Result<Vec<String>, String> {
+        if self.scenes.is_empty() {
+            scenes::all(&self.folder)
+        } else {
+            Ok(self.scenes.clone())
+        }
+    }
+
+    /// The command that measures the same again.
+    pub(crate) fn command(&self) -> String {
+        let mut words = vec![format!("make bench ROUNDS={}", self.rounds)];
+        if !self.scenes.is_empty() {
+            words.push(format!("SCENES={}", self.scenes.join(",")));
+        }
+        if !self.rows.is_empty() {
+            let rows: Vec<String> = self.rows.iter().map(|row| row.name()).collect();
+            words.push(format!("ROWS={}", rows.join(",")));
+        }
+        words.push(format!("JUDGE={}", self.judge));
+        words.join(" ")
+    }
+
+    /// The rows to measure.
+    pub(crate) fn rows(&self) -> &[Row] {
+        if self.rows.is_empty() {
+            Row::ALL
+        } else {
+            &self.rows
+        }
+    }
+}

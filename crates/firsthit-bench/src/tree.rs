@@ -1,0 +1,80 @@
+//! Building: time and memory.
+
+use rayon::ThreadPool;
+
+use crate::embree::{self, Device};
+use crate::firsthit_side;
+use crate::measure::{self, Timing};
+use crate::scenes::BenchScene;
+use crate::settings::Settings;
+
+/// The trees of both sides over one scene, and what they cost.
+#[derive(Debug)]
+pub(crate) struct Trees<'a> {
+    pub(crate) firsthit: firsthit::Scene,
+    pub(crate) embree: Option<EmbreeTrees<'a>>,
+    /// Nanoseconds for each triangle.
+    pub(crate) firsthit_build: Timing,
+    pub(crate) firsthit_bytes: f64,
+    /// How many times faster two threads build.
+    pub(crate) speedup: f64,
+}
+
+/// Embree's trees.
+#[derive(Debug)]
+pub(crate) struct EmbreeTrees<'a> {
+    pub(crate) plain: embree::Scene<'a>,
+    pub(crate) robust: embree::Scene<'a>,
+    /// Nanoseconds for each triangle, medium quality.
+    pub(crate) build: Timing,
+    pub(crate) bytes: f64,
+}
+
+impl EmbreeTrees<'_> {
+    /// The tree that is traversed robustly, or not.
+    pub(crate) fn of(&self, robust: bool) -> &embree::Scene<'_> {
+        if robust { &self.robust } else { &self.plain }
+    }
+}
+
+/// Builds are long and steady: they take no more rounds than this.
+const MOST_ROUNDS: u32 = 3;
+
+/// Builds the trees of both sides, in turns. Triangle buffers are given to both beforehand.
+pub(crate) fn measure<'a>(
+    scene: &'a BenchScene,
+    device: Option<&'a Device<'_>>,
+    settings: &Settings,
+    pool: &ThreadPool,
+) -> Result<Trees<'a>, String> {
+    let firsthit = firsthit_side::build(&scene.objects)?;
+    let triangles = firsthit.triangles() as f64;
+    let rounds = settings.rounds.min(MOST_ROUNDS);
+    let mut ours = || drop(firsthit_side::build(&scene.objects));
+    let mut theirs = || drop(device.map(|device| device.scene(&scene.triangles, false)));
+    let times = measure::in_turns(rounds, triangles as usize, &mut [&mut ours, &mut theirs]);
+    let speedup = measure::speedup(rounds, pool, &|| {
+        drop(firsthit_side::build(&scene.objects));
+    });
+    let embree = match device {
+        None => None,
+        Some(device) => {
+            let plain = device.scene(&scene.triangles, false)?;
+            let robust = device.scene(&scene.triangles, true)?;
+            let bytes = plain.bytes as f64 / triangles;
+            Some(EmbreeTrees {
+                plain,
+                robust,
+                build: times[1],
+                bytes,
+            })
+        }
+    };
+    Ok(Trees {
+        firsthit_bytes: firsthit.tree_bytes() as f64 / triangles,
+        firsthit,
+        embree,
+        firsthit_build: times[0],
+        speedup,
+    })
+}

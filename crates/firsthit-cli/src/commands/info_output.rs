@@ -1,0 +1,165 @@
+//! What an output says of itself.
+
+use std::path::Path;
+
+use firsthit::error::escape_controls;
+use firsthit::image::{Array, CameraRecord, ChannelRecord, Format, Metadata, Output, Stored, read};
+use serde_json::{Value, json};
+
+use crate::console::warn;
+use crate::failure::Failure;
+
+/// As text or as JSON, with a line break at the end.
+pub(super) fn text(path: &Path, format: &Format, as_json: bool) -> Result<String, Failure> {
+    let output = read(path)?;
+    if as_json {
+        return Ok(format!("{:#}\n", json(&output, format)));
+    }
+    let notes = output.notes.iter();
+    let notes = notes.map(|note| format!("{}: {note}", firsthit::error::escaped(path)));
+    warn(&notes.collect::<Vec<_>>());
+    let mut lines = vec![format!("format         {}", format.name)];
+    match &output.metadata {
+        Some(metadata) => describe(metadata, &mut lines),
+        None => {
+            lines.push("metadata       none: not written by firsthit, or lost since".to_owned());
+            lines.push(format!("channels       {}", output.arrays.len()));
+            lines.extend(output.arrays.iter().map(unknown));
+        }
+    }
+    Ok(lines.join("\n") + "\n")
+}
+
+fn json(output: &Output, format: &Format) -> Value {
+    let array = |array: &Array| {
+        json!({
+            "name": array.name,
+            "shape": array.shape,
+            "dtype": array.dtype,
+        })
+    };
+    json!({
+        "format": format.name,
+        "arrays": output.arrays.iter().map(array).collect::<Vec<_>>(),
+        "metadata": output.metadata,
+        "notes": output.notes,
+    })
+}
+
+/// A channel of a file that says nothing of itself.
+fn unknown(array: &Array) -> String {
+    let name = array.name.as_deref().unwrap_or("(no name)");
+    let sides: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
+    let what = if array.is_picture { ", to look at" } else { "" };
+    format!(
+        "  {}  {} of {}{what}",
+        escape_controls(name),
+        sides.join(" x "),
+        escape_controls(&array.dtype)
+    )
+}
+
+/// All strings are from a file: none of them reaches the terminal as it is.
+fn describe(metadata: &Metadata, lines: &mut Vec<String>) {
+    let mut say = |name: &str, text: String| {
+        lines.push(format!("{name:<14} {}", escape_controls(&text)));
+    };
+    say("firsthit", metadata.firsthit.clone());
+    if let Some(scene) = &metadata.scene {
+        say("scene", scene.clone());
+    }
+    match (metadata.shape.as_slice(), &metadata.pixels) {
+        ([rows, columns], Some(pixels)) => {
+            let [x, y] = pixels.first_center;
+            say(
+                "picture",
+                format!(
+                    "{columns} x {rows} pixels; row 0 is the {}, column 0 the {} one, its pixel's centre at ({x}, {y})",
+                    pixels.row_0, pixels.column_0
+                ),
+            );
+        }
+        (shape, _) => say("shape", format!("{shape:?}")),
+    }
+    if let Some(camera) = &metadata.camera {
+        describe_camera(camera, &mut say);
+    }
+    if let Some(samples) = metadata.samples {
+        say("samples", format!("{samples} for each pixel's colour"));
+    }
+    say("channels", metadata.channels.len().to_string());
+    let channels = metadata.channels.iter().map(channel);
+    lines.extend(channels.map(|line| format!("  {}", escape_controls(&line))));
+}
+
+fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
+    let triple = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
+    say(
+        "camera",
+        format!(
+            "{}, rays start at the {}",
+            camera.projection, camera.ray_start
+        ),
+    );
+    say("  position", triple(camera.position));
+    say("  aim", triple(camera.aim));
+    say("  up", triple(camera.up));
+    say("  focal_length", camera.focal_length.to_string());
+    say("  viewplane", format!("{}x{}", camera.width, camera.height));
+    if let Some(intrinsics) = &camera.intrinsics {
+        let center = intrinsics.first_pixel_center;
+        say(
+            "  K",
+            format!(
+                "{:?} (camera axes {}; the first pixel's centre is at {center})",
+                intrinsics.k, intrinsics.axes
+            ),
+        );
+    }
+    say(
+        "  pose",
+        format!(
+            "{:?} (world from camera, axes {})",
+            camera.pose.world_from_camera, camera.pose.axes
+        ),
+    );
+}
+
+fn channel(channel: &ChannelRecord) -> String {
+    let mut line = format!("{}  {}", channel.name, channel.dtype);
+    if channel.components > 1 {
+        line += &format!(" x {}", channel.components);
+    }
+    let details = [
+        channel.unit.as_ref().map(|unit| format!("in {unit}")),
+        channel.frame.as_ref().map(|frame| format!("{frame} frame")),
+        Some(format!("a miss is {}", channel.miss)),
+        channel.stored.as_ref().map(stored),
+    ];
+    for detail in details.into_iter().flatten() {
+        line += ", ";
+        line += &detail;
+    }
+    line
+}
+
+fn stored(stored: &Stored) -> String {
+    let Stored {
+        names,
+        dtype,
+        encoding,
+        miss,
+        scale,
+        legend,
+    } = stored;
+    let mut text = format!("stored as {} ({dtype}, ", names.join(" "));
+    text += &match scale {
+        Some(scale) => format!("steps of {scale}"),
+        None => encoding.name().to_owned(),
+    };
+    text += &format!(", a miss is {miss})");
+    if let Some(legend) = legend {
+        text += &format!(": {legend}");
+    }
+    text
+}

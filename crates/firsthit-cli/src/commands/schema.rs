@@ -1,0 +1,9 @@
+use std::io::Write;
+
+use crate::failure::Failure;
+
+pub(crate) fn run() -> Result<(), Failure> {
+    std::io::stdout()
+        .write_all(firsthit::io::schema().as_bytes())
+        .map_err(|error| Failure::stdout(&error))
+}

@@ -1,0 +1,66 @@
+"""The program under test, for the scripts of this folder, which need nothing but Python and Linux."""
+
+import argparse
+import os
+import resource
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[4]
+PUBLIC = ROOT.parent / "shared" / "refdata" / "public"
+
+#: The exit codes that a run may end with whatever it is given: done, bad input, output, limit.
+ORDERLY = {0, 3, 4, 5}
+
+
+def arguments(description: str) -> argparse.Namespace:
+    """Read the command line that all the scripts share."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("program", type=Path, help="the firsthit program")
+    parser.add_argument("--quick", action="store_true", help="a sample instead of everything")
+    given = parser.parse_args()
+    given.program = given.program.resolve()
+    return given
+
+
+class Ended:
+    """How a run of the program ended."""
+
+    def __init__(self, code: int, stderr: str) -> None:
+        self.code = code
+        self.lines = stderr.splitlines()
+
+    def disorder(self) -> str:
+        """Say what is wrong with the ending, if anything."""
+        if self.code not in ORDERLY:
+            return f"exit code {self.code}: {self.lines[-1:]}"
+        others = [line for line in self.lines if not line.startswith("firsthit: warning: ")]
+        if self.code == 0 and others:
+            return f"done, and said {others}"
+        if self.code != 0 and len(others) != 1:
+            return f"not one line: {others}"
+        if any(not char.isprintable() for line in self.lines for char in line):
+            return f"control characters: {self.lines}"
+        return ""
+
+
+def run(command: list, folder: Path, *, memory: int = 0, seconds: float = 60) -> Ended:
+    """Run a command in a folder, with so many bytes of address space if any number is given."""
+
+    def limit() -> None:
+        os.setpgrp()
+        if memory:
+            resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
+    try:
+        done = subprocess.run(
+            [str(word) for word in command],
+            cwd=folder,
+            capture_output=True,
+            preexec_fn=limit,
+            timeout=seconds,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return Ended(-1, f"still running after {seconds} s")
+    return Ended(done.returncode, done.stderr.decode(errors="replace"))

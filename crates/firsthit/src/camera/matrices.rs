@@ -1,0 +1,80 @@
+//! A camera as the matrices that other programs take.
+
+use super::{Camera, Projection, View};
+use crate::geometry::{DAffine3, DMat3, DVec3};
+
+impl Camera {
+    /// The pose: from the camera's coordinates (right, up, backwards, as in OpenGL and glTF) to the world's.
+    pub fn world_from_camera(&self) -> DAffine3 {
+        let rotation = DMat3::from_cols(self.right(), self.upwards(), -self.aim());
+        DAffine3::from_mat3_translation(rotation, self.position())
+    }
+
+    /// The intrinsic matrix K, for camera coordinates (x right, y down, z forwards, as in OpenCV and
+    /// COLMAP): `K (x, y, z) / z` is `(u, v, 1)`, u columns from the picture's left edge and v rows from its
+    /// upper one. The centre of the first pixel is at (0.5, 0.5), as in COLMAP; for OpenCV, where it is at
+    /// (0, 0), subtract 0.5 from the last column. `None` for parallel rays.
+    pub fn intrinsic_matrix(&self) -> Option<DMat3> {
+        let &View {
+            focal_length,
+            width,
+            height,
+            rows,
+            columns,
+            projection,
+            ..
+        } = self.view();
+        match projection {
+            Projection::Perspective => {
+                let (across, down) = (columns as f64, rows as f64);
+                Some(DMat3::from_cols(
+                    DVec3::new(focal_length * across / width, 0.0, 0.0),
+                    DVec3::new(0.0, focal_length * down / height, 0.0),
+                    DVec3::new(across / 2.0, down / 2.0, 1.0),
+                ))
+            }
+            Projection::Orthographic => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What both matrices make of the point at `t` on a pixel's ray is that pixel's centre.
+    #[test]
+    fn the_matrices_take_hits_back_to_their_pixels() {
+        let camera = Camera::new(View {
+            position: DVec3::new(3.0, -2.0, 5.0),
+            aim: DVec3::new(-1.0, 0.5, -2.0),
+            up: DVec3::new(0.1, 1.0, 0.3),
+            focal_length: 0.7,
+            width: 1.9,
+            height: 0.8,
+            rows: 7,
+            columns: 11,
+            ..View::default()
+        })
+        .unwrap();
+        let k = camera.intrinsic_matrix().unwrap();
+        for (row, column) in [(0, 0), (0, 10), (6, 0), (3, 5), (6, 10)] {
+            let point = camera.ray(row, column).at(4.0);
+            let flip = DVec3::new(1.0, -1.0, -1.0);
+            let in_camera = flip * camera.world_from_camera().inverse().transform_point3(point);
+            let pixel = k * in_camera / in_camera.z;
+            let expected = DVec3::new(column as f64 + 0.5, row as f64 + 0.5, 1.0);
+            assert!((pixel - expected).length() < 1e-12, "{pixel}");
+            assert!((in_camera.z - camera.z(row, column, 4.0)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn parallel_rays_have_no_intrinsic_matrix() {
+        let view = View {
+            projection: Projection::Orthographic,
+            ..View::default()
+        };
+        assert_eq!(Camera::new(view).unwrap().intrinsic_matrix(), None);
+    }
+}

@@ -1,0 +1,187 @@
+use std::io::{self, Cursor, Write};
+
+use exr::block::writer::ChunksWriter;
+use exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{
+    AttributeValue, ChannelDescription, Chromaticities, LineOrder, SampleType, Text,
+};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::prelude::{Compression, Vec2};
+use rayon::prelude::*;
+
+use super::format::{Content, picture_sides, pixel};
+use super::metadata::{Encoding, KEY, Stored};
+use super::{Channel, Data, Picture};
+use crate::error::{Error, Result};
+
+/// Every sample has 32 bits.
+const BYTES: usize = 4;
+
+/// Refuses what is no picture, and finite numbers that float32 would make infinite.
+pub(super) fn check(content: &Content<'_>) -> Result<()> {
+    picture_sides(
+        content.shape,
+        "[rows, columns], each from 1 to 2^31 - 1, for an EXR",
+    )?;
+    for channel in &content.channels {
+        let Data::Float64(values) = &channel.data else {
+            continue;
+        };
+        let is_lost = |value: &f64| value.is_finite() && single(*value).is_infinite();
+        if let Some(index) = values.iter().position(is_lost) {
+            let place = pixel(index / channel.components, content.shape);
+            let got = format!("{} at {place}", values[index]);
+            let expected = "in the range of float32 for an EXR (or use npz)";
+            return Err(Error::argument(channel.name, expected, got));
+        }
+    }
+    Ok(())
+}
+
+/// How an EXR stores a channel: by the names that programs look for, where there are such.
+pub(super) fn stored(channel: &Channel) -> Stored {
+    let names = match (channel.name, channel.components) {
+        ("color", 3) => ["R", "G", "B"].map(str::to_owned).to_vec(),
+        ("z", 1) => vec!["Z".to_owned()],
+        (name, 1) => vec![name.to_owned()],
+        (name, 2) => ["U", "V"].map(|axis| format!("{name}.{axis}")).to_vec(),
+        ("normal", 3) => ["N.X", "N.Y", "N.Z"].map(str::to_owned).to_vec(),
+        ("position", 3) => ["P.X", "P.Y", "P.Z"].map(str::to_owned).to_vec(),
+        (name, components) => (0..components).map(|k| format!("{name}.{k}")).collect(),
+    };
+    match (&channel.data, channel.picture) {
+        (Data::Float64(_), picture) => {
+            Stored::new(names, "float32", Encoding::Rounded, picture.miss())
+        }
+        (Data::Float32(_), picture) => {
+            Stored::new(names, "float32", Encoding::Exact, picture.miss())
+        }
+        (Data::Int32(_), _) => Stored::new(names, "uint32", Encoding::TwosComplement, "4294967295"),
+        (Data::Bool(_), _) => Stored::new(names, "uint32", Encoding::Exact, "0"),
+    }
+}
+
+/// The nearest float32.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "EXR has no float64; `check` refuses what would be lost"
+)]
+fn single(value: f64) -> f32 {
+    value as f32
+}
+
+/// Writes scan lines in blocks of 16, compressed by ZIP, with all threads of the current rayon pool. The
+/// compressed file is in memory before it is written, because its table of contents comes first.
+pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let &[rows, columns] = content.shape else {
+        return Err(io::Error::other("not a picture"));
+    };
+    // In the order of their names, which is the order of the file.
+    let mut planes: Vec<Plane<'_>> = content.channels.iter().copied().flat_map(planes).collect();
+    planes.sort_by(|a, b| a.name.cmp(&b.name));
+    let header = header(content, &planes, (rows, columns));
+    let mut file = Cursor::new(Vec::new());
+    let written = exr::block::write(&mut file, vec![header].into(), true, |meta, writer| {
+        let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
+        // Enough for all threads, little beside the picture.
+        for blocks in blocks.chunks(8 * rayon::current_num_threads()) {
+            let compress = |&(place, index)| {
+                if content.watch.is_stopped() {
+                    return Err(exr::error::Error::Aborted);
+                }
+                let data = block(&planes, columns, index);
+                let chunk = UncompressedBlock { index, data }.compress_to_chunk(&meta.headers);
+                chunk.map(|chunk| (place, chunk))
+            };
+            let chunks: Vec<_> = blocks.par_iter().map(compress).collect();
+            for chunk in chunks {
+                let (place, chunk) = chunk?;
+                writer.write_chunk(place, chunk)?;
+            }
+        }
+        Ok(())
+    });
+    written.map_err(|error| io::Error::other(error.to_string()))?;
+    out.write_all(file.get_ref())
+}
+
+/// One component of a channel, under its name in the file.
+struct Plane<'a> {
+    name: String,
+    channel: &'a Channel,
+    component: usize,
+}
+
+fn planes(channel: &Channel) -> impl Iterator<Item = Plane<'_>> {
+    let names = stored(channel).names.into_iter().enumerate();
+    names.map(move |(component, name)| Plane {
+        name,
+        channel,
+        component,
+    })
+}
+
+fn header(content: &Content<'_>, planes: &[Plane<'_>], (rows, columns): (usize, usize)) -> Header {
+    let described = planes.iter().map(|plane| {
+        let sample_type = match plane.channel.data {
+            Data::Float64(_) | Data::Float32(_) => SampleType::F32,
+            Data::Int32(_) | Data::Bool(_) => SampleType::U32,
+        };
+        let name = Text::new_or_panic(&plane.name);
+        ChannelDescription::new(name, sample_type, plane.channel.picture != Picture::Color)
+    });
+    let metadata = &content.metadata;
+    let mut own = LayerAttributes {
+        layer_name: None,
+        software_name: Text::new_or_none(format!("firsthit {}", metadata.firsthit)),
+        ..LayerAttributes::default()
+    };
+    // One attribute alone: where there are several, `exr` writes them in no fixed order.
+    let text = AttributeValue::Text(Text::new_or_panic(metadata.to_json()));
+    own.other.insert(Text::new_or_panic(KEY), text);
+    let shared = ImageAttributes {
+        chromaticities: Some(REC_709),
+        ..ImageAttributes::with_size((columns, rows))
+    };
+    Header::new(Text::default(), (columns, rows), described.collect())
+        .with_encoding(
+            Compression::ZIP16,
+            BlockDescription::ScanLines,
+            LineOrder::Increasing,
+        )
+        .with_shared_attributes(shared)
+        .with_attributes(own)
+}
+
+/// The primaries and the white (D65) of ITU-R BT.709.
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
+/// The bytes of some rows: of each row all planes, of each plane all columns.
+fn block(planes: &[Plane<'_>], columns: usize, index: exr::block::BlockIndex) -> Vec<u8> {
+    let (first, rows) = (index.pixel_position.y(), index.pixel_size.y());
+    let mut bytes = Vec::with_capacity(rows * columns * planes.len() * BYTES);
+    for row in first..first + rows {
+        for plane in planes {
+            let components = plane.channel.components;
+            let places = row * columns * components..(row + 1) * columns * components;
+            let places = places.skip(plane.component).step_by(components);
+            match &plane.channel.data {
+                Data::Float64(values) => {
+                    bytes.extend(places.flat_map(|k| single(values[k]).to_ne_bytes()));
+                }
+                Data::Float32(values) => bytes.extend(places.flat_map(|k| values[k].to_ne_bytes())),
+                Data::Int32(values) => bytes.extend(places.flat_map(|k| values[k].to_ne_bytes())),
+                Data::Bool(values) => {
+                    bytes.extend(places.flat_map(|k| u32::from(values[k]).to_ne_bytes()));
+                }
+            }
+        }
+    }
+    bytes
+}

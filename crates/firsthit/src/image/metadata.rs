@@ -1,0 +1,280 @@
+//! What an output says about itself: one structure, kept as JSON in every file.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Channel, Frame};
+
+/// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
+pub(super) const KEY: &str = "firsthit";
+
+/// The number of this structure; it grows when a reader of the old one would be wrong about a new one.
+pub const METADATA_VERSION: u32 = 1;
+
+/// What an output is, for people and programs that see nothing but the file.
+///
+/// `docs/output-metadata.schema.json` is its JSON Schema, `docs/outputs.md` shows it. It has no date and
+/// no path: the same picture has the same metadata.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Metadata {
+    /// [`METADATA_VERSION`].
+    pub metadata_version: u32,
+    /// The version of firsthit that made the output.
+    pub firsthit: String,
+    /// The fingerprint of the scene, see [`Origin::scene`].
+    pub scene: Option<String>,
+    /// `[rows, columns]` of a picture, `[n]` of a batch of rays.
+    pub shape: Vec<u64>,
+    /// How pixels lie; `None` for a batch of rays.
+    pub pixels: Option<Pixels>,
+    /// The camera that made the rays, if one did.
+    pub camera: Option<CameraRecord>,
+    /// How many points of a pixel its colour is the mean of; other channels are of the pixel's centre.
+    pub samples: Option<u32>,
+    /// The channels in this file.
+    pub channels: Vec<ChannelRecord>,
+}
+
+/// How pixels lie: the same in all outputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pixels {
+    /// Where the centre of the first pixel (row 0, column 0) is, in pixels from the picture's corner.
+    pub first_center: [f64; 2],
+    /// Where row 0 is.
+    pub row_0: String,
+    /// Where column 0 is.
+    pub column_0: String,
+}
+
+/// A camera: in the specification's words, as intrinsic matrix, and as pose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CameraRecord {
+    /// Where the camera is, in the world.
+    pub position: [f64; 3],
+    /// The direction it looks in, of length one.
+    pub aim: [f64; 3],
+    /// Which way is up, as it was given.
+    pub up: [f64; 3],
+    /// The distance from the camera to the viewplane.
+    pub focal_length: f64,
+    /// The viewplane's width.
+    pub width: f64,
+    /// The viewplane's height.
+    pub height: f64,
+    /// Pixels down.
+    pub rows: u64,
+    /// Pixels across.
+    pub columns: u64,
+    /// The projection's name.
+    pub projection: String,
+    /// Where `t` counts from: `viewplane` or `eye`.
+    pub ray_start: String,
+    /// As intrinsic matrix; `None` for parallel rays, which have none.
+    pub intrinsics: Option<Intrinsics>,
+    /// Where it is and how it is turned.
+    pub pose: Pose,
+}
+
+/// The matrix K: `(u, v, 1)` is `K (x, y, z) / z`, where u counts pixels to the right and v downwards.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Intrinsics {
+    /// Row by row.
+    pub k: [[f64; 3]; 3],
+    /// The coordinates (u and v) of the first pixel's centre: 0.5, as in COLMAP and OpenGL. For OpenCV,
+    /// where they are 0, subtract 0.5 from the two numbers in the last column.
+    pub first_pixel_center: f64,
+    /// What x, y, z are: the camera's right, down and forwards, as in OpenCV and COLMAP.
+    pub axes: String,
+}
+
+/// The matrix that takes the camera's coordinates to the world's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Row by row; it is applied to columns.
+    pub world_from_camera: [[f64; 4]; 4],
+    /// What the camera's x, y, z are: right, up and backwards, as in OpenGL, glTF and Blender.
+    pub axes: String,
+}
+
+/// A channel, as it was computed and as this file stores it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelRecord {
+    /// Its name.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub about: String,
+    /// The NumPy name of the type in which it was computed.
+    pub dtype: String,
+    /// How many numbers each element has.
+    pub components: u64,
+    /// The unit; `None` for numbers without one.
+    pub unit: Option<String>,
+    /// The frame that the numbers are in: `world`, `camera`, `ray`, `triangle` or `texture`.
+    pub frame: Option<String>,
+    /// Its value for a ray that met nothing: `inf`, `-1`, `nan`, `false` or `background`.
+    pub miss: String,
+    /// How this file stores it; `None` where the numbers are in memory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stored: Option<Stored>,
+}
+
+/// How a file stores a channel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stored {
+    /// What the components are called in the file.
+    pub names: Vec<String>,
+    /// The type of the numbers in the file.
+    pub dtype: String,
+    /// How the numbers were made from the channel's.
+    pub encoding: Encoding,
+    /// What stands for a miss in the file.
+    pub miss: String,
+    /// With [`Encoding::Steps`]: what one step is, in the channel's unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// With [`Encoding::Picture`]: how to read the picture, where that needs words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub legend: Option<String>,
+}
+
+/// How stored numbers were made from a channel's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Encoding {
+    /// The same numbers.
+    Exact,
+    /// Rounded to the nearest float32.
+    Rounded,
+    /// The 32 bits of a signed number, in an unsigned one: -1 is 4294967295.
+    TwosComplement,
+    /// Rounded to the nearest whole number of steps of `scale`.
+    Steps,
+    /// Bytes to look at, by the formula of `docs/outputs.md`.
+    Picture,
+}
+
+/// Where a frame comes from: what no channel knows. In JSON, the part of [`Metadata`] with these names.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The scene's fingerprint, such as that of `Scene::fingerprint`.
+    pub scene: Option<String>,
+    /// The camera that made the rays, if one did.
+    pub camera: Option<CameraRecord>,
+    /// How many points of a pixel its colour is the mean of, if there are colours.
+    pub samples: Option<u32>,
+}
+
+impl Encoding {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Rounded => "rounded",
+            Self::TwosComplement => "two's complement",
+            Self::Steps => "steps",
+            Self::Picture => "to look at",
+        }
+    }
+}
+
+impl Metadata {
+    /// What is to be said about `channels` of `frame`; `stored` tells how a file stores each.
+    pub(super) fn of(
+        frame: &Frame,
+        channels: &[&Channel],
+        stored: impl Fn(&Channel) -> Option<Stored>,
+    ) -> Self {
+        let Origin {
+            scene,
+            camera,
+            samples,
+        } = frame.origin.clone();
+        let has_colors = channels
+            .iter()
+            .any(|channel| channel.picture.miss() == "background");
+        Self {
+            metadata_version: METADATA_VERSION,
+            firsthit: env!("CARGO_PKG_VERSION").to_owned(),
+            scene,
+            shape: frame.shape.iter().map(|&side| side as u64).collect(),
+            pixels: (frame.shape.len() == 2).then(Pixels::convention),
+            samples: samples.filter(|_| has_colors),
+            channels: (channels.iter())
+                .map(|channel| ChannelRecord::of(channel, camera.is_some(), stored(channel)))
+                .collect(),
+            camera,
+        }
+    }
+
+    /// As JSON in one line of ASCII.
+    ///
+    /// # Panics
+    ///
+    /// Never: every field is of a type that JSON has.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("strings, numbers and lists of them are JSON")
+    }
+
+    /// From JSON.
+    ///
+    /// # Errors
+    ///
+    /// In words, what is wrong with it.
+    pub fn from_json(text: &str) -> Result<Self, String> {
+        serde_json::from_str(text).map_err(|error| format!("metadata: {error}"))
+    }
+
+    /// What it says about the channel called `name`.
+    pub fn channel(&self, name: &str) -> Option<&ChannelRecord> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+}
+
+impl Pixels {
+    fn convention() -> Self {
+        Self {
+            first_center: [0.5, 0.5],
+            row_0: "top".to_owned(),
+            column_0: "left".to_owned(),
+        }
+    }
+}
+
+impl ChannelRecord {
+    fn of(channel: &Channel, has_camera: bool, stored: Option<Stored>) -> Self {
+        let description = &channel.description;
+        Self {
+            name: channel.name.to_owned(),
+            about: description.about.to_owned(),
+            dtype: channel.data.kind().to_owned(),
+            components: channel.components as u64,
+            unit: description.unit.name(has_camera).map(str::to_owned),
+            frame: description.frame.map(str::to_owned),
+            miss: channel.picture.miss().to_owned(),
+            stored,
+        }
+    }
+}
+
+impl Stored {
+    /// Numbers under some names, otherwise nothing to be said.
+    pub(super) fn new(names: Vec<String>, dtype: &str, encoding: Encoding, miss: &str) -> Self {
+        Self {
+            names,
+            dtype: dtype.to_owned(),
+            encoding,
+            miss: miss.to_owned(),
+            scale: None,
+            legend: None,
+        }
+    }
+
+    /// The channel's own numbers, under some names.
+    pub(super) fn exact(channel: &Channel, names: Vec<String>) -> Self {
+        Self::new(
+            names,
+            channel.data.kind(),
+            Encoding::Exact,
+            channel.picture.miss(),
+        )
+    }
+}

@@ -1,0 +1,125 @@
+//! Cameras, where their nodes are.
+
+use super::super::NamedCamera;
+use super::super::report::{Checked, Report};
+use super::document::{CameraEntry, Document, Index};
+use super::nodes::Placed;
+use super::place::Entry;
+use crate::camera::{Camera, Projection, RayStart, View};
+use crate::error::escape_controls;
+use crate::geometry::{DVec3, unit};
+
+/// The cameras of the scene, in the order of the document's list.
+pub(super) fn all(
+    document: &Document<'_>,
+    placed: &[Placed<'_>],
+    report: &mut Report,
+) -> Checked<Vec<NamedCamera>> {
+    let mut cameras = Vec::new();
+    let mut used = vec![false; document.cameras.len()];
+    for place in placed {
+        let Some(Index(index)) = place.node.camera else {
+            continue;
+        };
+        let Some(camera) = document.cameras.get(index) else {
+            continue;
+        };
+        if let Some(used) = used.get_mut(index) {
+            *used = true;
+        }
+        let view = posed(lens(camera, Entry::new("cameras", index))?, place);
+        if Camera::new(view).is_err() {
+            report.warn("camera", &place.entry().place(), || {
+                "the camera is left out: its node flattens space or is infinitely far away"
+                    .to_owned()
+            });
+            continue;
+        }
+        let names = [&place.node.name, &camera.name].into_iter().flatten();
+        let name = names
+            .map(|name| escape_controls(name))
+            .find(|name| !name.is_empty());
+        let own = camera.name.as_deref().map(escape_controls);
+        cameras.push((
+            index,
+            NamedCamera {
+                name: name.unwrap_or_default(),
+                own_name: own.unwrap_or_default(),
+                view,
+                has_size: false,
+                description: None,
+            },
+        ));
+    }
+    if let Some(index) = used.iter().position(|used| !used) {
+        report.warn(
+            "unused camera",
+            &Entry::new("cameras", index).place(),
+            || "the camera is left out: no node of the scene says where it is".to_owned(),
+        );
+    }
+    cameras.sort_by_key(|&(index, _)| index);
+    Ok(cameras.into_iter().map(|(_, camera)| camera).collect())
+}
+
+/// What a camera sees from the origin along -z.
+fn lens(camera: &CameraEntry<'_>, entry: Entry) -> Checked<View> {
+    let view = View {
+        ray_start: RayStart::Eye,
+        ..View::default()
+    };
+    let positive = |value: &str, number: f64| {
+        if number > 0.0 {
+            Ok(number)
+        } else {
+            Err(entry.fault(value, format!("must be positive, got {number}")))
+        }
+    };
+    match (&*camera.kind, &camera.perspective, &camera.orthographic) {
+        ("perspective", Some(lens), _) => {
+            let place = "perspective/yfov";
+            let angle = positive(place, lens.yfov)?;
+            if angle >= std::f64::consts::PI {
+                return Err(entry.fault(place, format!("must be less than pi, got {angle}")));
+            }
+            let height = 2.0 * libm::tan(angle / 2.0);
+            let aspect = match lens.aspect_ratio {
+                Some(ratio) => positive("perspective/aspectRatio", ratio)?,
+                None => view.columns as f64 / view.rows as f64,
+            };
+            Ok(View {
+                height,
+                width: height * aspect,
+                ..view
+            })
+        }
+        ("orthographic", _, Some(lens)) => Ok(View {
+            // Some programs write them with a sign, which would only mirror the picture.
+            width: 2.0 * positive("orthographic/xmag", lens.xmag.abs())?,
+            height: 2.0 * positive("orthographic/ymag", lens.ymag.abs())?,
+            projection: Projection::Orthographic,
+            ..view
+        }),
+        (kind @ ("perspective" | "orthographic"), _, _) => {
+            Err(entry.fault(kind, format!("a camera of type {kind} must have this")))
+        }
+        (kind, _, _) => {
+            let kind = escape_controls(kind);
+            Err(entry.fault(
+                "type",
+                format!("must be perspective or orthographic, got '{kind}'"),
+            ))
+        }
+    }
+}
+
+/// The view from where a node is; its scale does not count.
+fn posed(view: View, place: &Placed<'_>) -> View {
+    let map = place.world_from_node;
+    View {
+        position: map.translation,
+        aim: unit(map.transform_vector3(DVec3::NEG_Z)),
+        up: map.transform_vector3(DVec3::Y),
+        ..view
+    }
+}

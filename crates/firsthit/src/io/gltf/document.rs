@@ -1,0 +1,384 @@
+//! The JSON of a glTF document: only what is read of it.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, IgnoredAny, Visitor};
+
+use super::super::report::{Checked, Fault};
+use super::container::Container;
+use super::material::{ImageEntry, MaterialEntry, SamplerEntry, TextureEntry};
+use super::place::pointer_of;
+use crate::error::{Place, escape_controls};
+
+/// A count, an offset, or the index of something: a whole number that is not negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub(super) struct Index(pub(super) usize);
+
+impl<'de> Deserialize<'de> for Index {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Whole;
+        impl Visitor<'_> for Whole {
+            type Value = Index;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a whole number from 0 to 2^53")
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Index, E> {
+                let index = usize::try_from(number).ok().filter(|_| number <= 1 << 53);
+                let wrong = || E::invalid_value(serde::de::Unexpected::Unsigned(number), &self);
+                index.map(Index).ok_or_else(wrong)
+            }
+
+            /// 3.0 is as whole as 3.
+            fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<Index, E> {
+                if number.fract() == 0.0 && (0.0..=9e15).contains(&number) {
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "whole, and in range"
+                    )]
+                    let number = number as u64;
+                    return self.visit_u64(number);
+                }
+                Err(E::invalid_value(
+                    serde::de::Unexpected::Float(number),
+                    &self,
+                ))
+            }
+        }
+        deserializer.deserialize_any(Whole)
+    }
+}
+
+/// What a primitive or an instancing extension names: semantics and their accessors.
+pub(super) type Attributes<'a> = BTreeMap<Cow<'a, str>, Index>;
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Document<'a> {
+    #[serde(borrow)]
+    pub(super) asset: Asset<'a>,
+    #[serde(default)]
+    pub(super) extensions_used: Vec<Cow<'a, str>>,
+    #[serde(default)]
+    pub(super) extensions_required: Vec<Cow<'a, str>>,
+    pub(super) scene: Option<Index>,
+    #[serde(default)]
+    pub(super) scenes: Vec<SceneEntry>,
+    #[serde(default)]
+    pub(super) nodes: Vec<Node<'a>>,
+    #[serde(default)]
+    pub(super) meshes: Vec<MeshEntry<'a>>,
+    #[serde(default)]
+    pub(super) skins: Vec<Skin>,
+    #[serde(default)]
+    pub(super) cameras: Vec<CameraEntry<'a>>,
+    #[serde(default)]
+    pub(super) accessors: Vec<Accessor<'a>>,
+    #[serde(default)]
+    pub(super) buffer_views: Vec<BufferView<'a>>,
+    #[serde(default)]
+    pub(super) buffers: Vec<Buffer<'a>>,
+    #[serde(default)]
+    pub(super) materials: Vec<MaterialEntry<'a>>,
+    #[serde(default)]
+    pub(super) textures: Vec<TextureEntry>,
+    #[serde(default)]
+    pub(super) images: Vec<ImageEntry<'a>>,
+    #[serde(default)]
+    pub(super) samplers: Vec<SamplerEntry>,
+    #[serde(default)]
+    pub(super) animations: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub(super) extensions: DocumentExtensions<'a>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Asset<'a> {
+    #[serde(borrow)]
+    pub(super) version: Cow<'a, str>,
+    pub(super) min_version: Option<Cow<'a, str>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct DocumentExtensions<'a> {
+    #[serde(borrow, rename = "KHR_lights_punctual")]
+    pub(super) lights: Option<Lights<'a>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Lights<'a> {
+    #[serde(borrow, default)]
+    pub(super) lights: Vec<LightEntry<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct LightEntry<'a> {
+    #[serde(borrow, rename = "type")]
+    pub(super) kind: Cow<'a, str>,
+    pub(super) color: Option<[f64; 3]>,
+    pub(super) intensity: Option<f64>,
+    pub(super) range: Option<f64>,
+    pub(super) spot: Option<Spot>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Spot {
+    pub(super) inner_cone_angle: Option<f64>,
+    pub(super) outer_cone_angle: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct SceneEntry {
+    #[serde(default)]
+    pub(super) nodes: Vec<Index>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Node<'a> {
+    #[serde(borrow)]
+    pub(super) name: Option<Cow<'a, str>>,
+    #[serde(default)]
+    pub(super) children: Vec<Index>,
+    pub(super) mesh: Option<Index>,
+    pub(super) camera: Option<Index>,
+    pub(super) skin: Option<Index>,
+    pub(super) matrix: Option<[f64; 16]>,
+    pub(super) translation: Option<[f64; 3]>,
+    pub(super) rotation: Option<[f64; 4]>,
+    pub(super) scale: Option<[f64; 3]>,
+    pub(super) weights: Option<Vec<f64>>,
+    #[serde(default)]
+    pub(super) extensions: NodeExtensions<'a>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct NodeExtensions<'a> {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub(super) light: Option<NodeLight>,
+    #[serde(borrow, rename = "EXT_mesh_gpu_instancing")]
+    pub(super) instancing: Option<Instancing<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct NodeLight {
+    pub(super) light: Index,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Instancing<'a> {
+    #[serde(borrow, default)]
+    pub(super) attributes: Attributes<'a>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct MeshEntry<'a> {
+    #[serde(borrow)]
+    pub(super) name: Option<Cow<'a, str>>,
+    pub(super) primitives: Vec<Primitive<'a>>,
+    #[serde(default)]
+    pub(super) weights: Vec<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Primitive<'a> {
+    #[serde(borrow, default)]
+    pub(super) attributes: Attributes<'a>,
+    pub(super) indices: Option<Index>,
+    pub(super) material: Option<Index>,
+    pub(super) mode: Option<Index>,
+    #[serde(default)]
+    pub(super) targets: Vec<Attributes<'a>>,
+    #[serde(default)]
+    pub(super) extensions: PrimitiveExtensions<'a>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct PrimitiveExtensions<'a> {
+    #[serde(borrow, rename = "KHR_draco_mesh_compression")]
+    pub(super) draco: Option<Draco<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Draco<'a> {
+    pub(super) buffer_view: Index,
+    /// The identifiers of the attributes in the packed mesh.
+    #[serde(borrow, default)]
+    pub(super) attributes: Attributes<'a>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub(super) inverse_bind_matrices: Option<Index>,
+    pub(super) joints: Vec<Index>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct CameraEntry<'a> {
+    #[serde(borrow)]
+    pub(super) name: Option<Cow<'a, str>>,
+    #[serde(rename = "type")]
+    pub(super) kind: Cow<'a, str>,
+    pub(super) perspective: Option<PerspectiveEntry>,
+    pub(super) orthographic: Option<OrthographicEntry>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct PerspectiveEntry {
+    pub(super) yfov: f64,
+    pub(super) aspect_ratio: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct OrthographicEntry {
+    pub(super) xmag: f64,
+    pub(super) ymag: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor<'a> {
+    pub(super) buffer_view: Option<Index>,
+    #[serde(default)]
+    pub(super) byte_offset: Index,
+    pub(super) component_type: Index,
+    #[serde(default)]
+    pub(super) normalized: bool,
+    pub(super) count: Index,
+    #[serde(borrow, rename = "type")]
+    pub(super) kind: Cow<'a, str>,
+    pub(super) sparse: Option<Sparse>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Sparse {
+    pub(super) count: Index,
+    pub(super) indices: SparseIndices,
+    pub(super) values: SparseValues,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparseIndices {
+    pub(super) buffer_view: Index,
+    #[serde(default)]
+    pub(super) byte_offset: Index,
+    pub(super) component_type: Index,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparseValues {
+    pub(super) buffer_view: Index,
+    #[serde(default)]
+    pub(super) byte_offset: Index,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct BufferView<'a> {
+    pub(super) buffer: Index,
+    #[serde(default)]
+    pub(super) byte_offset: Index,
+    pub(super) byte_length: Index,
+    pub(super) byte_stride: Option<Index>,
+    #[serde(borrow, default)]
+    pub(super) extensions: BufferViewExtensions<'a>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct BufferViewExtensions<'a> {
+    #[serde(
+        borrow,
+        rename = "EXT_meshopt_compression",
+        alias = "KHR_meshopt_compression"
+    )]
+    pub(super) meshopt: Option<Meshopt<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Meshopt<'a> {
+    pub(super) buffer: Index,
+    #[serde(default)]
+    pub(super) byte_offset: Index,
+    pub(super) byte_length: Index,
+    pub(super) byte_stride: Index,
+    pub(super) count: Index,
+    #[serde(borrow)]
+    pub(super) mode: Cow<'a, str>,
+    pub(super) filter: Option<Cow<'a, str>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer<'a> {
+    #[serde(borrow)]
+    pub(super) uri: Option<Cow<'a, str>>,
+    pub(super) byte_length: Index,
+}
+
+/// Reads the JSON. What is wrong with it is told by its place: a line of a text, a byte of a GLB, or the
+/// value's pointer.
+pub(super) fn parse<'a>(container: &Container<'a>) -> Checked<Document<'a>> {
+    let mut json = serde_json::Deserializer::from_slice(container.json);
+    let document: Document<'a> = serde_path_to_error::deserialize(&mut json)
+        .map_err(|error| fault(container, Some(error.path()), error.inner()))?;
+    json.end().map_err(|error| fault(container, None, &error))?;
+    let version = &document.asset.version;
+    // A later version 2 adds what older readers may pass over, unless `minVersion` says otherwise.
+    if !version.starts_with("2.") && *version != "2" {
+        let what = format!("the version must be 2, got '{}'", escape_controls(version));
+        return Err(Fault::at(Place::Pointer("/asset/version".into()), what));
+    }
+    if let Some(least) = document
+        .asset
+        .min_version
+        .as_deref()
+        .filter(|&least| least != "2.0")
+    {
+        let what = format!(
+            "a reader of version {} is needed, this is 2.0",
+            escape_controls(least)
+        );
+        return Err(Fault::at(Place::Pointer("/asset/minVersion".into()), what));
+    }
+    Ok(document)
+}
+
+fn fault(
+    container: &Container<'_>,
+    path: Option<&serde_path_to_error::Path>,
+    error: &serde_json::Error,
+) -> Fault {
+    let mut what = error.to_string();
+    if let Some(end) = what.rfind(" at line ") {
+        what.truncate(end);
+    }
+    let what = escape_controls(&what);
+    let place = match (path, container.start) {
+        (Some(path), _) if error.is_data() => Place::Pointer(pointer_of(path)),
+        (_, Some(start)) => Place::Byte((start + offset_of(container.json, error)) as u64),
+        (_, None) => Place::Line(error.line() as u64),
+    };
+    Fault::at(place, what)
+}
+
+/// The byte of the text that an error is about.
+fn offset_of(json: &[u8], error: &serde_json::Error) -> usize {
+    let lines = json.split_inclusive(|&byte| byte == b'\n');
+    let before: usize = lines
+        .take(error.line().saturating_sub(1))
+        .map(<[u8]>::len)
+        .sum();
+    (before + error.column().saturating_sub(1)).min(json.len())
+}

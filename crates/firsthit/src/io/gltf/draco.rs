@@ -1,0 +1,72 @@
+//! `KHR_draco_mesh_compression`, unpacked by the `draco-core` crate.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use draco_core::decode_limits::DecodeLimits;
+use draco_core::decoder_buffer::DecoderBuffer;
+use draco_core::mesh::Mesh;
+use draco_core::mesh_decoder::MeshDecoder;
+
+use super::super::report::Report;
+use super::buffers::Problem;
+use super::document::Index;
+use crate::error::escape_controls;
+
+/// A primitive as it was packed.
+pub(super) struct Unpacked {
+    mesh: Mesh,
+}
+
+/// What unpacking a face may take at its peak, the tables of its corners included.
+const FACE_BYTES: u64 = 96;
+
+impl Unpacked {
+    pub(super) fn new(source: &[u8], report: &mut Report) -> Result<Self, Problem> {
+        let memory = report.settings().max_memory;
+        let limits = DecodeLimits::default()
+            .with_max_faces(memory / FACE_BYTES)
+            .with_max_points(memory / FACE_BYTES)
+            .with_max_decoded_bytes(memory / 2);
+        // The one place where another's code decodes hostile bytes with indices of its own: it forbids unsafe
+        // code, so what a bug in it can do is panic, and that is this file's fault, not the program's. What it
+        // was working on is dropped.
+        let decoded = catch_unwind(AssertUnwindSafe(|| {
+            let mut mesh = Mesh::new();
+            let mut buffer = DecoderBuffer::new(source).with_limits(limits);
+            MeshDecoder::new()
+                .decode(&mut buffer, &mut mesh)
+                .map_err(|error| escape_controls(&error.to_string()))?;
+            Ok::<_, String>(mesh)
+        }));
+        let mesh = decoded
+            .unwrap_or_else(|_| Err("the packed mesh cannot be read".to_owned()))
+            .map_err(|reason| format!("Draco: {reason}"))?;
+        let faces = mesh.num_faces() as u64;
+        report.spend(FACE_BYTES.saturating_mul(faces), "a packed mesh")?;
+        Ok(Self { mesh })
+    }
+
+    pub(super) fn vertices(&self) -> usize {
+        self.mesh.num_points()
+    }
+
+    pub(super) fn triangles(&self) -> Vec<[u32; 3]> {
+        let faces = self.mesh.faces().iter();
+        faces.map(|face| face.map(|point| point.0)).collect()
+    }
+
+    /// The values of an attribute at the vertices, so many numbers each.
+    pub(super) fn attribute(
+        &self,
+        Index(identifier): Index,
+        components: usize,
+        report: &mut Report,
+    ) -> Result<Vec<f32>, Problem> {
+        let identifier = u32::try_from(identifier).ok();
+        let attribute = identifier.and_then(|id| self.mesh.attribute_by_unique_id(id));
+        let attribute = attribute.ok_or("the packed mesh has no attribute of that identifier")?;
+        let count = self.vertices();
+        report.spend(4 * (count as u64) * components as u64, "a packed attribute")?;
+        Ok(attribute.read_f32s(count, components))
+    }
+}

@@ -1,0 +1,328 @@
+//! From a primitive to a mesh.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::super::report::{Checked, Fault};
+use super::super::surface::{Surface, Vertices, push_fan};
+use super::accessor::{Component, Shape, component, has_shape};
+use super::document::Index;
+use super::material::Look;
+use super::skin::{self, Palette};
+use super::values::Values;
+use crate::geometry::{DAffine3, DVec3};
+use crate::shape::{Attribute, Mesh, Positions};
+
+/// What is done to a primitive's vertices before they make a mesh.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Deformation<'a> {
+    /// How much of each morph target is added.
+    pub(super) weights: &'a [f64],
+    pub(super) palette: Option<&'a Palette>,
+    /// A map that no transform can stand for, since it flattens space.
+    pub(super) flattened: Option<DAffine3>,
+}
+
+/// Vertices that several primitives name, by their accessors.
+pub(super) type Shared = HashMap<Index, Rc<Vertices>>;
+
+/// The mesh of a primitive; `None`, with a warning, where it has no triangles by its kind.
+pub(super) fn build(
+    values: &mut Values<'_, '_>,
+    deformation: &Deformation<'_>,
+    look: Option<&Look>,
+    name: &str,
+    shared: &mut Shared,
+) -> Checked<Option<Mesh>> {
+    let Some(mode) = mode(values)? else {
+        return Ok(None);
+    };
+    let Some(index) = values.attribute("POSITION") else {
+        let place = values.place("attributes");
+        let what = || "a primitive without POSITION is not seen".to_owned();
+        values.report.warn("POSITION", &place, what);
+        return Ok(None);
+    };
+    let is_plain = deformation.palette.is_none()
+        && deformation.flattened.is_none()
+        && !is_morphed(values, deformation);
+    let (vertices, maps) = if is_plain {
+        (plain(values, index, shared)?, None)
+    } else {
+        deformed(values, index, deformation)?
+    };
+    let count = vertices.positions.len();
+    let triangles = triangles(values, mode, count)?;
+    let (mesh, _) = Surface::of(triangles).finish(&vertices, name, values.report)?;
+    let mesh = with_normals(mesh, values, deformation, maps.as_deref(), count)?;
+    let mesh = with_uvs(mesh, values, look, count)?;
+    with_colors(mesh, values, look, count).map(Some)
+}
+
+/// How indices make triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    Triangles,
+    Strip,
+    Fan,
+}
+
+fn mode(values: &mut Values<'_, '_>) -> Checked<Option<Mode>> {
+    let Index(code) = values.primitive.mode.unwrap_or(Index(4));
+    let place = values.place("mode");
+    let mut unseen = |key: &'static str| {
+        values.report.warn(key, &place, || {
+            format!("primitives of {key} (mode {code}) are not seen")
+        });
+        Ok(None)
+    };
+    match code {
+        0 => unseen("points"),
+        1 => unseen("lines"),
+        2 => unseen("line loops"),
+        3 => unseen("line strips"),
+        4 => Ok(Some(Mode::Triangles)),
+        5 => Ok(Some(Mode::Strip)),
+        6 => Ok(Some(Mode::Fan)),
+        _ => Err(Fault::at(place, format!("must be from 0 to 6, got {code}"))),
+    }
+}
+
+/// The targets of a primitive that add something, with how much.
+fn targets<'v>(
+    values: &Values<'v, '_>,
+    deformation: &Deformation<'_>,
+) -> Vec<(&'v super::document::Attributes<'v>, f64)> {
+    let targets = values.primitive.targets.iter().zip(deformation.weights);
+    targets
+        .filter(|(_, weight)| **weight != 0.0)
+        .map(|(target, &weight)| (target, weight))
+        .collect()
+}
+
+fn is_morphed(values: &Values<'_, '_>, deformation: &Deformation<'_>) -> bool {
+    !targets(values, deformation).is_empty()
+}
+
+/// The vertices as the file has them.
+fn plain(values: &mut Values<'_, '_>, index: Index, shared: &mut Shared) -> Checked<Rc<Vertices>> {
+    if let Some(known) = shared.get(&index)
+        && !values.is_packed()
+    {
+        return Ok(Rc::clone(known));
+    }
+    let positions = if component(values.document, index)? == Component::Float32 {
+        Positions::Single(values.all("POSITION", index, &Shape::VEC3)?)
+    } else {
+        Positions::compact(values.all("POSITION", index, &Shape::VEC3)?)
+    };
+    let vertices = Rc::new(Vertices::new(positions));
+    if !values.is_packed() {
+        shared.insert(index, Rc::clone(&vertices));
+    }
+    Ok(vertices)
+}
+
+/// The vertices morphed, then moved by joints, then flattened; with what joints do to each.
+fn deformed(
+    values: &mut Values<'_, '_>,
+    index: Index,
+    deformation: &Deformation<'_>,
+) -> Checked<(Rc<Vertices>, Option<Vec<DAffine3>>)> {
+    let mut points: Vec<[f64; 3]> = values.all("POSITION", index, &Shape::VEC3)?;
+    morph(values, deformation, "POSITION", &mut points)?;
+    let maps = match deformation.palette {
+        Some(palette) => Some(skin::maps(values, palette, points.len())?),
+        None => None,
+    };
+    if let Some(maps) = &maps {
+        for (point, map) in points.iter_mut().zip(maps) {
+            *point = map.transform_point3((*point).into()).into();
+        }
+    }
+    if let Some(map) = &deformation.flattened {
+        for point in &mut points {
+            *point = map.transform_point3((*point).into()).into();
+        }
+    }
+    Ok((Rc::new(Vertices::new(Positions::compact(points))), maps))
+}
+
+fn morph(
+    values: &mut Values<'_, '_>,
+    deformation: &Deformation<'_>,
+    name: &str,
+    vectors: &mut [[f64; 3]],
+) -> Checked<()> {
+    for (target, weight) in targets(values, deformation) {
+        let Some(moves) = values.target::<3>(target, name, &Shape::VEC3, vectors.len())? else {
+            continue;
+        };
+        for (vector, change) in vectors.iter_mut().zip(moves) {
+            for (x, dx) in vector.iter_mut().zip(change) {
+                *x += weight * dx;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The triangles of a primitive of so many vertices.
+fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checked<Vec<[u32; 3]>> {
+    if let Some(triangles) = values.unpacked_triangles() {
+        let largest = triangles.iter().flatten().max();
+        if let Some(&index) = largest.filter(|&&index| index as usize >= vertices) {
+            let what = format!("index {index} of {vertices} vertices");
+            return Err(Fault::at(values.place("indices"), what));
+        }
+        return Ok(triangles);
+    }
+    let indices: Vec<u32> = match values.primitive.indices {
+        Some(index) => indices(values, index, vertices)?,
+        None => {
+            let count = u32::try_from(vertices).map_err(|_| {
+                Fault::at(
+                    values.place("attributes/POSITION"),
+                    "has more than 2^32 vertices",
+                )
+            })?;
+            values.report.spend(4 * u64::from(count), "the indices")?;
+            (0..count).collect()
+        }
+    };
+    values
+        .report
+        .spend(12 * indices.len() as u64, "the triangles")?;
+    Ok(match mode {
+        Mode::Triangles => {
+            let (triangles, rest) = indices.as_chunks::<3>();
+            if !rest.is_empty() {
+                let place = values.place("indices");
+                let left = rest.len();
+                let what = || format!("{left} indices after the last triangle are not read");
+                values.report.warn("indices", &place, what);
+            }
+            triangles.to_vec()
+        }
+        Mode::Strip => {
+            let steps = indices.windows(3).zip([false, true].into_iter().cycle());
+            let turned = steps.filter_map(|(step, is_odd)| match (step, is_odd) {
+                (&[a, b, c], false) => Some([a, b, c]),
+                (&[a, b, c], true) => Some([b, a, c]),
+                _ => None,
+            });
+            turned.collect()
+        }
+        Mode::Fan => {
+            let mut triangles = Vec::new();
+            push_fan(&mut triangles, &indices);
+            triangles
+        }
+    })
+}
+
+fn indices(values: &mut Values<'_, '_>, index: Index, vertices: usize) -> Checked<Vec<u32>> {
+    let entry = super::accessor::entry(index);
+    if !component(values.document, index)?.is_unsigned() {
+        let what = "indices must be 5121, 5123 or 5125 (unsigned)";
+        return Err(entry.fault("componentType", what));
+    }
+    let indices = values
+        .elements::<u32, 1>(index, &Shape::SCALAR)?
+        .into_flattened();
+    let largest = indices.iter().copied().max().unwrap_or_default() as usize;
+    if largest < vertices || indices.is_empty() {
+        return Ok(indices);
+    }
+    let bad = indices
+        .iter()
+        .position(|&index| index as usize >= vertices)
+        .unwrap_or_default();
+    let value = indices.get(bad).copied().unwrap_or_default();
+    let what = format!("element {bad} is index {value}, of {vertices} vertices");
+    Err(Fault::at(entry.place(), what))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "normals are float32")]
+fn with_normals(
+    mesh: Mesh,
+    values: &mut Values<'_, '_>,
+    deformation: &Deformation<'_>,
+    maps: Option<&[DAffine3]>,
+    count: usize,
+) -> Checked<Mesh> {
+    // A surface that was flattened has only its triangles' normals.
+    if deformation.flattened.is_some() || values.attribute("NORMAL").is_none() {
+        return Ok(mesh);
+    }
+    if maps.is_none() && !is_morphed(values, deformation) {
+        let normals = values
+            .read("NORMAL", &Shape::VEC3, count)?
+            .unwrap_or_default();
+        return Ok(mesh.with_normals(Attribute::per_vertex(normals))?);
+    }
+    let mut normals: Vec<[f64; 3]> = values
+        .read("NORMAL", &Shape::VEC3, count)?
+        .unwrap_or_default();
+    morph(values, deformation, "NORMAL", &mut normals)?;
+    for (normal, map) in normals.iter_mut().zip(maps.unwrap_or_default()) {
+        // By the inverse transpose, as surfaces are turned.
+        *normal = (map.matrix3.inverse().transpose() * DVec3::from(*normal)).into();
+    }
+    let normals = normals
+        .iter()
+        .map(|normal| normal.map(|x| x as f32))
+        .collect();
+    Ok(mesh.with_normals(Attribute::per_vertex(normals))?)
+}
+
+/// The texture coordinates that the material takes; without a texture, the first set.
+fn with_uvs(
+    mesh: Mesh,
+    values: &mut Values<'_, '_>,
+    look: Option<&Look>,
+    count: usize,
+) -> Checked<Mesh> {
+    let set = look.and_then(|look| look.set);
+    let name = format!("TEXCOORD_{}", set.unwrap_or(0));
+    if let Some(uvs) = values.read(&name, &Shape::VEC2, count)? {
+        return Ok(mesh.with_uvs(Attribute::per_vertex(uvs))?);
+    }
+    if set.is_some() {
+        let place = values.place("attributes");
+        values.report.warn("TEXCOORD", &place, || {
+            format!("there is no {name} for the material's texture: the surface has a flat colour")
+        });
+    }
+    Ok(mesh)
+}
+
+fn with_colors(
+    mesh: Mesh,
+    values: &mut Values<'_, '_>,
+    look: Option<&Look>,
+    count: usize,
+) -> Checked<Mesh> {
+    let Some(index) = values.attribute("COLOR_0") else {
+        return Ok(mesh);
+    };
+    if has_shape(values.document, index, &Shape::VEC3) {
+        let colors = values
+            .read("COLOR_0", &Shape::VEC3, count)?
+            .unwrap_or_default();
+        return Ok(mesh.with_colors(Attribute::per_vertex(colors))?);
+    }
+    let colors: Vec<[f32; 4]> = values
+        .read("COLOR_0", &Shape::VEC4, count)?
+        .unwrap_or_default();
+    let opaque = colors
+        .iter()
+        .map(|&[red, green, blue, _]| [red, green, blue])
+        .collect();
+    let mesh = mesh.with_colors(Attribute::per_vertex(opaque))?;
+    if !look.is_some_and(|look| look.has_holes) {
+        return Ok(mesh);
+    }
+    let alphas = colors.iter().map(|&[.., alpha]| [alpha]).collect();
+    Ok(mesh.with_alphas(Attribute::per_vertex(alphas))?)
+}

@@ -1,0 +1,122 @@
+//! `EXT_meshopt_compression` and `KHR_meshopt_compression`: packed buffer views, after the bitstreams that
+//! the extensions' texts specify. A decoder reads what is there or says that it ends early; nothing in a
+//! stream sizes an allocation.
+
+mod attributes;
+mod filters;
+mod indices;
+mod triangles;
+
+use super::super::report::Report;
+use super::buffers::Problem;
+use super::document::Meshopt;
+use crate::error::escape_controls;
+
+/// What a decoder finds wrong.
+type Decoded<T> = Result<T, &'static str>;
+
+const TRUNCATED: &str = "truncated: the packed bytes end too early";
+
+/// The bytes that a packed view stands for.
+pub(super) fn unpack(
+    source: &[u8],
+    packed: &Meshopt<'_>,
+    report: &mut Report,
+) -> Result<Vec<u8>, Problem> {
+    let (count, stride) = (packed.count.0, packed.byte_stride.0);
+    let filter = packed.filter.as_deref().unwrap_or("NONE");
+    let size = count
+        .checked_mul(stride)
+        .ok_or("count times byteStride is out of range")?;
+    let mut bytes = Vec::new();
+    let mut make_room = || -> Result<(), Problem> {
+        // A stream can be far smaller than what it stands for, so the limit decides.
+        report.spend(size as u64, "a packed buffer view")?;
+        let reserved = bytes.try_reserve_exact(size);
+        reserved
+            .map_err(|_| format!("{size} unpacked bytes are more than what memory is free").into())
+    };
+    match &*packed.mode {
+        "ATTRIBUTES" => {
+            if stride == 0 || !stride.is_multiple_of(4) || stride > 256 {
+                return Err(format!("byteStride must be 4, 8, ... 256, got {stride}").into());
+            }
+            filters::check(filter, stride)?;
+            attributes::check(source, count, stride)?;
+            make_room()?;
+            attributes::decode(source, count, stride, &mut bytes)?;
+            filters::apply(filter, stride, &mut bytes);
+        }
+        mode @ ("TRIANGLES" | "INDICES") => {
+            if stride != 2 && stride != 4 {
+                return Err(format!("byteStride must be 2 or 4, got {stride}").into());
+            }
+            if filter != "NONE" {
+                return Err(format!("mode {mode} takes no filter").into());
+            }
+            // Every triangle and every index takes a byte at least.
+            let least = if mode == "TRIANGLES" {
+                count / 3
+            } else {
+                count
+            };
+            if least > source.len() {
+                return Err(TRUNCATED.into());
+            }
+            make_room()?;
+            if mode == "TRIANGLES" {
+                triangles::decode(source, count, stride, &mut bytes)?;
+            } else {
+                indices::decode(source, count, stride, &mut bytes)?;
+            }
+        }
+        mode => {
+            let mode = escape_controls(mode);
+            return Err(format!("mode '{mode}' is not ATTRIBUTES, TRIANGLES or INDICES").into());
+        }
+    }
+    Ok(bytes)
+}
+
+/// What is left to be read of a stream.
+struct Stream<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Stream<'a> {
+    fn take(&mut self, count: usize) -> Decoded<&'a [u8]> {
+        let (taken, rest) = self.rest.split_at_checked(count).ok_or(TRUNCATED)?;
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    fn byte(&mut self) -> Decoded<u8> {
+        let (&byte, rest) = self.rest.split_first().ok_or(TRUNCATED)?;
+        self.rest = rest;
+        Ok(byte)
+    }
+
+    /// A number in as many groups of seven bits as it needs, the lowest first (unsigned LEB128).
+    fn varint(&mut self) -> Decoded<u32> {
+        let mut value = 0;
+        for shift in [0, 7, 14, 21, 28] {
+            let byte = self.byte()?;
+            value |= u32::from(byte & 0x7f) << shift;
+            if byte < 0x80 {
+                return Ok(value);
+            }
+        }
+        Err("a number of the packed bytes never ends")
+    }
+}
+
+/// A difference from its zigzag code.
+fn unzigzag(code: u32) -> u32 {
+    (code >> 1) ^ 0_u32.wrapping_sub(code & 1)
+}
+
+/// Adds an index in the width that the view has.
+fn push_index(index: u32, stride: usize, bytes: &mut Vec<u8>) {
+    let word = index.to_le_bytes();
+    bytes.extend(word.iter().take(stride));
+}

@@ -1,0 +1,146 @@
+//! The node hierarchy: which nodes the scene shows, and where they are.
+
+use super::super::report::{Checked, Report};
+use super::document::{Document, Index, Node};
+use super::place::Entry;
+use crate::geometry::{DAffine3, DMat3, DVec3};
+
+/// A node of the scene.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed<'a> {
+    pub(super) index: usize,
+    pub(super) node: &'a Node<'a>,
+    pub(super) world_from_node: DAffine3,
+}
+
+impl Placed<'_> {
+    pub(super) fn entry(&self) -> Entry {
+        Entry::new("nodes", self.index)
+    }
+}
+
+/// The nodes of the scene that the document shows: its default scene, else its first, else all nodes that are
+/// no node's children. Depth first, children in their order.
+pub(super) fn walk<'a>(
+    document: &'a Document<'a>,
+    report: &mut Report,
+) -> Checked<Vec<Placed<'a>>> {
+    let mut found: Vec<Placed<'a>> = Vec::new();
+    let mut reached = vec![false; document.nodes.len()];
+    // Explicit: a chain of nodes may be longer than the call stack.
+    let mut stack: Vec<(Index, DAffine3, Entry, usize)> = roots(document);
+    stack.reverse();
+    while let Some((Index(index), world_from_parent, from, place)) = stack.pop() {
+        let Some(node) = document.nodes.get(index) else {
+            continue;
+        };
+        if let Some(reached) = reached.get_mut(index)
+            && std::mem::replace(reached, true)
+        {
+            let list = if from.list == "nodes" {
+                "children"
+            } else {
+                "nodes"
+            };
+            let what = format!("node {index} is reached twice: nodes must form trees");
+            return Err(from.fault(format!("{list}/{place}"), what));
+        }
+        let entry = Entry::new("nodes", index);
+        let world_from_node = world_from_parent * local(node, entry, report);
+        let children = node.children.iter().enumerate().rev();
+        stack.extend(children.map(|(k, &child)| (child, world_from_node, entry, k)));
+        found.push(Placed {
+            index,
+            node,
+            world_from_node,
+        });
+    }
+    Ok(found)
+}
+
+fn roots(document: &Document<'_>) -> Vec<(Index, DAffine3, Entry, usize)> {
+    let Index(default) = document.scene.unwrap_or_default();
+    if let Some(scene) = document.scenes.get(default) {
+        let nodes = scene.nodes.iter().enumerate();
+        let entry = Entry::new("scenes", default);
+        return nodes
+            .map(|(k, &node)| (node, DAffine3::IDENTITY, entry, k))
+            .collect();
+    }
+    let mut is_child = vec![false; document.nodes.len()];
+    for &Index(child) in document.nodes.iter().flat_map(|node| &node.children) {
+        if let Some(is_child) = is_child.get_mut(child) {
+            *is_child = true;
+        }
+    }
+    let roots = is_child
+        .iter()
+        .enumerate()
+        .filter(|(_, is_child)| !**is_child);
+    roots
+        .map(|(k, _)| (Index(k), DAffine3::IDENTITY, Entry::new("nodes", k), 0))
+        .collect()
+}
+
+/// A node's own transform.
+fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
+    let Some(matrix) = node.matrix else {
+        let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        if (rotation.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() > 1e-2 {
+            report.warn("rotation", &entry.at("rotation"), || {
+                format!("the quaternion {rotation:?} is not of length one, and taken as it is")
+            });
+        }
+        let translation = node.translation.unwrap_or_default();
+        return affine(translation, rotation, node.scale.unwrap_or([1.0; 3]));
+    };
+    let [a, b, c, w0, d, e, f, w1, g, h, i, w2, x, y, z, w3] = matrix;
+    if [w0, w1, w2, w3] != [0.0, 0.0, 0.0, 1.0] {
+        report.warn("matrix", &entry.at("matrix"), || {
+            format!("the last row must be 0 0 0 1, and is taken to be, not {w0} {w1} {w2} {w3}")
+        });
+    }
+    DAffine3::from_cols_array(&[a, b, c, d, e, f, g, h, i, x, y, z])
+}
+
+/// The map that scales, then turns by a quaternion (x, y, z, w), then moves.
+pub(super) fn affine(translation: [f64; 3], [x, y, z, w]: [f64; 4], scale: [f64; 3]) -> DAffine3 {
+    let rotation = DMat3::from_cols(
+        DVec3::new(
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y + z * w),
+            2.0 * (x * z - y * w),
+        ),
+        DVec3::new(
+            2.0 * (x * y - z * w),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z + x * w),
+        ),
+        DVec3::new(
+            2.0 * (x * z + y * w),
+            2.0 * (y * z - x * w),
+            1.0 - 2.0 * (x * x + y * y),
+        ),
+    );
+    DAffine3 {
+        matrix3: rotation * DMat3::from_diagonal(scale.into()),
+        translation: translation.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transforms_scale_then_turn_then_move() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        // A quarter turn about z takes x to y.
+        let map = affine([1.0, 2.0, 3.0], [0.0, 0.0, half, half], [2.0, 3.0, 4.0]);
+        let image = map.transform_point3(DVec3::new(1.0, 1.0, 1.0));
+        assert!(
+            (image - DVec3::new(1.0 - 3.0, 2.0 + 2.0, 3.0 + 4.0)).length() < 1e-15,
+            "{image}"
+        );
+    }
+}

@@ -1,0 +1,268 @@
+//! From placed nodes to objects.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::super::report::{Checked, Report};
+use super::accessor::{Elements, Shape, declared};
+use super::buffers::Buffers;
+use super::document::{Document, Index, Instancing};
+use super::material::{Look, Looks};
+use super::mesh::{self, Deformation, Shared};
+use super::nodes::{Placed, affine};
+use super::skin::{self, Palette};
+use super::values::Values;
+use crate::error::escape_controls;
+use crate::geometry::{DAffine3, Transform};
+use crate::scene::{Material, Object};
+use crate::shape::Mesh;
+
+/// Makes objects; what several nodes name is made once.
+pub(super) struct Objects<'a, 'b> {
+    document: &'a Document<'a>,
+    placed: &'b [Placed<'a>],
+    buffers: Buffers<'a>,
+    report: &'b mut Report,
+    looks: Looks,
+    shared: Shared,
+    meshes: HashMap<(usize, usize), Option<Arc<Mesh>>>,
+    palettes: HashMap<Index, Rc<Palette>>,
+    made: Vec<Object>,
+}
+
+/// An object's name and the memory that it takes beside its mesh: itself and its part of the tree.
+const OBJECT_BYTES: u64 = size_of::<Object>() as u64 + 256;
+
+impl<'a, 'b> Objects<'a, 'b> {
+    pub(super) fn new(
+        document: &'a Document<'a>,
+        placed: &'b [Placed<'a>],
+        buffers: Buffers<'a>,
+        report: &'b mut Report,
+    ) -> Self {
+        Self {
+            document,
+            placed,
+            buffers,
+            report,
+            looks: Looks::default(),
+            shared: Shared::default(),
+            meshes: HashMap::new(),
+            palettes: HashMap::new(),
+            made: Vec::new(),
+        }
+    }
+
+    /// An object for each primitive of each node that has triangles.
+    pub(super) fn all(mut self) -> Checked<Vec<Object>> {
+        for place in self.placed {
+            if let Some(Index(mesh)) = place.node.mesh {
+                self.node(place, mesh)?;
+            }
+        }
+        Ok(self.made)
+    }
+
+    fn node(&mut self, place: &Placed<'a>, mesh: usize) -> Checked<()> {
+        let Some(entry) = self.document.meshes.get(mesh) else {
+            return Ok(());
+        };
+        let names = [&place.node.name, &entry.name].into_iter().flatten();
+        let name = names
+            .map(|name| escape_controls(name))
+            .find(|name| !name.is_empty());
+        let name = name.unwrap_or_else(|| format!("node {}", place.index));
+        let instances = match &place.node.extensions.instancing {
+            Some(instancing) => self.instances(instancing, place)?,
+            None => vec![DAffine3::IDENTITY],
+        };
+        for number in 0..entry.primitives.len() {
+            self.primitive(place, (mesh, number), &name, &instances)?;
+        }
+        Ok(())
+    }
+
+    fn primitive(
+        &mut self,
+        place: &Placed<'a>,
+        primitive: (usize, usize),
+        name: &str,
+        instances: &[DAffine3],
+    ) -> Checked<()> {
+        let (mesh, number) = primitive;
+        let Some(entry) = self.document.meshes.get(mesh) else {
+            return Ok(());
+        };
+        let Some(described) = entry.primitives.get(number) else {
+            return Ok(());
+        };
+        let palette = match place.node.skin {
+            Some(skin) if described.attributes.contains_key("JOINTS_0") => {
+                Some(self.palette(skin)?)
+            }
+            _ => None,
+        };
+        let own_weights = place
+            .node
+            .weights
+            .as_deref()
+            .filter(|_| !described.targets.is_empty());
+        let deformation = Deformation {
+            weights: own_weights.unwrap_or(&entry.weights),
+            palette: palette.as_deref(),
+            flattened: None,
+        };
+        let look = match described.material {
+            Some(material) => {
+                Some(
+                    self.looks
+                        .look(self.document, material, &mut self.buffers, self.report)?,
+                )
+            }
+            None => None,
+        };
+        let is_shared = palette.is_none() && own_weights.is_none();
+        let known = self.meshes.get(&primitive).filter(|_| is_shared).cloned();
+        let mesh = match known {
+            Some(mesh) => mesh,
+            None => self.mesh(primitive, &deformation, look.as_ref(), name)?,
+        };
+        if is_shared {
+            self.meshes.insert(primitive, mesh.clone());
+        }
+        let Some(mesh) = mesh else {
+            return Ok(());
+        };
+        // Joints are in the world already.
+        let world = palette
+            .as_ref()
+            .map_or(place.world_from_node, |_| DAffine3::IDENTITY);
+        for &instance in instances {
+            let world_from_mesh = world * instance;
+            let (mesh, transform) = match Transform::new(world_from_mesh) {
+                Ok(transform) => (Arc::clone(&mesh), transform),
+                Err(_) => {
+                    self.warn_of_flat(place);
+                    let deformation = Deformation {
+                        flattened: Some(world_from_mesh),
+                        ..deformation
+                    };
+                    let Some(flat) = self.mesh(primitive, &deformation, look.as_ref(), name)?
+                    else {
+                        continue;
+                    };
+                    (flat, Transform::IDENTITY)
+                }
+            };
+            self.report
+                .spend(OBJECT_BYTES + name.len() as u64, "an object")?;
+            let is_painted = described.attributes.contains_key("COLOR_0");
+            let object = Object::new(mesh).named(name).placed(transform);
+            self.made.push(match &look {
+                Some(look) => object.with_materials(Arc::clone(&look.materials)),
+                // White leaves the vertices' own colours as they are.
+                None if is_painted => object.with_materials([Material::default()]),
+                None => object,
+            });
+        }
+        Ok(())
+    }
+
+    fn mesh(
+        &mut self,
+        primitive: (usize, usize),
+        deformation: &Deformation<'_>,
+        look: Option<&Look>,
+        name: &str,
+    ) -> Checked<Option<Arc<Mesh>>> {
+        let mut values = Values::new(self.document, primitive, &mut self.buffers, self.report)?;
+        let mesh = mesh::build(&mut values, deformation, look, name, &mut self.shared)?;
+        Ok(mesh.map(Arc::new))
+    }
+
+    fn warn_of_flat(&mut self, place: &Placed<'_>) {
+        self.report.warn("flat", &place.entry().place(), || {
+            "the node's transform cannot be undone (it flattens space): its surfaces are flat"
+                .to_owned()
+        });
+    }
+
+    fn palette(&mut self, skin: Index) -> Checked<Rc<Palette>> {
+        if let Some(known) = self.palettes.get(&skin) {
+            return Ok(Rc::clone(known));
+        }
+        let palette = skin::palette(
+            self.document,
+            skin,
+            self.placed,
+            &mut self.buffers,
+            self.report,
+        )?;
+        let palette = Rc::new(palette);
+        self.palettes.insert(skin, Rc::clone(&palette));
+        Ok(palette)
+    }
+
+    /// Where the instances of a node's mesh are, relative to the node (`EXT_mesh_gpu_instancing`).
+    fn instances(
+        &mut self,
+        instancing: &Instancing<'a>,
+        place: &Placed<'a>,
+    ) -> Checked<Vec<DAffine3>> {
+        let wrong = |name: &str, what: String| {
+            let value = format!("extensions/EXT_mesh_gpu_instancing/attributes/{name}");
+            Err(place.entry().fault(value, what))
+        };
+        let Some((first, &index)) = instancing.attributes.first_key_value() else {
+            return wrong(
+                "",
+                "there are none: nothing says how many instances there are".to_owned(),
+            );
+        };
+        let Index(count) = declared(self.document, index)?.count;
+        for (name, &index) in &instancing.attributes {
+            let Index(other) = declared(self.document, index)?.count;
+            if other != count {
+                let name = &super::place::key(name);
+                return wrong(
+                    name,
+                    format!("has {other} values, {} has {count}", escape_controls(first)),
+                );
+            }
+        }
+        // Before anything else is made of a count that nothing may stand behind.
+        let needed = (count as u64).saturating_mul(size_of::<DAffine3>() as u64 + OBJECT_BYTES);
+        if needed > self.report.settings().max_memory {
+            self.report.spend(needed, "the instances")?;
+        }
+        let translations = self.values::<3>(instancing, "TRANSLATION", &Shape::VEC3)?;
+        let rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
+        let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;
+        let at = |values: &Option<Vec<[f64; 3]>>, k: usize| {
+            values.as_ref().and_then(|v| v.get(k).copied())
+        };
+        let instances = (0..count).map(|k| {
+            let rotation = rotations.as_ref().and_then(|values| values.get(k).copied());
+            affine(
+                at(&translations, k).unwrap_or_default(),
+                rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+                at(&scales, k).unwrap_or([1.0; 3]),
+            )
+        });
+        Ok(instances.collect())
+    }
+
+    fn values<const N: usize>(
+        &mut self,
+        instancing: &Instancing<'_>,
+        name: &str,
+        shape: &Shape,
+    ) -> Checked<Option<Vec<[f64; N]>>> {
+        let Some(&index) = instancing.attributes.get(name) else {
+            return Ok(None);
+        };
+        let elements = Elements::new(self.document, index, shape, &mut self.buffers, self.report)?;
+        Ok(Some(elements.read(self.report)?))
+    }
+}

@@ -1,0 +1,59 @@
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::Mesh;
+use crate::geometry::{DVec3, Digest};
+use crate::shape::Attribute;
+
+/// How many triangles become one part of a digest: a constant, because the parts show in the result.
+const AT_ONCE: usize = 4096;
+
+impl Mesh {
+    /// Adds what the triangles are, not how they are stored: neither the order of the vertices nor those that
+    /// no triangle uses make a difference.
+    pub(super) fn digest(&self, digest: &mut Digest) {
+        let count = self.triangles.len();
+        digest.count(count);
+        let parts: Vec<[u8; 32]> = (0..count.div_ceil(AT_ONCE))
+            .into_par_iter()
+            .map(|part| {
+                let first = part * AT_ONCE;
+                self.part(first..count.min(first + AT_ONCE))
+            })
+            .collect();
+        digest.bytes(parts.as_flattened());
+    }
+
+    /// Of some triangles, all that is known about them.
+    fn part(&self, triangles: Range<usize>) -> [u8; 32] {
+        let mut digest = Digest::default();
+        let corners = triangles.clone().flat_map(|k| self.corners(k));
+        let numbers: Vec<f64> = corners
+            .flat_map(|corner: DVec3| corner.to_array())
+            .collect();
+        digest.numbers(&numbers);
+        let numbers = triangles.clone().flat_map(|k| [self.face(k), self.slot(k)]);
+        let numbers: Vec<f64> = numbers.map(|number| number as f64).collect();
+        digest.numbers(&numbers);
+        self.attribute(self.normals.as_ref(), triangles.clone(), &mut digest);
+        self.attribute(self.uvs.as_ref(), triangles.clone(), &mut digest);
+        self.attribute(self.colors.as_ref(), triangles.clone(), &mut digest);
+        self.attribute(self.alphas.as_ref(), triangles, &mut digest);
+        digest.finish()
+    }
+
+    fn attribute<const N: usize>(
+        &self,
+        attribute: Option<&Attribute<N>>,
+        triangles: Range<usize>,
+        digest: &mut Digest,
+    ) {
+        digest.count(usize::from(attribute.is_some()));
+        if let Some(attribute) = attribute {
+            let values = triangles.flat_map(|k| attribute.at_corners(k, self.triangles[k]));
+            let numbers: Vec<f64> = values.flatten().map(f64::from).collect();
+            digest.numbers(&numbers);
+        }
+    }
+}

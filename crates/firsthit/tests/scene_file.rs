@@ -1,0 +1,613 @@
+//! Scene files: what they say is what is there, and what is wrong in them is told with its place.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use firsthit::camera::Projection;
+use firsthit::io::{LoadSettings, Model, load};
+use firsthit::{
+    Background, Color, DQuat, DVec3, Error, Light, RayStart, Result, Scene, Shader, shoot,
+};
+
+/// Loads a scene file among other files.
+fn read(text: &str, files: &[(&str, &str)]) -> Result<Model> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, content) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("room for a folder");
+        fs::write(path, content).expect("room for a small file");
+    }
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, text).expect("room for a small file");
+    load(&path, &LoadSettings::default())
+}
+
+fn model(text: &str) -> Model {
+    read(text, &[]).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// What is said about a text, from the file's name on.
+fn refusal(text: &str) -> String {
+    let error = read(text, &[])
+        .err()
+        .unwrap_or_else(|| panic!("accepted: {text:.200}"));
+    assert!(matches!(error, Error::Parse { .. }), "{error:?}");
+    let said = error.to_string();
+    assert!(!said.contains('\n'), "{said}");
+    let start = said.find("scene.toml").expect("the file's name");
+    said[start..].to_owned()
+}
+
+const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n\
+    o a\nf 1 3 2\nf 1 2 4\no b\nf 2 3 4\nf 1 4 3\n";
+
+#[test]
+fn every_shape_is_met_where_its_keys_put_it() {
+    // Each is 1 high above (0, 0), and 2 with the translation.
+    for shape in [
+        "shape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1",
+        "shape = 'plane'\npoint = [0, 0, 1]\nnormal = [0, 0, 3]",
+        "shape = 'disc'\ncenter = [0, 0, 1]\nnormal = [0, 0, 1]\nradius = 0.5",
+        "shape = 'box'\nlow = [-1, -1, -1]\nhigh = [1, 1, 1]",
+        "shape = 'cylinder'\nbottom = [0, 0, -1]\ntop = [0, 0, 1]\nradius = 0.5",
+        "shape = 'cone'\nbottom = [0, 0, -1]\ntop = [0, 0, 1]\nbottom_radius = 1\ntop_radius = 0.25",
+        "shape = 'mesh'\nvertices = [[-1, -1, 1], [1, -1, 1], [0, 1, 1]]\ntriangles = [[0, 1, 2]]",
+    ] {
+        for (placed, height) in [
+            ("", 1.0),
+            ("\ntranslate = [0, 0, 1]", 2.0),
+            ("\nscale = 2", 2.0),
+        ] {
+            let objects = model(&format!("[[objects]]\n{shape}{placed}\n")).objects;
+            let scene = Scene::new(objects).expect("one object");
+            let hit = shoot(&scene, DVec3::new(0.0, 0.0, 10.0), DVec3::NEG_Z);
+            assert_eq!((hit.object, hit.t), (0, 10.0 - height), "{shape}{placed}");
+        }
+    }
+}
+
+#[test]
+fn objects_are_scaled_then_rotated_then_translated() {
+    let placed = |keys: &str| {
+        let text = format!("[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\n{keys}");
+        let map = *model(&text).objects[0].transform().world_from_object();
+        map.transform_point3(DVec3::new(1.0, 2.0, 3.0))
+    };
+    assert_eq!(placed(""), DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(placed("scale = [2, 1, -1]"), DVec3::new(2.0, 2.0, -3.0));
+    // (1, 2, 3) -> (10, 2, 3) -> (-2, 10, 3) -> (-1, 10, 3).
+    let all =
+        "scale = [10, 1, 1]\nrotate = { axis = [0, 0, 7], degrees = 90 }\ntranslate = [1, 0, 0]";
+    assert_eq!(placed(all), DVec3::new(-1.0, 10.0, 3.0));
+    // Around x first: (1, -3, 2); then around z.
+    let two = "rotate = [{ axis = [1, 0, 0], degrees = 90 }, { axis = [0, 0, 1], degrees = 90 }]";
+    assert_eq!(placed(two), DVec3::new(3.0, 1.0, 2.0));
+    let quaternion = placed("rotate = { quaternion = [2e200, 0, 0, 2e200] }");
+    assert!((quaternion - DVec3::new(1.0, -3.0, 2.0)).length() < 1e-14);
+    let theirs = DQuat::from_xyzw(0.1, -0.2, 0.3, 0.9).normalize() * DVec3::new(1.0, 2.0, 3.0);
+    let ours = placed("rotate.quaternion = [0.1, -0.2, 0.3, 0.9]");
+    assert!((ours - theirs).length() < 1e-14);
+    let rows = "matrix = [[0, 0, 1, 5], [1, 0, 0, 6], [0, 1, 0, 7]]";
+    assert_eq!(placed(rows), DVec3::new(8.0, 7.0, 9.0));
+    let four = "matrix = [[0, 0, 1, 5], [1, 0, 0, 6], [0, 1, 0, 7], [0, 0, 0, 1]]";
+    assert_eq!(placed(four), placed(rows));
+}
+
+#[test]
+fn numbers_keep_every_digit() {
+    let text = "[[objects]]\nshape = 'plane'\npoint = [0, 0, 0.1234567890123456789]\n\
+        normal = [0, 0, 1]\n[[lights]]\nkind = 'point'\nposition = [0x10, 1_000.5, -9007199254740993]\n";
+    let model = model(text);
+    let scene = Scene::new(model.objects).expect("one object");
+    let hit = shoot(&scene, DVec3::new(0.0, 0.0, 1.0), DVec3::NEG_Z);
+    assert_eq!(hit.t, 1.0 - 0.123_456_789_012_345_68);
+    let white = Color::ONE;
+    let place = DVec3::new(16.0, 1000.5, -9_007_199_254_740_992.0);
+    assert_eq!(
+        model.lights,
+        [Light::Point {
+            position: place,
+            intensity: white
+        }]
+    );
+}
+
+#[test]
+fn cameras_are_what_their_words_say() {
+    let text = "[camera]\nposition = [1, 2, 3]\naim = [0, 0, -2]\nup = [0, 1, 0]\nfocal_length = 35\n\
+        width = 36\nheight = 24\ncolumns = 720\nrows = 100\nray_start = 'viewplane'\n\
+        [cameras.side]\nposition = [5, 0, 1]\nlook_at = [0, 0, 1]\nfov = 60\n\
+        [cameras.flat]\nprojection = 'orthographic'\nposition = [0, 0, 9]\naim = [0, 0, -1]\nup = [0, 1, 0]\n\
+        width = 4\nheight = 2\n";
+    let model = model(text);
+    let names: Vec<&str> = model
+        .cameras
+        .iter()
+        .map(|camera| camera.name.as_str())
+        .collect();
+    assert_eq!(names, ["camera", "side", "flat"]);
+    assert!(model.has_view);
+    let view = model.cameras[0].view;
+    assert_eq!(
+        (view.position, view.aim, view.up),
+        (DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z, DVec3::Y)
+    );
+    assert_eq!(
+        (view.focal_length, view.width, view.height),
+        (35.0, 36.0, 24.0)
+    );
+    assert_eq!(
+        (view.columns, view.rows, view.ray_start),
+        (720, 100, RayStart::Viewplane)
+    );
+    let side = &model.cameras[1];
+    assert_eq!(
+        (side.view.aim, side.view.up, side.has_size),
+        (DVec3::NEG_X, DVec3::Z, false)
+    );
+    assert!((side.view.height - 2.0 / 3.0_f64.sqrt()).abs() < 1e-15);
+    // The specification: cameras of a scene file start their rays at the eye.
+    assert_eq!(side.view.ray_start, RayStart::Eye);
+    let flat = model.cameras[2].view;
+    assert_eq!(
+        (flat.projection, flat.width, flat.height),
+        (Projection::Orthographic, 4.0, 2.0)
+    );
+    assert_eq!((flat.columns, flat.rows), (1024, 512));
+}
+
+#[test]
+fn what_a_camera_leaves_open_the_objects_decide() {
+    let ball = "[[objects]]\nshape = 'sphere'\ncenter = [10, 0, 0]\nradius = 2\n";
+    let model = model(&format!("up = [0, 1, 0]\n[camera]\ncolumns = 80\n{ball}"));
+    let view = model.cameras[0].view;
+    assert_eq!((view.columns, view.rows, view.up), (80, 60, DVec3::Y));
+    let to_ball = DVec3::new(10.0, 0.0, 0.0) - view.position;
+    assert!(to_ball.normalize().dot(view.aim) > 1.0 - 1e-12);
+    assert_eq!(model.up, DVec3::Y);
+}
+
+#[test]
+fn lights_background_and_shading_are_read() {
+    let text = "[sky]\nhorizon = '#ffffff'\nzenith = [0, 0, 0.5]\n[[lights]]\nkind = 'directional'\n\
+        direction = [0, 0, -1]\ncolor = [1, 0.5, 0]\n[shading]\nambient = [0, 0, 0]\nshadows = false\nsamples = 16\n";
+    let lit = model(text);
+    let sky = Background::Gradient {
+        horizon: Color::ONE,
+        zenith: Color::new(0.0, 0.0, 0.5),
+        up: DVec3::Z,
+    };
+    assert_eq!(lit.background, Some(sky));
+    let color = Color::new(1.0, 0.5, 0.0);
+    assert_eq!(
+        lit.lights,
+        [Light::Directional {
+            direction: DVec3::NEG_Z,
+            color
+        }]
+    );
+    let Some(Shader::Lambert(lambert)) = lit.shader else {
+        panic!("{:?}", lit.shader);
+    };
+    assert_eq!(
+        (lambert.ambient, lambert.shadows, lit.samples),
+        (Color::ZERO, false, Some(16))
+    );
+    let plain = model("[background]\ncolor = '#bc0000'\n[shading]\nshader = 'unlit'\n");
+    assert_eq!(plain.shader.map(|shader| shader.name()), Some("unlit"));
+    let Some(Background::Uniform(red)) = plain.background else {
+        panic!("{:?}", plain.background);
+    };
+    // Byte 188 of sRGB is half the light, to half a byte.
+    assert!((red.x - 0.5).abs() < 0.005 && red.y == 0.0);
+    let empty = model("");
+    assert!(empty.shader.is_none() && empty.background.is_none() && !empty.has_view);
+}
+
+#[test]
+fn a_file_named_twice_is_read_once_and_shared() {
+    let text = "[[objects]]\nfile = 'parts/t.obj'\nname = 'left'\n[[objects]]\nfile = 'parts/../parts/t.obj'\n";
+    assert!(
+        read(text, &[("parts/t.obj", TETRAHEDRON)]).is_err(),
+        "no way upwards"
+    );
+    let text = "[[objects]]\nfile = 'parts/t.obj'\nname = 'left'\n\
+        [[objects]]\nfile = './parts/t.obj'\ntranslate = [9, 0, 0]\ncolor = [1, 0, 0]\n";
+    let model = read(text, &[("parts/t.obj", TETRAHEDRON)]).expect("a scene");
+    let names: Vec<&str> = model.objects.iter().map(firsthit::Object::name).collect();
+    assert_eq!(names, ["left/a", "left/b", "a", "b"]);
+    let mesh = |k: usize| model.objects[k].mesh().expect("a mesh");
+    assert!(Arc::ptr_eq(mesh(0), mesh(2)) && Arc::ptr_eq(mesh(1), mesh(3)));
+    assert_eq!(model.objects[2].color(), Color::X);
+    assert_eq!(model.objects[2].bounds().low, DVec3::new(9.0, 0.0, 0.0));
+    assert_eq!(model.files.len(), 2);
+}
+
+#[test]
+fn doubts_about_a_named_file_are_passed_on() {
+    let text = "[[objects]]\nfile = 't.obj'\n";
+    let bad = "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n";
+    let model = read(text, &[("t.obj", bad)]).expect("a scene");
+    assert!(
+        model.warnings[0].contains("t.obj: dropped: 1 triangles"),
+        "{:?}",
+        model.warnings
+    );
+    let error = read(text, &[("t.obj", "v 0 0 0\nf 1 2 3\n")]).expect_err("an index of nothing");
+    let said = error.to_string();
+    assert!(
+        said.contains("scene.toml:2:8: 't.obj' is not read: ") && said.contains("t.obj:2: "),
+        "{said}"
+    );
+}
+
+#[test]
+fn no_file_outside_the_folder_is_read_or_written() {
+    for name in [
+        "/etc/passwd",
+        "../t.obj",
+        "a/../../t.obj",
+        "http://host/t.obj",
+        "c:t.obj",
+        "a\\\\b.obj",
+        "",
+    ] {
+        for table in ["objects", "outputs"] {
+            let text = format!("[[{table}]]\nfile = \"{name}\"\n");
+            let said = refusal(&text);
+            assert!(said.starts_with("scene.toml:2:8: "), "{said}");
+        }
+    }
+    assert_eq!(
+        refusal("[[outputs]]\nfile = '../a.png'"),
+        "scene.toml:2:8: '../a.png' is not written: refused: the path has ..; only files under the scene's folder are read"
+    );
+    assert!(
+        refusal("[[objects]]\nfile = 'scene.toml'")
+            .ends_with("a scene file holds no other scene files")
+    );
+    assert!(
+        refusal("[[outputs]]\nfile = 'a.sh'")
+            .contains("'a.sh' is not written: it must end in one of .png")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn outputs_do_not_follow_links_out_of_the_folder() {
+    let top = tempfile::tempdir().expect("a temporary folder");
+    let folder = top.path().join("scene");
+    fs::create_dir(&folder).expect("room for a folder");
+    fs::write(top.path().join("kept.png"), "kept").expect("room for a file");
+    let link =
+        |to: &str, name: &str| std::os::unix::fs::symlink(to, folder.join(name)).expect("a link");
+    link("../kept.png", "file.png");
+    link("..", "up");
+    link("../missing.png", "dangling.png");
+    link("../missing", "nowhere");
+    let path = folder.join("scene.toml");
+    for name in [
+        "file.png",
+        "up/new.png",
+        "up/kept.png",
+        "dangling.png",
+        "nowhere/a.png",
+    ] {
+        fs::write(&path, format!("[[outputs]]\nfile = '{name}'\n")).expect("room for a file");
+        let error = load(&path, &LoadSettings::default())
+            .expect_err(name)
+            .to_string();
+        assert!(error.contains("leads outside"), "{name}: {error}");
+    }
+    fs::write(&path, "[[outputs]]\nfile = 'new/a.png'\n").expect("room for a file");
+    let model = load(&path, &LoadSettings::default()).expect("a scene");
+    assert_eq!(model.outputs[0].path, folder.join("new/a.png"));
+    assert_eq!(model.outputs[0].channels, ["color"]);
+}
+
+/// Texts, and how what is said of them begins.
+const MISTAKES: &[(&str, &str)] = &[
+    (
+        "[camera]\npostion = [0, 0, 1]\n",
+        "2:1: unknown key `postion`, did you mean `position`?",
+    ),
+    (
+        "[camera]\n  taregt = [0, 0, 1]\n",
+        "2:3: unknown key `taregt`; projection = \"perspective\" takes position, aim, look_at, up, ray_start, columns, rows, fov, focal_length, width, height, projection",
+    ),
+    (
+        "[camera]\ntarget = [0, 0, 1]\n",
+        "2:1: unknown key `target`, did you mean `look_at`?",
+    ),
+    (
+        "[camrea]\nposition = [0, 0, 1]\n",
+        "1:2: unknown key `camrea`, did you mean `camera`?",
+    ),
+    (
+        "[camera]\nposition = [0, 'a', 1]\n",
+        "2:16: `position` must be three finite numbers, [x, y, z], got \"a\"",
+    ),
+    (
+        "[camera]\nposition = [0, 1]\n",
+        "2:12: `position` must be three finite numbers, [x, y, z], got [0, 1]",
+    ),
+    (
+        "[camera]\nfov = 180\n",
+        "2:7: `fov` must be a number between 0 and 180, got 180",
+    ),
+    (
+        "[camera]\nfov = nan\n",
+        "2:7: `fov` must be a number between 0 and 180, got nan",
+    ),
+    (
+        "[camera]\nfov = 'wide'\n",
+        "2:7: `fov` must be a number between 0 and 180, got \"wide\"",
+    ),
+    (
+        "[camera]\ncolumns = 1.5\n",
+        "2:11: `columns` must be a whole number from 1 to 268435456, got 1.5",
+    ),
+    (
+        "[camera]\ncolumns = 99999999999999999999\n",
+        "2:11: `columns` must be a whole number from 1 to 268435456, got 99999999999999999999",
+    ),
+    (
+        "[camera]\nfov = 30\nwidth = 3\nheight = 2\nfocal_length = 1\n",
+        "5:1: `fov` and `focal_length` exclude each other",
+    ),
+    (
+        "[camera]\nlook_at = [1, 2, 3]\n",
+        "2:1: `look_at` needs `position` beside it",
+    ),
+    (
+        "[camera]\nposition = [1, 2, 3]\nlook_at = [1, 2, 3]\n",
+        "3:11: look_at must be another point than position, got [1, 2, 3]",
+    ),
+    (
+        "[camera]\naim = [0, 0, -1]\nup = [0, 0, 3]\n",
+        "3:6: up must be in another direction than aim, got [0, 0, 3] (aim is [0, 0, -1])",
+    ),
+    (
+        "[camera]\nprojection = 'isometric'\n",
+        "2:14: unknown projection \"isometric\"; there are \"perspective\", \"orthographic\"",
+    ),
+    (
+        "[camera]\nprojection = 'orthografic'\nfov = 3\n",
+        "2:14: unknown projection \"orthografic\", did you mean \"orthographic\"?",
+    ),
+    (
+        "[camera]\nprojection = 'orthographic'\nfov = 3\n",
+        "3:1: unknown key `fov`; projection = \"orthographic\" takes position, aim, look_at, up, ray_start, columns, rows, focal_length, width, height, projection",
+    ),
+    ("camera = 3\n", "1:10: `camera` must be a table, got 3"),
+    (
+        "[cameras]\nfront = 3\n",
+        "2:1: `front` must be a table, got 3",
+    ),
+    (
+        "[objects]\nshape = 'box'\n",
+        "1:1: `objects` must be an array of tables, [[objects]], got a table; write [[objects]]",
+    ),
+    (
+        "[[objects]]\nshape = 'shpere'\n",
+        "2:9: unknown shape \"shpere\", did you mean \"sphere\"?",
+    ),
+    (
+        "[[objects]]\nshape = 'ball'\n",
+        "2:9: unknown shape \"ball\", did you mean \"sphere\"?",
+    ),
+    (
+        "[[objects]]\nsahpe = 'box'\n",
+        "1:1: this object needs `shape` or `file`: unknown key `sahpe`, did you mean `shape`?",
+    ),
+    (
+        "[[objects]]\nname = 'x'\n",
+        "1:1: this object needs `shape` or `file`, shape being one of \"sphere\", \"plane\", \"disc\", \"box\", \"cylinder\", \"cone\", \"mesh\"",
+    ),
+    (
+        "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\n",
+        "1:1: shape = \"sphere\" needs `radius`: a positive number",
+    ),
+    (
+        "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = -1\n",
+        "4:10: `radius` must be a positive number, got -1",
+    ),
+    (
+        "[[objects]]\nshape = 'box'\nlow = [0, 0, 0]\nhigh = [1, 1, 0]\n",
+        "4:8: high must be above low along every axis, got [1, 1, 0] (low is [0, 0, 0])",
+    ),
+    (
+        "[[objects]]\nshape = 'box'\nlow = [0, 0, 0]\nhigh = [1, 1, 1]\nscale = [1, 0, 1]\n",
+        "5:9: `scale` must be a factor, or three of them, [x, y, z], none of them zero, got [1, 0, 1]",
+    ),
+    (
+        "[[objects]]\nshape = 'plane'\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nmatrix = [[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 0, 0]]\n",
+        "5:10: `matrix` must make an affine map that can be undone, got an array of 3",
+    ),
+    (
+        "[[objects]]\nshape = 'mesh'\nvertices = [[0, 0, 0]]\ntriangles = [[0, 0, 1]]\n",
+        "4:13: triangles must be ",
+    ),
+    (
+        "[[objects]]\nshape = 'mesh'\nvertices = [[0, 0, 0]]\ntriangles = [[0, 0, 0], [0, -1, 0]]\n",
+        "4:25: `triangles` must be an array of triangles, each three indices of vertices, got [0, -1, 0]",
+    ),
+    (
+        "[[objects]]\nshape = 'box'\nfile = 'a.obj'\n",
+        "2:1: unknown key `shape`; ",
+    ),
+    (
+        "[[lights]]\nkind = 'sun'\n",
+        "2:8: unknown kind \"sun\", did you mean \"directional\"?",
+    ),
+    (
+        "[background]\ncolor = '#12345'\n",
+        "2:9: `color` must be linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\", got \"#12345\"",
+    ),
+    (
+        "[background]\ncolor = [0, -1, 0]\n",
+        "2:13: `color` must be linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\", got -1",
+    ),
+    (
+        "[background]\ncolor = [0, 1, 0]\n[sky]\nhorizon = [0, 0, 0]\nzenith = [0, 0, 0]\n",
+        "3:2: `background` and `sky` exclude each other",
+    ),
+    (
+        "[shading]\nshader = 'unlit'\nambient = [0, 0, 0]\n",
+        "3:1: unknown key `ambient`; shader = \"unlit\" takes samples, shader",
+    ),
+    (
+        "[[outputs]]\nfile = 'a.npz'\nchannels = ['color', 'nromal']\n",
+        "3:22: unknown channels \"nromal\", did you mean \"normal\"?",
+    ),
+    (
+        "version = 2\n",
+        "1:11: `version` must be a whole number from 1 to 1, got 2",
+    ),
+    ("x = 1\nx = 2\n", "2:1: this is not TOML: duplicate key"),
+    ("[camera\n", "1:8: this is not TOML: "),
+    ("a = \"\u{1}\"\n", "1:6: this is not TOML: "),
+];
+
+#[test]
+fn mistakes_are_told_with_their_place_and_the_right_word() {
+    for &(text, said) in MISTAKES {
+        let found = refusal(text);
+        assert!(
+            found.starts_with(&format!("scene.toml:{said}")),
+            "{text}\n{found}\n{said}"
+        );
+    }
+}
+
+#[test]
+fn columns_count_characters_and_not_bytes() {
+    assert_eq!(
+        refusal("\u{feff}[[objects]]\n\"größe\" = 1\n")
+            .split_once(": ")
+            .map(|(place, _)| place),
+        Some("scene.toml:1:1")
+    );
+    let said =
+        refusal("[[objects]]\nshape = 'box'\nlow = [0,0,0] # ä\nname = 'äöü'\nhigh = ['ß', x]\n");
+    assert!(said.starts_with("scene.toml:5:14: "), "{said}");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, b"a = 1\nb = \xff\n").expect("room for a file");
+    let said = load(&path, &LoadSettings::default())
+        .expect_err("no UTF-8")
+        .to_string();
+    assert!(
+        said.ends_with("scene.toml:2:5: the text is not UTF-8, which TOML must be"),
+        "{said}"
+    );
+}
+
+fn many(part: &str, count: usize) -> String {
+    part.repeat(count)
+}
+
+/// So many parts, each with its number in place of the #.
+fn numbered(count: u32, part: &str) -> String {
+    let parts: Vec<String> = (0..count)
+        .map(|k| part.replace('#', &k.to_string()))
+        .collect();
+    parts.concat()
+}
+
+fn hostile_texts() -> Vec<(&'static str, String)> {
+    let mut texts = vec![
+        ("nested arrays", format!("a = {}", many("[", 200_000))),
+        (
+            "nested and closed",
+            format!("a = {}{}", many("[", 200_000), many("]", 200_000)),
+        ),
+        ("nested tables", format!("a = {}", many("{a=", 100_000))),
+        ("a dotted key", format!("{}a = 1", many("a.", 200_000))),
+        ("a dotted table", format!("[{}a]", many("a.", 200_000))),
+        (
+            "a long number",
+            format!("version = {}", many("9", 1_000_000)),
+        ),
+        (
+            "a long fraction",
+            format!("version = 1.{}", many("9", 1_000_000)),
+        ),
+        (
+            "a large exponent",
+            "[camera]\nfov = 1e999999999999".to_owned(),
+        ),
+        ("a long key", format!("{} = 1", many("k", 1_000_000))),
+        (
+            "a long text",
+            format!("[camera]\nprojection = '{}'", many("k", 1_000_000)),
+        ),
+    ];
+    texts.extend([
+        ("many keys", numbered(200_000, "k# = 1\n")),
+        ("many tables", numbered(100_000, "[t#]\n")),
+        (
+            "implicit tables first",
+            numbered(50_000, "[t#.a]\n") + &numbered(50_000, "[t#]\n"),
+        ),
+        ("many errors", many("= = =\n", 100_000)),
+        ("quotes", many("\"\"\"", 100_001)),
+        (
+            "a wide array",
+            format!("[camera]\nposition = [{}]", many("1,", 1_000_000)),
+        ),
+    ]);
+    texts
+}
+
+#[test]
+fn hostile_texts_end_soon_and_in_an_error() {
+    let start = std::time::Instant::now();
+    for (what, text) in hostile_texts() {
+        let said = refusal(&text);
+        assert!(said.len() < 500, "{what}: {said}");
+    }
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+#[test]
+fn a_hundred_thousand_objects_take_moments() {
+    let ball = "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\n";
+    let start = std::time::Instant::now();
+    assert_eq!(model(&ball.repeat(100_000)).objects.len(), 100_000);
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}
+
+#[test]
+fn limits_are_limits_and_not_aborts() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, "# comment\n".repeat(1000)).expect("room for a file");
+    let settings = LoadSettings {
+        max_memory: 100_000,
+        ..LoadSettings::default()
+    };
+    let error = load(&path, &settings).expect_err("too large");
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+    // 1,500 objects, 1,000 times.
+    let many = (0..1500).fold(String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), |text, k| {
+        text + &format!("o o{k}\nf 1 2 3\n")
+    });
+    let error = read(
+        &"[[objects]]\nfile = 'a.obj'\n".repeat(1000),
+        &[("a.obj", &many)],
+    )
+    .expect_err("too many");
+    assert!(matches!(error, Error::Limit { .. }), "{error}");
+}
+
+#[test]
+fn the_path_is_taken_as_it_is_given() {
+    let error =
+        load(Path::new("nowhere/scene.toml"), &LoadSettings::default()).expect_err("nothing there");
+    assert!(
+        error.to_string().starts_with("nowhere/scene.toml: "),
+        "{error}"
+    );
+}

@@ -1,0 +1,4 @@
+//! PLY files.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| firsthit_fuzz::read("a.ply", bytes));

@@ -1,0 +1,271 @@
+"""Output files, opened by the programs that people open them with."""
+
+import json
+import re
+
+import firsthit as fh
+import numpy as np
+import pytest
+from support import ROOT
+
+ROWS, COLUMNS = 20, 30
+CHANNELS = ("color", "t", "range", "z", "object", "primitive", "normal", "position", "uv", "front")
+#: What an EXR calls the components of each channel.
+EXR_NAMES = {
+    "color": ["R", "G", "B"],
+    "z": ["Z"],
+    "normal": ["N.X", "N.Y", "N.Z"],
+    "position": ["P.X", "P.Y", "P.Z"],
+    "uv": ["uv.U", "uv.V"],
+}
+
+
+def scene():
+    """A ball in the upper left, in front of nothing; a box in the lower right."""
+    made = fh.Scene()
+    made.add(fh.Sphere(center=(-1, 1, 0), radius=0.8), color=(1, 0.25, 0))
+    made.add(fh.Box((0.2, -2, -1), (2, -0.2, 0)), color=(0, 0.5, 1))
+    return made
+
+
+def camera(projection="perspective"):
+    return fh.Camera.look_at(
+        (0, 0, 6), (0, 0, 0), (0, 1, 0), 45, ROWS, COLUMNS, projection=projection
+    )
+
+
+@pytest.fixture(scope="module")
+def frame():
+    return fh.render(scene(), camera(), channels=CHANNELS, background=(0.1, 0.2, 0.9))
+
+
+@pytest.fixture(scope="module")
+def exr(frame, tmp_path_factory):
+    path = tmp_path_factory.mktemp("exr") / "all.exr"
+    frame.save(path)
+    return path
+
+
+def as_float32(array):
+    return array.astype(np.float32) if array.dtype == np.float64 else array
+
+
+def test_openexr_reads_every_channel_exactly_under_its_documented_name(frame, exr):
+    openexr = pytest.importorskip("OpenEXR")
+    with openexr.File(str(exr), separate_channels=True) as file:
+        header = dict(file.header())
+        channels = {name: channel.pixels for name, channel in file.channels().items()}
+    names = []
+    for name in CHANNELS:
+        parts = EXR_NAMES.get(name, [name])
+        names += parts
+        expected = as_float32(frame[name]).reshape(ROWS, COLUMNS, -1)
+        for k, part in enumerate(parts):
+            pixels = channels[part]
+            assert pixels.shape == (ROWS, COLUMNS)
+            if name in ("object", "primitive"):
+                assert pixels.dtype == np.uint32
+                pixels = pixels.view(np.int32)
+            elif name == "front":
+                assert pixels.dtype == np.uint32
+            else:
+                assert pixels.dtype == np.float32
+            np.testing.assert_array_equal(pixels, expected[..., k], err_msg=part)
+    assert set(channels) == set(names)
+    assert header["compression"] == openexr.ZIP_COMPRESSION
+    assert header["lineOrder"] == openexr.INCREASING_Y
+    assert json.loads(header["firsthit"]) == fh.read_metadata(exr)
+    # Row 0 is the top: the ball is in the upper left.
+    identifiers = channels["object"].view(np.int32)
+    assert identifiers[ROWS // 4, COLUMNS // 3] == 0
+    assert identifiers[3 * ROWS // 4, 2 * COLUMNS // 3] == 1
+    assert identifiers[0, -1] == -1
+
+
+def test_opencv_reads_the_colours_of_an_exr(frame, exr, monkeypatch):
+    monkeypatch.setenv("OPENCV_IO_ENABLE_OPENEXR", "1")
+    cv2 = pytest.importorskip("cv2")
+    if not re.search(r"OpenEXR:\s+(?!NO|\s)", cv2.getBuildInformation()):
+        pytest.skip("this OpenCV is built without OpenEXR")
+    pixels = cv2.imread(str(exr), cv2.IMREAD_UNCHANGED)
+    assert pixels.dtype == np.float32
+    np.testing.assert_array_equal(pixels[..., ::-1], frame["color"])
+
+
+def test_opencv_reads_distances_in_steps(frame, tmp_path):
+    cv2 = pytest.importorskip("cv2")
+    frame.save(tmp_path / "{channel}.png", png_scale=0.001)
+    steps = cv2.imread(str(tmp_path / "z.png"), cv2.IMREAD_UNCHANGED)
+    assert (steps.dtype, steps.shape) == (np.uint16, (ROWS, COLUMNS))
+    check_steps(steps, frame["z"])
+    colors = cv2.imread(str(tmp_path / "color.png"), cv2.IMREAD_UNCHANGED)
+    assert (colors.dtype, colors.shape) == (np.uint8, (ROWS, COLUMNS, 3))
+
+
+def check_steps(steps, z):
+    miss = np.isinf(z)
+    assert 0 < miss.sum() < miss.size
+    np.testing.assert_array_equal(steps == 0, miss)
+    assert np.abs(steps[~miss] * 0.001 - z[~miss]).max() <= 0.0005 + 1e-12
+
+
+def test_pillow_and_imageio_read_distances_in_steps_and_the_text(frame, tmp_path):
+    from PIL import Image
+
+    imageio = pytest.importorskip("imageio.v3")
+    path = tmp_path / "z.png"
+    fh.render(scene(), camera(), channels="z").save(path, png_scale=0.001)
+    with Image.open(path) as picture:
+        assert picture.mode == "I;16"
+        check_steps(np.asarray(picture), frame["z"])
+        said = json.loads(picture.text["firsthit"])
+    assert said == fh.read_metadata(path)
+    (channel,) = said["channels"]
+    assert channel["stored"] == {
+        "names": ["grey"],
+        "dtype": "uint16",
+        "encoding": "steps",
+        "miss": "0",
+        "scale": 0.001,
+    }
+    check_steps(imageio.imread(path), frame["z"])
+
+
+def test_imageio_reads_colours_as_srgb_without_alpha(frame, tmp_path):
+    imageio = pytest.importorskip("imageio.v3")
+    frame.save(tmp_path / "a.png")
+    pixels = imageio.imread(tmp_path / "a.png")
+    assert (pixels.dtype, pixels.shape) == (np.uint8, (ROWS, COLUMNS, 3))
+    linear = np.clip(frame["color"].astype(float), 0, 1)
+    curve = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    np.testing.assert_array_equal(pixels, np.floor(255 * curve + 0.5))
+
+
+def test_numpy_reads_the_metadata_of_an_npz_as_a_text(frame, tmp_path):
+    frame.save(tmp_path / "a.npz")
+    with np.load(tmp_path / "a.npz", allow_pickle=False) as arrays:
+        assert set(arrays) == {*CHANNELS, "metadata"}
+        assert arrays["metadata"].shape == ()
+        said = json.loads(str(arrays["metadata"]))
+    assert said == fh.read_metadata(tmp_path / "a.npz")
+    plain = [{k: v for k, v in c.items() if k != "stored"} for c in said["channels"]]
+    assert plain == frame.metadata["channels"]
+
+
+def test_an_npy_has_its_metadata_beside_it(frame, tmp_path):
+    frame.save(tmp_path / "{channel}.npy")
+    said = json.loads((tmp_path / "z.npy.json").read_text())
+    assert said == fh.read_metadata(tmp_path / "z.npy")
+    assert [c["name"] for c in said["channels"]] == ["z"]
+    (tmp_path / "z.npy.json").unlink()
+    assert fh.read_metadata(tmp_path / "z.npy") is None
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_metadata_follow_the_schema_and_the_cameras_words(projection, tmp_path):
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads((ROOT / "docs" / "output-metadata.schema.json").read_text())
+    validator = jsonschema.Draft202012Validator(schema)
+    seen = camera(projection)
+    frame = fh.render(scene(), seen, channels=CHANNELS)
+    frame.save(tmp_path / "a.exr")
+    for said in (frame.metadata, fh.read_metadata(tmp_path / "a.exr")):
+        validator.validate(said)
+        for name in ("position", "aim", "up"):
+            np.testing.assert_array_equal(said["camera"][name], getattr(seen, name))
+        for name in ("focal_length", "width", "height", "rows", "columns", "projection"):
+            assert said["camera"][name] == getattr(seen, name)
+    broken = json.loads(json.dumps(said))
+    del broken["camera"]["pose"]
+    assert not validator.is_valid(broken)
+
+
+def test_the_matrices_take_positions_to_their_pixels(frame):
+    said = frame.metadata["camera"]
+    pose = np.array(said["pose"]["world_from_camera"])
+    k = np.array(said["intrinsics"]["k"])
+    rows, columns = np.nonzero(frame["object"] >= 0)
+    points = frame["position"][rows, columns]
+    right_up_back = (points - pose[:3, 3]) @ pose[:3, :3]
+    seen = right_up_back * [1, -1, -1]
+    np.testing.assert_allclose(seen[:, 2], frame["z"][rows, columns], rtol=1e-12)
+    pixels = (seen / seen[:, 2:]) @ k.T
+    np.testing.assert_allclose(pixels[:, 0], columns + 0.5, atol=1e-9)
+    np.testing.assert_allclose(pixels[:, 1], rows + 0.5, atol=1e-9)
+
+
+def test_opencv_projects_points_with_k_when_its_convention_is_followed(frame):
+    cv2 = pytest.importorskip("cv2")
+    said = frame.metadata["camera"]
+    k = np.array(said["intrinsics"]["k"])
+    k[:2, 2] -= said["intrinsics"]["first_pixel_center"]
+    camera_from_world = np.diag([1.0, -1, -1, 1]) @ np.linalg.inv(said["pose"]["world_from_camera"])
+    rows, columns = np.nonzero(frame["object"] >= 0)
+    turn, _ = cv2.Rodrigues(camera_from_world[:3, :3])
+    pixels, _ = cv2.projectPoints(
+        frame["position"][rows, columns], turn, camera_from_world[:3, 3], k, None
+    )
+    np.testing.assert_allclose(pixels[:, 0], np.stack([columns, rows], 1), atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.npz"])
+def test_a_frame_comes_back_from_its_file(frame, name, tmp_path):
+    frame.save(tmp_path / name)
+    again = fh.Frame.load(tmp_path / name)
+    assert (again.shape, set(again)) == (frame.shape, set(frame))
+    for channel in frame:
+        expected = as_float32(frame[channel]) if name == "a.exr" else frame[channel]
+        assert again[channel].dtype == expected.dtype
+        np.testing.assert_array_equal(again[channel], expected)
+    assert again.metadata["scene"] == frame.metadata["scene"]
+    again.save(tmp_path / f"again-{name}")
+    assert (tmp_path / f"again-{name}").stat().st_size > 0
+    assert fh.read_metadata(tmp_path / f"again-{name}")["camera"] == frame.metadata["camera"]
+
+
+def test_the_fingerprint_is_the_scenes_not_the_views():
+    prints = {
+        fh.render(scene(), view, shade=shade).metadata["scene"]
+        for view in (camera(), camera("orthographic"))
+        for shade in ("lambert", lambda hits: np.ones((*hits.shape, 3)))
+    }
+    assert len(prints) == 1
+    other = scene()
+    other.add_light(fh.DirectionalLight((0, 0, -1)))
+    assert fh.render(other, camera()).metadata["scene"] not in prints
+
+
+def test_files_of_others_have_no_metadata(tmp_path):
+    np.savez(tmp_path / "a.npz", z=np.ones((2, 3)))
+    assert fh.read_metadata(tmp_path / "a.npz") is None
+    frame = fh.Frame.load(tmp_path / "a.npz")
+    assert (frame.shape, frame.metadata) == ((2, 3), {})
+    big_endian = np.asfortranarray(np.arange(24.0).reshape(2, 3, 4).astype(">f4"))
+    np.save(tmp_path / "a.npy", big_endian)
+    np.testing.assert_array_equal(fh.Frame.load(tmp_path / "a.npy")["array"], big_endian)
+    (tmp_path / "a.exr").write_bytes(b"\x76\x2f\x31\x01 and no more")
+    with pytest.raises(fh.FileFormatError):
+        fh.Frame.load(tmp_path / "a.exr")
+    with pytest.raises(fh.FileReadError):
+        fh.read_metadata(tmp_path / "none.exr")
+
+
+def test_an_exr_of_openexr_is_read_in_every_compression(tmp_path):
+    openexr = pytest.importorskip("OpenEXR")
+    rng = np.random.default_rng(1)
+    z = rng.normal(size=(40, 33)).astype(np.float32)
+    color = rng.normal(size=(40, 33, 3)).astype(np.float16)
+    for name in ("NO", "RLE", "ZIPS", "ZIP", "PIZ"):
+        header = {"compression": getattr(openexr, f"{name}_COMPRESSION")}
+        path = tmp_path / f"{name}.exr"
+        with openexr.File(header, {"RGB": color, "Z": z}) as file:
+            file.write(str(path))
+        frame = fh.Frame.load(path)
+        np.testing.assert_array_equal(frame["z"], z)
+        np.testing.assert_array_equal(frame["color"], color.astype(np.float32))
+
+
+def test_what_16_bits_do_not_hold_is_refused_with_its_pixel(frame, tmp_path):
+    with pytest.raises(ValueError, match=r"t is [\d.]+ at row \d+, column \d+; a scale of"):
+        frame.save(tmp_path / "{channel}.png", png_scale=1e-5)
+    assert not (tmp_path / "t.png").exists()

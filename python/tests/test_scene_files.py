@@ -1,0 +1,112 @@
+"""Scene files: what they say is what the scene has."""
+
+import pickle
+from pathlib import Path
+
+import firsthit as fh
+import numpy as np
+import pytest
+
+SCENES = Path(__file__).parents[2] / "docs" / "scenes"
+
+SCENE = """
+up = [0, 0, 1]
+[camera]
+position = [0, -6, 3]
+look_at = [0, 0, 0.5]
+fov = 30
+columns = 32
+rows = 24
+[cameras.top]
+position = [0, 0, 9]
+aim = [0, 0, -1]
+up = [0, 1, 0]
+[[objects]]
+shape = "sphere"
+center = [0, 0, 0.5]
+radius = 0.5
+color = [0.5, 0.25, 0.125]
+[[objects]]
+shape = "box"
+low = [-1, -1, -1]
+high = [1, 1, 0]
+name = "floor"
+translate = [0, 0, 0.25]
+[[lights]]
+kind = "point"
+position = [0, -3, 4]
+intensity = [9, 9, 9]
+[sky]
+horizon = [1, 1, 1]
+zenith = [0, 0, 1]
+[shading]
+ambient = [0.125, 0.125, 0.125]
+shadows = false
+samples = 2
+"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def test_a_scene_file_gives_all_that_it_says(path):
+    scene = fh.load(path)
+    assert [made.name for made in scene.objects] == ["sphere", "floor"]
+    assert scene.objects[0].shape == fh.Sphere((0, 0, 0.5), 0.5)
+    assert scene.objects[0].color == (0.5, 0.25, 0.125)
+    np.testing.assert_array_equal(scene.objects[1].transform[:3, 3], [0, 0, 0.25])
+    assert scene.lights == (fh.PointLight((0, -3, 4), (9, 9, 9)),)
+    assert scene.background == fh.Sky((1, 1, 1), (0, 0, 1), (0, 0, 1))
+    assert scene.shading == fh.Shading("lambert", (0.125,) * 3, shadows=False, samples=2)
+    assert [camera.name for camera in scene.cameras] == ["camera", "top"]
+    camera = fh.Camera.look_at((0, -6, 3), (0, 0, 0.5), (0, 0, 1), 30, rows=24, columns=32)
+    np.testing.assert_allclose(scene.camera().rays(), camera.rays(), rtol=0, atol=1e-15)
+    top = scene.camera("top", columns=4, rows=2)
+    assert (top.columns, top.rows, top.ray_start) == (4, 2, "eye")
+    assert scene.shoot((0, 0, 9), (0, 0, -1)).t == 8
+    assert pickle.loads(pickle.dumps(scene)).shading == scene.shading
+
+
+def test_a_scene_s_shading_is_the_default_of_render(path):
+    scene = fh.load(path)
+    camera = scene.camera()
+    told = {"shade": "lambert", "ambient": (0.125,) * 3, "shadows": False, "samples": 2}
+    plain = fh.load(path)
+    plain.shading = fh.Shading()
+    ours = fh.render(scene, camera)["color"]
+    np.testing.assert_array_equal(ours, fh.render(plain, camera, **told)["color"])
+    assert not np.array_equal(ours, fh.render(plain, camera)["color"])
+
+
+def test_mistakes_name_file_line_column_and_the_right_word(path):
+    path.write_text(SCENE.replace("position = [0, -6", "  postion = [0, -6"))
+    with pytest.raises(fh.FileFormatError) as caught:
+        fh.load(path)
+    said = f"{path}:4:3: unknown key `postion`, did you mean `position`?"
+    assert str(caught.value) == said
+    assert caught.value.place == "line 4, column 3"
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: fh.Shading("phong"), "shade must be one of lambert, unlit, normal, got 'phong'"),
+        (lambda: fh.Shading(samples=0), "samples must be at least 1, got 0"),
+        (lambda: fh.Shading(ambient=(1, 2)), "ambient must be three numbers"),
+    ],
+)
+def test_shading_that_makes_no_sense_is_refused(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+@pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_examples_of_the_documentation_load_and_render(path):
+    scene = fh.load(path)
+    frame = fh.render(scene, scene.camera(), channels=("color", "object"))
+    assert len(np.unique(frame["object"])) >= 2
+    assert frame["color"].std() > 0.05
