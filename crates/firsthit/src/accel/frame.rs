@@ -73,6 +73,10 @@ impl Frame {
         clippy::cast_possible_truncation,
         reason = "the rounding is allowed for"
     )]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one derivation, each line of which needs those before"
+    )]
     pub(crate) fn new(tree: &MeshTree, bundle: &Bundle) -> Option<Self> {
         let space = &tree.space;
         let eye = (bundle.eye - space.origin) * space.scale;

@@ -56,7 +56,7 @@ impl Space {
         let reach = (bounds.high - origin)
             .max(origin - bounds.low)
             .max_element();
-        if !(largest <= LARGEST) {
+        if largest.is_nan() || largest > LARGEST {
             return None;
         }
         let scale = 1.0 / power_of_two_above(reach.max(1.0 / LARGEST));

@@ -236,6 +236,10 @@ struct Known {
 impl<A: Arbiter> Visit<'_, A> {
     /// Whether any pixel changed. All of the leaf is at depths from `entry` on.
     #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "straight-line lane code; functions would hand on twenty registers"
+    )]
     fn run<L: Lanes>(&mut self, l: L, entry: f32, limit: f32) -> bool {
         let frame = self.frame;
         let [x, y, z] = frame.transformed(l, self.leaf);
@@ -554,9 +558,11 @@ impl<A: Arbiter> Visit<'_, A> {
 
     #[inline(always)]
     fn winner(&self, lane: usize) -> Winner {
+        #[expect(clippy::cast_possible_truncation, reason = "one of sixteen")]
+        let lane = lane as u32;
         Winner {
             object: self.object,
-            slot: self.slot + lane as u32,
+            slot: self.slot + lane,
         }
     }
 

@@ -19,8 +19,8 @@ pub use trees::Trees;
 
 use crate::accel::{Scratch, TILE};
 use crate::error::{Error, Result};
-use crate::memory;
 use crate::geometry::{DVec2, DVec3, Hit, PixelGrid, Ray, Rays};
+use crate::memory;
 use crate::scene::Scene;
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;

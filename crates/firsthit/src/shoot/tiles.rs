@@ -300,6 +300,7 @@ impl Work<'_> {
     /// The rays of eight pixels in an object's space: what [`Rays::ray`] and `ray_in_object` give, operation for
     /// operation.
     #[inline(always)]
+    #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn pencil<L: Lanes>(&self, l: L, object: &Object, row: usize, column: usize) -> Pencil<L> {
         let grid = &self.plan.grid;
         let mut x = [0.0; WIDE];
