@@ -182,6 +182,42 @@ impl Kernel for Band<'_> {
     }
 }
 
+/// The hits of a tile's row, on their way to memory: there, a few bytes at a time would be slow.
+#[repr(align(64))]
+struct RowOfHits {
+    t: [f64; TILE],
+    object: [i32; TILE],
+    primitive: [i32; TILE],
+    barycentric: [DVec2; TILE],
+}
+
+impl RowOfHits {
+    const MISSES: Self = Self {
+        t: [Hit::MISS.t; TILE],
+        object: [Hit::MISS.object; TILE],
+        primitive: [Hit::MISS.primitive; TILE],
+        barycentric: [Hit::MISS.barycentric; TILE],
+    };
+
+    #[inline(always)]
+    fn put(&mut self, column: usize, hit: &Hit) {
+        let column = column % TILE;
+        self.t[column] = hit.t;
+        self.object[column] = hit.object;
+        self.primitive[column] = hit.primitive;
+        self.barycentric[column] = hit.barycentric;
+    }
+
+    #[inline(always)]
+    fn write(&self, at: usize, columns: usize, out: &mut Out<'_>) {
+        let place = at..at + columns;
+        out.t[place.clone()].copy_from_slice(&self.t[..columns]);
+        out.object[place.clone()].copy_from_slice(&self.object[..columns]);
+        out.primitive[place.clone()].copy_from_slice(&self.primitive[..columns]);
+        out.barycentric[place].copy_from_slice(&self.barycentric[..columns]);
+    }
+}
+
 /// A tile by its first pixel.
 struct Work<'a> {
     plan: &'a Plan<'a>,
@@ -230,9 +266,7 @@ impl Work<'_> {
     ) {
         let at = row * self.plan.grid.columns + self.column;
         let (slots, objects) = pixels.row(row);
-        for column in 0..columns {
-            out.put(at + column, &Hit::MISS);
-        }
+        let mut hits = RowOfHits::MISSES;
         let all = l.load(objects);
         let mut left = u16::MAX >> (TILE - columns);
         left &= !l.same(all, l.splat(f32::from_bits(Winner::NONE.object)));
@@ -240,12 +274,12 @@ impl Work<'_> {
             let object = objects[left.trailing_zeros() as usize % LANES];
             let here = left & l.same(all, l.splat(object));
             left &= !here;
-            self.develop_object(l, object.to_bits(), slots, here, row, at, out);
+            self.develop_object(l, object.to_bits(), slots, here, row, &mut hits);
         }
+        hits.write(at, columns, out);
     }
 
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "a row of an object")]
     fn develop_object<L: Lanes>(
         &self,
         l: L,
@@ -253,8 +287,7 @@ impl Work<'_> {
         slots: &[f32; LANES],
         here: u16,
         row: usize,
-        at: usize,
-        out: &mut Out<'_>,
+        hits: &mut RowOfHits,
     ) {
         let Some((mesh, tree)) = tileable(self.plan.scene, index) else {
             return;
@@ -292,7 +325,7 @@ impl Work<'_> {
                     };
                     self.decide(row, column, winner).unwrap_or(Hit::MISS)
                 };
-                out.put(at + column, &hit);
+                hits.put(column, &hit);
             }
         }
     }
