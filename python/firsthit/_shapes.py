@@ -11,6 +11,8 @@ from . import _firsthit
 from ._arrays import number, numbers, table, vector
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy.typing as npt
 
 Vector = tuple[float, float, float]
@@ -212,6 +214,10 @@ class Mesh(Shape):
         Which polygon each triangle was part of, for the channel ``face``.
     slots : (m,) array_like of int, optional
         Which of the object's materials each triangle takes.
+    vertex_properties : dict of str to (n,) array_like, optional
+        Numbers by name, such as a scan's quality.
+    face_properties : dict of str to (f,) array_like, optional
+        The same for each of the polygons that ``faces`` counts.
 
     Raises
     ------
@@ -236,6 +242,8 @@ class Mesh(Shape):
         alphas: npt.ArrayLike | None = None,
         faces: npt.ArrayLike | None = None,
         slots: npt.ArrayLike | None = None,
+        vertex_properties: Mapping[str, npt.ArrayLike] | None = None,
+        face_properties: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
         if triangles is None:
             if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
@@ -252,7 +260,12 @@ class Mesh(Shape):
             None if value is None else _labels(name, value, len(corners))
             for name, value in [("faces", faces), ("slots", slots)]
         ]
-        self._mesh = _firsthit.Mesh(points, corners, attributes, labels)
+        properties = [
+            (is_of_vertices, str(name), _values(name, value))
+            for is_of_vertices, given in [(True, vertex_properties), (False, face_properties)]
+            for name, value in (given or {}).items()
+        ]
+        self._mesh = _firsthit.Mesh(points, corners, attributes, labels, properties)
 
     @classmethod
     def _wrap(cls, mesh: _firsthit.Mesh) -> Mesh:
@@ -303,6 +316,19 @@ class Mesh(Shape):
         """Which of the object's materials each triangle takes, (m,): a copy."""
         return self._mesh.labels()[1]
 
+    @property
+    def vertex_properties(self) -> dict[str, npt.NDArray[Any]]:
+        """The numbers that vertices have by name, each (n,), float32 or float64: a copy.
+
+        A PLY file's properties that mean nothing to firsthit are here.
+        """
+        return {name: values for mine, name, values in self._mesh.properties() if mine}
+
+    @property
+    def face_properties(self) -> dict[str, npt.NDArray[Any]]:
+        """The numbers that polygons have by name, (f,): ``values[frame["face"]]`` is a picture."""
+        return {name: values for mine, name, values in self._mesh.properties() if not mine}
+
     def __repr__(self) -> str:
         vertices, triangles = self._mesh.counts()
         plural = "" if triangles == 1 else "s"
@@ -310,7 +336,8 @@ class Mesh(Shape):
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[object, ...]]:
         """Pickle by value."""
-        attributes = (*self._mesh.attributes(), *self._mesh.labels())
+        properties = (self.vertex_properties, self.face_properties)
+        attributes = (*self._mesh.attributes(), *self._mesh.labels(), *properties)
         return type(self), (self.vertices, self.triangles, *attributes)
 
 
@@ -321,6 +348,14 @@ def _attribute(name: str, value: Any, columns: int) -> npt.NDArray[np.float32]:
     if array.ndim == 3:
         raise ValueError(f"{name} must have the shape (m, 3, {columns}), got {array.shape}")
     return table(name, array, columns, np.float32)
+
+
+def _values(name: str, value: Any) -> npt.NDArray[Any]:
+    array = numbers(name, value)
+    if array.ndim != 1:
+        raise ValueError(f"{name} must be one number for each, got the shape {array.shape}")
+    fits = array.dtype in (np.float32, np.float16, np.int8, np.uint8, np.int16, np.uint16)
+    return np.ascontiguousarray(array, dtype=np.float32 if fits else np.float64)
 
 
 def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:

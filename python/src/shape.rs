@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firsthit::shape::Attribute;
+use firsthit::shape::{Attribute, Property, PropertyOf, PropertyValues};
 use firsthit::{Cone, Cuboid, Cylinder, DVec3, Disc, Plane, Positions, Sphere};
 use numpy::{
     PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
@@ -28,6 +28,7 @@ impl Mesh {
         triangles: PyReadonlyArray2<'_, u32>,
         attributes: AttributesIn<'_>,
         labels: [Option<PyReadonlyArray1<'_, u32>>; 2],
+        properties: Vec<PropertyIn<'_>>,
     ) -> PyResult<Self> {
         let vertices = vertices.as_slice().map_err(not_contiguous)?;
         let points = vertices.as_chunks::<3>().0.to_vec();
@@ -39,6 +40,7 @@ impl Mesh {
         let colors = colors.map(|array| attribute(&array)).transpose()?;
         let alphas = alphas.map(|array| attribute(&array)).transpose()?;
         let [faces, slots] = labels.map(|array| array.map(|array| array.as_array().to_vec()));
+        let properties = properties.into_iter().map(PropertyIn::property).collect();
         let mesh = py.detach(|| {
             let mut mesh = firsthit::Mesh::new(Positions::compact(points), corners)?;
             if let Some(normals) = normals {
@@ -59,7 +61,7 @@ impl Mesh {
             if let Some(slots) = slots {
                 mesh = mesh.with_slots(slots)?;
             }
-            Ok(mesh)
+            mesh.with_properties(properties)
         });
         mesh.map(|mesh| Self(Arc::new(mesh)))
             .map_err(|error| raise(py, &error))
@@ -79,6 +81,19 @@ impl Mesh {
     fn labels<'py>(&self, py: Python<'py>) -> [Option<Bound<'py, PyArray1<u32>>>; 2] {
         [self.0.faces(), self.0.slots()]
             .map(|labels| labels.map(|labels| PyArray1::from_slice(py, labels)))
+    }
+
+    /// The numbers by name: whether of vertices, name, values: a copy.
+    fn properties<'py>(&self, py: Python<'py>) -> Vec<(bool, String, Bound<'py, PyAny>)> {
+        let out = |property: &Property| {
+            let values = match &property.values {
+                PropertyValues::Single(values) => PyArray1::from_slice(py, values).into_any(),
+                PropertyValues::Double(values) => PyArray1::from_slice(py, values).into_any(),
+            };
+            let is_of_vertices = property.of == PropertyOf::Vertices;
+            (is_of_vertices, property.name.clone(), values)
+        };
+        self.0.properties().iter().map(out).collect()
     }
 
     /// How many vertices and triangles there are.
@@ -111,6 +126,34 @@ struct AttributesIn<'py>(
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
 );
+
+/// Numbers by name: whether of vertices, name, values.
+#[derive(FromPyObject)]
+struct PropertyIn<'py>(bool, String, ValuesIn<'py>);
+
+#[derive(FromPyObject)]
+enum ValuesIn<'py> {
+    Single(PyReadonlyArray1<'py, f32>),
+    Double(PyReadonlyArray1<'py, f64>),
+}
+
+impl PropertyIn<'_> {
+    fn property(self) -> Property {
+        let Self(is_of_vertices, name, values) = self;
+        Property {
+            name,
+            of: if is_of_vertices {
+                PropertyOf::Vertices
+            } else {
+                PropertyOf::Faces
+            },
+            values: match values {
+                ValuesIn::Single(values) => PropertyValues::Single(values.as_array().to_vec()),
+                ValuesIn::Double(values) => PropertyValues::Double(values.as_array().to_vec()),
+            },
+        }
+    }
+}
 
 type ArrayOut<'py> = Bound<'py, PyArrayDyn<f32>>;
 

@@ -136,3 +136,19 @@ def test_skies_are_seen_by_rays_that_miss():
 def test_what_makes_no_sense_is_refused_by_name(make, words):
     with pytest.raises(ValueError, match=words):
         make()
+
+
+def test_numbers_by_name_come_along(tmp_path):
+    path = tmp_path / "scan.ply"
+    path.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty uchar quality\nelement face 1\n"
+        "property list uchar int vertex_indices\nproperty int label\nend_header\n"
+        "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2 1073741825\n"
+    )
+    mesh = fh.load(path).objects[0].shape
+    for made in (mesh, pickle.loads(pickle.dumps(mesh))):
+        assert made.vertex_properties["quality"].tolist() == [1, 2, 3]
+        assert made.face_properties["label"].tolist() == [1073741825]
+    with pytest.raises(ValueError, match="as many as vertices"):
+        fh.Mesh(SQUARE, HALVES, vertex_properties={"quality": [1, 2]})

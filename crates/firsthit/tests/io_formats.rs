@@ -5,6 +5,7 @@ use std::path::Path;
 
 use firsthit::geometry::{Color, DVec2, DVec3, Ray, srgb_decode};
 use firsthit::io::{LoadSettings, Model, load};
+use firsthit::shape::PropertyOf;
 use firsthit::shoot::{BruteForce, Trees, first_hit};
 use firsthit::{Object, Scene};
 
@@ -270,5 +271,63 @@ fn files_without_any_geometry_are_empty_scenes() {
             0
         );
         assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
+    }
+}
+
+/// A square of two triangles, an edge list between them, with numbers by name.
+fn scan(format: &str) -> Vec<u8> {
+    let header = format!(
+        "ply\nformat {format} 1.0\nelement vertex 4\nproperty float x\nproperty uchar quality\n\
+         property float y\nproperty float z\nproperty double time\nelement face 2\nproperty int label\n\
+         property list uchar int vertex_indices\nproperty uchar red\nend_header\n"
+    );
+    let corners = [[0_u8, 0], [1, 0], [1, 1], [0, 1]];
+    let mut bytes = header.into_bytes();
+    for (k, [x, y]) in (0_u8..).zip(corners) {
+        if format == "ascii" {
+            bytes.extend(format!("{x} {} {y} 0 {}\n", 10 * k, 0.1 * f64::from(k)).bytes());
+            continue;
+        }
+        bytes.extend(f32::from(x).to_le_bytes());
+        bytes.push(10 * k);
+        bytes.extend(f32::from(y).to_le_bytes());
+        bytes.extend(0.0_f32.to_le_bytes());
+        bytes.extend((0.1 * f64::from(k)).to_le_bytes());
+    }
+    for (label, ring, red) in [(-7_i32, [0_i32, 1, 2], 200_u8), (1 << 30, [0, 2, 3], 100)] {
+        if format == "ascii" {
+            let [a, b, c] = ring;
+            bytes.extend(format!("{label} 3 {a} {b} {c} {red}\n").bytes());
+            continue;
+        }
+        bytes.extend(label.to_le_bytes());
+        bytes.push(3);
+        bytes.extend(ring.iter().flat_map(|index| index.to_le_bytes()));
+        bytes.push(red);
+    }
+    bytes
+}
+
+#[test]
+fn numbers_of_ply_files_are_kept_by_name() {
+    for format in ["ascii", "binary_little_endian"] {
+        let model = read(&[("a.ply", &scan(format))]);
+        assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+        let mesh = model.objects[0].mesh().expect("a mesh");
+        let values = |of, name| {
+            let values = mesh.property(of, name).expect("the property");
+            (0..values.len())
+                .map(|k| values.get(k).expect("a value"))
+                .collect::<Vec<_>>()
+        };
+        let (vertices, faces) = (PropertyOf::Vertices, PropertyOf::Faces);
+        assert_eq!(values(vertices, "quality"), [0.0, 10.0, 20.0, 30.0]);
+        let times: Vec<f64> = (0..4).map(|k| 0.1 * f64::from(k)).collect();
+        assert_eq!(values(vertices, "time"), times);
+        assert_eq!(values(faces, "label"), [-7.0, f64::from(1 << 30)]);
+        // One of three levels makes no colour.
+        assert_eq!(values(faces, "red"), [200.0, 100.0]);
+        assert_eq!(mesh.properties().len(), 4);
+        assert_eq!(mesh.property(faces, "quality"), None);
     }
 }

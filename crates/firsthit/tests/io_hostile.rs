@@ -160,7 +160,7 @@ fn every_prefix_of_a_file_is_read_or_refused() {
             "a.{}",
             path.extension().unwrap_or_default().to_string_lossy()
         );
-        if name == "a.md" {
+        if name == "a.md" || path.is_dir() {
             continue;
         }
         let bytes = fs::read(&path).expect("testdata");

@@ -397,6 +397,11 @@ fn files_that_claim_more_than_they_hold_are_refused_before_memory_is_taken() {
         }
     }
     assert_ne!(exr, tiny);
+    // The number of blocks too, which must fit; after its name there are its type and its size.
+    let name = b"chunkCount\0int\0";
+    let at = exr.windows(name.len()).position(|window| window == name);
+    let at = at.unwrap() + name.len() + 4;
+    exr[at..at + 4].copy_from_slice(&30_001_i32.div_euclid(16).wrapping_add(1).to_le_bytes());
     refuse("a.exr", &exr, "limit");
     for name in ["a.png", "a.npz", "a.exr", "a.npy"] {
         refuse(name, b"", "");

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use firsthit::error::escape_controls;
 use firsthit::image::format_of;
+use firsthit::shape::{Property, PropertyOf};
 use firsthit::{Bounds, DVec3, Object, Scene, Shape};
 use serde_json::{Value, json};
 
@@ -47,6 +48,9 @@ fn as_json(loaded: &Loaded) -> Value {
             "shape": object.shape().name(),
             "triangles": object.triangles(),
             "bounds": corners(object.bounds()),
+            "properties": properties(object)
+                .map(|property| json!({"name": property.name, "of": of_what(property.of)}))
+                .collect::<Vec<_>>(),
         })
     };
     json!({
@@ -95,8 +99,24 @@ fn as_text(loaded: &Loaded) -> String {
             object.shape().name(),
             counted(object.triangles() as u64, "triangle")
         ));
+        lines.extend(properties(object).map(|property| {
+            let (of, name) = (of_what(property.of), escape_controls(&property.name));
+            format!("       {name}, a number for each of the {of}")
+        }));
     }
     lines.join("\n") + "\n"
+}
+
+/// The numbers that an object's mesh has by name.
+fn properties(object: &Object) -> impl Iterator<Item = &Property> {
+    object.mesh().into_iter().flat_map(|mesh| mesh.properties())
+}
+
+fn of_what(of: PropertyOf) -> &'static str {
+    match of {
+        PropertyOf::Vertices => "vertices",
+        PropertyOf::Faces => "faces",
+    }
 }
 
 /// How many vertices the file has: those that objects share count once.

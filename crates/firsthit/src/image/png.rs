@@ -33,23 +33,21 @@ fn scale(channel: &Channel, settings: &WriteSettings) -> Option<f64> {
 
 pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
     let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-    match scale(channel, settings) {
-        Some(scale) => Stored {
+    if let Some(scale) = scale(channel, settings) {
+        return Stored {
             scale: Some(scale),
             ..Stored::new(names(&["grey"]), "uint16", Encoding::Steps, "0")
-        },
-        None => {
-            let miss = if channel.picture == Picture::Color {
-                channel.picture.miss()
-            } else {
-                "black"
-            };
-            let names = names(&["red", "green", "blue"]);
-            Stored {
-                legend: legend(channel),
-                ..Stored::new(names, "uint8", Encoding::Picture, miss)
-            }
-        }
+        };
+    }
+    let miss = if channel.picture == Picture::Color {
+        channel.picture.miss()
+    } else {
+        "black"
+    };
+    let names = names(&["red", "green", "blue"]);
+    Stored {
+        legend: legend(channel),
+        ..Stored::new(names, "uint8", Encoding::Picture, miss)
     }
 }
 
@@ -59,19 +57,16 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         return Err(io::Error::other("not a picture of one channel"));
     };
     let text = content.metadata.to_json();
-    match scale(channel, &content.settings) {
-        Some(scale) => {
-            let mut writer = header((rows, columns), ColorType::Grayscale, &text, out)?;
-            let mut writer = writer.stream_writer_with_size(CHUNK)?;
-            steps::encode(channel, scale, columns, &mut writer)?;
-            writer.finish()?;
-        }
-        None => {
-            let mut writer = header((rows, columns), ColorType::Rgb, &text, out)?;
-            let mut writer = writer.stream_writer_with_size(CHUNK)?;
-            encode_colors(channel, columns, &mut writer)?;
-            writer.finish()?;
-        }
+    if let Some(scale) = scale(channel, &content.settings) {
+        let mut writer = header((rows, columns), ColorType::Grayscale, &text, out)?;
+        let mut writer = writer.stream_writer_with_size(CHUNK)?;
+        steps::encode(channel, scale, columns, &mut writer)?;
+        writer.finish()?;
+    } else {
+        let mut writer = header((rows, columns), ColorType::Rgb, &text, out)?;
+        let mut writer = writer.stream_writer_with_size(CHUNK)?;
+        encode_colors(channel, columns, &mut writer)?;
+        writer.finish()?;
     }
     Ok(())
 }

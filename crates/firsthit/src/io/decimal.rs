@@ -34,8 +34,7 @@ pub(super) fn number(text: &[u8]) -> Option<(f64, &[u8])> {
         [b'e' | b'E', rest @ ..] => exponent(rest)?,
         _ => (0, rest),
     };
-    #[expect(clippy::cast_possible_wrap, reason = "at most 18 digits")]
-    let power = exponent - after as i32;
+    let power = exponent - i32::try_from(after).ok()?;
     let size = *TENS.get(power.unsigned_abs() as usize)?;
     let magnitude = if power < 0 {
         digits as f64 / size
@@ -87,6 +86,8 @@ pub(super) fn integer(text: &[u8]) -> Option<(i64, &[u8])> {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write;
+
     use super::*;
 
     #[test]
@@ -96,16 +97,16 @@ mod tests {
             state = state
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1);
-            (state >> 33) % below
+            usize::try_from((state >> 33) % below).unwrap()
         };
         let mut fast = 0;
         for _ in 0..200_000 {
-            let sign = ["", "-", "+"][random(3) as usize];
+            let sign = ["", "-", "+"][random(3)];
             let (whole, power) = (random(1 << 40), random(60));
-            let places = random(12) as usize;
+            let places = random(12);
             let mut word = format!("{sign}{whole}.{:0places$}", random(1 << 20));
             if random(2) == 0 {
-                word += &format!("e{}", i64::try_from(power).unwrap() - 30);
+                write!(word, "e{}", i64::try_from(power).unwrap() - 30).unwrap();
             }
             if let Some((number, rest)) = number(word.as_bytes()) {
                 assert_eq!((number, rest), (word.parse().unwrap(), &b""[..]), "{word}");

@@ -155,6 +155,7 @@ impl Report {
     }
 
     /// Refuses to go on where the system has not so many bytes to give.
+    #[expect(clippy::unused_self, reason = "whoever asks spends from here")]
     pub(super) fn check_memory(&self, bytes: usize) -> Checked<()> {
         memory::check("the file's content", bytes).map_err(|error| Fault::TooLarge {
             place: Place::File,

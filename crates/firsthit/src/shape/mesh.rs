@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::attribute::check_indices;
 use super::triangle::{Shear, TriangleHit};
-use super::{Attribute, Crossing, Positions, Surface};
+use super::{Attribute, Crossing, Positions, Property, PropertyOf, PropertyValues, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec2, DVec3, Digest, Ray, moderation, unit};
 
@@ -20,6 +20,7 @@ pub struct Mesh {
     colors: Option<Attribute<3>>,
     alphas: Option<Attribute<1>>,
     slots: Option<Vec<u32>>,
+    properties: Vec<Property>,
 }
 
 impl Mesh {
@@ -63,6 +64,7 @@ impl Mesh {
             colors: None,
             alphas: None,
             slots: None,
+            properties: Vec::new(),
         })
     }
 
@@ -139,6 +141,32 @@ impl Mesh {
         }
         self.slots = Some(slots);
         Ok(self)
+    }
+
+    /// The same mesh with numbers by name, in place of those it had.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they are not as many as what has them.
+    pub fn with_properties(mut self, properties: Vec<Property>) -> Result<Self> {
+        let last = (0..self.triangles.len()).map(|k| self.face(k) + 1).max();
+        for property in &properties {
+            property.check(self.positions.len(), last.unwrap_or(0))?;
+        }
+        self.properties = properties;
+        Ok(self)
+    }
+
+    /// The numbers that it has by name.
+    pub fn properties(&self) -> &[Property] {
+        &self.properties
+    }
+
+    /// The numbers of that name.
+    pub fn property(&self, of: PropertyOf, name: &str) -> Option<&PropertyValues> {
+        let mut properties = self.properties.iter();
+        let found = properties.find(|property| property.of == of && property.name == name);
+        found.map(|property| &property.values)
     }
 
     /// The vertices, shared with other meshes perhaps: some may belong to no triangle of this one.

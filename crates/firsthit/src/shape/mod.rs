@@ -9,6 +9,7 @@ mod interval;
 mod mesh;
 mod plane;
 mod positions;
+mod property;
 mod sphere;
 pub mod triangle;
 
@@ -25,6 +26,7 @@ pub use disc::Disc;
 pub use mesh::Mesh;
 pub use plane::Plane;
 pub use positions::Positions;
+pub use property::{Property, PropertyOf, PropertyValues};
 pub use sphere::Sphere;
 
 use crate::error::{Error, Result};

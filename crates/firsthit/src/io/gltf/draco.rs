@@ -27,9 +27,9 @@ impl Unpacked {
             .with_max_faces(memory / FACE_BYTES)
             .with_max_points(memory / FACE_BYTES)
             .with_max_decoded_bytes(memory / 2);
-        // The one place where another's code decodes hostile bytes with indices of its own: it forbids unsafe
-        // code, so what a bug in it can do is panic, and that is this file's fault, not the program's. What it
-        // was working on is dropped.
+        // The one place where another's code decodes hostile bytes with indices of its own: it is safe Rust
+        // throughout, so what a bug in it can do is panic, and that is this file's fault, not the program's.
+        // What it was working on is dropped.
         let decoded = catch_unwind(AssertUnwindSafe(|| {
             let mut mesh = Mesh::new();
             let mut buffer = DecoderBuffer::new(source).with_limits(limits);

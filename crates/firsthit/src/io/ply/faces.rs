@@ -2,10 +2,12 @@
 
 use super::body::{Rows, scalar_at};
 use super::header::{Element, Kind, Type};
+use super::named::NamedRows;
 use super::{Levels, skip, skip_value};
 use crate::error::Place;
 use crate::io::report::{Checked, Fault, Report};
 use crate::io::surface::Surface;
+use crate::shape::PropertyOf;
 
 /// After so many rows it is asked how much memory they take.
 const CHECK_EVERY: u64 = 1 << 16;
@@ -15,6 +17,8 @@ pub(super) struct Faces {
     pub(super) surface: Surface,
     /// A linear colour for each face, where all faces so far have one.
     pub(super) colors: Vec<[f32; 3]>,
+    /// All other numbers.
+    pub(super) named: NamedRows,
     vertex_count: u64,
 }
 
@@ -24,6 +28,7 @@ impl Faces {
         Self {
             surface: Surface::default(),
             colors: Vec::new(),
+            named: NamedRows::default(),
             vertex_count,
         }
     }
@@ -42,15 +47,8 @@ impl Faces {
         })?;
         warn_of_lists(element, report);
         self.surface.reserve(rows.capacity(element), report)?;
-        let colors = ["red", "green", "blue"].map(|name| scalar_at(element, &[name]));
-        let levels = Levels::new(
-            colors
-                .into_iter()
-                .flatten()
-                .next()
-                .map_or(Type::Uint8, |c| c.1),
-        );
-        let is_colored = colors.iter().all(Option::is_some);
+        let colors = ColorColumns::of(element);
+        self.named = NamedRows::new(element, PropertyOf::Faces, |k| !colors.has(k));
         let mut ring = Vec::new();
         let mut left = element.count;
         let mut checked = left;
@@ -61,35 +59,56 @@ impl Faces {
             left -= rows.plain_triangles(element, most, self.vertex_count, push);
             if checked - left >= CHECK_EVERY || left == 0 {
                 checked = left;
-                let colors = size_of_val(self.colors.as_slice());
-                report.has_grown_to(self.surface.bytes() + colors)?;
+                report.has_grown_to(self.bytes())?;
             }
             if left == 0 {
                 break;
             }
             left -= 1;
-            let mut color = [0.0; 3];
-            rows.begin(element)?;
-            for (k, property) in element.properties.iter().enumerate() {
-                match property.kind {
-                    Kind::List { count, item } if k == indices => {
-                        self.read_ring(count, item, rows, &mut ring)?;
-                    }
-                    Kind::Scalar(kind) if is_colored => {
-                        let value = rows.value(kind)?;
-                        let levels = color.iter_mut().zip(colors);
-                        levels
-                            .filter(|(_, at)| at.is_some_and(|(at, _)| at == k))
-                            .for_each(|(level, _)| *level = value);
-                    }
-                    kind => skip_value(kind, rows)?,
+            self.read_row(element, indices, &colors, rows, &mut ring)?;
+        }
+        Ok(())
+    }
+
+    /// What all of it takes in memory.
+    fn bytes(&self) -> usize {
+        let faces = self.surface.face_count() as usize;
+        let named = faces.saturating_mul(self.named.row_bytes());
+        self.surface.bytes() + size_of_val(self.colors.as_slice()) + named
+    }
+
+    /// Reads a row by its properties, of which `indices` is the ring of vertices.
+    fn read_row<R: Rows>(
+        &mut self,
+        element: &Element,
+        indices: usize,
+        colors: &ColorColumns,
+        rows: &mut R,
+        ring: &mut Vec<u32>,
+    ) -> Checked<()> {
+        let mut color = [0.0; 3];
+        rows.begin(element)?;
+        for (k, property) in element.properties.iter().enumerate() {
+            match property.kind {
+                Kind::List { count, item } if k == indices => {
+                    self.read_ring(count, item, rows, ring)?;
                 }
+                Kind::Scalar(kind) if colors.has(k) => {
+                    let value = rows.value(kind)?;
+                    let levels = color.iter_mut().zip(colors.columns.iter().flatten());
+                    levels
+                        .filter(|&(_, &column)| column == k)
+                        .for_each(|(level, _)| *level = value);
+                }
+                Kind::Scalar(kind) => self.named.push(k, rows.value(kind)?),
+                kind @ Kind::List { .. } => skip_value(kind, rows)?,
             }
-            rows.finish();
-            self.surface.push(&ring);
-            if is_colored {
-                self.colors.push(color.map(|level| levels.linear(level)));
-            }
+        }
+        rows.finish();
+        self.surface.push(ring);
+        if colors.columns.is_some() {
+            let color = color.map(|level| colors.levels.linear(level));
+            self.colors.push(color);
         }
         Ok(())
     }
@@ -185,6 +204,35 @@ impl Faces {
             last = [last[1], Some(vertex)];
         }
         Ok(())
+    }
+}
+
+/// Where the colours of faces are.
+struct ColorColumns {
+    /// Of red, green and blue; `None` unless all three are there.
+    columns: Option<[usize; 3]>,
+    levels: Levels,
+}
+
+impl ColorColumns {
+    fn of(element: &Element) -> Self {
+        let found = ["red", "green", "blue"].map(|name| scalar_at(element, &[name]));
+        let kind = found.iter().flatten().next().map(|&(_, kind)| kind);
+        let columns = match found {
+            [Some((red, _)), Some((green, _)), Some((blue, _))] => Some([red, green, blue]),
+            _ => None,
+        };
+        Self {
+            columns,
+            levels: Levels::new(kind.unwrap_or(Type::Uint8)),
+        }
+    }
+
+    fn has(&self, property: usize) -> bool {
+        self.columns
+            .iter()
+            .flatten()
+            .any(|&column| column == property)
     }
 }
 

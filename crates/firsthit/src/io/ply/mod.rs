@@ -3,6 +3,7 @@
 mod body;
 mod faces;
 mod header;
+mod named;
 mod vertices;
 
 use std::path::Path;
@@ -130,8 +131,13 @@ fn model(
 ) -> Checked<Model> {
     let name = report.stem();
     let Faces {
-        surface, colors, ..
+        surface,
+        colors,
+        named,
+        ..
     } = faces;
+    let mut properties = vertices.named.into_properties();
+    properties.extend(named.into_properties());
     let shared = Vertices::new(vertices.points.into_positions());
     warn_if_empty(&surface, &shared, report);
     let count = surface.face_count();
@@ -149,6 +155,7 @@ fn model(
         }
         _ => None,
     };
+    mesh = mesh.with_properties(properties)?;
     // White leaves the mesh's own colours as they are.
     let is_painted = colors.is_some() || texture.is_some();
     let look = is_painted.then(|| Material {

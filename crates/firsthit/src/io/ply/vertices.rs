@@ -2,9 +2,10 @@
 
 use super::body::{Rows, Table, scalar_at};
 use super::header::{Element, Format, Header, Kind, Type};
+use super::named::NamedRows;
 use super::{Levels, skip_value};
 use crate::io::report::{Checked, Fault, Report};
-use crate::shape::Positions;
+use crate::shape::{Positions, PropertyOf};
 
 /// The properties that are read, by all the names they go by.
 const NAMES: [&[&str]; 11] = [
@@ -25,6 +26,8 @@ const NAMES: [&[&str]; 11] = [
 pub(super) struct VertexRows {
     /// For each property of the element which of [`NAMES`] it is.
     slots: Vec<Option<usize>>,
+    /// All other numbers.
+    pub(super) named: NamedRows,
     levels: Levels,
     pub(super) points: Points,
     pub(super) normals: Option<Vec<[f32; 3]>>,
@@ -68,7 +71,9 @@ impl VertexRows {
         };
         // Text may have more digits than the float that it declares: those are kept.
         let single = header.format != Format::Ascii && [x, y, z].into_iter().all(is_single);
+        let is_named = |k: usize| slots.get(k).is_some_and(Option::is_none);
         Ok(Self {
+            named: NamedRows::new(element, PropertyOf::Vertices, is_named),
             slots,
             levels: Levels::new(r.map_or(Type::Uint8, |(_, kind)| kind)),
             points: if single {
@@ -98,10 +103,11 @@ impl VertexRows {
         let mut row = [0.0; NAMES.len()];
         for _ in 0..element.count {
             rows.begin(element)?;
-            for (property, slot) in element.properties.iter().zip(&self.slots) {
+            for (k, (property, slot)) in element.properties.iter().zip(&self.slots).enumerate() {
                 match (property.kind, slot.and_then(|slot| row.get_mut(slot))) {
                     (Kind::Scalar(kind), Some(value)) => *value = rows.value(kind)?,
-                    (kind, _) => skip_value(kind, rows)?,
+                    (Kind::Scalar(kind), None) => self.named.push(k, rows.value(kind)?),
+                    (kind @ Kind::List { .. }, _) => skip_value(kind, rows)?,
                 }
             }
             rows.finish();
@@ -119,7 +125,7 @@ impl VertexRows {
         let normal = self.normals.as_ref().map_or(0, |_| size_of::<[f32; 3]>());
         let uv = self.uvs.as_ref().map_or(0, |_| size_of::<[f32; 2]>());
         let color = self.colors.as_ref().map_or(0, |_| size_of::<[f32; 3]>());
-        position + normal + uv + color
+        position + normal + uv + color + self.named.row_bytes()
     }
 
     /// Reads all rows column by column.
@@ -138,6 +144,7 @@ impl VertexRows {
             }
             offset += usize::try_from(kind.size()).unwrap_or(0);
         }
+        self.named.read_table(element, table);
         let [x, y, z, nx, ny, nz, u, v, r, g, b] = columns;
         match &mut self.points {
             Points::Single(points) => {
@@ -170,6 +177,7 @@ impl VertexRows {
     }
 
     fn reserve(&mut self, count: usize) {
+        self.named.reserve(count);
         match &mut self.points {
             Points::Single(points) => points.reserve_exact(count),
             Points::Double(points) => points.reserve_exact(count),

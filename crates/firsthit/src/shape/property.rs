@@ -1,0 +1,81 @@
+use crate::error::{Error, Result};
+
+/// Numbers that a file gives to a mesh by name, such as a scan's quality: one for each vertex or polygon. Rays do
+/// not ask for them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Property {
+    /// What the file calls it.
+    pub name: String,
+    /// What has the numbers.
+    pub of: PropertyOf,
+    /// The numbers.
+    pub values: PropertyValues,
+}
+
+/// What has a property.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PropertyOf {
+    /// The vertices, a number for each.
+    Vertices,
+    /// The polygons, a number for each: triangles look theirs up by [`Mesh::face`](super::Mesh::face).
+    Faces,
+}
+
+/// A property's numbers, as small as they can be without a loss.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PropertyValues {
+    /// Numbers that float32 holds exactly.
+    Single(Vec<f32>),
+    /// Others.
+    Double(Vec<f64>),
+}
+
+impl PropertyValues {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Single(values) => values.len(),
+            Self::Double(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// One of them, if there are so many.
+    pub fn get(&self, index: usize) -> Option<f64> {
+        match self {
+            Self::Single(values) => values.get(index).map(|&value| value.into()),
+            Self::Double(values) => values.get(index).copied(),
+        }
+    }
+
+    /// Adds one; as float32 where that is what is kept.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "whoever chose float32 knows that it holds them"
+    )]
+    pub(crate) fn push(&mut self, value: f64) {
+        match self {
+            Self::Single(values) => values.push(value as f32),
+            Self::Double(values) => values.push(value),
+        }
+    }
+}
+
+impl Property {
+    /// Refuses numbers that are not as many as what has them.
+    pub(super) fn check(&self, vertices: usize, faces: usize) -> Result<()> {
+        let (is_right, expected) = match self.of {
+            PropertyOf::Vertices => (self.values.len() == vertices, "as many as vertices"),
+            PropertyOf::Faces => (self.values.len() >= faces, "one for each face"),
+        };
+        if is_right {
+            return Ok(());
+        }
+        let got = format!("{} of '{}'", self.values.len(), self.name);
+        Err(Error::argument("properties", expected, got))
+    }
+}
