@@ -9,7 +9,10 @@ SECONDS_EACH ?= 900
 SCRIPTS := crates/firsthit-cli/tests/scripts
 PROGRAM := target/release/firsthit
 
-.PHONY: render test test-rust test-python test-scripts program attack fuzz bench bench-python check clean
+# How many rays `make soak` shoots; a hundred million take hours.
+RAYS ?= 100000000
+
+.PHONY: render soak test test-rust test-python test-scripts program attack fuzz bench bench-python check clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
@@ -20,6 +23,10 @@ test: test-rust test-python test-scripts
 
 test-rust:
 	$(CARGO) test --workspace
+
+# Random rays on random soups, every kernel against brute force.
+soak:
+	FIRSTHIT_SOAK=$(RAYS) $(CARGO) test --release --package firsthit --test kernels -- --ignored --nocapture soak
 
 # The package, built and tested in an environment of its own.
 test-python: .venv/ready

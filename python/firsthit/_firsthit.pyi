@@ -18,6 +18,7 @@ __all__ = [
     "channel_names",
     "check_material",
     "check_transform",
+    "instruction_set",
     "load",
     "metadata",
     "occluded",
@@ -64,6 +65,7 @@ class _Model(TypedDict):
     warnings: list[str]
 
 def version() -> str: ...
+def instruction_set() -> str: ...
 def run_program(arguments: Sequence[str]) -> int: ...
 
 @final

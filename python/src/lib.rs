@@ -45,6 +45,14 @@ mod _firsthit {
         env!("CARGO_PKG_VERSION")
     }
 
+    /// What new scenes are shot at with.
+    #[pyfunction]
+    fn instruction_set(py: Python<'_>) -> PyResult<&'static str> {
+        firsthit::InstructionSet::current()
+            .map(firsthit::InstructionSet::name)
+            .map_err(|error| crate::errors::raise(py, &error))
+    }
+
     /// Runs the command line program and returns its exit code.
     #[pyfunction]
     fn run_program(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {

@@ -1,12 +1,11 @@
 //! Rays to hits, and what can be asked about them.
 
 use firsthit::channel::{KINDS, Shots, kind};
-use firsthit::shoot::{Hits, Trees, any_hit, first_hit, shoot_all};
+use firsthit::shoot::{Hits, Trees, any_hit, first_hit, occluded_all, shoot_all};
 use firsthit::{Color, DVec3, Hit, Rays};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rayon::prelude::*;
 
 use crate::arrays::{HitsIn, HitsOut, RayArrays, hits_out};
 use crate::camera::Camera;
@@ -68,25 +67,12 @@ pub(crate) fn occluded<'py>(
     threads: usize,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let rays = rays.slices()?;
-    let any = |k: usize| any_hit(&scene.0, &rays.ray(k));
     let found = if rays.len() < FEW {
-        (0..rays.len()).map(any).collect()
+        (0..rays.len())
+            .map(|k| any_hit(&scene.0, &rays.ray(k)))
+            .collect()
     } else {
-        run(py, threads, |stop| {
-            use firsthit::watch::Watch;
-            let one = |k| {
-                if stop.is_stopped() {
-                    Err(firsthit::Error::Interrupted)
-                } else {
-                    Ok(any(k))
-                }
-            };
-            (0..rays.len())
-                .into_par_iter()
-                .with_min_len(FEW)
-                .map(one)
-                .collect()
-        })?
+        run(py, threads, |stop| occluded_all(&scene.0, &rays, stop))?
     };
     Ok(PyArray1::from_vec(py, found))
 }

@@ -42,8 +42,10 @@ pub mod scene;
 pub mod shade;
 pub mod shape;
 pub mod shoot;
+mod simd;
 pub mod watch;
 
+pub use accel::InstructionSet;
 pub use camera::{Camera, Projection, RayStart, View};
 pub use error::{Error, Result};
 pub use geometry::{

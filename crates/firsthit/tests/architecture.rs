@@ -19,10 +19,12 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("sampling", &["geometry"]),
     ("camera", &["geometry"]),
     ("shape", &["geometry"]),
-    ("accel", &["geometry"]),
+    ("simd", &[]),
+    // Of shapes only the mesh, and the judge of its triangles.
+    ("accel", &["geometry", "shape", "simd"]),
     ("image", &["geometry"]),
     ("scene", &["geometry", "shape", "accel"]),
-    ("shoot", &["geometry", "shape", "accel", "scene"]),
+    ("shoot", &["geometry", "shape", "accel", "scene", "simd"]),
     ("shade", &["geometry", "scene", "shoot"]),
     (
         "io",

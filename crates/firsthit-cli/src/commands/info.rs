@@ -59,6 +59,7 @@ fn as_json(loaded: &Loaded) -> Value {
         "bounds": corners(scene.bounds()),
         "objects": scene.objects().iter().map(object).collect::<Vec<_>>(),
         "up": up.to_array(),
+        "instruction_set": scene.instruction_set().name(),
         "warnings": warnings,
     })
 }
@@ -88,6 +89,8 @@ fn as_text(loaded: &Loaded) -> String {
         "up         {} (by the format's custom)",
         triple(*up)
     ));
+    let set = scene.instruction_set().name();
+    lines.push(format!("kernels    {set}"));
     lines.push(format!("objects    {}", scene.objects().len()));
     for (identifier, object) in scene.objects().iter().enumerate() {
         lines.push(format!(

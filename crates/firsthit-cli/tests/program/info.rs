@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::{Lab, SQUARE};
+use crate::support::{Lab, Outcome, SQUARE};
 
 fn info(lab: &Lab, file: &str) -> Value {
     let outcome = lab.ok(&format!("info {file} --json"));
@@ -56,6 +56,7 @@ fn text_says_the_same() {
         "bounds     -1,-1,0 to 1,1,0",
         "size       2 x 2 x 0",
         "objects    1",
+        "kernels    ",
         "  0  square  (mesh, 2 triangles)",
     ] {
         assert!(text.lines().any(|other| other == line), "{line}: {text}");
@@ -103,4 +104,23 @@ fn unusable_triangles_are_a_warning_and_an_error_when_strict() {
     for command in ["info nan.ply", "info nan.ply --json", "render nan.ply"] {
         lab.fails(&format!("{command} --strict"), 3, "nan.ply");
     }
+}
+
+#[test]
+fn the_environment_chooses_the_instruction_set() {
+    let lab = Lab::with_square();
+    let run = |set: &str| {
+        let mut command = lab.command("info square.ply");
+        Outcome::of(command.env("FIRSTHIT_ISA", set).output().unwrap())
+    };
+    let portable = run("portable");
+    assert_eq!(portable.code, 0, "{}", portable.stderr);
+    assert!(portable.text().contains("kernels    portable"));
+    let unknown = run("sse9");
+    assert_ne!(unknown.code, 0);
+    assert!(
+        unknown.stderr.contains("FIRSTHIT_ISA must be"),
+        "{}",
+        unknown.stderr
+    );
 }

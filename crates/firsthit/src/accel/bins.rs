@@ -7,7 +7,7 @@ const BINS: usize = 16;
 const CHUNK: usize = 65_536;
 
 /// A float32 box.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Box32 {
     pub(super) low: [f32; 3],
     pub(super) high: [f32; 3],
@@ -19,6 +19,14 @@ impl Box32 {
         high: [f32::NEG_INFINITY; 3],
     };
 
+    /// The smallest box around points.
+    pub(super) fn of([a, b, c]: [[f32; 3]; 3]) -> Self {
+        Self {
+            low: std::array::from_fn(|k| a[k].min(b[k]).min(c[k])),
+            high: std::array::from_fn(|k| a[k].max(b[k]).max(c[k])),
+        }
+    }
+
     fn union(self, other: Self) -> Self {
         Self {
             low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
@@ -27,7 +35,7 @@ impl Box32 {
     }
 
     /// Half the surface; in float64, for the product of two coordinates of 1e30 is nothing that float32 holds.
-    fn half_area(self) -> f64 {
+    pub(super) fn half_area(self) -> f64 {
         let [x, y, z] = std::array::from_fn(|k| f64::from(self.high[k]) - f64::from(self.low[k]));
         x * y + y * z + z * x
     }

@@ -17,12 +17,46 @@ const LEAF: usize = 4;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
 /// How many boxes one task makes.
-const CHUNK: usize = 65_536;
+pub(super) const CHUNK: usize = 65_536;
+
+/// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
+/// two nodes from `first` on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BinaryNode {
+    pub(super) bounds: Box32,
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+/// A binary tree: the root first, the children of a node side by side.
+pub(super) struct Binary {
+    pub(super) nodes: Vec<BinaryNode>,
+    /// The items' indices, those of a leaf side by side.
+    pub(super) order: Vec<u32>,
+}
+
+/// The tree over `items`, which are put in order for it. A leaf has at most `largest_leaf` of them, and they
+/// fit: fewer always do.
+pub(super) fn binary(
+    items: &mut [Item],
+    largest_leaf: usize,
+    fits: &(impl Fn(&[Item]) -> bool + Sync),
+) -> Binary {
+    let is_leaf = |items: &[Item]| items.len() <= largest_leaf && fits(items);
+    let Subtree { root, nodes } = subtree(items, 0, 0, &is_leaf);
+    Binary {
+        nodes: std::iter::once(root)
+            .chain(nodes)
+            .map(|node| shift(node, 1))
+            .collect(),
+        order: items.iter().map(|item| item.index).collect(),
+    }
+}
 
 /// A range's nodes: its root, and all others with `first` counted from their own start.
 struct Subtree {
-    root: Node,
-    nodes: Vec<Node>,
+    root: BinaryNode,
+    nodes: Vec<BinaryNode>,
 }
 
 pub(super) fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Bvh {
@@ -48,16 +82,13 @@ pub(super) fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f6
         })
     };
     let mut items: Vec<Item> = indices().filter_map(item).collect();
-    let Subtree { root, nodes } = subtree(&mut items, 0, 0);
+    let Binary { nodes, order } = binary(&mut items, LEAF, &|_| true);
     Bvh {
         origin,
         extent: (all.high - origin).max(origin - all.low).max_element(),
         slack,
-        nodes: std::iter::once(root)
-            .chain(nodes)
-            .map(|node| shift(node, 1))
-            .collect(),
-        order: items.into_iter().map(|item| item.index).collect(),
+        nodes: nodes.into_iter().map(Node::from).collect(),
+        order,
     }
 }
 
@@ -76,9 +107,9 @@ fn rounded_outwards(bounds: Bounds, origin: DVec3) -> Box32 {
 }
 
 /// The same node after its subtree moved by `offset`.
-fn shift(node: Node, offset: u32) -> Node {
+fn shift(node: BinaryNode, offset: u32) -> BinaryNode {
     if node.count == 0 {
-        Node {
+        BinaryNode {
             first: node.first + offset,
             ..node
         }
@@ -87,18 +118,23 @@ fn shift(node: Node, offset: u32) -> Node {
     }
 }
 
-fn subtree(items: &mut [Item], start: u32, depth: usize) -> Subtree {
+fn subtree(
+    items: &mut [Item],
+    start: u32,
+    depth: usize,
+    is_leaf: &(impl Fn(&[Item]) -> bool + Sync),
+) -> Subtree {
     let mut nodes = Vec::new();
     if items.len() < FORK {
-        let root = append(items, start, depth, &mut nodes);
+        let root = append(items, start, depth, is_leaf, &mut nodes);
         return Subtree { root, nodes };
     }
     let around = around(items);
     let middle = split(items, depth);
     let (left, right) = items.split_at_mut(middle);
     let (left, right) = rayon::join(
-        || subtree(left, start, depth + 1),
-        || subtree(right, start + index(middle), depth + 1),
+        || subtree(left, start, depth + 1, is_leaf),
+        || subtree(right, start + index(middle), depth + 1, is_leaf),
     );
     let left_at = 2;
     let right_at = 2 + index(left.nodes.len());
@@ -113,10 +149,16 @@ fn subtree(items: &mut [Item], start: u32, depth: usize) -> Subtree {
 }
 
 /// Appends the nodes below a range's root; the recursion ends, because from [`SAH_DEPTH`] on it halves.
-fn append(items: &mut [Item], start: u32, depth: usize, nodes: &mut Vec<Node>) -> Node {
+fn append(
+    items: &mut [Item],
+    start: u32,
+    depth: usize,
+    is_leaf: &impl Fn(&[Item]) -> bool,
+    nodes: &mut Vec<BinaryNode>,
+) -> BinaryNode {
     let around = around(items);
-    if items.len() <= LEAF {
-        return Node {
+    if is_leaf(items) {
+        return BinaryNode {
             count: index(items.len()),
             ..inner(around, start)
         };
@@ -126,17 +168,27 @@ fn append(items: &mut [Item], start: u32, depth: usize, nodes: &mut Vec<Node>) -
     let at = nodes.len();
     let placeholder = inner(around, 0);
     nodes.extend([placeholder, placeholder]);
-    nodes[at] = append(left, start, depth + 1, nodes);
-    nodes[at + 1] = append(right, start + index(middle), depth + 1, nodes);
+    nodes[at] = append(left, start, depth + 1, is_leaf, nodes);
+    nodes[at + 1] = append(right, start + index(middle), depth + 1, is_leaf, nodes);
     inner(around, index(at))
 }
 
-fn inner(bounds: Box32, first: u32) -> Node {
-    Node {
-        low: bounds.low,
-        high: bounds.high,
+fn inner(bounds: Box32, first: u32) -> BinaryNode {
+    BinaryNode {
+        bounds,
         first,
         count: 0,
+    }
+}
+
+impl From<BinaryNode> for Node {
+    fn from(node: BinaryNode) -> Self {
+        Self {
+            low: node.bounds.low,
+            high: node.bounds.high,
+            first: node.first,
+            count: node.count,
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-use super::{Candidates, build};
+use super::build;
 use crate::geometry::{Bounds, DVec3, Ray};
 
 /// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
@@ -53,55 +53,71 @@ impl Bvh {
     }
 }
 
-impl Candidates for Bvh {
-    fn visit(&self, ray: &Ray, mut visit: impl FnMut(u32, f64) -> f64) {
+/// A ray's way through a [`Bvh`].
+pub(crate) struct Walk<'a> {
+    bvh: &'a Bvh,
+    slab: Slab,
+    /// Nodes to be visited, and where the ray enters them.
+    stack: [(u32, f64); STACK],
+    height: usize,
+    /// What is left of a leaf.
+    leaf: &'a [u32],
+}
+
+impl Bvh {
+    /// The boxes that `ray` may meet, one after the other.
+    pub(crate) fn walk(&self, ray: &Ray) -> Walk<'_> {
         let slab = Slab::new(self, ray);
-        let mut t_max = ray.t_max;
-        let mut stack = [(0_u32, 0.0_f64); STACK];
-        let mut height = 0;
-        let Some(mut node) = self.nodes.first() else {
-            return;
-        };
-        if slab.entry(node).is_nan() {
+        let is_met = self
+            .nodes
+            .first()
+            .is_some_and(|root| !slab.entry(root).is_nan());
+        Walk {
+            bvh: self,
+            slab,
+            stack: [(0, 0.0); STACK],
+            height: usize::from(is_met),
+            leaf: &[],
+        }
+    }
+}
+
+impl Walk<'_> {
+    /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest first;
+    /// `t_max` is not larger than the time before.
+    pub(crate) fn next(&mut self, t_max: f64) -> Option<u32> {
+        loop {
+            if let Some((&index, rest)) = self.leaf.split_first() {
+                self.leaf = rest;
+                return Some(index);
+            }
+            self.height = self.height.checked_sub(1)?;
+            let (index, entry) = self.stack[self.height];
+            // A hit since it was put there may have made it too far.
+            if entry <= t_max {
+                self.open(self.bvh.nodes[index as usize], t_max);
+            }
+        }
+    }
+
+    fn open(&mut self, node: Node, t_max: f64) {
+        if node.count > 0 {
+            self.leaf = &self.bvh.order[node.first as usize..(node.first + node.count) as usize];
             return;
         }
-        loop {
-            if node.count == 0 {
-                let [left, right] = [node.first, node.first + 1];
-                let left_t = slab.entry(&self.nodes[left as usize]);
-                let right_t = slab.entry(&self.nodes[right as usize]);
-                let [(near, near_t), far] = if right_t < left_t {
-                    [(right, right_t), (left, left_t)]
-                } else {
-                    [(left, left_t), (right, right_t)]
-                };
-                if far.1 <= t_max {
-                    stack[height] = far;
-                    height += 1;
-                }
-                if near_t <= t_max {
-                    node = &self.nodes[near as usize];
-                    continue;
-                }
-            } else {
-                for &index in &self.order[node.first as usize..(node.first + node.count) as usize] {
-                    t_max = visit(index, t_max);
-                    if t_max < 0.0 {
-                        return;
-                    }
-                }
+        let entry = |index: u32| (index, self.slab.entry(&self.bvh.nodes[index as usize]));
+        let (left, right) = (entry(node.first), entry(node.first + 1));
+        let [near, far] = if right.1 < left.1 {
+            [right, left]
+        } else {
+            [left, right]
+        };
+        for child in [far, near] {
+            // Not where it is NaN: the ray passes the box.
+            if child.1 <= t_max {
+                self.stack[self.height] = child;
+                self.height += 1;
             }
-            // The farther children wait on the stack; a hit since then may have made them too far.
-            node = loop {
-                if height == 0 {
-                    return;
-                }
-                height -= 1;
-                let (index, entry) = stack[height];
-                if entry <= t_max {
-                    break &self.nodes[index as usize];
-                }
-            };
         }
     }
 }

@@ -1,36 +1,31 @@
-//! Which of many boxes may a ray meet? This room sees boxes, never shapes.
+//! Which of many things may a ray meet? [`Bvh`] sees boxes, never shapes; [`MeshTree`] sees triangles.
 //!
-//! A [`Candidates`] only proposes; the shape's own float64 test decides. So the answer does not depend
-//! on the tree: [`Everything`] proposes every box, and any other source must lead to the same bits.
+//! Float32 only ever rules out; the shapes' own float64 tests decide. So the answer depends neither on the tree
+//! nor on the instruction set, and brute force leads to the same bits.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a kernel is not compiled for its instruction set"
+)]
 
 mod bins;
 mod build;
 mod bvh;
+mod filter;
+mod frame;
+mod mesh_tree;
+mod meshlet;
+mod ray;
+mod tile;
+mod verdict;
+mod walk;
+mod wide;
 
+pub use crate::simd::InstructionSet;
 pub use bvh::Bvh;
-
-use crate::geometry::Ray;
-
-/// A source of candidates for a ray.
-pub trait Candidates {
-    /// Calls `visit(index, t_max)` with the index of each box that the ray may meet at a parameter of
-    /// at most `t_max`, in any order. `visit` returns the `t_max` to go on with, not larger than before;
-    /// any negative number ends the search. So one traversal serves the first hit and any hit.
-    fn visit(&self, ray: &Ray, visit: impl FnMut(u32, f64) -> f64);
-}
-
-/// Proposes every index below the number: brute force, the judge.
-#[derive(Debug, Clone, Copy)]
-pub struct Everything(pub u32);
-
-impl Candidates for Everything {
-    fn visit(&self, ray: &Ray, mut visit: impl FnMut(u32, f64) -> f64) {
-        let mut t_max = ray.t_max;
-        for index in 0..self.0 {
-            t_max = visit(index, t_max);
-            if t_max < 0.0 {
-                return;
-            }
-        }
-    }
-}
+pub(crate) use bvh::Walk;
+pub(crate) use frame::{Bundle, Frame};
+pub use mesh_tree::MeshTree;
+pub(crate) use tile::{Arbiter, TILE, Tile, Winner, fill};
+pub(crate) use verdict::{Corners, Pencil, verdict};
+pub(crate) use walk::{Scratch, any, each, first};

@@ -11,11 +11,12 @@ use std::str::FromStr;
 pub use description::{Aim, Description, Lens};
 
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, Ray, Rays, unit};
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, unit};
 
 /// Makes [`Projection`] and everything that depends on the list of camera models. A model is a file
 /// with `ray(camera, point)`, the ray through a point of the viewplane (given relative to the camera's
-/// position), and `reach(camera, point)`, what to add to `t` for the range and then to multiply for z.
+/// position), `reach(camera, point)`, what to add to `t` for the range and then to multiply for z, and
+/// `grid(camera)`, what the rays have in common if they all go through a flat viewplane, else `None`.
 macro_rules! cameras {
     ($($(#[$doc:meta])* $name:literal => $variant:ident, $model:ident;)*) => {
         /// How the viewplane makes rays.
@@ -39,6 +40,10 @@ macro_rules! cameras {
 
             fn reach(self, camera: &Camera, point: DVec3) -> Reach {
                 match self { $(Self::$variant => $model::reach(camera, point),)* }
+            }
+
+            fn grid(self, camera: &Camera) -> Option<PixelGrid> {
+                match self { $(Self::$variant => $model::grid(camera),)* }
             }
         }
 
@@ -271,6 +276,22 @@ impl Camera {
         (t + reach.offset) * reach.cosine
     }
 
+    /// The rays through a flat viewplane, parallel ones or those from a point.
+    fn pixel_grid(&self, parallel: Option<DVec3>) -> PixelGrid {
+        PixelGrid {
+            rows: self.view.rows,
+            columns: self.view.columns,
+            position: self.view.position,
+            toward: self.view.focal_length * self.view.aim,
+            right: self.right,
+            upwards: self.upwards,
+            width: self.view.width,
+            height: self.view.height,
+            parallel,
+            starts_on_viewplane: self.view.ray_start == RayStart::Viewplane,
+        }
+    }
+
     fn reach(&self, row: usize, column: usize) -> Reach {
         let point = self.viewplane_point(row, column, DVec2::splat(0.5));
         self.view.projection.reach(self, point)
@@ -318,5 +339,9 @@ impl Rays for Camera {
 
     fn ray(&self, index: usize) -> Ray {
         Camera::ray(self, index / self.columns(), index % self.columns())
+    }
+
+    fn grid(&self) -> Option<PixelGrid> {
+        self.view.projection.grid(self)
     }
 }

@@ -1,7 +1,7 @@
 //! All rays are parallel to the aim.
 
 use super::{Camera, RayStart, Reach};
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::{DVec3, PixelGrid, Ray};
 
 pub(super) fn ray(camera: &Camera, point: DVec3) -> Ray {
     let start = match camera.view.ray_start {
@@ -20,4 +20,12 @@ pub(super) fn reach(camera: &Camera, _point: DVec3) -> Reach {
         offset,
         cosine: 1.0,
     }
+}
+
+#[expect(
+    clippy::unnecessary_wraps,
+    reason = "other models have no flat viewplane"
+)]
+pub(super) fn grid(camera: &Camera) -> Option<PixelGrid> {
+    Some(camera.pixel_grid(Some(camera.aim())))
 }

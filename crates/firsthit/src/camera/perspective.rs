@@ -1,7 +1,7 @@
 //! All rays pass through the camera's position.
 
 use super::{Camera, RayStart, Reach};
-use crate::geometry::{DVec3, Ray, unit};
+use crate::geometry::{DVec3, PixelGrid, Ray, unit};
 
 pub(super) fn ray(camera: &Camera, point: DVec3) -> Ray {
     let origin = match camera.view.ray_start {
@@ -21,4 +21,12 @@ pub(super) fn reach(camera: &Camera, point: DVec3) -> Reach {
         offset,
         cosine: camera.view.focal_length / distance,
     }
+}
+
+#[expect(
+    clippy::unnecessary_wraps,
+    reason = "other models have no flat viewplane"
+)]
+pub(super) fn grid(camera: &Camera) -> Option<PixelGrid> {
+    Some(camera.pixel_grid(None))
 }

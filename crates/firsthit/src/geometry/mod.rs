@@ -4,6 +4,7 @@ mod bounds;
 mod color;
 mod digest;
 mod double;
+mod grid;
 mod hit;
 mod ray;
 mod transform;
@@ -12,6 +13,7 @@ pub use bounds::Bounds;
 pub use color::{Color, srgb_decode, srgb_encode};
 pub use digest::Digest;
 pub use double::plane_crossing;
+pub use grid::PixelGrid;
 pub use hit::Hit;
 pub use ray::{Ray, Rays};
 pub use transform::Transform;
@@ -19,6 +21,7 @@ pub use transform::Transform;
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
 /// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the largest will do.
+#[inline]
 pub fn unit(v: DVec3) -> DVec3 {
     let v = moderation(v) * v;
     v / v.length()
@@ -26,6 +29,7 @@ pub fn unit(v: DVec3) -> DVec3 {
 
 /// What brings `v` to a length whose square is in the range of float64: a power of two, which scales
 /// without rounding, and 1 for all but extreme lengths.
+#[inline]
 pub(crate) fn moderation(v: DVec3) -> f64 {
     const TWO_TO_600: f64 = f64::from_bits((1023 + 600) << 52);
     let largest = v.abs().max_element();

@@ -1,4 +1,4 @@
-use super::DVec3;
+use super::{DVec3, PixelGrid};
 
 /// The points `origin + t * direction` with `0 < t <= t_max`, in world space unless said otherwise.
 ///
@@ -16,6 +16,7 @@ pub struct Ray {
 
 impl Ray {
     /// The ray without an end.
+    #[inline]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self {
             origin,
@@ -25,6 +26,7 @@ impl Ray {
     }
 
     /// The same ray, ending at `t_max` (which still counts).
+    #[inline]
     pub fn up_to(self, t_max: f64) -> Self {
         Self { t_max, ..self }
     }
@@ -36,6 +38,7 @@ impl Ray {
 
     /// Whether this ray can meet anything: all numbers finite, the direction not zero, `t_max`
     /// positive. Any other ray is a miss, and only that.
+    #[inline]
     pub fn is_valid(&self) -> bool {
         self.origin.is_finite()
             && self.direction.is_finite()
@@ -55,6 +58,12 @@ pub trait Rays: Sync {
     /// Whether there are none.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// What the rays have in common, if they are those of a grid of pixels, row by row from the top: then they
+    /// are shot in tiles, which is many times faster.
+    fn grid(&self) -> Option<PixelGrid> {
+        None
     }
 }
 

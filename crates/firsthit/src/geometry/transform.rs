@@ -83,6 +83,7 @@ impl Transform {
     }
 
     /// A world ray in object space. Its `t` is the same: the direction is not normalised.
+    #[inline]
     pub fn ray_in_object(&self, ray: &Ray) -> Ray {
         Ray {
             // The translation first: far from the world's origin it would cancel what the matrix rounds.

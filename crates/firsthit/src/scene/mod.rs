@@ -18,7 +18,7 @@ pub use material::{AlphaMode, Material};
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
-use crate::accel::Bvh;
+use crate::accel::{Bvh, InstructionSet, MeshTree, Walk};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Hit, Ray};
 use crate::memory;
@@ -31,12 +31,14 @@ use crate::shape::{Mesh, Shape, Surface};
 pub struct Scene {
     objects: Vec<Object>,
     /// A mesh's tree, shared by all objects that share the mesh; `None` for other shapes.
-    trees: Vec<Option<Arc<Bvh>>>,
+    trees: Vec<Option<Arc<MeshTree>>>,
     tree: Bvh,
-    /// The objects that every ray is a candidate for: they have no finite box, or only a vague one.
-    unbounded: Vec<u32>,
+    /// The objects that every ray is a candidate for: they have no finite box, or only a vague one, or there
+    /// are so few that asking the tree would take longer.
+    unconditional: Vec<u32>,
     bounds: Bounds,
     lights: Vec<Light>,
+    instruction_set: InstructionSet,
     has_own_lights: bool,
     /// Made when first asked for.
     fingerprint: OnceLock<String>,
@@ -47,7 +49,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] for more objects than an identifier can name.
+    /// [`Error::Limit`] for more objects than an identifier can name, and those of
+    /// [`InstructionSet::current`].
     pub fn new(objects: Vec<Object>) -> Result<Self> {
         Self::build(objects, HashMap::new())
     }
@@ -72,7 +75,7 @@ impl Scene {
         })
     }
 
-    fn build(objects: Vec<Object>, known: HashMap<*const Mesh, Arc<Bvh>>) -> Result<Self> {
+    fn build(objects: Vec<Object>, known: HashMap<*const Mesh, Arc<MeshTree>>) -> Result<Self> {
         let count = i32::try_from(objects.len())
             .ok()
             .and_then(|count| u32::try_from(count).ok());
@@ -87,9 +90,11 @@ impl Scene {
         let trees = mesh_trees(&objects, known)?;
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
         let is_loose = |k: u32| {
-            is_unbounded(&bounds[k as usize]) || objects[k as usize].slack() > LARGEST_SLACK
+            count <= FEW
+                || is_unbounded(&bounds[k as usize])
+                || objects[k as usize].slack() > LARGEST_SLACK
         };
-        let unbounded = (0..count).filter(|&k| is_loose(k)).collect();
+        let unconditional = (0..count).filter(|&k| is_loose(k)).collect();
         let slack = (0..count)
             .filter(|&k| !is_loose(k))
             .map(|k| objects[k as usize].slack())
@@ -108,9 +113,10 @@ impl Scene {
             objects,
             trees,
             tree,
-            unbounded,
+            unconditional,
             bounds,
             lights: Vec::new(),
+            instruction_set: InstructionSet::current()?,
             has_own_lights: true,
             fingerprint: OnceLock::new(),
         })
@@ -254,16 +260,30 @@ impl Scene {
         }
     }
 
-    pub(crate) fn tree(&self) -> &Bvh {
-        &self.tree
+    /// The same scene, to be shot at with another instruction set: only times depend on it. One that this
+    /// machine does not have is replaced by the next plainer one.
+    pub fn with_instruction_set(self, instruction_set: InstructionSet) -> Self {
+        Self {
+            instruction_set,
+            ..self
+        }
     }
 
-    pub(crate) fn mesh_tree(&self, object: usize) -> Option<&Bvh> {
+    /// What the scene is shot at with.
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.instruction_set
+    }
+
+    pub(crate) fn mesh_tree(&self, object: usize) -> Option<&MeshTree> {
         self.trees[object].as_deref()
     }
 
-    pub(crate) fn unbounded(&self) -> &[u32] {
-        &self.unbounded
+    /// The objects that `ray` may meet, one after the other.
+    pub(crate) fn on_the_way(&self, ray: &Ray) -> OnTheWay<'_> {
+        OnTheWay {
+            unconditional: &self.unconditional,
+            walk: (self.unconditional.len() < self.objects.len()).then(|| self.tree.walk(ray)),
+        }
     }
 
     /// What the trees take in memory, each shared one once.
@@ -278,6 +298,28 @@ impl Scene {
     }
 }
 
+/// See [`Scene::on_the_way`].
+pub(crate) struct OnTheWay<'a> {
+    unconditional: &'a [u32],
+    walk: Option<Walk<'a>>,
+}
+
+impl OnTheWay<'_> {
+    /// The next object that the ray may meet at a parameter of at most `t_max`, which is not larger than the
+    /// time before.
+    #[inline]
+    pub(crate) fn next(&mut self, t_max: f64) -> Option<u32> {
+        if let Some((&index, rest)) = self.unconditional.split_first() {
+            self.unconditional = rest;
+            return Some(index);
+        }
+        self.walk.as_mut()?.next(t_max)
+    }
+}
+
+/// Up to so many objects are all asked.
+const FEW: u32 = 4;
+
 /// Where rounding reaches farther than this share of the coordinates (the transform all but flattens
 /// space), the object is better off without a box than all others are with wider ones.
 const LARGEST_SLACK: f64 = 1e-8;
@@ -289,17 +331,15 @@ const TREE_BYTES: usize = 128;
 /// A tree for each mesh, however many objects share it; `built` are those there are already.
 fn mesh_trees(
     objects: &[Object],
-    mut built: HashMap<*const Mesh, Arc<Bvh>>,
-) -> Result<Vec<Option<Arc<Bvh>>>> {
+    mut built: HashMap<*const Mesh, Arc<MeshTree>>,
+) -> Result<Vec<Option<Arc<MeshTree>>>> {
     let mut tree = |mesh: &Arc<Mesh>| {
         if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
             return Ok(Arc::clone(built));
         }
         let triangles = mesh.triangles().len();
         memory::check("the tree over a mesh", triangles.saturating_mul(TREE_BYTES))?;
-        let count = u32::try_from(triangles).expect("a mesh has at most i32::MAX triangles");
-        let bounds = |k| Bounds::of(mesh.corners(k as usize));
-        let tree = Arc::new(Bvh::build(count, bounds, Bvh::TRIANGLES));
+        let tree = Arc::new(MeshTree::build(mesh));
         built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
         Ok(tree)
     };

@@ -7,6 +7,12 @@
 //! their edge: a ray cannot pass between them. (Where the paper falls back to double precision on a
 //! zero, here the sign is that of the exact difference of products.)
 
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it has the kernel's fused multiply-add"
+)]
+
+use super::Crossing;
 use crate::geometry::{DVec2, DVec3, Ray, plane_crossing};
 
 /// A ray made ready for triangles.
@@ -29,8 +35,21 @@ pub struct TriangleHit {
     pub barycentric: DVec2,
 }
 
+impl TriangleHit {
+    /// The hit in the triangle `primitive` of a mesh.
+    #[inline(always)]
+    pub(crate) fn crossing(self, primitive: i32) -> Crossing {
+        Crossing {
+            t: self.t,
+            primitive,
+            barycentric: self.barycentric,
+        }
+    }
+}
+
 impl Shear {
     /// Makes `ray` ready. Its direction is not zero.
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let longest = d.abs();
@@ -51,10 +70,22 @@ impl Shear {
         }
     }
 
+    /// The axes across the ray, and the one along which its direction is longest.
+    pub(crate) fn axes(&self) -> [usize; 3] {
+        self.axes
+    }
+
+    /// How much the ray moves along the first two axes for one along the third.
+    pub(crate) fn slope(&self) -> DVec2 {
+        self.slope
+    }
+
     /// The vertex relative to the ray: its distances from the ray across, and its place along it.
+    #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {
         let relative = vertex - self.origin;
-        let [x, y, z] = self.axes.map(|axis| relative[axis]);
+        let [x, y, z] = self.axes;
+        let (x, y, z) = (relative[x], relative[y], relative[z]);
         (
             DVec2::new(x - self.slope.x * z, y - self.slope.y * z),
             z * self.scale,
@@ -62,8 +93,23 @@ impl Shear {
     }
 
     /// Where the ray meets the triangle, edges and corners included; `None` past it or along it.
+    #[inline(always)]
     pub fn intersect(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
-        let [(a, a_t), (b, b_t), (c, c_t)] = corners.map(|corner| self.sheared(corner));
+        self.intersect_from::<false>(corners)
+    }
+
+    /// The same where `t` is above zero; else perhaps `None`, which is sooner known.
+    #[inline(always)]
+    pub(crate) fn intersect_ahead(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
+        self.intersect_from::<true>(corners)
+    }
+
+    #[inline(always)]
+    fn intersect_from<const AHEAD: bool>(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
+        // Not by `map`, which is not inlined.
+        let (a, a_t) = self.sheared(corners[0]);
+        let (b, b_t) = self.sheared(corners[1]);
+        let (c, c_t) = self.sheared(corners[2]);
         let u = side(c, b);
         let v = side(a, c);
         let w = side(b, a);
@@ -76,6 +122,9 @@ impl Shear {
         // Exactly the corners' place where they have the same one.
         let mean = a_t + barycentric.x * (b_t - a_t) + barycentric.y * (c_t - a_t);
         let farthest = a_t.abs().max(b_t.abs()).max(c_t.abs());
+        if AHEAD && mean < -ROUNDING * farthest {
+            return None;
+        }
         let t = if farthest > FAR * mean.abs() {
             self.without_cancellation(corners, mean, farthest)
         } else {
@@ -87,7 +136,10 @@ impl Shear {
 }
 
 /// From here on the corners' places, that much farther away than the hit, leave their mean too few digits.
-const FAR: f64 = 1024.0;
+pub(crate) const FAR: f64 = 1024.0;
+
+/// What the mean is off at most, as a share of the corners' farthest place.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Shear {
     /// Where the ray crosses the triangle's plane, in place of a `mean` that is a small difference of large
@@ -96,7 +148,7 @@ impl Shear {
     #[cold]
     fn without_cancellation(&self, corners: [DVec3; 3], mean: f64, farthest: f64) -> f64 {
         let t = plane_crossing(self.origin, self.direction, corners);
-        let rounding = 4.0 * f64::EPSILON * farthest;
+        let rounding = ROUNDING * farthest;
         if (t - mean).abs() <= rounding {
             t
         } else {
@@ -113,23 +165,26 @@ const HUGE: f64 = f64::from_bits((1023 + 500) << 52);
 /// The sides' signs are exact, their sizes are not: of a triangle seen nearly edge-on they can be nothing
 /// but rounding, and the mean any point of the triangle. These weights are good to their last digits, so
 /// the hit is where the ray crosses the triangle of the sheared corners; the tree relies on that.
+#[inline(always)]
 fn weights(a: DVec2, b: DVec2, c: DVec2) -> DVec2 {
     let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
     // A power of two scales without rounding.
     let scale = if largest < 1e-140 { HUGE } else { 1.0 };
-    let [a, b, c] = [a, b, c].map(|corner| scale * corner);
-    let [u, v, w] = [(c, b), (a, c), (b, a)].map(|(p, q)| precise_side(p, q));
+    let (a, b, c) = (scale * a, scale * b, scale * c);
+    let (u, v, w) = (precise_side(c, b), precise_side(a, c), precise_side(b, a));
     DVec2::new(v, w) / (u + v + w)
 }
 
 /// `p.x * q.y - p.y * q.x` to its last digits. (Kahan's way; its error is one and a half units in the last
 /// place: Jeannerod, Louvet and Muller, Mathematics of Computation 82, 2013.)
+#[inline(always)]
 fn precise_side(p: DVec2, q: DVec2) -> f64 {
     let right = p.y * q.x;
     p.x.mul_add(q.y, -right) - p.y.mul_add(q.x, -right)
 }
 
 /// `p.x * q.y - p.y * q.x`, rounded, with the sign of the exact result; of a tiny one only the sign counts.
+#[inline(always)]
 fn side(p: DVec2, q: DVec2) -> f64 {
     let left = p.x * q.y;
     let right = p.y * q.x;

@@ -1,0 +1,99 @@
+//! Which triangles of a leaf may a ray meet? Decided in float32 where that is certain, and only there.
+//!
+//! The test is that of the judge (`shape/triangle.rs`): the sides of the sheared triangle's edges that the
+//! ray is on. Let `E` bound what a sheared coordinate is off, and `X` the coordinates themselves. Then each
+//! side, a difference of two products, is off by at most `B = (4.2 E + 9 u X) X`: 4 E X from the
+//! coordinates (and the 0.2 for what is quadratic in E), 4 u X^2 from rounding, and as much again. So
+//!
+//! - where one side is below -B and another above B, the judge finds the same signs and rejects;
+//! - where all are beyond B on the same side, the judge finds the same signs and accepts.
+//!
+//! `X` needs to hold only where the verdict is used: there the ray is inside the triangle, the judge's or
+//! this one, so no coordinate is larger than the triangle's extent across the ray, which is at most its
+//! extent along an axis twice, and E. What is relative to the start is then no larger than the corners' depths and
+//! that extent: `near`. `E` in units of `u near`: two differences 2; the same along the ray, times a slope of at
+//! most 1; the slope itself 1; product and difference 2 where they are not fused: in all 7. To that comes the
+//! ray's `blur`, three times. The judge's own rounding is 2^-29 of that.
+
+use super::meshlet::Meshlet;
+use super::ray::{TreeRay, U};
+use crate::simd::Lanes;
+
+/// What float32 knows about a leaf's triangles.
+pub(super) struct Candidates<L: Lanes> {
+    /// Those the ray may meet.
+    pub(super) possible: u16,
+    /// Those of them whose inside it meets for certain.
+    pub(super) certain: u16,
+    /// Depths between which the judge's is, where it meets one.
+    pub(super) low: L::Floats,
+    pub(super) high: L::Floats,
+}
+
+/// The candidates of `leaf` at depths from 0 to `limit`; `None` without any.
+#[inline(always)]
+pub(super) fn filter<L: Lanes>(
+    l: L,
+    ray: &TreeRay,
+    leaf: &Meshlet,
+    limit: f32,
+) -> Option<Candidates<L>> {
+    let [x, y, z] = ray.axes;
+    macro_rules! relative {
+        ($axis:ident, $k:literal) => {{
+            let [high, low] = ray.start[$k];
+            let vertices = l.load(&leaf.vertices[$axis % 3]);
+            l.sub(l.sub(vertices, l.splat(high)), l.splat(low))
+        }};
+    }
+    let z = l.mul(relative!(z, 2), l.splat(ray.forwards));
+    let x = l.neg_mul_add(l.splat(ray.slope[0]), z, relative!(x, 0));
+    let y = l.neg_mul_add(l.splat(ray.slope[1]), z, relative!(y, 1));
+    let [a, b, c] = &leaf.corners;
+    let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
+    let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
+    let near = l.add(
+        l.max(l.abs(nearest), l.abs(farthest)),
+        l.splat(3.0 * leaf.size),
+    );
+    let error = l.mul_add(near, l.splat(9.0 * U), l.splat(3.0 * ray.blur));
+    let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * leaf.size));
+    let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
+    let bound = l.mul(share, size);
+
+    let (ax, bx, cx) = (l.permute(x, a), l.permute(x, b), l.permute(x, c));
+    let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
+    let u = l.mul_sub(cx, by, l.mul(cy, bx));
+    let v = l.mul_sub(ax, cy, l.mul(ay, cx));
+    let w = l.mul_sub(bx, ay, l.mul(by, ax));
+    let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
+    let (minus, plus) = (l.sub(l.splat(0.0), bound), bound);
+    let possible = leaf.filled & !(l.lt(least, minus) & l.lt(plus, most));
+    if possible == 0 {
+        return None;
+    }
+    let certain = l.lt(plus, least) | l.lt(most, minus);
+
+    let slack = l.mul_add(near, l.splat(24.0 * U), l.splat(3.0 * ray.blur));
+    let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
+    let possible = possible & l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
+    if possible == 0 {
+        return None;
+    }
+    // The corners' depths in the mean of the sides. The weights are off by 6 B / |sum| in all, and what they
+    // weigh differs by no more than the triangle's size.
+    let sum = l.add(l.add(u, v), w);
+    let depth = l.div(l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz))), sum);
+    let weights = l.div(l.mul(bound, l.splat(6.1 * leaf.size)), l.abs(sum));
+    let around = l.add(weights, slack);
+    // Where the sides say too little, the triangle's own depths.
+    let low = l.select(certain, l.max(l.sub(depth, around), nearest), nearest);
+    let high = l.select(certain, l.min(l.add(depth, around), farthest), farthest);
+    let possible = possible & l.le(low, l.splat(limit)) & l.le(l.splat(0.0), high);
+    Some(Candidates {
+        possible,
+        certain,
+        low,
+        high,
+    })
+}

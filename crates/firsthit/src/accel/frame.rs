@@ -1,0 +1,225 @@
+//! A tile's rays as seen from a tree: where a point of the tree lies in the tile, in float32, with bounds.
+//!
+//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where `x` and `y` are pixels
+//! counted from the tile's middle; parallel ones `eye + x * across + y * down + depth * centre`. So each point
+//! of the tree has coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z (parallel ones: x = X, y = Y), at
+//! the depth Z. They come from the inverse of the matrix with the columns `across`, `down` and `centre`.
+//!
+//! In float32 the large part must not swallow the small one: as in Woop's test (`shape/triangle.rs`), points
+//! are first sheared along the axis that the tile looks along, with slopes that are float32 numbers, so that
+//! what is left is small where the tile is. Rounding of a sheared coordinate, in units of `u reach` (see
+//! `ray.rs`): the vertex 1, the two differences 2, twice where the slope brings in the third axis, and the
+//! product and difference 2: 8 in all. It is multiplied with the matrix, whose own rounding is a share of X
+//! and Y but for how skew pixels are.
+
+use super::mesh_tree::MeshTree;
+use super::meshlet::Meshlet;
+use super::ray::U;
+use super::wide::Node;
+use crate::geometry::{DMat3, DVec3};
+use crate::simd::Lanes;
+
+/// From a tile's first sample to its middle.
+pub(super) const HALF: f32 = 7.5;
+
+/// The rays of a tile, in the space of a mesh.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bundle {
+    /// Where all rays start, or would where those at an angle meet; of parallel ones the start of that in the
+    /// tile's middle.
+    pub(crate) eye: DVec3,
+    /// From there to the tile's middle on the viewplane.
+    pub(crate) centre: DVec3,
+    /// A pixel to the right, and one down, on the viewplane.
+    pub(crate) across: DVec3,
+    pub(crate) down: DVec3,
+    pub(crate) is_perspective: bool,
+    /// The depth at which hits begin: 1 on the viewplane, 0 at the eye.
+    pub(crate) start_depth: f64,
+    /// How large the numbers were that all this is made from.
+    pub(crate) largest: f64,
+}
+
+/// A [`Bundle`] made ready for a tree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    axes: [usize; 3],
+    /// The eye in two parts, along those axes.
+    eye: [[f32; 2]; 3],
+    slope: [f32; 2],
+    /// From sheared coordinates to X, Y and Z.
+    rows: [[f32; 3]; 3],
+    /// The planes around the tile: normals along the axes of space, towards the inside, and what a point inside
+    /// may be below zero.
+    planes: [([f32; 3], f32); 4],
+    /// The gradient of the depth.
+    depth: [f32; 3],
+    /// The eye along the axes of space.
+    start: [f32; 3],
+    pub(super) is_perspective: bool,
+    pub(super) start_depth: f32,
+    /// What X and Y are off.
+    pub(super) error: f32,
+    /// What depths are off.
+    pub(super) depth_error: f32,
+    /// A side of an edge is off by `(absolute + relative * size) * size`.
+    pub(super) absolute: f32,
+    pub(super) relative: f32,
+}
+
+impl Frame {
+    /// `None` where float32 is of no use: rays one by one then are.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the rounding is allowed for"
+    )]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one derivation, each line of which needs those before"
+    )]
+    pub(crate) fn new(tree: &MeshTree, bundle: &Bundle) -> Option<Self> {
+        let space = &tree.space;
+        let eye = (bundle.eye - space.origin) * space.scale;
+        let [centre, across, down] =
+            [bundle.centre, bundle.across, bundle.down].map(|v| v * space.scale);
+        let reach = eye.abs().max_element() + 1.0;
+        let z = largest_axis(centre);
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let slope = [axes[0], axes[1]].map(|k| (centre[k] / centre[z]) as f32);
+        let sheared = |v: DVec3| {
+            let [x, y, z] = axes.map(|k| v[k]);
+            DVec3::new(x - f64::from(slope[0]) * z, y - f64::from(slope[1]) * z, z)
+        };
+        let columns = [across, down, centre].map(sheared);
+        let inverse = DMat3::from_cols(columns[0], columns[1], columns[2]).inverse();
+        let rows = [0, 1, 2].map(|k| inverse.row(k));
+        // For what is a plane in space: the same rows, not sheared.
+        let unsheared = |row: DVec3| {
+            let mut out = DVec3::ZERO;
+            out[axes[0]] = row.x;
+            out[axes[1]] = row.y;
+            out[axes[2]] = row.z - row.x * f64::from(slope[0]) - row.y * f64::from(slope[1]);
+            out
+        };
+        let sum = |row: DVec3| row.abs().element_sum();
+        let u = f64::from(U);
+        let blur = 4e-15 * (bundle.largest * space.scale + reach);
+        let error = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur);
+        let depth_error = sum(rows[2]) * (40.0 * u * reach + 4.0 * blur);
+        let skew = sum(rows[0]).max(sum(rows[1])) * (sum(columns[0]) + sum(columns[1]));
+        let fine = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
+        // Where a pixel is not seen sharply at the distance of the tree's far side, most would be undecided.
+        let far_depth = if bundle.is_perspective {
+            0.1 * sum(rows[2])
+        } else {
+            1.0
+        };
+        let is_sharp = error + 16.0 * depth_error < 0.2 * far_depth.max(1e-30);
+        // Written so that a NaN fails.
+        let is_fine = fine && is_sharp && error.is_finite() && (sum(rows[0]) + sum(rows[1])) < 1e12;
+        if !is_fine {
+            return None;
+        }
+        let [x, y, depth] = rows.map(unsheared);
+        let reach_of_pixels = f64::from(HALF) + 0.02;
+        let plane = |side: DVec3, sign: f64| {
+            let normal = if bundle.is_perspective {
+                sign * side + reach_of_pixels * depth
+            } else {
+                sign * side
+            };
+            let below = if bundle.is_perspective {
+                0.0
+            } else {
+                reach_of_pixels
+            };
+            let slack = sum(normal) * (8.0 * u * reach + 2.0 * blur) + error + 8.0 * depth_error;
+            (
+                normal.to_array().map(|x| x as f32),
+                -((below + slack) * 1.000_01) as f32,
+            )
+        };
+        let two_parts = |x: f64| [x as f32, (x - f64::from(x as f32)) as f32];
+        Some(Self {
+            axes,
+            eye: axes.map(|k| two_parts(eye[k])),
+            slope,
+            rows: rows.map(|row| row.to_array().map(|x| x as f32)),
+            planes: [plane(x, 1.0), plane(x, -1.0), plane(y, 1.0), plane(y, -1.0)],
+            depth: depth.to_array().map(|x| x as f32),
+            start: eye.to_array().map(|x| x as f32),
+            is_perspective: bundle.is_perspective,
+            start_depth: bundle.start_depth as f32,
+            error: error as f32,
+            depth_error: depth_error as f32,
+            absolute: (4.3 * (error + 24.0 * depth_error)) as f32,
+            relative: ((16.0 + 6.0 * skew) * u) as f32,
+        })
+    }
+
+    /// The coordinates X, Y and Z of a leaf's vertices.
+    #[inline(always)]
+    pub(super) fn transformed<L: Lanes>(&self, l: L, leaf: &Meshlet) -> [L::Floats; 3] {
+        let relative = |k: usize| {
+            let [high, low] = self.eye[k];
+            let vertices = l.load(&leaf.vertices[self.axes[k] % 3]);
+            l.sub(l.sub(vertices, l.splat(high)), l.splat(low))
+        };
+        let z = relative(2);
+        let x = l.neg_mul_add(l.splat(self.slope[0]), z, relative(0));
+        let y = l.neg_mul_add(l.splat(self.slope[1]), z, relative(1));
+        let row = |k: usize| {
+            let [rx, ry, rz] = self.rows[k];
+            l.mul_add(
+                l.splat(rx),
+                x,
+                l.mul_add(l.splat(ry), y, l.mul(l.splat(rz), z)),
+            )
+        };
+        [row(0), row(1), row(2)]
+    }
+
+    /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.
+    #[inline(always)]
+    pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
+        let end = |plane: usize| l.sub(l.load(&node.planes[plane]), l.splat(self.start[plane / 2]));
+        let ends = [end(0), end(1), end(2), end(3), end(4), end(5)];
+        // The corner that is farthest along a direction.
+        let farthest = |[x, y, z]: [f32; 3]| {
+            let corner = |axis: usize, along: f32| ends[2 * axis + usize::from(along > 0.0)];
+            l.mul_add(
+                l.splat(x),
+                corner(0, x),
+                l.mul_add(l.splat(y), corner(1, y), l.mul(l.splat(z), corner(2, z))),
+            )
+        };
+        let inside = |k: usize| {
+            let (normal, least) = self.planes[k];
+            l.le(l.splat(least), farthest(normal))
+        };
+        let [x, y, z] = self.depth;
+        let last = l.add(farthest(self.depth), l.splat(self.depth_error));
+        let first = l.sub(
+            l.sub(l.splat(0.0), farthest([-x, -y, -z])),
+            l.splat(self.depth_error),
+        );
+        let met = inside(0)
+            & inside(1)
+            & inside(2)
+            & inside(3)
+            & l.le(l.splat(self.start_depth), last)
+            & l.le(first, l.splat(limit));
+        (met, l.max(first, l.splat(0.0)))
+    }
+}
+
+fn largest_axis(v: DVec3) -> usize {
+    let v = v.abs();
+    if v.x >= v.y && v.x >= v.z {
+        0
+    } else if v.y >= v.z {
+        1
+    } else {
+        2
+    }
+}

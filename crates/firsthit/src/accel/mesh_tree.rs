@@ -1,0 +1,211 @@
+//! The tree over a mesh's triangles: 16-wide nodes over meshlets, all in float32.
+//!
+//! Everything is in the tree's own space: relative to a local origin, and scaled by a power of two so that
+//! no coordinate is larger than 1. So float32 serves a mesh of any size at any place, and rounding can be
+//! bounded by constants. Nothing here decides: see `filter.rs`.
+
+use rayon::prelude::*;
+
+use super::bins::{Box32, Item};
+use super::build::{self, Binary};
+use super::meshlet::Meshlet;
+use super::wide::{self, Node};
+use crate::geometry::DVec3;
+use crate::shape::{Mesh, Positions};
+use crate::simd::LANES;
+
+/// A 16-wide tree over the triangles of one mesh.
+#[derive(Debug, Clone)]
+pub struct MeshTree {
+    pub(super) space: Space,
+    /// Whether the leaves hold the very coordinates of the mesh, so that nobody need look there.
+    pub(super) is_exact: bool,
+    /// The root first; none for a mesh that is not a matter for float32, or empty.
+    pub(super) nodes: Vec<Node>,
+    pub(super) leaves: Vec<Meshlet>,
+    /// The triangles' indices, those of a leaf side by side.
+    pub(super) order: Vec<u32>,
+}
+
+/// How the tree's space lies in the mesh's.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Space {
+    /// Minus zero along each axis where it is the mesh's own: adding that changes no sign of a zero.
+    pub(super) origin: DVec3,
+    /// Units of the tree in a unit of the mesh: a power of two.
+    pub(super) scale: f64,
+    /// Its reciprocal.
+    pub(super) unscale: f64,
+}
+
+/// Coordinates up to here, and sizes down to its reciprocal, are scaled; products of three stay in float64.
+const LARGEST: f64 = 1e90;
+
+impl Space {
+    fn new(mesh: &Mesh) -> Option<Self> {
+        let bounds = mesh.bounds();
+        let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
+        let half = 0.5 * bounds.size().max_element();
+        // Float32 coordinates stay what they are around the mesh's own origin, if that is not far away.
+        let is_near = largest <= 4.0 * half;
+        let origin = match mesh.positions().as_ref() {
+            _ if is_near => DVec3::splat(-0.0),
+            Positions::Single(_) => bounds.centre().as_vec3().as_dvec3(),
+            Positions::Double(_) => bounds.centre(),
+        };
+        let reach = (bounds.high - origin)
+            .max(origin - bounds.low)
+            .max_element();
+        if largest.is_nan() || largest > LARGEST {
+            return None;
+        }
+        let scale = 1.0 / power_of_two_above(reach.max(1.0 / LARGEST));
+        Some(Self {
+            origin,
+            scale,
+            unscale: 1.0 / scale,
+        })
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding is what this is for"
+    )]
+    fn point(&self, point: DVec3) -> [f32; 3] {
+        // Not even a difference with zero: it would change minus zero.
+        let moved = if self.origin == DVec3::ZERO {
+            point
+        } else {
+            point - self.origin
+        };
+        (moved * self.scale).to_array().map(|x| x as f32)
+    }
+
+    /// A point of the tree in the mesh; exact when the mesh's tree is.
+    #[inline(always)]
+    pub(super) fn restored(&self, [x, y, z]: [f32; 3]) -> DVec3 {
+        DVec3::new(x.into(), y.into(), z.into()) * self.unscale + self.origin
+    }
+}
+
+/// The smallest power of two that is larger than a normal `x`.
+fn power_of_two_above(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    2.0 * f64::from_bits(x.to_bits() & EXPONENT)
+}
+
+impl MeshTree {
+    /// The tree over the triangles of `mesh`, by all threads of the current rayon pool, and the same for any
+    /// number of them.
+    pub fn build(mesh: &Mesh) -> Self {
+        let Some(space) = Space::new(mesh).filter(|_| !mesh.triangles().is_empty()) else {
+            return Self {
+                space: Space {
+                    origin: DVec3::ZERO,
+                    scale: 1.0,
+                    unscale: 1.0,
+                },
+                is_exact: false,
+                nodes: Vec::new(),
+                leaves: Vec::new(),
+                order: (0..count(mesh.triangles().len())).collect(),
+            };
+        };
+        let points: Vec<[f32; 3]> = (0..count(mesh.positions().len()))
+            .into_par_iter()
+            .with_min_len(build::CHUNK)
+            .map(|k| space.point(mesh.positions().get(k)))
+            .collect();
+        let triangles = mesh.triangles();
+        let item = |index: u32| Item {
+            bounds: Box32::of(triangles[index as usize].map(|vertex| points[vertex as usize])),
+            index,
+        };
+        let mut items: Vec<Item> = (0..count(triangles.len()))
+            .into_par_iter()
+            .with_min_len(build::CHUNK)
+            .map(item)
+            .collect();
+        let fits =
+            |items: &[Item]| Meshlet::fits(items.iter().map(|item| triangles[item.index as usize]));
+        let Binary { nodes, order } = build::binary(&mut items, wide::WIDTH, &fits);
+        drop(items);
+        let wide::Wide { nodes, ranges } = wide::collapse(&nodes);
+        let leaf = |&(first, length): &(u32, u32)| {
+            let of_leaf = &order[first as usize..(first + length) as usize];
+            let corners = of_leaf.iter().map(|&index| triangles[index as usize]);
+            Meshlet::new(corners, first, &points)
+        };
+        let leaves = ranges.par_iter().with_min_len(1024).map(leaf).collect();
+        let is_same = |(k, point): (usize, &[f32; 3])| {
+            let position = mesh.positions().get(count(k));
+            let restored = space.restored(*point);
+            restored.to_array().map(f64::to_bits) == position.to_array().map(f64::to_bits)
+        };
+        // (Bits: which zero it is can show in a hit's weights.)
+        let is_exact = points
+            .par_iter()
+            .with_min_len(build::CHUNK)
+            .enumerate()
+            .all(is_same);
+        Self {
+            space,
+            is_exact,
+            nodes,
+            leaves,
+            order,
+        }
+    }
+
+    /// What the tree takes in memory.
+    pub fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>()
+            + self.leaves.capacity() * size_of::<Meshlet>()
+            + self.order.capacity() * size_of::<u32>()
+    }
+
+    /// Whether there is anything to traverse.
+    pub(crate) fn has_nodes(&self) -> bool {
+        !self.nodes.is_empty()
+    }
+
+    /// The triangle in a slot (see [`super::Winner`]) by its index in the mesh.
+    pub(crate) fn triangle_in(&self, slot: u32) -> u32 {
+        self.triangle(&self.leaves[slot as usize / LANES], slot as usize % LANES)
+    }
+
+    /// Its corners, as the mesh has them.
+    pub(crate) fn corners_in(&self, mesh: &Mesh, slot: u32) -> [DVec3; 3] {
+        self.corners(
+            mesh,
+            &self.leaves[slot as usize / LANES],
+            slot as usize % LANES,
+        )
+    }
+
+    /// The corners of a triangle of a leaf, as the mesh has them.
+    #[inline(always)]
+    pub(super) fn corners(&self, mesh: &Mesh, leaf: &Meshlet, lane: usize) -> [DVec3; 3] {
+        if self.is_exact {
+            let [a, b, c] = leaf.triangle(lane);
+            [
+                self.space.restored(a),
+                self.space.restored(b),
+                self.space.restored(c),
+            ]
+        } else {
+            mesh.corners(self.triangle(leaf, lane) as usize)
+        }
+    }
+
+    /// A triangle of a leaf by its index in the mesh.
+    #[inline(always)]
+    pub(super) fn triangle(&self, leaf: &Meshlet, lane: usize) -> u32 {
+        self.order[leaf.first as usize + lane]
+    }
+}
+
+/// Meshes have at most `i32::MAX` triangles, and their vertices are counted by `u32`.
+fn count(length: usize) -> u32 {
+    u32::try_from(length).expect("vertices are indexed by u32")
+}

@@ -1,0 +1,112 @@
+//! The leaf: up to sixteen triangles over up to sixteen shared vertices, in 256 bytes.
+
+use crate::simd::LANES;
+
+/// Triangles over vertices of their own, in the tree's space, as float32.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub(super) struct Meshlet {
+    /// The vertices, an array for each axis; what is not used repeats the first one.
+    pub(super) vertices: [[f32; LANES]; 3],
+    /// For each corner, the triangles' vertices.
+    pub(super) corners: [[u8; LANES]; 3],
+    /// Where the triangles stand in the tree's order.
+    pub(super) first: u32,
+    /// How far a triangle extends along an axis at most.
+    pub(super) size: f32,
+    /// Which triangles there are, a bit each.
+    pub(super) filled: u16,
+}
+
+impl Meshlet {
+    /// How many different vertices `triangles` have, if they fit into one leaf.
+    pub(super) fn fits(triangles: impl Iterator<Item = [u32; 3]>) -> bool {
+        let mut vertices = Vertices::new();
+        triangles
+            .flatten()
+            .all(|vertex| vertices.place(vertex).is_some())
+    }
+
+    /// The leaf of `triangles`, which stand at `first` in the order and [fit](Self::fits).
+    pub(super) fn new(
+        triangles: impl Iterator<Item = [u32; 3]>,
+        first: u32,
+        points: &[[f32; 3]],
+    ) -> Self {
+        let mut vertices = Vertices::new();
+        let mut leaf = Self {
+            vertices: [[0.0; LANES]; 3],
+            corners: [[0; LANES]; 3],
+            first,
+            size: 0.0,
+            filled: 0,
+        };
+        for (k, triangle) in triangles.enumerate().take(LANES) {
+            for (corner, vertex) in triangle.into_iter().enumerate() {
+                leaf.corners[corner][k] = vertices.place(vertex).unwrap_or(0);
+            }
+            leaf.size = leaf
+                .size
+                .max(extent(triangle.map(|vertex| points[vertex as usize])));
+            leaf.filled |= 1 << k;
+        }
+        for k in 0..LANES {
+            let vertex = vertices.keys[if k < vertices.count { k } else { 0 }];
+            for (axis, coordinate) in points[vertex as usize].into_iter().enumerate() {
+                leaf.vertices[axis][k] = coordinate;
+            }
+        }
+        // Larger than any rounding of the differences.
+        leaf.size *= 1.000_001;
+        leaf
+    }
+
+    /// The corners of a triangle, in the tree's space.
+    #[inline(always)]
+    pub(super) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
+        let lane = lane % LANES;
+        let corner = |k: usize| {
+            let vertex = usize::from(self.corners[k][lane]) % LANES;
+            [
+                self.vertices[0][vertex],
+                self.vertices[1][vertex],
+                self.vertices[2][vertex],
+            ]
+        };
+        [corner(0), corner(1), corner(2)]
+    }
+}
+
+/// How far a triangle extends along an axis at most.
+fn extent([a, b, c]: [[f32; 3]; 3]) -> f32 {
+    (0..3)
+        .map(|k| a[k].max(b[k]).max(c[k]) - a[k].min(b[k]).min(c[k]))
+        .fold(0.0, f32::max)
+}
+
+/// The different vertices of a leaf's triangles, in the order they come.
+struct Vertices {
+    keys: [u32; LANES],
+    count: usize,
+}
+
+impl Vertices {
+    fn new() -> Self {
+        Self {
+            keys: [0; LANES],
+            count: 0,
+        }
+    }
+
+    /// Where a vertex stands; `None` when the leaf is full.
+    fn place(&mut self, vertex: u32) -> Option<u8> {
+        let known = &self.keys[..self.count];
+        let place = known.iter().position(|&key| key == vertex);
+        let place = place.unwrap_or(self.count);
+        if place == self.count {
+            *self.keys.get_mut(place)? = vertex;
+            self.count += 1;
+        }
+        u8::try_from(place).ok()
+    }
+}

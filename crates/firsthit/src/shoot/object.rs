@@ -1,0 +1,60 @@
+//! From a ray in the world to one in an object, and back with what it met.
+
+use crate::geometry::{Hit, Ray, moderation};
+use crate::scene::Object;
+use crate::shape::Crossing;
+
+/// A ray whose direction can be squared: `t` is counted in other units where float64 would not hold that.
+pub(super) struct Moderate {
+    pub(super) ray: Ray,
+    /// What its `t` is to be multiplied with: a power of two, hardly ever another than 1.
+    pub(super) scale: f64,
+    t_max: f64,
+}
+
+impl Moderate {
+    /// `None` for a ray that is not [valid](Ray::is_valid).
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray) -> Option<Self> {
+        if !ray.is_valid() {
+            return None;
+        }
+        let scale = moderation(ray.direction);
+        Some(Self {
+            ray: Ray::new(ray.origin, scale * ray.direction).up_to(ray.t_max / scale),
+            scale,
+            t_max: ray.t_max,
+        })
+    }
+
+    /// The ray, up to `t_max`, in an object's space. A transform can take its numbers out of the range of
+    /// float64: then it meets nothing.
+    #[inline(always)]
+    pub(super) fn in_object(&self, object: &Object, t_max: f64) -> Option<Ray> {
+        let ray = object.transform().ray_in_object(&self.ray.up_to(t_max));
+        ray.is_valid().then_some(ray)
+    }
+
+    /// What was met of the object `index`, as a hit of the ray that the caller has.
+    #[inline(always)]
+    pub(super) fn hit(&self, index: u32, crossing: Crossing) -> Option<Hit> {
+        let t = self.scale * crossing.t;
+        (t > 0.0 && t <= self.t_max && t.is_finite()).then(|| Hit {
+            t,
+            object: index.cast_signed(),
+            primitive: crossing.primitive,
+            barycentric: crossing.barycentric,
+        })
+    }
+}
+
+/// Scenes and meshes hold at most `i32::MAX` things.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "checked when the mesh was made"
+)]
+#[inline(always)]
+pub(super) fn identifier(index: usize) -> i32 {
+    index as i32
+}

@@ -1,0 +1,518 @@
+//! A camera's rays, tile by tile: float32 finds who wins each pixel, float64 says where it is met.
+
+use std::ops::Range;
+
+use super::Out;
+use super::object::Moderate;
+use super::trees;
+use crate::accel::{
+    Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, Scratch, TILE, Tile, Winner, fill, verdict,
+};
+use crate::geometry::{DVec2, DVec3, Hit, PixelGrid, Rays};
+use crate::scene::{Object, Scene};
+use crate::shape::{Crossing, Mesh, Shape, triangle::Shear};
+use crate::simd::{Kernel, LANES, Lanes, WIDE};
+
+/// A scene made ready for a grid of pixels.
+pub(super) struct Plan<'a> {
+    scene: &'a Scene,
+    rays: &'a dyn Rays,
+    grid: PixelGrid,
+    /// What tiles can do, the nearest first.
+    meshes: Vec<Placed>,
+    /// Whether an object is in there.
+    is_tiled: Vec<bool>,
+}
+
+/// An object, and the tiles that it may be seen in.
+struct Placed {
+    object: u32,
+    rows: Range<usize>,
+    columns: Range<usize>,
+    depth: f64,
+}
+
+impl<'a> Plan<'a> {
+    /// `None` when rays one by one are the better way.
+    pub(super) fn new(scene: &'a Scene, rays: &'a dyn Rays) -> Option<Self> {
+        let grid = rays.grid()?;
+        if !is_moderate(&grid) {
+            return None;
+        }
+        let mut is_tiled = vec![false; scene.objects().len()];
+        let mut meshes = Vec::new();
+        for (index, object) in (0..).zip(scene.objects()) {
+            if tileable(scene, index).is_some() {
+                is_tiled[index as usize] = true;
+                meshes.extend(placed(&grid, index, object));
+            }
+        }
+        meshes.sort_by(|a: &Placed, b| a.depth.total_cmp(&b.depth));
+        is_tiled.contains(&true).then_some(Self {
+            scene,
+            rays,
+            grid,
+            meshes,
+            is_tiled,
+        })
+    }
+
+    pub(super) fn columns(&self) -> usize {
+        self.grid.columns
+    }
+}
+
+/// The mesh and the tree of an object whose triangles are all there is to it.
+fn tileable(scene: &Scene, index: u32) -> Option<(&Mesh, &MeshTree)> {
+    let object = &scene.objects()[index as usize];
+    match (object.shape(), scene.mesh_tree(index as usize)) {
+        (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
+            Some((mesh, tree))
+        }
+        _ => None,
+    }
+}
+
+/// Whether no direction needs other units (see [`Moderate`]).
+fn is_moderate(grid: &PixelGrid) -> bool {
+    let toward = grid.toward.length();
+    let range = 1e-80..1e80;
+    range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80
+}
+
+/// Where an object may be seen; `None` for nowhere.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast of a float saturates"
+)]
+fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
+    let bounds = object.mesh()?.bounds();
+    let aim = grid.toward.normalize();
+    let focal = grid.toward.length();
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for corner in bounds.corners() {
+        let world = object
+            .transform()
+            .world_from_object()
+            .transform_point3(corner);
+        let relative = world - grid.position;
+        let depth = relative.dot(aim);
+        let share = if grid.parallel.is_some() {
+            1.0
+        } else {
+            focal / depth
+        };
+        let seen = DVec3::new(
+            share * relative.dot(grid.right),
+            share * relative.dot(grid.upwards),
+            depth,
+        );
+        (low, high) = (low.min(seen), high.max(seen));
+    }
+    // Far more than rounding.
+    let slack = 1e-9 * (high.abs().max(low.abs()).z + grid.position.abs().max_element());
+    let whole = Placed {
+        object: index,
+        rows: 0..grid.rows.div_ceil(TILE),
+        columns: 0..grid.columns.div_ceil(TILE),
+        depth: low.z,
+    };
+    if high.z < -slack {
+        return None;
+    }
+    // Written so that a NaN leads to all of the picture.
+    let is_in_front = low.z > slack || grid.parallel.is_some();
+    if !(is_in_front && low.is_finite() && high.is_finite()) {
+        return Some(whole);
+    }
+    let tiles = |low: f64, high: f64, size: f64, count: usize| {
+        let pixel = size / count as f64;
+        let blur = if grid.parallel.is_some() {
+            slack
+        } else {
+            slack * focal / low.max(slack)
+        };
+        let pad = 1.0 + blur / pixel;
+        let tile = |x: f64| (x / pixel + 0.5 * count as f64) / TILE as f64;
+        let first = (tile(low) - pad).floor().max(0.0) as usize;
+        first..((tile(high) + pad).ceil().max(0.0) as usize).min(count.div_ceil(TILE))
+    };
+    let columns = tiles(low.x, high.x, grid.width, grid.columns);
+    let rows = tiles(-high.y, -low.y, grid.height, grid.rows);
+    (!columns.is_empty() && !rows.is_empty()).then_some(Placed {
+        rows,
+        columns,
+        ..whole
+    })
+}
+
+/// A row of tiles.
+pub(super) struct Band<'a> {
+    pub(super) plan: &'a Plan<'a>,
+    /// Its number, from the top.
+    pub(super) index: usize,
+    pub(super) out: Out<'a>,
+}
+
+impl Kernel for Band<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        let grid = &self.plan.grid;
+        let mut scratch = Scratch::new();
+        let rows = (grid.rows - self.index * TILE).min(TILE);
+        for tile in 0..grid.columns.div_ceil(TILE) {
+            let mut work = Work {
+                plan: self.plan,
+                row: self.index * TILE,
+                column: tile * TILE,
+            };
+            let columns = (grid.columns - work.column).min(TILE);
+            let mut pixels = Tile::new(rows, columns);
+            let is_filled = work.fill(l, &mut scratch, self.index, tile, &mut pixels);
+            for row in 0..rows {
+                if is_filled {
+                    work.develop(l, &pixels, row, columns, &mut self.out);
+                }
+                work.complete(l, &mut scratch, row, columns, is_filled, &mut self.out);
+            }
+        }
+    }
+}
+
+/// The hits of a tile's row, on their way to memory: there, a few bytes at a time would be slow.
+#[repr(align(64))]
+struct RowOfHits {
+    t: [f64; TILE],
+    object: [i32; TILE],
+    primitive: [i32; TILE],
+    barycentric: [DVec2; TILE],
+}
+
+impl RowOfHits {
+    const MISSES: Self = Self {
+        t: [Hit::MISS.t; TILE],
+        object: [Hit::MISS.object; TILE],
+        primitive: [Hit::MISS.primitive; TILE],
+        barycentric: [Hit::MISS.barycentric; TILE],
+    };
+
+    #[inline(always)]
+    fn put(&mut self, column: usize, hit: &Hit) {
+        let column = column % TILE;
+        self.t[column] = hit.t;
+        self.object[column] = hit.object;
+        self.primitive[column] = hit.primitive;
+        self.barycentric[column] = hit.barycentric;
+    }
+
+    #[inline(always)]
+    fn write(&self, at: usize, columns: usize, out: &mut Out<'_>) {
+        let place = at..at + columns;
+        out.t[place.clone()].copy_from_slice(&self.t[..columns]);
+        out.object[place.clone()].copy_from_slice(&self.object[..columns]);
+        out.primitive[place.clone()].copy_from_slice(&self.primitive[..columns]);
+        out.barycentric[place].copy_from_slice(&self.barycentric[..columns]);
+    }
+}
+
+/// A tile by its first pixel.
+struct Work<'a> {
+    plan: &'a Plan<'a>,
+    row: usize,
+    column: usize,
+}
+
+impl Work<'_> {
+    /// Whether float32 could tell who wins.
+    #[inline(always)]
+    fn fill<L: Lanes>(
+        &mut self,
+        l: L,
+        scratch: &mut Scratch,
+        band: usize,
+        tile: usize,
+        pixels: &mut Tile,
+    ) -> bool {
+        let plan = self.plan;
+        for placed in &plan.meshes {
+            if !(placed.rows.contains(&band) && placed.columns.contains(&tile)) {
+                continue;
+            }
+            let Some((_, tree)) = tileable(plan.scene, placed.object) else {
+                continue;
+            };
+            let object = &plan.scene.objects()[placed.object as usize];
+            let bundle = bundle(&plan.grid, object, self.row, self.column);
+            let Some(frame) = Frame::new(tree, &bundle) else {
+                return false;
+            };
+            fill(l, scratch, tree, &frame, placed.object, pixels, self);
+        }
+        true
+    }
+
+    /// Writes the hits of a row.
+    #[inline(always)]
+    fn develop<L: Lanes>(
+        &self,
+        l: L,
+        pixels: &Tile,
+        row: usize,
+        columns: usize,
+        out: &mut Out<'_>,
+    ) {
+        let at = row * self.plan.grid.columns + self.column;
+        let (slots, objects) = pixels.row(row);
+        let mut hits = RowOfHits::MISSES;
+        let all = l.load(objects);
+        let mut left = u16::MAX >> (TILE - columns);
+        left &= !l.same(all, l.splat(f32::from_bits(Winner::NONE.object)));
+        while left != 0 {
+            let object = objects[left.trailing_zeros() as usize % LANES];
+            let here = left & l.same(all, l.splat(object));
+            left &= !here;
+            self.develop_object(l, object.to_bits(), slots, here, row, &mut hits);
+        }
+        hits.write(at, columns, out);
+    }
+
+    #[inline(always)]
+    fn develop_object<L: Lanes>(
+        &self,
+        l: L,
+        index: u32,
+        slots: &[f32; LANES],
+        here: u16,
+        row: usize,
+        hits: &mut RowOfHits,
+    ) {
+        let Some((mesh, tree)) = tileable(self.plan.scene, index) else {
+            return;
+        };
+        let object = &self.plan.scene.objects()[index as usize];
+        let corners = Corners::new(l, tree, mesh, slots, here);
+        for half in 0..2 {
+            let lanes = here >> (WIDE * half) & 0xff;
+            if lanes == 0 {
+                continue;
+            }
+            let rays = self.pencil(l, object, row, self.column + WIDE * half);
+            let (sound, numbers) = verdict(l, &rays, &corners, half);
+            let mut arrays = [[0.0; WIDE]; 3];
+            for (array, numbers) in arrays.iter_mut().zip(numbers) {
+                l.store64(numbers, array);
+            }
+            let mut left = lanes;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize % WIDE;
+                left &= left - 1;
+                let column = WIDE * half + lane;
+                let slot = slots[column % LANES].to_bits();
+                let hit = if sound >> lane & 1 == 1 {
+                    Hit {
+                        t: arrays[0][lane],
+                        object: index.cast_signed(),
+                        primitive: tree.triangle_in(slot).cast_signed(),
+                        barycentric: DVec2::new(arrays[1][lane], arrays[2][lane]),
+                    }
+                } else {
+                    let winner = Winner {
+                        object: index,
+                        slot,
+                    };
+                    self.decide(row, column, winner).unwrap_or(Hit::MISS)
+                };
+                hits.put(column, &hit);
+            }
+        }
+    }
+
+    /// The rays of eight pixels in an object's space: what [`Rays::ray`] and `ray_in_object` give, operation for
+    /// operation.
+    #[inline(always)]
+    #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
+    fn pencil<L: Lanes>(&self, l: L, object: &Object, row: usize, column: usize) -> Pencil<L> {
+        let grid = &self.plan.grid;
+        let mut x = [0.0; WIDE];
+        for (k, x) in x.iter_mut().enumerate() {
+            *x = grid.x(column + k);
+        }
+        let x = l.load64(&x);
+        let up = grid.y(self.row + row) * grid.upwards;
+        // The lanes of a vector: an expression for each axis.
+        macro_rules! vector {
+            ($axis:ident => $value:expr) => {
+                [
+                    {
+                        let $axis = 0;
+                        $value
+                    },
+                    {
+                        let $axis = 1;
+                        $value
+                    },
+                    {
+                        let $axis = 2;
+                        $value
+                    },
+                ]
+            };
+        }
+        let toward = vector!(k => l.splat64(grid.toward[k]));
+        let position = vector!(k => l.splat64(grid.position[k]));
+        let point = vector!(k => {
+            let across = l.mul64(x, l.splat64(grid.right[k]));
+            l.add64(l.add64(toward[k], across), l.splat64(up[k]))
+        });
+        let (origin, direction) = if let Some(parallel) = grid.parallel {
+            let start = if grid.starts_on_viewplane {
+                point
+            } else {
+                vector!(k => l.sub64(point[k], toward[k]))
+            };
+            let origin = vector!(k => l.add64(position[k], start[k]));
+            (origin, vector!(k => l.splat64(parallel[k])))
+        } else {
+            let squares = vector!(k => l.mul64(point[k], point[k]));
+            let length = l.sqrt64(l.add64(l.add64(squares[0], squares[1]), squares[2]));
+            let origin = if grid.starts_on_viewplane {
+                vector!(k => l.add64(position[k], point[k]))
+            } else {
+                position
+            };
+            (origin, vector!(k => l.div64(point[k], length)))
+        };
+        let place = object.transform().world_from_object().translation;
+        let matrix = &object.transform().object_from_world().matrix3;
+        macro_rules! turned {
+            ($v:ident, $k:ident) => {{
+                let part = [
+                    l.mul64(l.splat64(matrix.x_axis[$k]), $v[0]),
+                    l.mul64(l.splat64(matrix.y_axis[$k]), $v[1]),
+                    l.mul64(l.splat64(matrix.z_axis[$k]), $v[2]),
+                ];
+                l.add64(l.add64(part[0], part[1]), part[2])
+            }};
+        }
+        let moved = vector!(k => l.sub64(origin[k], l.splat64(place[k])));
+        Pencil {
+            origin: vector!(k => turned!(moved, k)),
+            direction: vector!(k => turned!(direction, k)),
+        }
+    }
+
+    /// Adds what tiles cannot do: everything where `is_tiled` is not set, else the objects that are not meshes.
+    #[inline(always)]
+    fn complete<L: Lanes>(
+        &self,
+        l: L,
+        scratch: &mut Scratch,
+        row: usize,
+        columns: usize,
+        is_filled: bool,
+        out: &mut Out<'_>,
+    ) {
+        let plan = self.plan;
+        if is_filled && !plan.is_tiled.contains(&false) {
+            return;
+        }
+        for column in 0..columns {
+            let at = row * plan.grid.columns + self.column + column;
+            let ray = plan.rays.ray(self.row * plan.grid.columns + at);
+            let hit = if is_filled {
+                let is_wanted = |object: u32| !plan.is_tiled[object as usize];
+                trees::first_hit_among(l, scratch, plan.scene, &ray, out.get(at), is_wanted)
+            } else {
+                trees::first_hit(l, scratch, plan.scene, &ray)
+            };
+            out.put(at, &hit);
+        }
+    }
+
+    /// The judge's word about one pixel and one triangle.
+    #[inline(never)]
+    fn decide(&self, row: usize, column: usize, winner: Winner) -> Option<Hit> {
+        let plan = self.plan;
+        let (mesh, tree) = tileable(plan.scene, winner.object)?;
+        let pixel = (self.row + row) * plan.grid.columns + self.column + column;
+        let moderate = Moderate::new(&plan.rays.ray(pixel))?;
+        let object = &plan.scene.objects()[winner.object as usize];
+        let ray = moderate.in_object(object, moderate.ray.t_max)?;
+        let hit = Shear::new(&ray).intersect(tree.corners_in(mesh, winner.slot))?;
+        let primitive = tree.triangle_in(winner.slot).cast_signed();
+        let crossing: Crossing = hit.crossing(primitive);
+        (hit.t > 0.0 && hit.t <= ray.t_max)
+            .then(|| moderate.hit(winner.object, crossing))
+            .flatten()
+    }
+
+    /// The depth of a hit at `t`, in units of the viewplane's.
+    fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
+        let grid = &self.plan.grid;
+        let unit = if grid.parallel.is_some() {
+            grid.toward.length()
+        } else {
+            grid.point(self.row + row, self.column + column).length()
+        };
+        t / unit + f64::from(u8::from(grid.starts_on_viewplane))
+    }
+}
+
+impl Arbiter for Work<'_> {
+    #[inline(never)]
+    fn settle(
+        &mut self,
+        row: usize,
+        column: usize,
+        old: Winner,
+        new: Winner,
+    ) -> Option<(Winner, f64)> {
+        let challenger = self.decide(row, column, new)?;
+        let champion = if old == Winner::NONE {
+            None
+        } else {
+            self.decide(row, column, old)
+        };
+        let (winner, hit) = match champion {
+            Some(champion) if !challenger.precedes(&champion) => (old, champion),
+            _ => (new, challenger),
+        };
+        Some((winner, self.depth(row, column, hit.t)))
+    }
+}
+
+/// A tile's rays in an object's space.
+fn bundle(grid: &PixelGrid, object: &Object, row: usize, column: usize) -> Bundle {
+    let half = 0.5 * (TILE as f64);
+    let middle = |size: f64, count: usize, first: usize| {
+        -size / 2.0 + size / count as f64 * (first as f64 + half)
+    };
+    let x = middle(grid.width, grid.columns, column);
+    let y = -middle(grid.height, grid.rows, row);
+    let aside = x * grid.right + y * grid.upwards;
+    let map = object.transform().object_from_world();
+    let place = object.transform().world_from_object().translation;
+    let turned = |v: DVec3| map.transform_vector3(v);
+    let (start, centre) = if grid.parallel.is_some() {
+        (grid.position + aside, grid.toward)
+    } else {
+        (grid.position, grid.toward + aside)
+    };
+    let matrix = map.matrix3;
+    let largest =
+        [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.abs().max_element());
+    let growth: f64 = largest.iter().sum();
+    Bundle {
+        eye: turned(start - place),
+        centre: turned(centre),
+        across: turned(grid.width / grid.columns as f64 * grid.right),
+        down: turned(-grid.height / grid.rows as f64 * grid.upwards),
+        is_perspective: grid.parallel.is_none(),
+        start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
+        largest: growth
+            * (start.abs().max_element() + place.abs().max_element() + centre.abs().max_element()),
+    }
+}

@@ -1,0 +1,320 @@
+//! The lanes in AVX2 with fused multiply-add: two registers each.
+
+use std::arch::x86_64::*;
+
+use super::{Kernel, LANES, Lanes, WIDE};
+
+/// Proof that this machine has AVX2 and fused multiply-add.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Avx2(());
+
+pub(super) fn is_available() -> bool {
+    is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("fma")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+        && is_x86_feature_detected!("popcnt")
+}
+
+/// Runs a kernel; in plain Rust where AVX2 is missing.
+#[inline]
+pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn with_features<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run(Avx2(()))
+    }
+    if is_available() {
+        // SAFETY: the line above asked for the features.
+        unsafe { with_features(kernel) }
+    } else {
+        kernel.run(super::portable::Portable)
+    }
+}
+
+/// An intrinsic of the instruction set.
+macro_rules! x86 {
+    ($e:expr) => {
+        // SAFETY: an `Avx2` is made only where the machine has the features.
+        unsafe { $e }
+    };
+}
+
+type F = [__m256; 2];
+type D = [__m256d; 2];
+
+/// A bit of eight lanes each, as the sign of the lane.
+#[inline(always)]
+fn signs(mask: u8) -> __m256 {
+    x86!({
+        let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+        let mask = _mm256_set1_epi32(i32::from(mask));
+        _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(mask, bits), bits))
+    })
+}
+
+/// The sign bits of sixteen lanes.
+#[inline(always)]
+#[expect(
+    clippy::cast_sign_loss,
+    clippy::cast_possible_truncation,
+    reason = "eight bits each"
+)]
+fn mask(x: F) -> u16 {
+    let [low, high] = x86!([_mm256_movemask_ps(x[0]), _mm256_movemask_ps(x[1])]);
+    low as u16 | (high as u16) << 8
+}
+
+#[inline(always)]
+#[expect(
+    clippy::cast_sign_loss,
+    clippy::cast_possible_truncation,
+    reason = "four bits each"
+)]
+fn mask64(x: D) -> u8 {
+    let [low, high] = x86!([_mm256_movemask_pd(x[0]), _mm256_movemask_pd(x[1])]);
+    low as u8 | (high as u8) << 4
+}
+
+#[inline(always)]
+fn permute_half(table: F, places: &[u8; LANES], half: usize) -> __m256 {
+    x86!({
+        let places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(
+            places.as_ptr().wrapping_add(8 * half).cast(),
+        ));
+        let low = _mm256_permutevar8x32_ps(table[0], places);
+        let high = _mm256_permutevar8x32_ps(table[1], places);
+        let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(places));
+        _mm256_blendv_ps(low, high, is_high)
+    })
+}
+
+#[inline(always)]
+fn widen_half(a: __m256) -> D {
+    x86!([
+        _mm256_cvtps_pd(_mm256_castps256_ps128(a)),
+        _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(a))
+    ])
+}
+
+impl Lanes for Avx2 {
+    type Floats = F;
+    type Doubles = D;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> F {
+        x86!([_mm256_set1_ps(x); 2])
+    }
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> F {
+        x86!([
+            _mm256_loadu_ps(from.as_ptr()),
+            _mm256_loadu_ps(from.as_ptr().wrapping_add(8))
+        ])
+    }
+    #[inline(always)]
+    fn store(self, x: F, to: &mut [f32; LANES]) {
+        x86!({
+            _mm256_storeu_ps(to.as_mut_ptr(), x[0]);
+            _mm256_storeu_ps(to.as_mut_ptr().wrapping_add(8), x[1]);
+        });
+    }
+    #[inline(always)]
+    fn add(self, a: F, b: F) -> F {
+        x86!([_mm256_add_ps(a[0], b[0]), _mm256_add_ps(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn sub(self, a: F, b: F) -> F {
+        x86!([_mm256_sub_ps(a[0], b[0]), _mm256_sub_ps(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn mul(self, a: F, b: F) -> F {
+        x86!([_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn div(self, a: F, b: F) -> F {
+        x86!([_mm256_div_ps(a[0], b[0]), _mm256_div_ps(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn min(self, a: F, b: F) -> F {
+        x86!([_mm256_min_ps(a[0], b[0]), _mm256_min_ps(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn max(self, a: F, b: F) -> F {
+        x86!([_mm256_max_ps(a[0], b[0]), _mm256_max_ps(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn abs(self, a: F) -> F {
+        [
+            x86!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a[0])),
+            x86!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a[1])),
+        ]
+    }
+    #[inline(always)]
+    fn floor(self, a: F) -> F {
+        [x86!(_mm256_floor_ps(a[0])), x86!(_mm256_floor_ps(a[1]))]
+    }
+    #[inline(always)]
+    fn ceil(self, a: F) -> F {
+        [x86!(_mm256_ceil_ps(a[0])), x86!(_mm256_ceil_ps(a[1]))]
+    }
+    #[inline(always)]
+    fn mul_add(self, a: F, b: F, c: F) -> F {
+        x86!([
+            _mm256_fmadd_ps(a[0], b[0], c[0]),
+            _mm256_fmadd_ps(a[1], b[1], c[1])
+        ])
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
+        x86!([
+            _mm256_fnmadd_ps(a[0], b[0], c[0]),
+            _mm256_fnmadd_ps(a[1], b[1], c[1])
+        ])
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: F, b: F, c: F) -> F {
+        x86!([
+            _mm256_fmsub_ps(a[0], b[0], c[0]),
+            _mm256_fmsub_ps(a[1], b[1], c[1])
+        ])
+    }
+    #[inline(always)]
+    fn permute(self, table: F, places: &[u8; LANES]) -> F {
+        [
+            permute_half(table, places, 0),
+            permute_half(table, places, 1),
+        ]
+    }
+    #[inline(always)]
+    fn lt(self, a: F, b: F) -> u16 {
+        mask(x86!([
+            _mm256_cmp_ps::<_CMP_LT_OQ>(a[0], b[0]),
+            _mm256_cmp_ps::<_CMP_LT_OQ>(a[1], b[1])
+        ]))
+    }
+    #[inline(always)]
+    fn le(self, a: F, b: F) -> u16 {
+        mask(x86!([
+            _mm256_cmp_ps::<_CMP_LE_OQ>(a[0], b[0]),
+            _mm256_cmp_ps::<_CMP_LE_OQ>(a[1], b[1])
+        ]))
+    }
+    #[inline(always)]
+    fn same(self, a: F, b: F) -> u16 {
+        mask(x86!([
+            _mm256_castsi256_ps(_mm256_cmpeq_epi32(
+                _mm256_castps_si256(a[0]),
+                _mm256_castps_si256(b[0])
+            )),
+            _mm256_castsi256_ps(_mm256_cmpeq_epi32(
+                _mm256_castps_si256(a[1]),
+                _mm256_castps_si256(b[1])
+            ))
+        ]))
+    }
+    #[inline(always)]
+    fn select(self, mask: u16, a: F, b: F) -> F {
+        let [low, high] = mask.to_le_bytes();
+        x86!([
+            _mm256_blendv_ps(b[0], a[0], signs(low)),
+            _mm256_blendv_ps(b[1], a[1], signs(high))
+        ])
+    }
+    #[inline(always)]
+    fn largest(self, a: F) -> f32 {
+        x86!({
+            let eight = _mm256_max_ps(a[0], a[1]);
+            let four = _mm_max_ps(
+                _mm256_castps256_ps128(eight),
+                _mm256_extractf128_ps::<1>(eight),
+            );
+            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two)))
+        })
+    }
+    #[inline(always)]
+    fn widen(self, a: F) -> [D; 2] {
+        [widen_half(a[0]), widen_half(a[1])]
+    }
+    #[inline(always)]
+    fn splat64(self, x: f64) -> D {
+        x86!([_mm256_set1_pd(x); 2])
+    }
+    #[inline(always)]
+    fn load64(self, from: &[f64; WIDE]) -> D {
+        x86!([
+            _mm256_loadu_pd(from.as_ptr()),
+            _mm256_loadu_pd(from.as_ptr().wrapping_add(4))
+        ])
+    }
+    #[inline(always)]
+    fn store64(self, x: D, to: &mut [f64; WIDE]) {
+        x86!({
+            _mm256_storeu_pd(to.as_mut_ptr(), x[0]);
+            _mm256_storeu_pd(to.as_mut_ptr().wrapping_add(4), x[1]);
+        });
+    }
+    #[inline(always)]
+    fn add64(self, a: D, b: D) -> D {
+        x86!([_mm256_add_pd(a[0], b[0]), _mm256_add_pd(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn sub64(self, a: D, b: D) -> D {
+        x86!([_mm256_sub_pd(a[0], b[0]), _mm256_sub_pd(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn mul64(self, a: D, b: D) -> D {
+        x86!([_mm256_mul_pd(a[0], b[0]), _mm256_mul_pd(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn div64(self, a: D, b: D) -> D {
+        x86!([_mm256_div_pd(a[0], b[0]), _mm256_div_pd(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn sqrt64(self, a: D) -> D {
+        [x86!(_mm256_sqrt_pd(a[0])), x86!(_mm256_sqrt_pd(a[1]))]
+    }
+    #[inline(always)]
+    fn abs64(self, a: D) -> D {
+        [
+            x86!(_mm256_andnot_pd(_mm256_set1_pd(-0.0), a[0])),
+            x86!(_mm256_andnot_pd(_mm256_set1_pd(-0.0), a[1])),
+        ]
+    }
+    #[inline(always)]
+    fn max64(self, a: D, b: D) -> D {
+        x86!([_mm256_max_pd(a[0], b[0]), _mm256_max_pd(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
+        x86!([
+            _mm256_fmsub_pd(a[0], b[0], c[0]),
+            _mm256_fmsub_pd(a[1], b[1], c[1])
+        ])
+    }
+    #[inline(always)]
+    fn lt64(self, a: D, b: D) -> u8 {
+        mask64(x86!([
+            _mm256_cmp_pd::<_CMP_LT_OQ>(a[0], b[0]),
+            _mm256_cmp_pd::<_CMP_LT_OQ>(a[1], b[1])
+        ]))
+    }
+    #[inline(always)]
+    fn le64(self, a: D, b: D) -> u8 {
+        mask64(x86!([
+            _mm256_cmp_pd::<_CMP_LE_OQ>(a[0], b[0]),
+            _mm256_cmp_pd::<_CMP_LE_OQ>(a[1], b[1])
+        ]))
+    }
+    #[inline(always)]
+    fn prefetch<T>(self, what: &T) {
+        x86!(for line in 0..size_of::<T>().div_ceil(64) {
+            _mm_prefetch::<_MM_HINT_T0>(
+                std::ptr::from_ref(what)
+                    .cast::<i8>()
+                    .wrapping_add(64 * line),
+            );
+        });
+    }
+}

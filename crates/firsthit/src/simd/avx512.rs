@@ -1,0 +1,212 @@
+//! The lanes in AVX-512: a register each.
+
+use std::arch::x86_64::*;
+
+use super::{Kernel, LANES, Lanes, WIDE};
+
+/// Proof that this machine has AVX-512 F, BW, DQ and VL, and what comes before them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Avx512(());
+
+pub(super) fn is_available() -> bool {
+    is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl")
+        && super::avx2::is_available()
+}
+
+/// Runs a kernel; with AVX2 or less where AVX-512 is missing.
+#[inline]
+pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn with_features<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run(Avx512(()))
+    }
+    if is_available() {
+        // SAFETY: the line above asked for the features.
+        unsafe { with_features(kernel) }
+    } else {
+        super::avx2::run(kernel)
+    }
+}
+
+/// An intrinsic of the instruction set.
+macro_rules! x86 {
+    ($e:expr) => {
+        // SAFETY: an `Avx512` is made only where the machine has the features.
+        unsafe { $e }
+    };
+}
+
+type F = __m512;
+type D = __m512d;
+
+impl Lanes for Avx512 {
+    type Floats = F;
+    type Doubles = D;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> F {
+        x86!(_mm512_set1_ps(x))
+    }
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> F {
+        x86!(_mm512_loadu_ps(from.as_ptr()))
+    }
+    #[inline(always)]
+    fn store(self, x: F, to: &mut [f32; LANES]) {
+        x86!(_mm512_storeu_ps(to.as_mut_ptr(), x));
+    }
+    #[inline(always)]
+    fn add(self, a: F, b: F) -> F {
+        x86!(_mm512_add_ps(a, b))
+    }
+    #[inline(always)]
+    fn sub(self, a: F, b: F) -> F {
+        x86!(_mm512_sub_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul(self, a: F, b: F) -> F {
+        x86!(_mm512_mul_ps(a, b))
+    }
+    #[inline(always)]
+    fn div(self, a: F, b: F) -> F {
+        x86!(_mm512_div_ps(a, b))
+    }
+    #[inline(always)]
+    fn min(self, a: F, b: F) -> F {
+        x86!(_mm512_min_ps(a, b))
+    }
+    #[inline(always)]
+    fn max(self, a: F, b: F) -> F {
+        x86!(_mm512_max_ps(a, b))
+    }
+    #[inline(always)]
+    fn abs(self, a: F) -> F {
+        x86!(_mm512_abs_ps(a))
+    }
+    #[inline(always)]
+    fn floor(self, a: F) -> F {
+        x86!(_mm512_roundscale_ps::<
+            { _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC },
+        >(a))
+    }
+    #[inline(always)]
+    fn ceil(self, a: F) -> F {
+        x86!(_mm512_roundscale_ps::<
+            { _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC },
+        >(a))
+    }
+    #[inline(always)]
+    fn mul_add(self, a: F, b: F, c: F) -> F {
+        x86!(_mm512_fmadd_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
+        x86!(_mm512_fnmadd_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: F, b: F, c: F) -> F {
+        x86!(_mm512_fmsub_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn permute(self, table: F, places: &[u8; LANES]) -> F {
+        x86!({
+            let places = _mm512_cvtepu8_epi32(_mm_loadu_si128(places.as_ptr().cast()));
+            _mm512_permutexvar_ps(places, table)
+        })
+    }
+    #[inline(always)]
+    fn lt(self, a: F, b: F) -> u16 {
+        x86!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn le(self, a: F, b: F) -> u16 {
+        x86!(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn same(self, a: F, b: F) -> u16 {
+        x86!(_mm512_cmpeq_epi32_mask(
+            _mm512_castps_si512(a),
+            _mm512_castps_si512(b)
+        ))
+    }
+    #[inline(always)]
+    fn select(self, mask: u16, a: F, b: F) -> F {
+        x86!(_mm512_mask_blend_ps(mask, b, a))
+    }
+    #[inline(always)]
+    fn largest(self, a: F) -> f32 {
+        x86!(_mm512_reduce_max_ps(a))
+    }
+    #[inline(always)]
+    fn widen(self, a: F) -> [D; 2] {
+        x86!([
+            _mm512_cvtps_pd(_mm512_castps512_ps256(a)),
+            _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(a))
+        ])
+    }
+    #[inline(always)]
+    fn splat64(self, x: f64) -> D {
+        x86!(_mm512_set1_pd(x))
+    }
+    #[inline(always)]
+    fn load64(self, from: &[f64; WIDE]) -> D {
+        x86!(_mm512_loadu_pd(from.as_ptr()))
+    }
+    #[inline(always)]
+    fn store64(self, x: D, to: &mut [f64; WIDE]) {
+        x86!(_mm512_storeu_pd(to.as_mut_ptr(), x));
+    }
+    #[inline(always)]
+    fn add64(self, a: D, b: D) -> D {
+        x86!(_mm512_add_pd(a, b))
+    }
+    #[inline(always)]
+    fn sub64(self, a: D, b: D) -> D {
+        x86!(_mm512_sub_pd(a, b))
+    }
+    #[inline(always)]
+    fn mul64(self, a: D, b: D) -> D {
+        x86!(_mm512_mul_pd(a, b))
+    }
+    #[inline(always)]
+    fn div64(self, a: D, b: D) -> D {
+        x86!(_mm512_div_pd(a, b))
+    }
+    #[inline(always)]
+    fn sqrt64(self, a: D) -> D {
+        x86!(_mm512_sqrt_pd(a))
+    }
+    #[inline(always)]
+    fn abs64(self, a: D) -> D {
+        x86!(_mm512_abs_pd(a))
+    }
+    #[inline(always)]
+    fn max64(self, a: D, b: D) -> D {
+        x86!(_mm512_max_pd(a, b))
+    }
+    #[inline(always)]
+    fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
+        x86!(_mm512_fmsub_pd(a, b, c))
+    }
+    #[inline(always)]
+    fn lt64(self, a: D, b: D) -> u8 {
+        x86!(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn le64(self, a: D, b: D) -> u8 {
+        x86!(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn prefetch<T>(self, what: &T) {
+        x86!(for line in 0..size_of::<T>().div_ceil(64) {
+            _mm_prefetch::<_MM_HINT_T0>(
+                std::ptr::from_ref(what)
+                    .cast::<i8>()
+                    .wrapping_add(64 * line),
+            );
+        });
+    }
+}

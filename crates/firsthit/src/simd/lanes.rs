@@ -1,0 +1,77 @@
+/// How many float32 lanes there are: the width of a node and of a leaf.
+pub(crate) const LANES: usize = 16;
+/// How many float64 lanes there are.
+pub(crate) const WIDE: usize = 8;
+
+/// Aligned to a cache line, so that no access to a register's worth needs two.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct Aligned<T>(pub(crate) T);
+
+/// Sixteen float32 numbers, or eight float64 ones, at once.
+///
+/// A value of the type proves that the machine has the instructions. Masks have lane 0 in bit 0. What the
+/// operations mean is written down in `portable.rs`.
+pub(crate) trait Lanes: Copy + Send + Sync {
+    /// Sixteen float32.
+    type Floats: Copy;
+    /// Eight float64.
+    type Doubles: Copy;
+
+    fn splat(self, x: f32) -> Self::Floats;
+    fn load(self, from: &[f32; LANES]) -> Self::Floats;
+    fn store(self, x: Self::Floats, to: &mut [f32; LANES]);
+    fn add(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    fn sub(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    fn mul(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    fn div(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// `b` where either is NaN.
+    fn min(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// `b` where either is NaN.
+    fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    fn abs(self, a: Self::Floats) -> Self::Floats;
+    fn floor(self, a: Self::Floats) -> Self::Floats;
+    fn ceil(self, a: Self::Floats) -> Self::Floats;
+    /// `a * b + c`, fused or not.
+    fn mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
+    /// `c - a * b`, fused or not.
+    fn neg_mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
+    /// `a * b - c`, fused or not.
+    fn mul_sub(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
+    /// Lane k is lane `places[k]` of `table`; a place is below [`LANES`].
+    fn permute(self, table: Self::Floats, places: &[u8; LANES]) -> Self::Floats;
+    /// Where `a < b`; not where either is NaN.
+    fn lt(self, a: Self::Floats, b: Self::Floats) -> u16;
+    /// Where `a <= b`; not where either is NaN.
+    fn le(self, a: Self::Floats, b: Self::Floats) -> u16;
+    /// Where the bits are the same.
+    fn same(self, a: Self::Floats, b: Self::Floats) -> u16;
+    /// `a` where the mask is set, else `b`.
+    fn select(self, mask: u16, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// The largest lane; none is NaN.
+    fn largest(self, a: Self::Floats) -> f32;
+    /// The lower and the upper half in float64.
+    fn widen(self, a: Self::Floats) -> [Self::Doubles; 2];
+
+    fn splat64(self, x: f64) -> Self::Doubles;
+    fn load64(self, from: &[f64; WIDE]) -> Self::Doubles;
+    fn store64(self, x: Self::Doubles, to: &mut [f64; WIDE]);
+    fn add64(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    fn sub64(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    fn mul64(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    fn div64(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    fn sqrt64(self, a: Self::Doubles) -> Self::Doubles;
+    fn abs64(self, a: Self::Doubles) -> Self::Doubles;
+    /// `b` where either is NaN.
+    fn max64(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// `a * b - c`, rounded once.
+    fn fused_mul_sub64(self, a: Self::Doubles, b: Self::Doubles, c: Self::Doubles)
+    -> Self::Doubles;
+    /// Where `a < b`; not where either is NaN.
+    fn lt64(self, a: Self::Doubles, b: Self::Doubles) -> u8;
+    /// Where `a <= b`; not where either is NaN.
+    fn le64(self, a: Self::Doubles, b: Self::Doubles) -> u8;
+
+    /// Asks for the memory of `what`, which is read soon.
+    fn prefetch<T>(self, what: &T);
+}

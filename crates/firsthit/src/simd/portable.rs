@@ -1,0 +1,172 @@
+//! The lanes in plain Rust: what every other instruction set must do.
+
+use std::array::from_fn;
+
+use super::{LANES, Lanes, WIDE};
+
+/// No instructions but those that every machine has.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Portable;
+
+type F = [f32; LANES];
+type D = [f64; WIDE];
+
+#[inline(always)]
+fn mask(is_set: impl Fn(usize) -> bool) -> u16 {
+    (0..LANES).fold(0, |mask, k| mask | u16::from(is_set(k)) << k)
+}
+
+#[inline(always)]
+fn mask64(is_set: impl Fn(usize) -> bool) -> u8 {
+    (0..WIDE).fold(0, |mask, k| mask | u8::from(is_set(k)) << k)
+}
+
+impl Lanes for Portable {
+    type Floats = F;
+    type Doubles = D;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> F {
+        [x; LANES]
+    }
+    #[inline(always)]
+    fn load(self, from: &F) -> F {
+        *from
+    }
+    #[inline(always)]
+    fn store(self, x: F, to: &mut F) {
+        *to = x;
+    }
+    #[inline(always)]
+    fn add(self, a: F, b: F) -> F {
+        from_fn(|k| a[k] + b[k])
+    }
+    #[inline(always)]
+    fn sub(self, a: F, b: F) -> F {
+        from_fn(|k| a[k] - b[k])
+    }
+    #[inline(always)]
+    fn mul(self, a: F, b: F) -> F {
+        from_fn(|k| a[k] * b[k])
+    }
+    #[inline(always)]
+    fn div(self, a: F, b: F) -> F {
+        from_fn(|k| a[k] / b[k])
+    }
+    #[inline(always)]
+    fn min(self, a: F, b: F) -> F {
+        from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn max(self, a: F, b: F) -> F {
+        from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn abs(self, a: F) -> F {
+        a.map(f32::abs)
+    }
+    #[inline(always)]
+    fn floor(self, a: F) -> F {
+        a.map(f32::floor)
+    }
+    #[inline(always)]
+    fn ceil(self, a: F) -> F {
+        a.map(f32::ceil)
+    }
+    #[inline(always)]
+    fn mul_add(self, a: F, b: F, c: F) -> F {
+        from_fn(|k| a[k] * b[k] + c[k])
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
+        from_fn(|k| c[k] - a[k] * b[k])
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: F, b: F, c: F) -> F {
+        from_fn(|k| a[k] * b[k] - c[k])
+    }
+    #[inline(always)]
+    fn permute(self, table: F, places: &[u8; LANES]) -> F {
+        from_fn(|k| table[usize::from(places[k]) % LANES])
+    }
+    #[inline(always)]
+    fn lt(self, a: F, b: F) -> u16 {
+        mask(|k| a[k] < b[k])
+    }
+    #[inline(always)]
+    fn le(self, a: F, b: F) -> u16 {
+        mask(|k| a[k] <= b[k])
+    }
+    #[inline(always)]
+    fn same(self, a: F, b: F) -> u16 {
+        mask(|k| a[k].to_bits() == b[k].to_bits())
+    }
+    #[inline(always)]
+    fn select(self, mask: u16, a: F, b: F) -> F {
+        from_fn(|k| if mask >> k & 1 == 1 { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn largest(self, a: F) -> f32 {
+        a.into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+    #[inline(always)]
+    fn widen(self, a: F) -> [D; 2] {
+        [from_fn(|k| a[k].into()), from_fn(|k| a[k + WIDE].into())]
+    }
+
+    #[inline(always)]
+    fn splat64(self, x: f64) -> D {
+        [x; WIDE]
+    }
+    #[inline(always)]
+    fn load64(self, from: &D) -> D {
+        *from
+    }
+    #[inline(always)]
+    fn store64(self, x: D, to: &mut D) {
+        *to = x;
+    }
+    #[inline(always)]
+    fn add64(self, a: D, b: D) -> D {
+        from_fn(|k| a[k] + b[k])
+    }
+    #[inline(always)]
+    fn sub64(self, a: D, b: D) -> D {
+        from_fn(|k| a[k] - b[k])
+    }
+    #[inline(always)]
+    fn mul64(self, a: D, b: D) -> D {
+        from_fn(|k| a[k] * b[k])
+    }
+    #[inline(always)]
+    fn div64(self, a: D, b: D) -> D {
+        from_fn(|k| a[k] / b[k])
+    }
+    #[inline(always)]
+    fn sqrt64(self, a: D) -> D {
+        a.map(f64::sqrt)
+    }
+    #[inline(always)]
+    fn abs64(self, a: D) -> D {
+        a.map(f64::abs)
+    }
+    #[inline(always)]
+    fn max64(self, a: D, b: D) -> D {
+        from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
+        from_fn(|k| a[k].mul_add(b[k], -c[k]))
+    }
+    #[inline(always)]
+    fn lt64(self, a: D, b: D) -> u8 {
+        mask64(|k| a[k] < b[k])
+    }
+    #[inline(always)]
+    fn le64(self, a: D, b: D) -> u8 {
+        mask64(|k| a[k] <= b[k])
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, _: &T) {}
+}

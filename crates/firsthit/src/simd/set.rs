@@ -1,0 +1,104 @@
+use std::str::FromStr;
+use std::sync::OnceLock;
+
+use crate::error::{Error, Result};
+
+/// A family of vector instructions that kernels are compiled for. Results do not depend on it, only times do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum InstructionSet {
+    /// Whatever the compiler makes of plain Rust.
+    Portable,
+    /// AVX2 and fused multiply-add.
+    Avx2,
+    /// AVX-512 F, BW, DQ and VL.
+    Avx512,
+}
+
+/// The environment variable that chooses one.
+const VARIABLE: &str = "FIRSTHIT_ISA";
+
+impl InstructionSet {
+    /// From the plainest to the fastest.
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// Its name, as in `FIRSTHIT_ISA`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this machine has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => super::avx2::is_available(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => super::avx512::is_available(),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `avx2` or
+    /// `avx512`), or the fastest of this machine. The variable is read once.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when the variable names none, or one that this machine does not have.
+    pub fn current() -> Result<Self> {
+        static CURRENT: OnceLock<std::result::Result<InstructionSet, String>> = OnceLock::new();
+        let chosen = CURRENT.get_or_init(|| match std::env::var_os(VARIABLE) {
+            None => Ok(Self::fastest()),
+            Some(name) => {
+                let name = name.to_string_lossy();
+                name.parse::<Self>().map_err(|_| name.into_owned())
+            }
+        });
+        match chosen {
+            Ok(set) => Ok(*set),
+            Err(name) => Err(Error::argument(VARIABLE, Self::EXPECTED, name)),
+        }
+    }
+
+    const EXPECTED: &str = "an instruction set of this machine (portable, avx2 or avx512)";
+
+    fn fastest() -> Self {
+        let available = Self::ALL.into_iter().rev().find(|set| set.is_available());
+        available.unwrap_or(Self::Portable)
+    }
+}
+
+impl FromStr for InstructionSet {
+    type Err = Error;
+
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for any other name, and for a set that this machine does not have.
+    fn from_str(name: &str) -> Result<Self> {
+        let known = Self::ALL.into_iter().find(|set| set.name() == name);
+        known
+            .filter(|set| set.is_available())
+            .ok_or_else(|| Error::argument("instruction set", Self::EXPECTED, name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back_to_what_is_available() {
+        for set in InstructionSet::ALL {
+            assert_eq!(set.name().parse().ok(), set.is_available().then_some(set));
+        }
+        let error = "sse9".parse::<InstructionSet>().unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "instruction set must be an instruction set of this machine (portable, avx2 or avx512), got sse9"
+        );
+    }
+}

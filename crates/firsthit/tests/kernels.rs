@@ -1,0 +1,427 @@
+//! Every kernel on every instruction set of this machine, against brute force, bit for bit.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+mod support;
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use firsthit::shape::triangle::Shear;
+use firsthit::shoot::{BruteForce, any_hit, first_hit, occluded_all, shoot_all};
+use firsthit::{
+    Camera, DAffine3, DMat3, DVec3, Hit, Hits, InstructionSet, Object, Plane, Projection, Ray,
+    RayStart, Rays, Scene, Sphere, Transform, View,
+};
+use rayon::ThreadPoolBuilder;
+use support::{Numbers, bumpy_sphere, mesh, refdata};
+
+fn sets() -> impl Iterator<Item = InstructionSet> {
+    InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+}
+
+fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
+    (
+        hit.t.to_bits(),
+        hit.object,
+        hit.primitive,
+        hit.barycentric.to_array().map(f64::to_bits),
+    )
+}
+
+/// Shoots `rays` with every instruction set and compares with the judge; returns how many hit.
+fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
+    let judge: Vec<Hit> = (0..rays.len())
+        .map(|k| first_hit::<BruteForce>(scene, &rays.ray(k)))
+        .collect();
+    for set in sets() {
+        let scene = scene.clone().with_instruction_set(set);
+        let hits = shoot_all(&scene, rays, &()).unwrap();
+        let any = occluded_all(&scene, rays, &()).unwrap();
+        for (k, judge) in judge.iter().enumerate() {
+            let (ray, hit) = (rays.ray(k), hits.get(k));
+            let what = || format!("{set:?} {k} {ray:?}: {hit:?}, the judge says {judge:?}");
+            assert_eq!(bits(&hit), bits(judge), "{}", what());
+            assert_eq!(any[k], !judge.is_miss(), "any hit: {}", what());
+            if k % 64 == 0 {
+                assert_eq!(any_hit(&scene, &ray), !judge.is_miss(), "{}", what());
+            }
+        }
+    }
+    judge.iter().filter(|hit| !hit.is_miss()).count()
+}
+
+/// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners and edges.
+fn soup(count: usize, numbers: &mut Numbers) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut points: Vec<DVec3> = (0..4).map(|_| numbers.point()).collect();
+    let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
+    for k in 0..count {
+        let first = points.len() as u32;
+        let centre = numbers.point();
+        let size = [1.0, 0.3, 0.05, 1e-3][k % 4];
+        points.extend((0..3).map(|_| centre + size * numbers.point()));
+        match k % 8 {
+            5 => points[first as usize + 2] = points[first as usize] * (1.0 + 1e-12),
+            6 => points[first as usize + 1] = points[first as usize],
+            7 => triangles.push(triangles[numbers.below(triangles.len())]),
+            _ => {}
+        }
+        let shared = numbers.below(points.len()) as u32;
+        triangles.push([first, first + 1, first + 2]);
+        triangles.push([first, first + 1, shared]);
+    }
+    (points, triangles)
+}
+
+/// Random rays, at corners and edges, along the axes through corners, in the planes of triangles, from corners,
+/// with ends, and some that make no sense.
+fn rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
+    let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+    (0..count)
+        .map(|k| {
+            let [a, b, c] = [0; 3].map(|_| points[numbers.below(points.len())]);
+            let origin = middle + 3.0 * scale * numbers.point();
+            let axis = DVec3::AXES[k / 8 % 3] * [1.0, -1.0][k / 24 % 2];
+            match k % 8 {
+                0 => Ray::new(origin, numbers.point()),
+                1 => Ray::new(origin, a - origin),
+                2 => Ray::new(origin, a.lerp(b, numbers.unit()) - origin),
+                3 => Ray::new(a - 2.0 * scale * axis, axis),
+                4 => Ray::new(a, numbers.point()).up_to(scale * numbers.unit()),
+                5 => Ray::new(a.lerp(b, 3.0), b.lerp(c, numbers.unit()) - a),
+                6 => Ray::new(origin, 1e-30 * (a - origin) / scale).up_to(1e30 * scale),
+                _ if k % 80 == 7 => Ray::new(origin, DVec3::splat(f64::NAN)),
+                _ if k % 80 == 15 => Ray::new(origin * f64::INFINITY, axis),
+                _ if k % 80 == 23 => Ray::new(origin, DVec3::ZERO),
+                _ => Ray::new(
+                    middle + 1e6 * scale * numbers.point(),
+                    axis + 1e-9 * numbers.point(),
+                ),
+            }
+        })
+        .collect()
+}
+
+const PLACES: [(f64, f64); 8] = [
+    (1.0, 0.0),
+    (1e-6, 0.0),
+    (1e6, 0.0),
+    (1.0, 1e5),
+    (1.0, -1e7),
+    (1e-3, 1e2),
+    (1e8, 3.0),
+    (1e-4, 1e1),
+];
+
+fn placed(points: &[DVec3], scale: f64, offset: f64) -> Vec<DVec3> {
+    let place = |p: &DVec3| scale * *p + DVec3::new(offset, -offset, 0.5 * offset);
+    points.iter().map(place).collect()
+}
+
+/// Rounds of soups of every scale at every place; `rays_each` rays for each.
+fn soups(rounds: u64, rays_each: usize) -> usize {
+    let mut shot = 0;
+    for round in 0..rounds {
+        let mut numbers = Numbers::new(round + 1);
+        let (scale, offset) = PLACES[round as usize % PLACES.len()];
+        let (mut points, triangles) = soup([3, 12, 60][round as usize / 8 % 3], &mut numbers);
+        if round % 2 == 0 {
+            // As most files are.
+            points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
+        }
+        let points = placed(&points, scale, offset);
+        let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+        let rays = rays(&points, scale, rays_each, &mut numbers);
+        judged(&scene, &rays);
+        shot += rays.len();
+    }
+    shot
+}
+
+#[test]
+fn soups_of_every_scale_and_place() {
+    assert!(soups(48, 4000) > 100_000);
+}
+
+/// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
+#[test]
+#[ignore = "takes hours: make soak"]
+fn soak() {
+    let wanted: usize =
+        std::env::var("FIRSTHIT_SOAK").map_or(1_000_000, |text| text.parse().unwrap());
+    let mut shot = 0;
+    let mut round = 0;
+    while shot < wanted {
+        round += 48;
+        shot += soups(round, 4000);
+        println!("{shot} rays");
+    }
+}
+
+fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
+    let mut cameras = Vec::new();
+    for k in 0..8 {
+        let position = middle + size * [2.0, 0.4, 8.0, 1.0][k % 4] * numbers.point();
+        let projection = [Projection::Perspective, Projection::Orthographic][k / 4 % 2];
+        let ray_start = [RayStart::Eye, RayStart::Viewplane][k % 2];
+        let focal_length = size * [0.5, 0.01, 1.0][k % 3];
+        let wide = match projection {
+            Projection::Perspective => focal_length * [1.0, 3.0][k % 2],
+            Projection::Orthographic => 2.0 * size,
+        };
+        let view = View {
+            position,
+            aim: middle + 0.3 * size * numbers.point() - position,
+            up: numbers.point(),
+            focal_length,
+            width: wide,
+            height: 0.8 * wide,
+            rows: [33, 16, 50][k % 3],
+            columns: [45, 31, 64][k % 3],
+            projection,
+            ray_start,
+        };
+        cameras.push(Camera::new(view).unwrap());
+    }
+    // Straight along an axis: slopes are exactly zero.
+    let view = View {
+        position: middle + 2.0 * size * DVec3::Z,
+        focal_length: size,
+        width: size,
+        height: size,
+        rows: 32,
+        columns: 32,
+        ..View::default()
+    };
+    cameras.push(Camera::new(view).unwrap());
+    cameras
+}
+
+#[test]
+fn cameras_on_soups() {
+    let mut hits = 0;
+    for round in 0..16 {
+        let mut numbers = Numbers::new(100 + round);
+        let (scale, offset) = PLACES[round as usize % PLACES.len()];
+        let (points, triangles) = soup([12, 60][round as usize / 8], &mut numbers);
+        let points = placed(&points, scale, offset);
+        let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+        for camera in cameras(
+            placed(&[DVec3::ZERO], scale, offset)[0],
+            scale,
+            &mut numbers,
+        ) {
+            hits += judged(&scene, &camera);
+        }
+    }
+    assert!(hits > 20_000, "{hits}");
+}
+
+#[test]
+fn cameras_on_instances_transforms_and_other_shapes() {
+    let mut numbers = Numbers::new(5);
+    let (points, triangles) = bumpy_sphere(6, 4);
+    let shared = mesh(&points, triangles);
+    let mut objects = vec![Object::new(Sphere::new(DVec3::ZERO, 0.7).unwrap())];
+    for k in 0..24 {
+        let matrix = DMat3::from_cols(numbers.point(), numbers.point(), numbers.point());
+        let placed = DAffine3::from_mat3_translation(0.5 * matrix, 2.0 * numbers.point());
+        let placed = Transform::new(placed).unwrap();
+        objects.push(Object::new(Arc::clone(&shared)).placed(placed));
+        if k == 12 {
+            // Twice in the same place: the lower one wins every tie.
+            objects.push(objects[3].clone());
+        }
+    }
+    objects.push(Object::new(Plane::new(-2.0 * DVec3::Z, DVec3::Z).unwrap()));
+    let mixed = Scene::new(objects.clone()).unwrap();
+    let meshes = Scene::new(objects[1..26].to_vec()).unwrap();
+    let mut hits = 0;
+    for camera in cameras(DVec3::ZERO, 1.5, &mut numbers) {
+        hits += judged(&mixed, &camera) + judged(&meshes, &camera);
+    }
+    assert!(hits > 5_000, "{hits}");
+}
+
+/// Every ray through a corner where six triangles meet, all at the same `t`.
+#[test]
+fn a_grid_looked_at_through_its_corners() {
+    const SIDE: u32 = 33;
+    let at = |k: u32| DVec3::new(f64::from(k % SIDE), f64::from(k / SIDE), 0.0);
+    let points: Vec<DVec3> = (0..SIDE * SIDE).map(at).collect();
+    let mut triangles = Vec::new();
+    for k in (0..SIDE * (SIDE - 1)).filter(|k| k % SIDE + 1 < SIDE) {
+        triangles.extend([[k, k + 1, k + SIDE], [k + 1, k + SIDE + 1, k + SIDE]]);
+    }
+    let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+    let side = f64::from(SIDE);
+    let view = View {
+        position: DVec3::new(0.5 * (side - 1.0), 0.5 * (side - 1.0), 4.0),
+        focal_length: 4.0,
+        width: side,
+        height: side,
+        rows: SIDE as usize,
+        columns: SIDE as usize,
+        projection: Projection::Orthographic,
+        ray_start: RayStart::Eye,
+        ..View::default()
+    };
+    let camera = Camera::new(view).unwrap();
+    assert_eq!(judged(&scene, &camera), camera.pixels());
+    let perspective = View {
+        projection: Projection::Perspective,
+        ..view
+    };
+    let camera = Camera::new(perspective).unwrap();
+    assert_eq!(judged(&scene, &camera), camera.pixels());
+}
+
+fn hash(hits: &Hits) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    for k in 0..hits.len() {
+        bits(&hits.get(k)).hash(&mut hasher);
+    }
+    hasher.finish()
+}
+
+#[test]
+fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
+    let (points, triangles) = bumpy_sphere(60, 7);
+    let objects = vec![Object::new(mesh(&points, triangles))];
+    let mut numbers = Numbers::new(1);
+    let batch = rays(&points, 1.0, 5000, &mut numbers);
+    let camera = cameras(DVec3::ZERO, 1.5, &mut numbers)[0];
+    let mut hashes = Vec::new();
+    for set in sets() {
+        for threads in [1, 2, 3, 7] {
+            let pool = ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            hashes.push(pool.install(|| {
+                let scene = Scene::new(objects.clone())
+                    .unwrap()
+                    .with_instruction_set(set);
+                [
+                    hash(&shoot_all(&scene, &batch, &()).unwrap()),
+                    hash(&shoot_all(&scene, &camera, &()).unwrap()),
+                ]
+            }));
+        }
+    }
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+}
+
+/// Closed meshes of the reference data, from a point near the middle: a ray at every corner and at every edge's
+/// middle, and on from there, all of which meet the mesh.
+#[test]
+fn closed_meshes_do_not_leak() {
+    let Some(folder) = refdata() else {
+        return;
+    };
+    let mut meshes = 0;
+    for path in ["generated", "real"]
+        .iter()
+        .flat_map(|name| files(&folder.join(name)))
+    {
+        let Ok(model) = firsthit::io::load(&path, &firsthit::io::LoadSettings::default()) else {
+            continue;
+        };
+        for mesh in model.objects.iter().filter_map(Object::mesh) {
+            if mesh.triangles().len() > 200_000 || !is_closed(mesh.triangles()) {
+                continue;
+            }
+            let scene = Scene::new(vec![Object::new(Arc::clone(mesh))]).unwrap();
+            let Some(inside) = point_inside(&scene) else {
+                continue;
+            };
+            meshes += 1;
+            let mut targets = Vec::new();
+            for triangle in (0..mesh.triangles().len()).take(10_000) {
+                let [a, b, c] = mesh.corners(triangle);
+                targets.extend([a, 0.5 * (a + b), b.lerp(c, 0.3)]);
+            }
+            let aimed = targets.iter().filter(|&&p| p != inside);
+            let rays: Vec<Ray> = aimed.map(|&p| Ray::new(inside, p - inside)).collect();
+            for set in sets() {
+                let scene = scene.clone().with_instruction_set(set);
+                let hits = shoot_all(&scene, &rays, &()).unwrap();
+                let missed = (0..rays.len()).find(|&k| hits.get(k).is_miss());
+                assert_eq!(missed.map(|k| rays[k]), None, "{} {set:?}", path.display());
+            }
+        }
+    }
+    assert!(meshes > 5, "{meshes}");
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(self::files(&path));
+        } else {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+/// A point that the only object, a closed mesh, is met from an odd number of times.
+fn point_inside(scene: &Scene) -> Option<DVec3> {
+    let mesh = scene.objects()[0].mesh()?;
+    let mut numbers = Numbers::new(9);
+    let (low, size) = (mesh.bounds().low, mesh.bounds().size());
+    (0..50).find_map(|_| {
+        let point = low + size * (0.5 + 0.5 * numbers.point());
+        let is_odd = |direction: DVec3| {
+            let shear = Shear::new(&Ray::new(point, direction));
+            let met = (0..mesh.triangles().len())
+                .filter_map(|triangle| mesh.intersect_triangle(triangle, &shear));
+            met.filter(|hit| hit.t > 0.0).count() % 2 == 1
+        };
+        (0..3).all(|_| is_odd(numbers.point())).then_some(point)
+    })
+}
+
+/// Whether every edge is met by two triangles, once in each direction.
+fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let mut edges = std::collections::HashMap::new();
+    for &[a, b, c] in triangles {
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            *edges.entry((p.min(q), p.max(q))).or_insert(0) += if p < q { 1 } else { -1 };
+        }
+    }
+    !triangles.is_empty() && edges.values().all(|&sum| sum == 0)
+}
+
+#[test]
+fn identical_and_degenerate_triangles_do_no_harm() {
+    let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    let start = Instant::now();
+    let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]; 20_000]))]).unwrap();
+    assert!(
+        start.elapsed() < Duration::from_secs(1),
+        "{:?}",
+        start.elapsed()
+    );
+    let ray = Ray::new(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z);
+    let hits = shoot_all(&scene, &vec![ray; 3], &()).unwrap();
+    assert_eq!((hits.t[2], hits.primitive[2]), (1.0, 0));
+
+    let mut degenerate = vec![[0, 0, 1]; 1_000_000];
+    degenerate.push([0, 1, 2]);
+    let scene = Scene::new(vec![Object::new(mesh(&points, degenerate))]).unwrap();
+    let hits = shoot_all(&scene, &vec![ray; 3], &()).unwrap();
+    assert_eq!((hits.t[2], hits.primitive[2]), (1.0, 1_000_000));
+}
