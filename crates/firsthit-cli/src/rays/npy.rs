@@ -2,6 +2,7 @@
 
 use std::io::{self, Cursor, Read};
 
+use firsthit::image::check_npy_claims;
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use super::Table;
@@ -50,7 +51,7 @@ pub(super) fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
 
 /// An array of shape (n, columns) of any type of number, of either byte order, in C or Fortran order.
 pub(super) fn npy(bytes: &[u8]) -> Result<Table, String> {
-    check_claims(bytes)?;
+    check_npy_claims(bytes)?;
     let mut data = bytes;
     let header = NpyHeader::from_reader(&mut data).map_err(|error| one_line(&error))?;
     let file = NpyFile::with_header(header, data);
@@ -109,27 +110,6 @@ fn whole(rows: u64, columns: u64, numbers: usize) -> Result<(usize, usize), Stri
     sizes
         .filter(fits)
         .ok_or_else(|| format!("the array of shape ({rows}, {columns}) is longer than the file"))
-}
-
-/// Refuses a shape that no file has, before the numbers in it are multiplied by somebody who does not mind
-/// where that leads.
-fn check_claims(bytes: &[u8]) -> Result<(), String> {
-    let header = &bytes[..bytes.len().min(1 << 16)];
-    let header = String::from_utf8_lossy(header);
-    let Some((_, rest)) = header.split_once("shape") else {
-        return Ok(());
-    };
-    let shape = rest.split(')').next().unwrap_or_default();
-    let sizes = shape.split(|c: char| !c.is_ascii_digit());
-    let mut elements = 1_u64;
-    for size in sizes.filter(|size| !size.is_empty()) {
-        let size: u64 = size.parse().unwrap_or(u64::MAX);
-        elements = elements.saturating_mul(size.max(1));
-    }
-    if elements > 1 << 48 {
-        return Err("the array is longer than the file".into());
-    }
-    Ok(())
 }
 
 /// The first line of a message: the rest of it are drawings.

@@ -32,4 +32,5 @@ pub use metadata::{
     CameraRecord, ChannelRecord, Encoding, Intrinsics, METADATA_VERSION, Metadata, Origin, Pixels,
     Pose, Stored,
 };
+pub use read::npy::check_claims as check_npy_claims;
 pub use read::{Array, Numbers, Output, read, read_bytes};

@@ -66,7 +66,11 @@ fn check_claims(headers: &[Header], length: usize, most: u64) -> Result<(), Stri
         let channels = header.channels.list.len();
         elements(&[rows as u64, columns as u64, channels as u64], 8, most)?;
         let block = header.max_block_pixel_size();
-        elements(&[block.x() as u64, block.y() as u64, channels as u64], 8, most)?;
+        elements(
+            &[block.x() as u64, block.y() as u64, channels as u64],
+            8,
+            most,
+        )?;
         total =
             total.saturating_add((rows as u64 * columns as u64).saturating_mul(channels as u64));
     }

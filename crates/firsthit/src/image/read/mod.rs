@@ -190,17 +190,9 @@ fn only_channel(metadata: Option<&Metadata>) -> Option<(&str, Encoding, Option<f
 }
 
 /// How many elements an array has, if its numbers fit into memory.
-fn elements(
-    shape: &[u64],
-    bytes_each: u64,
-    most: u64,
-) -> std::result::Result<usize, String> {
+fn elements(shape: &[u64], bytes_each: u64, most: u64) -> std::result::Result<usize, String> {
     let count = shape.iter().try_fold(1_u64, |n, &side| n.checked_mul(side));
-    let fits = |count: &u64| {
-        count
-            .checked_mul(bytes_each)
-            .is_some_and(|n| n <= most)
-    };
+    let fits = |count: &u64| count.checked_mul(bytes_each).is_some_and(|n| n <= most);
     (count.filter(fits))
         .and_then(|count| usize::try_from(count).ok())
         .ok_or_else(|| format!("{shape:?} numbers are over the limit of {most} bytes"))

@@ -146,9 +146,14 @@ fn reordered<T: Copy>(values: &[T], shape: &[usize]) -> Vec<T> {
         .collect()
 }
 
-/// Refuses a shape that no file has, before the numbers in it are multiplied by somebody who does not mind
-/// where that leads.
-fn check_claims(bytes: &[u8]) -> Result<(), String> {
+/// Refuses an NPY file whose header claims what no file has, before somebody takes memory for it or multiplies
+/// its numbers without minding where that leads.
+///
+/// # Errors
+///
+/// In words, what is wrong.
+pub fn check_claims(bytes: &[u8]) -> Result<(), String> {
+    check_header_length(bytes)?;
     let header = bytes.get(..bytes.len().min(1 << 16)).unwrap_or_default();
     let header = String::from_utf8_lossy(header);
     let Some((_, rest)) = header.split_once("shape") else {
@@ -167,9 +172,42 @@ fn check_claims(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
+/// Refuses a header that is longer than the file, before somebody takes memory for it.
+fn check_header_length(bytes: &[u8]) -> Result<(), String> {
+    // After six bytes of magic the version: one of two bytes for the length, later ones of four.
+    let length = match bytes.get(6..12) {
+        Some(&[0 | 1, _, a, b, ..]) => u64::from(u16::from_le_bytes([a, b])),
+        Some(&[_, _, a, b, c, d]) => u64::from(u32::from_le_bytes([a, b, c, d])),
+        _ => return Ok(()),
+    };
+    if length > bytes.len() as u64 {
+        return Err(format!(
+            "the header of {length} bytes is longer than the file"
+        ));
+    }
+    Ok(())
+}
+
 /// The first line of a message: the rest of it are drawings.
 fn one_line(error: &io::Error) -> String {
     let text = error.to_string();
     let line = text.lines().next().unwrap_or_default().trim();
     format!("not a NumPy array: {}", crate::error::escape_controls(line))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_that_is_longer_than_the_file_takes_no_memory() {
+        // Found by fuzzing: a length of 660 million.
+        let mut bytes = b"\x93NUMPY\x03\x00\x76\x00\x7b\x27desc".to_vec();
+        bytes.resize(214, b' ');
+        let error = decode(&bytes, 1 << 20).unwrap_err();
+        assert_eq!(
+            error,
+            "the header of 662372470 bytes is longer than the file"
+        );
+    }
 }
