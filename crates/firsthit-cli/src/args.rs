@@ -42,7 +42,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
-    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
     pub(crate) file: PathBuf,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -59,6 +59,10 @@ pub(crate) struct RenderArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct CameraArgs {
+    /// One of the file's cameras, by its name or its number from 0 on, as firsthit info lists them; the options
+    /// below replace what it says [default: a scene file's first, of other files none]
+    #[arg(long, value_name = "NAME|NUMBER", allow_hyphen_values = true)]
+    pub(crate) camera: Option<String>,
     /// Where the camera is [default: far enough to see everything]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) position: Option<DVec3>,
@@ -68,8 +72,8 @@ pub(crate) struct CameraArgs {
     /// The point it looks at; auto is the middle of the scene [default: auto]
     #[arg(long, value_name = "X,Y,Z|auto", value_parser = values::target, allow_hyphen_values = true)]
     pub(crate) look_at: Option<Target>,
-    /// Which way is up [default: the format's custom, 0,1,0 for OBJ and 0,0,1 for PLY and STL; or, where
-    /// the camera looks along that, 0,0,-1 for OBJ and 0,1,0 for PLY and STL]
+    /// Which way is up [default: the format's custom, 0,1,0 for glTF and OBJ, 0,0,1 for PLY and STL; or,
+    /// where the camera looks along that, 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
     /// Degrees from the picture's lower to its upper edge [default: 45]
@@ -136,7 +140,7 @@ pub(crate) struct LightingArgs {
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Shader::NAMES))]
     pub(crate) shader: Option<String>,
     /// A light, directional:X,Y,Z (where it goes) or point:X,Y,Z (where it is); may be given several
-    /// times [default: one over the camera's shoulder]
+    /// times [default: the file's, else one over the camera's shoulder]
     #[arg(long, value_name = "KIND:X,Y,Z", value_parser = values::light, allow_hyphen_values = true)]
     pub(crate) light: Vec<LightArg>,
     /// Light from everywhere [default: 0.25,0.25,0.25]
@@ -187,7 +191,7 @@ pub(crate) struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::SHOOT_EXAMPLES)]
 pub(crate) struct ShootArgs {
-    /// The 3D file: PLY, STL or OBJ, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The rays, or only their origins: .npy, .npz or .csv, - for standard input
     pub(crate) rays: PathBuf,
@@ -231,7 +235,7 @@ pub(crate) struct InfoArgs {
     /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy or .npz
     pub(crate) file: PathBuf,
     /// As JSON: of a 3D file triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up,
-    /// warnings; of an output format, arrays, metadata (null when there are none), notes
+    /// cameras, lights, materials, textures, warnings; of an output format, arrays, metadata (null when there are none), notes
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]

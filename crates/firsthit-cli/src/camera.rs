@@ -1,6 +1,8 @@
 //! From the command line's words to a camera.
 
 use firsthit::camera::{Aim, Description, Lens};
+use firsthit::error::escape_controls;
+use firsthit::io::{Model, NamedCamera};
 use firsthit::{Bounds, Camera, DVec3, Projection};
 
 use crate::args::CameraArgs;
@@ -22,6 +24,66 @@ pub(crate) fn camera(
     let described = described(args, base)?;
     check_size(described.size())?;
     Ok(described.camera(bounds, up)?)
+}
+
+/// What the file says of the camera that is asked for, or that it is to be looked through.
+pub(crate) fn of_file(args: &CameraArgs, model: &Model) -> Result<Description, Failure> {
+    let camera = match &args.camera {
+        Some(name) => Some(named(name, &model.cameras)?),
+        None => model.cameras.first().filter(|_| model.has_view),
+    };
+    Ok(camera.map_or_else(Description::default, |camera| camera.described(args.size)))
+}
+
+/// The camera of a name, or else of another name that it goes by, or else of a number.
+fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, Failure> {
+    let called = |of: &dyn Fn(&NamedCamera) -> bool| -> Vec<usize> {
+        let all = cameras.iter().enumerate();
+        all.filter(|(_, camera)| of(camera))
+            .map(|(k, _)| k)
+            .collect()
+    };
+    let mut found = called(&|camera| camera.name == name);
+    if found.is_empty() {
+        found = called(&|camera| camera.own_name == name);
+    }
+    if found.is_empty() {
+        let number: Option<usize> = name.parse().ok();
+        found.extend(number.filter(|&number| number < cameras.len()));
+    }
+    if let &[number] = &found[..] {
+        return Ok(&cameras[number]);
+    }
+    let shown = escape_controls(name);
+    let numbers: Vec<_> = found.iter().map(usize::to_string).collect();
+    Err(Failure::usage(match (cameras.len(), numbers.len()) {
+        (0, _) => format!("--camera '{shown}': the file has no cameras"),
+        (_, 0) => {
+            let names = cameras
+                .iter()
+                .enumerate()
+                .map(|(k, camera)| labelled(k, camera));
+            let names: Vec<_> = names.collect();
+            format!("--camera '{shown}': the file has {}", names.join(", "))
+        }
+        _ => format!(
+            "--camera '{shown}': several are called so, take a number: {}",
+            numbers.join(", ")
+        ),
+    }))
+}
+
+/// A camera by its number and name.
+pub(crate) fn labelled(number: usize, camera: &NamedCamera) -> String {
+    let NamedCamera { name, own_name, .. } = camera;
+    match (name.is_empty(), own_name.is_empty() || own_name == name) {
+        (true, _) => number.to_string(),
+        (false, true) => format!("{number} {}", escape_controls(name)),
+        (false, false) => {
+            let (name, own_name) = (escape_controls(name), escape_controls(own_name));
+            format!("{number} {name} (or {own_name})")
+        }
+    }
 }
 
 /// Refuses what no camera can be, whatever the file says, before any work is done.

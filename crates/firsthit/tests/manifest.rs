@@ -11,6 +11,7 @@ use firsthit::io::{LoadSettings, Model, load};
 struct Row<'a> {
     file: &'a str,
     expect: &'a str,
+    vertices: &'a str,
     triangles: &'a str,
     area: &'a str,
     low: &'a str,
@@ -19,7 +20,20 @@ struct Row<'a> {
 
 fn row(line: &str) -> Option<Row<'_>> {
     let fields: Vec<_> = line.split('\t').collect();
-    let [file, expect, _, triangles, _, _, area, _, low, high, ..] = fields[..] else {
+    let [
+        file,
+        expect,
+        vertices,
+        triangles,
+        _,
+        _,
+        area,
+        _,
+        low,
+        high,
+        ..,
+    ] = fields[..]
+    else {
         return None;
     };
     let extension = Path::new(file).extension()?.to_ascii_lowercase();
@@ -29,6 +43,7 @@ fn row(line: &str) -> Option<Row<'_>> {
     is_mesh.then_some(Row {
         file,
         expect,
+        vertices,
         triangles,
         area,
         low,
@@ -67,6 +82,12 @@ fn compare(model: &Model, row: &Row) -> Option<String> {
     // Its triangles are not finite: all that can be said is how many are left.
     if row.area == "nan" {
         return (triangles == row.triangles).then(|| "unusable triangles are there".to_owned());
+    }
+    if let Some(vertices) = model
+        .vertices
+        .filter(|count| count.to_string() != row.vertices)
+    {
+        return Some(format!("{vertices} vertices, not {}", row.vertices));
     }
     if triangles != row.triangles {
         return Some(format!("{triangles} triangles, not {}", row.triangles));

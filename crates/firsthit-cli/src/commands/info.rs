@@ -5,10 +5,10 @@ use std::sync::Arc;
 use firsthit::error::escape_controls;
 use firsthit::image::format_of;
 use firsthit::shape::{Property, PropertyOf};
-use firsthit::{Bounds, DVec3, Object, Scene, Shape};
+use firsthit::{Bounds, DVec3, Object, Shape};
 use serde_json::{Value, json};
 
-use super::info_output;
+use super::{info_looks, info_output};
 use crate::args::InfoArgs;
 use crate::console::{counted, warn};
 use crate::failure::Failure;
@@ -40,7 +40,7 @@ fn as_json(loaded: &Loaded) -> Value {
         scene,
         up,
         warnings,
-        ..
+        model,
     } = loaded;
     let object = |object: &Object| {
         json!({
@@ -55,11 +55,15 @@ fn as_json(loaded: &Loaded) -> Value {
     };
     json!({
         "triangles": scene.triangles(),
-        "vertices": vertices(scene),
+        "vertices": vertices(loaded),
         "bounds": corners(scene.bounds()),
         "objects": scene.objects().iter().map(object).collect::<Vec<_>>(),
         "up": up.to_array(),
         "instruction_set": scene.instruction_set().name(),
+        "cameras": info_looks::cameras_as_json(&model.cameras),
+        "lights": info_looks::lights_as_json(&model.lights),
+        "materials": info_looks::materials_as_json(scene),
+        "textures": info_looks::textures_as_json(scene),
         "warnings": warnings,
     })
 }
@@ -76,7 +80,7 @@ fn as_text(loaded: &Loaded) -> String {
     let Loaded { scene, up, .. } = loaded;
     let mut lines = vec![
         format!("triangles  {}", scene.triangles()),
-        format!("vertices   {}", vertices(scene)),
+        format!("vertices   {}", vertices(loaded)),
     ];
     if scene.bounds().is_empty() {
         lines.push("bounds     none".into());
@@ -104,6 +108,7 @@ fn as_text(loaded: &Loaded) -> String {
             format!("       {name}, a number for each of the {of}")
         }));
     }
+    lines.extend(info_looks::as_text(&loaded.model, scene));
     lines.join("\n") + "\n"
 }
 
@@ -119,13 +124,17 @@ fn of_what(of: PropertyOf) -> &'static str {
     }
 }
 
-/// How many vertices the file has: those that objects share count once.
-fn vertices(scene: &Scene) -> usize {
-    let mut buffers = HashMap::new();
-    for object in scene.objects() {
-        if let Shape::Mesh(mesh) = object.shape() {
-            buffers.insert(Arc::as_ptr(mesh.positions()), mesh.positions().len());
+/// How many vertices the file has: where it does not count them itself, those that objects share count once.
+fn vertices(loaded: &Loaded) -> u64 {
+    let count = || {
+        let mut buffers = HashMap::new();
+        for object in loaded.scene.objects() {
+            if let Shape::Mesh(mesh) = object.shape() {
+                let count = mesh.positions().len() as u64;
+                buffers.insert(Arc::as_ptr(mesh.positions()), count);
+            }
         }
-    }
-    buffers.values().sum()
+        buffers.values().sum()
+    };
+    loaded.model.vertices.unwrap_or_else(count)
 }

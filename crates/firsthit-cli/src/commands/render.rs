@@ -2,7 +2,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use firsthit::camera::Description;
 use firsthit::image::WriteSettings;
 use firsthit::io::{Model, Output};
 use firsthit::render::{develop, shoulder_light};
@@ -10,7 +9,7 @@ use firsthit::shoot::shoot_all;
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 
 use crate::args::{LightingArgs, RenderArgs, RunArgs};
-use crate::camera::{camera, check};
+use crate::camera::{camera, check, of_file};
 use crate::console::{counted, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
@@ -47,7 +46,8 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
         let shader = shader(&args.light, model.shader.as_ref())?;
         warn(&idle_options(args, &orders, &shader));
         warn(&warnings);
-        let camera = camera(&args.camera, &base(&model), scene.bounds(), up)?;
+        let base = of_file(&args.camera, &model)?;
+        let camera = camera(&args.camera, &base, scene.bounds(), up)?;
         let lights = lights(&args.light, &model, &scene, &camera);
         let scene = if args.light.light.is_empty() && model.lights.is_empty() {
             scene.with_borrowed_lights(lights)
@@ -91,14 +91,6 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         paths.map(|path| (path, channels)).collect()
     };
     output::orders(&outputs, &[&args.file], args.run.quiet)
-}
-
-/// What the file says of the camera to look through.
-fn base(model: &Model) -> Description {
-    let first = model.cameras.first().filter(|_| model.has_view);
-    first
-        .and_then(|camera| camera.description)
-        .unwrap_or_default()
 }
 
 /// The input's name with the extension of a picture, in the current folder.

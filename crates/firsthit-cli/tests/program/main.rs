@@ -9,6 +9,7 @@ mod camera;
 mod channels;
 mod colours;
 mod files;
+mod gltf;
 mod info;
 mod interrupts;
 mod issue;

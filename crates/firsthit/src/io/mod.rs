@@ -35,7 +35,7 @@ use std::path::{Path, PathBuf};
 
 pub use scene_file::{Output, schema};
 
-use crate::camera::{Description, View};
+use crate::camera::{Aim, Description, Lens, View};
 use crate::error::{Error, Place, Result};
 use crate::geometry::DVec3;
 use crate::scene::{Background, Light, Object};
@@ -64,6 +64,9 @@ pub struct Model {
     pub outputs: Vec<Output>,
     /// The files that were read for it, itself first.
     pub files: Vec<PathBuf>,
+    /// How many vertices the file has, if its objects' buffers do not tell: a buffer that several primitives or
+    /// nodes of a glTF name counts for each.
+    pub vertices: Option<u64>,
     /// What was doubtful in the file: a line each, ready to print.
     pub warnings: Vec<String>,
     /// Which way is up: as a scene file says, else by the format's custom: +y for OBJ, +z for STL and PLY.
@@ -94,6 +97,42 @@ pub struct NamedCamera {
     /// What the file says of it, where that may leave something open: whoever replaces a part of it decides the
     /// open rest anew.
     pub description: Option<Description>,
+}
+
+impl NamedCamera {
+    /// The camera in words, for a picture of so many columns and rows; `None`: as many as the camera asks for,
+    /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and
+    /// its width follows from square pixels.
+    pub fn described(&self, size: Option<(usize, usize)>) -> Description {
+        let view = self.view;
+        let whole = Description {
+            position: Some(view.position),
+            aim: Some(Aim::Along(view.aim)),
+            up: Some(view.up),
+            lens: Some(Lens::Viewplane {
+                width: view.width,
+                height: view.height,
+                focal_length: Some(view.focal_length),
+            }),
+            projection: Some(view.projection),
+            ray_start: Some(view.ray_start),
+            columns: None,
+            rows: None,
+        };
+        let mut described = self.description.unwrap_or(whole);
+        if let Some((columns, rows)) = size {
+            (described.columns, described.rows) = (Some(columns), Some(rows));
+        }
+        if let (Some(Lens::Viewplane { width, height, .. }), false) =
+            (&mut described.lens, self.has_size)
+        {
+            let (columns, rows) = (described.columns, described.rows);
+            if let (Some(columns), Some(rows)) = (columns, rows) {
+                *width = *height * columns as f64 / rows.max(1) as f64;
+            }
+        }
+        described
+    }
 }
 
 /// How to read a file.

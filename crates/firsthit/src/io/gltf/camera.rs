@@ -5,7 +5,7 @@ use super::super::report::{Checked, Report};
 use super::document::{CameraEntry, Document, Index};
 use super::nodes::Placed;
 use super::place::Entry;
-use crate::camera::{Camera, Projection, RayStart, View};
+use crate::camera::{Aim, Camera, Description, Lens, Projection, RayStart, View};
 use crate::error::escape_controls;
 use crate::geometry::{DVec3, unit};
 
@@ -47,7 +47,7 @@ pub(super) fn all(
                 own_name: own.unwrap_or_default(),
                 view,
                 has_size: false,
-                description: None,
+                description: Some(describe(view)),
             },
         ));
     }
@@ -60,6 +60,37 @@ pub(super) fn all(
     }
     cameras.sort_by_key(|&(index, _)| index);
     Ok(cameras.into_iter().map(|(_, camera)| camera).collect())
+}
+
+/// The view in words: of a perspective camera the angle counts, and of parallel rays the viewplane.
+fn describe(view: View) -> Description {
+    let View { width, height, .. } = view;
+    let is_parallel = view.projection == Projection::Orthographic;
+    // Where nobody says how many pixels there are, the picture has the viewplane's shape.
+    let whole = Lens::Viewplane {
+        width,
+        height,
+        focal_length: None,
+    };
+    let (columns, rows) = Description {
+        lens: Some(whole),
+        ..Description::default()
+    }
+    .size();
+    Description {
+        position: Some(view.position),
+        aim: Some(Aim::Along(view.aim)),
+        up: Some(view.up),
+        lens: Some(if is_parallel {
+            whole
+        } else {
+            Lens::Fov(2.0 * libm::atan(height / 2.0).to_degrees())
+        }),
+        projection: Some(view.projection),
+        ray_start: Some(view.ray_start),
+        columns: Some(columns),
+        rows: Some(rows),
+    }
 }
 
 /// What a camera sees from the origin along -z.

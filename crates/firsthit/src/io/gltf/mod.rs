@@ -20,6 +20,7 @@ mod values;
 use super::Model;
 use super::report::{Checked, Fault, Report};
 use crate::error::{Place, escape_controls};
+use crate::scene::Object;
 use buffers::Buffers;
 use document::Document;
 use objects::Objects;
@@ -84,9 +85,11 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
         let what = || "no triangles: there is nothing to see".to_owned();
         report.warn("empty", &Place::File, what);
     }
+    let meshes = objects.iter().filter_map(Object::mesh);
     Ok(Model {
         cameras,
         lights,
+        vertices: Some(meshes.map(|mesh| mesh.positions().len() as u64).sum()),
         ..Model::of(objects)
     })
 }

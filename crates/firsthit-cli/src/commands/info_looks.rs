@@ -1,0 +1,173 @@
+//! What a file says beside its shapes: cameras, lights, materials, textures.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use firsthit::io::{Model, NamedCamera};
+use firsthit::{AlphaMode, Light, Material, Projection, Scene, Texture};
+use serde_json::{Value, json};
+
+use crate::camera::labelled;
+use crate::hints::triple;
+
+pub(super) fn cameras_as_json(cameras: &[NamedCamera]) -> Vec<Value> {
+    let camera = |camera: &NamedCamera| {
+        let view = &camera.view;
+        json!({
+            "name": camera.name,
+            "own_name": camera.own_name,
+            "projection": view.projection.name(),
+            "position": view.position.to_array(),
+            "aim": view.aim.to_array(),
+            "up": view.up.to_array(),
+            "focal_length": view.focal_length,
+            "width": view.width,
+            "height": view.height,
+        })
+    };
+    cameras.iter().map(camera).collect()
+}
+
+pub(super) fn lights_as_json(lights: &[Light]) -> Vec<Value> {
+    let light = |light: &Light| match *light {
+        Light::Directional { direction, color } => json!({
+            "kind": "directional",
+            "direction": direction.to_array(),
+            "color": color.to_array(),
+        }),
+        Light::Point {
+            position,
+            intensity,
+        } => json!({
+            "kind": "point",
+            "position": position.to_array(),
+            "intensity": intensity.to_array(),
+        }),
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => json!({
+            "kind": "spot",
+            "position": position.to_array(),
+            "direction": direction.to_array(),
+            "intensity": intensity.to_array(),
+            "inner_angle": inner_angle,
+            "outer_angle": outer_angle,
+        }),
+    };
+    lights.iter().map(light).collect()
+}
+
+pub(super) fn materials_as_json(scene: &Scene) -> Vec<Value> {
+    let material = |material: &Material| {
+        let texture = material.texture.as_ref();
+        json!({
+            "color": material.color.to_array(),
+            "alpha": material.alpha,
+            "alpha_mode": match material.alpha_mode {
+                AlphaMode::Opaque => "opaque",
+                AlphaMode::Mask { .. } => "mask",
+                AlphaMode::Blend => "blend",
+            },
+            "texture": texture.map(|map| size(&map.texture)),
+            "unlit": material.unlit,
+            "double_sided": material.double_sided,
+        })
+    };
+    materials(scene).into_iter().map(material).collect()
+}
+
+pub(super) fn textures_as_json(scene: &Scene) -> Vec<Value> {
+    textures(scene).into_iter().map(size).collect()
+}
+
+fn size(texture: &Arc<Texture>) -> Value {
+    json!([texture.columns(), texture.rows()])
+}
+
+/// The lines of the text, none for what there is none of.
+pub(super) fn as_text(model: &Model, scene: &Scene) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut list = |title: &str, entries: Vec<String>| {
+        if !entries.is_empty() {
+            lines.push(format!("{title:<10} {}", entries.len()));
+            lines.extend(entries.into_iter().map(|entry| format!("  {entry}")));
+        }
+    };
+    let cameras = model.cameras.iter().enumerate();
+    list(
+        "cameras",
+        cameras.map(|(k, camera)| camera_line(k, camera)).collect(),
+    );
+    let lights = model.lights.iter().enumerate();
+    list(
+        "lights",
+        lights.map(|(k, light)| light_line(k, light)).collect(),
+    );
+    let textures = textures(scene).into_iter().enumerate();
+    let line = |(k, texture): (usize, &Arc<Texture>)| {
+        format!("{k}  {} x {} texels", texture.columns(), texture.rows())
+    };
+    list("textures", textures.map(line).collect());
+    let materials = materials(scene).len();
+    if materials > 0 {
+        lines.push(format!("materials  {materials}"));
+    }
+    lines
+}
+
+fn camera_line(number: usize, camera: &NamedCamera) -> String {
+    let view = &camera.view;
+    let sees = match view.projection {
+        Projection::Perspective => {
+            let angle = 2.0 * (view.height / 2.0 / view.focal_length).atan();
+            format!("{:.6} degrees", angle.to_degrees())
+        }
+        Projection::Orthographic => format!("{} high", view.height),
+    };
+    let (label, kind) = (labelled(number, camera), view.projection.name());
+    let (position, aim) = (triple(view.position), triple(view.aim));
+    format!("{label}  ({kind}, {sees}, at {position}, aim {aim})")
+}
+
+fn light_line(number: usize, light: &Light) -> String {
+    match light {
+        Light::Directional { direction, .. } => {
+            format!("{number}  directional along {}", triple(*direction))
+        }
+        Light::Point { position, .. } => format!("{number}  point at {}", triple(*position)),
+        Light::Spot {
+            position,
+            direction,
+            ..
+        } => {
+            format!(
+                "{number}  spot at {} along {}",
+                triple(*position),
+                triple(*direction)
+            )
+        }
+    }
+}
+
+/// All materials in use, in the order of the objects; those that objects share once.
+fn materials(scene: &Scene) -> Vec<&Material> {
+    let mut known = HashSet::new();
+    let lists = scene.objects().iter().map(firsthit::Object::materials);
+    let new = lists.filter(|list| known.insert(Arc::as_ptr(list).cast::<Material>()));
+    new.flat_map(|list| list.iter()).collect()
+}
+
+/// All textures in use, in the order of the materials.
+fn textures(scene: &Scene) -> Vec<&Arc<Texture>> {
+    let mut known = HashSet::new();
+    let maps = materials(scene).into_iter();
+    let maps = maps.flat_map(|material| [&material.texture, &material.alpha_texture]);
+    let textures = maps.flatten().map(|map| &map.texture);
+    textures
+        .filter(|texture| known.insert(Arc::as_ptr(texture)))
+        .collect()
+}

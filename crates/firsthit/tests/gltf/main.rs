@@ -1,0 +1,14 @@
+//! glTF and GLB: what comes out against numbers by hand, against what other programs packed, and against attacks.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+mod builder;
+mod geometry;
+mod hostile;
+mod looks;
+mod packed;
+mod scene;
