@@ -263,6 +263,7 @@ fn packed_views_are_checked_before_they_are_unpacked() {
         let mut builder = full();
         let packed = builder.view(&[0xa0; 64]);
         let mut meshopt = json!({"buffer": 0, "byteLength": 64, "byteStride": 12, "count": 3, "mode": "ATTRIBUTES"});
+        meshopt["byteOffset"] = builder.json["bufferViews"][packed]["byteOffset"].clone();
         meshopt[extension] = value;
         builder.json["bufferViews"][packed]["extensions"] =
             json!({"EXT_meshopt_compression": meshopt});

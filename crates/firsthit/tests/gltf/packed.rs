@@ -90,7 +90,8 @@ fn meshopt_streams_unpack_to_what_was_packed() {
     for (object, tolerance) in [(0, 0.03), (1, 0.002)] {
         let mesh = model.objects[object].mesh().unwrap();
         check(mesh, tolerance, 1e-4);
-        for (got, (place, ..)) in (0..).map(|k| mesh.positions().get(k)).zip(vertices()) {
+        for ((place, ..), k) in vertices().into_iter().zip(0..) {
+            let got = mesh.positions().get(k);
             assert!((got - place).length() < 1e-6, "{got}, not {place}");
         }
         let got: Vec<_> = mesh.triangles().iter().copied().map(turned).collect();

@@ -1,6 +1,6 @@
 //! Accessors: arrays of numbers in the bytes of a document, each checked once and as a whole.
 
-use super::super::report::{Checked, Report};
+use super::super::report::{Checked, Fault, Report};
 use super::buffers::{Buffers, Bytes};
 use super::document::{Accessor, Document, Index};
 use super::place::Entry;
@@ -173,6 +173,40 @@ pub(super) fn check_shape(document: &Document<'_>, index: Index, shape: &Shape) 
     Err(entry(index).fault("type", format!("must be {} here, got {kind}", shape.name)))
 }
 
+impl<'a> Packed<'a> {
+    /// The bytes of elements: a view, where in it they begin, and how many there are. What is wrong with those
+    /// numbers is told in words, for whoever knows their place.
+    fn new(
+        [view, Index(offset), Index(count)]: [Index; 3],
+        size: usize,
+        buffers: &mut Buffers<'a>,
+        report: &mut Report,
+    ) -> Result<Self, Result<Fault, String>> {
+        let bytes = buffers.view(view, report).map_err(Ok)?;
+        let stride = buffers.stride(view).unwrap_or(size);
+        if stride < size {
+            return Err(Err(format!(
+                "the view's byteStride is {stride}, an element has {size} bytes"
+            )));
+        }
+        let needed = match count.checked_sub(1) {
+            None => Some(0),
+            Some(steps) => steps
+                .checked_mul(stride)
+                .and_then(|start| start.checked_add(size)),
+        };
+        let part = needed.and_then(|needed| bytes.part(offset, needed));
+        let bytes = part.ok_or_else(|| {
+            let (view, there) = (view.0, bytes.get().len());
+            Err(format!(
+                "{count} elements, {stride} bytes apart, from byte {offset} on: \
+                 buffer view {view} has {there} bytes"
+            ))
+        })?;
+        Ok(Self { bytes, stride })
+    }
+}
+
 impl<'a> Elements<'a> {
     /// Checks that all of an accessor is there.
     pub(super) fn new(
@@ -187,30 +221,9 @@ impl<'a> Elements<'a> {
         let component = component(document, index)?;
         let (entry, Index(count)) = (entry(index), accessor.count);
         let size = component.size() * shape.components;
-        let mut packed = |[view, offset, Index(count)]: [Index; 3], size: usize, place: &str| {
-            let bytes = buffers.view(view, report)?;
-            let stride = buffers.stride(view).unwrap_or(size);
-            if stride < size {
-                let what =
-                    format!("the view's byteStride is {stride}, an element has {size} bytes");
-                return Err(entry.fault(place, what));
-            }
-            let needed = match count.checked_sub(1) {
-                None => Some(0),
-                Some(steps) => steps
-                    .checked_mul(stride)
-                    .and_then(|start| start.checked_add(size)),
-            };
-            let part = needed.and_then(|needed| bytes.part(offset.0, needed));
-            let bytes = part.ok_or_else(|| {
-                let (offset, view, there) = (offset.0, view.0, bytes.get().len());
-                let what = format!(
-                    "{count} elements, {stride} bytes apart, from byte {offset} on: \
-                     buffer view {view} has {there} bytes"
-                );
-                entry.fault(place, what)
-            })?;
-            Ok(Packed { bytes, stride })
+        let mut packed = |extent, size, place: &str| {
+            Packed::new(extent, size, buffers, report)
+                .map_err(|fault| fault.unwrap_or_else(|what| entry.fault(place, what)))
         };
         let whole = accessor.buffer_view;
         let whole =

@@ -122,7 +122,10 @@ mod tests {
     use super::*;
     use crate::io::LoadSettings;
 
-    fn opened(bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>, usize), String> {
+    /// The JSON, the binary chunk if there is one, and how many warnings there were.
+    type Opened = (Vec<u8>, Option<Vec<u8>>, usize);
+
+    fn opened(bytes: &[u8]) -> Result<Opened, String> {
         let mut report = Report::new("a.glb".as_ref(), LoadSettings::default());
         let container = open(bytes, &mut report);
         let container =
@@ -134,11 +137,11 @@ mod tests {
     fn glb(chunks: &[(u32, &[u8])]) -> Vec<u8> {
         let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
         for (kind, content) in chunks {
-            bytes.extend((content.len() as u32).to_le_bytes());
+            bytes.extend(u32::try_from(content.len()).unwrap().to_le_bytes());
             bytes.extend(kind.to_le_bytes());
             bytes.extend(*content);
         }
-        let length = bytes.len() as u32;
+        let length = u32::try_from(bytes.len()).unwrap();
         bytes[8..12].copy_from_slice(&length.to_le_bytes());
         bytes
     }

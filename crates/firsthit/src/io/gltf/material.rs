@@ -317,9 +317,9 @@ impl Looks {
 /// # Errors
 ///
 /// In words, why there are none.
-fn read<'a>(
+fn read(
     image: &ImageEntry<'_>,
-    buffers: &mut Buffers<'a>,
+    buffers: &mut Buffers<'_>,
     report: &mut Report,
 ) -> Result<Texture, String> {
     let (bytes, name) = match (&image.uri, image.buffer_view) {

@@ -177,18 +177,17 @@ fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checke
         }
         return Ok(triangles);
     }
-    let indices: Vec<u32> = match values.primitive.indices {
-        Some(index) => indices(values, index, vertices)?,
-        None => {
-            let count = u32::try_from(vertices).map_err(|_| {
-                Fault::at(
-                    values.place("attributes/POSITION"),
-                    "has more than 2^32 vertices",
-                )
-            })?;
-            values.report.spend(4 * u64::from(count), "the indices")?;
-            (0..count).collect()
-        }
+    let indices: Vec<u32> = if let Some(index) = values.primitive.indices {
+        indices(values, index, vertices)?
+    } else {
+        let count = u32::try_from(vertices).map_err(|_| {
+            Fault::at(
+                values.place("attributes/POSITION"),
+                "has more than 2^32 vertices",
+            )
+        })?;
+        values.report.spend(4 * u64::from(count), "the indices")?;
+        (0..count).collect()
     };
     values
         .report

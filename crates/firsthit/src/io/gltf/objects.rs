@@ -90,19 +90,14 @@ impl<'a, 'b> Objects<'a, 'b> {
         name: &str,
         instances: &[DAffine3],
     ) -> Checked<()> {
-        let (mesh, number) = primitive;
-        let Some(entry) = self.document.meshes.get(mesh) else {
+        let entry = self.document.meshes.get(primitive.0);
+        let described = entry.and_then(|entry| entry.primitives.get(primitive.1));
+        let (Some(entry), Some(described)) = (entry, described) else {
             return Ok(());
         };
-        let Some(described) = entry.primitives.get(number) else {
-            return Ok(());
-        };
-        let palette = match place.node.skin {
-            Some(skin) if described.attributes.contains_key("JOINTS_0") => {
-                Some(self.palette(skin)?)
-            }
-            _ => None,
-        };
+        let has_joints = described.attributes.contains_key("JOINTS_0");
+        let skin = place.node.skin.filter(|_| has_joints);
+        let palette = skin.map(|skin| self.palette(skin)).transpose()?;
         let own_weights = place
             .node
             .weights
@@ -113,15 +108,11 @@ impl<'a, 'b> Objects<'a, 'b> {
             palette: palette.as_deref(),
             flattened: None,
         };
-        let look = match described.material {
-            Some(material) => {
-                Some(
-                    self.looks
-                        .look(self.document, material, &mut self.buffers, self.report)?,
-                )
-            }
-            None => None,
-        };
+        let look = described.material.map(|material| {
+            self.looks
+                .look(self.document, material, &mut self.buffers, self.report)
+        });
+        let look = look.transpose()?;
         let is_shared = palette.is_none() && own_weights.is_none();
         let known = self.meshes.get(&primitive).filter(|_| is_shared).cloned();
         let mesh = match known {
@@ -138,26 +129,18 @@ impl<'a, 'b> Objects<'a, 'b> {
         let world = palette
             .as_ref()
             .map_or(place.world_from_node, |_| DAffine3::IDENTITY);
+        let is_painted = described.attributes.contains_key("COLOR_0");
         for &instance in instances {
-            let world_from_mesh = world * instance;
-            let (mesh, transform) = match Transform::new(world_from_mesh) {
-                Ok(transform) => (Arc::clone(&mesh), transform),
-                Err(_) => {
-                    self.warn_of_flat(place);
-                    let deformation = Deformation {
-                        flattened: Some(world_from_mesh),
-                        ..deformation
-                    };
-                    let Some(flat) = self.mesh(primitive, &deformation, look.as_ref(), name)?
-                    else {
-                        continue;
-                    };
-                    (flat, Transform::IDENTITY)
-                }
+            let placed = self.placed(
+                world * instance,
+                (&mesh, primitive, &deformation),
+                (place, look.as_ref(), name),
+            )?;
+            let Some((mesh, transform)) = placed else {
+                continue;
             };
             self.report
                 .spend(OBJECT_BYTES + name.len() as u64, "an object")?;
-            let is_painted = described.attributes.contains_key("COLOR_0");
             let object = Object::new(mesh).named(name).placed(transform);
             self.made.push(match &look {
                 Some(look) => object.with_materials(Arc::clone(&look.materials)),
@@ -167,6 +150,26 @@ impl<'a, 'b> Objects<'a, 'b> {
             });
         }
         Ok(())
+    }
+
+    /// A mesh and the way from it to the world; where that flattens space, which objects cannot, a mesh that is
+    /// flat itself, if anything is left of it.
+    fn placed(
+        &mut self,
+        world_from_mesh: DAffine3,
+        (mesh, primitive, deformation): (&Arc<Mesh>, (usize, usize), &Deformation<'_>),
+        (place, look, name): (&Placed<'a>, Option<&Look>, &str),
+    ) -> Checked<Option<(Arc<Mesh>, Transform)>> {
+        if let Ok(transform) = Transform::new(world_from_mesh) {
+            return Ok(Some((Arc::clone(mesh), transform)));
+        }
+        self.warn_of_flat(place);
+        let deformation = Deformation {
+            flattened: Some(world_from_mesh),
+            ..*deformation
+        };
+        let flat = self.mesh(primitive, &deformation, look, name)?;
+        Ok(flat.map(|flat| (flat, Transform::IDENTITY)))
     }
 
     fn mesh(

@@ -110,7 +110,7 @@ fn exponential(code: i32) -> f32 {
     (f64::from(mantissa) * libm::exp2(f64::from(exponent))) as f32
 }
 
-/// A colour from luma and chroma (YCoCg); the highest bit of alpha tells how many bits there are.
+/// A colour from luma and chroma (`YCoCg`); the highest bit of alpha tells how many bits there are.
 fn color(levels: [i32; 4], [_, orange, green, _]: [i32; 4], largest: f64) -> [i32; 4] {
     let [luma, _, _, alpha] = levels;
     let bits = 32 - alpha.leading_zeros();
