@@ -162,7 +162,6 @@ type ArrayOut<'py> = (Option<String>, Vec<usize>, Bound<'py, PyAny>, String);
 
 /// Reads an output: its channels, its metadata as JSON, and what is doubtful.
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "three things")]
 pub(crate) fn read(
     py: Python<'_>,
     path: PathBuf,

@@ -19,13 +19,12 @@ pub(super) fn text(path: &Path, format: &Format, as_json: bool) -> Result<String
     let notes = notes.map(|note| format!("{}: {note}", firsthit::error::escaped(path)));
     warn(&notes.collect::<Vec<_>>());
     let mut lines = vec![format!("format         {}", format.name)];
-    match &output.metadata {
-        Some(metadata) => describe(metadata, &mut lines),
-        None => {
-            lines.push("metadata       none: not written by firsthit, or lost since".to_owned());
-            lines.push(format!("channels       {}", output.arrays.len()));
-            lines.extend(output.arrays.iter().map(unknown));
-        }
+    if let Some(metadata) = &output.metadata {
+        describe(metadata, &mut lines);
+    } else {
+        lines.push("metadata       none: not written by firsthit, or lost since".to_owned());
+        lines.push(format!("channels       {}", output.arrays.len()));
+        lines.extend(output.arrays.iter().map(unknown));
     }
     Ok(lines.join("\n") + "\n")
 }
@@ -126,21 +125,24 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
 }
 
 fn channel(channel: &ChannelRecord) -> String {
-    let mut line = format!("{}  {}", channel.name, channel.dtype);
-    if channel.components > 1 {
-        line += &format!(" x {}", channel.components);
-    }
+    let components = (channel.components > 1).then(|| format!(" x {}", channel.components));
     let details = [
-        channel.unit.as_ref().map(|unit| format!("in {unit}")),
-        channel.frame.as_ref().map(|frame| format!("{frame} frame")),
-        Some(format!("a miss is {}", channel.miss)),
-        channel.stored.as_ref().map(stored),
+        channel.unit.as_ref().map(|unit| format!(", in {unit}")),
+        channel
+            .frame
+            .as_ref()
+            .map(|frame| format!(", {frame} frame")),
+        Some(format!(", a miss is {}", channel.miss)),
+        channel
+            .stored
+            .as_ref()
+            .map(|own| format!(", {}", stored(own))),
     ];
-    for detail in details.into_iter().flatten() {
-        line += ", ";
-        line += &detail;
-    }
-    line
+    let rest: String = components
+        .into_iter()
+        .chain(details.into_iter().flatten())
+        .collect();
+    format!("{}  {}{rest}", channel.name, channel.dtype)
 }
 
 fn stored(stored: &Stored) -> String {
@@ -152,14 +154,14 @@ fn stored(stored: &Stored) -> String {
         scale,
         legend,
     } = stored;
-    let mut text = format!("stored as {} ({dtype}, ", names.join(" "));
-    text += &match scale {
+    let names = names.join(" ");
+    let meaning = match scale {
         Some(scale) => format!("steps of {scale}"),
         None => encoding.name().to_owned(),
     };
-    text += &format!(", a miss is {miss})");
-    if let Some(legend) = legend {
-        text += &format!(": {legend}");
-    }
-    text
+    let legend = legend
+        .as_ref()
+        .map(|legend| format!(": {legend}"))
+        .unwrap_or_default();
+    format!("stored as {names} ({dtype}, {meaning}, a miss is {miss}){legend}")
 }

@@ -43,7 +43,8 @@ fn z_of(lab: &Lab, camera: &str) -> (Vec<u64>, f64) {
     let file = npyz::NpyFile::new(&bytes[..]).unwrap();
     let shape = file.shape().to_vec();
     let values: Vec<f64> = file.into_vec().unwrap();
-    let middle = values[values.len() / 2 + shape[1] as usize / 2];
+    let columns = usize::try_from(shape[1]).unwrap();
+    let middle = values[usize::midpoint(values.len(), columns)];
     (shape, middle)
 }
 

@@ -56,11 +56,17 @@ fn text_says_the_same() {
         "bounds     -1,-1,0 to 1,1,0",
         "size       2 x 2 x 0",
         "objects    1",
-        "kernels    ",
         "  0  square  (mesh, 2 triangles)",
     ] {
         assert!(text.lines().any(|other| other == line), "{line}: {text}");
     }
+    let kernels = text
+        .lines()
+        .find_map(|line| line.strip_prefix("kernels    "));
+    assert!(
+        ["avx512", "avx2", "portable"].contains(&kernels.unwrap()),
+        "{text}"
+    );
     assert_eq!(outcome.stderr, "");
 }
 

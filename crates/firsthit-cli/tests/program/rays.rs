@@ -207,6 +207,6 @@ fn arrays_that_lie_are_bad_input() {
     lab.fails(
         "shoot square.ply rays.npy -o hits.npz",
         3,
-        "not a NumPy array",
+        "nested more than 8 deep",
     );
 }

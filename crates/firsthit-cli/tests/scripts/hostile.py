@@ -11,6 +11,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+import hostile_gltf
+import hostile_outputs
+import hostile_scenes
 from program import Ended, arguments, run
 
 MEMORY = 1 << 30
@@ -153,6 +156,7 @@ def prepared(folder: Path, suffix: str, content: bytes) -> Path:
         content, library = content.split(b"#mtl\n")
         (folder / "own.mtl").write_bytes(library)
     scene.write_bytes(content)
+    (folder / "tri.obj").write_bytes(TRIANGLE)
     (folder / "link").symlink_to("/etc/passwd")
     (folder / "loop").symlink_to("loop")
     (folder / "sub").mkdir()
@@ -161,7 +165,7 @@ def prepared(folder: Path, suffix: str, content: bytes) -> Path:
 
 
 #: What the program and the system's libraries read of themselves.
-OWN = re.compile(r"^(/etc/ld\.so|/lib|/usr/lib|/proc/(self|thread-self|\d+)/|/sys/|/dev/(null|tty)$)")
+OWN = re.compile(r"^(/etc/ld\.so|/lib|/usr/lib|/proc/(self|thread-self|\d+|sys/vm)/|/sys/|/dev/(null|tty)$)")
 
 
 def strangers(trace: Path, folder: Path) -> set[str]:
@@ -173,17 +177,24 @@ def strangers(trace: Path, folder: Path) -> set[str]:
 
 
 def attack(program: Path, folder: Path, suffix: str, content: bytes) -> tuple[Ended, str]:
-    """Render a hostile file; say how it ended and what is wrong with that."""
+    """Give the program a hostile file; say how it ended and what is wrong with that."""
     scene = prepared(folder, suffix, content)
     names = {path.name for path in folder.iterdir()}
     trace = folder.parent / "trace"
+    is_output = suffix[1:] in hostile_outputs.FORMATS
     command = [program, "render", scene.name, "--size", "16x12", "-q", "-o", "out.png"]
+    if suffix == ".toml":
+        command = [program, "render", scene.name, "-q", "-o", "out.png"]
+    if is_output:
+        command = [program, "info", scene.name]
+        if len(content) % 2:
+            command = [program, "diff", scene.name, scene.name]
     if shutil.which("strace"):
         command = ["strace", "-f", "--seccomp-bpf", "-qq", "-e", "trace=open,openat,connect,socket", "-o", trace, *command]
     ended = run(command, folder, memory=MEMORY, seconds=SECONDS)
     left = {path.name for path in folder.iterdir()} - names
     problem = ended.disorder()
-    if not problem and left != ({"out.png"} if ended.code == 0 else set()):
+    if not problem and left != ({"out.png"} if ended.code == 0 and not is_output else set()):
         problem = f"left behind: {left}"
     if not problem and ended.code != 0 and scene.name not in ended.lines[-1]:
         problem = f"the file is not named: {ended.lines}"
@@ -203,6 +214,10 @@ def main() -> int:
     files += [(".obj", content) for content in objs()]
     files += [(".obj.gz", content) for content in packed()]
     files += damaged(100)
+    files += hostile_gltf.files(OUTSIDE)
+    files += hostile_scenes.files(OUTSIDE)
+    with tempfile.TemporaryDirectory() as name:
+        files += hostile_outputs.files(given.program, Path(name))
     if given.quick:
         files = files[::8]
     if not shutil.which("strace"):

@@ -21,6 +21,8 @@ pub(super) struct Library {
     read: HashSet<PathBuf>,
     /// The pictures that were asked for, by library and name; `None` for those that cannot be read.
     pictures: HashMap<(PathBuf, String), Option<Arc<Texture>>>,
+    /// What is made of them where they say what is solid.
+    masks: HashMap<(PathBuf, String), Option<Arc<Texture>>>,
 }
 
 /// What a library says of a material.
@@ -60,8 +62,9 @@ impl Library {
         let texture = color_map.and_then(|map| self.texture(&map, report));
         let alpha_texture = alpha_map.and_then(|map| {
             let texture = self.texture(&map, report)?;
+            let mask = self.mask(&map, &texture.texture, report)?;
             Some(TextureMap {
-                texture: Arc::new(alpha_of(&texture.texture)),
+                texture: mask,
                 ..texture
             })
         });
@@ -90,6 +93,36 @@ impl Library {
             picture_from_uv: [[across, 0.0, u], [0.0, -up, 1.0 - v]],
             ..TextureMap::new(texture, TextureMap::V_UP)
         })
+    }
+
+    /// What a picture says of what is solid; each is made, and paid for, once.
+    fn mask(
+        &mut self,
+        map: &Map,
+        picture: &Arc<Texture>,
+        report: &mut Report,
+    ) -> Option<Arc<Texture>> {
+        if picture.has_alpha() {
+            return Some(Arc::clone(picture));
+        }
+        let key = (map.library.clone(), map.name.clone());
+        if let Some(known) = self.masks.get(&key) {
+            return known.clone();
+        }
+        let spent = report.spend(size_of_val(picture.texels()) as u64, "the texture");
+        let mask = match spent {
+            Ok(()) => Some(Arc::new(brightness_as_alpha(picture))),
+            Err(fault) => {
+                let reason = fault.into_error(&map.library).to_string();
+                report.warn_in(&map.library, "texture", &Place::Line(map.line), || {
+                    let name = escape_controls(&map.name);
+                    format!("texture '{name}' is not read: {reason}")
+                });
+                None
+            }
+        };
+        self.masks.insert(key, mask.clone());
+        mask
     }
 
     /// The picture of a texture; each is read, and warned of, once.
@@ -291,11 +324,8 @@ fn pair(words: &mut Words, missing: f64) -> Result<[f64; 2], String> {
     }
 }
 
-/// A texture whose alpha is the given one's, or where that has none its brightness, as programs write it.
-fn alpha_of(texture: &Texture) -> Texture {
-    if texture.has_alpha() {
-        return texture.clone();
-    }
+/// A texture whose alpha is the brightness of the given one, as programs write it where it has none.
+fn brightness_as_alpha(texture: &Texture) -> Texture {
     texture.with_alpha_from(|[red, green, blue, _]| {
         // The weights of Rec. 709, in 256ths.
         let sum = 54 * u32::from(red) + 183 * u32::from(green) + 19 * u32::from(blue);
@@ -378,7 +408,7 @@ mod tests {
     #[test]
     fn alpha_is_brightness_where_a_picture_has_none() {
         let texture = Texture::new(2, 1, vec![[255; 4], [0, 0, 0, 255]]).unwrap();
-        let alphas = alpha_of(&texture);
+        let alphas = brightness_as_alpha(&texture);
         let alphas: Vec<u8> = alphas.texels().iter().map(|texel| texel[3]).collect();
         assert_eq!(alphas, [255, 0]);
     }

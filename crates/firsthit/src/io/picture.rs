@@ -19,12 +19,7 @@ pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<T
     let bytes = read::sibling_content(&path, report)?;
     let path = without_gz(&path);
     let extension = path.extension().and_then(|word| word.to_str());
-    let texture = decode(&bytes, extension, report.settings())?;
-    let size = size_of_val(texture.texels()) as u64;
-    report
-        .spend(size, "the texture")
-        .map_err(|fault| fault.into_error(&path).to_string())?;
-    Ok(texture)
+    decode(&bytes, extension, report)
 }
 
 /// The texels of a picture. Its own bytes tell the format; where they do not (TGA), the file's extension.
@@ -35,8 +30,9 @@ pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<T
 pub(super) fn decode(
     bytes: &[u8],
     extension: Option<&str>,
-    settings: &LoadSettings,
+    report: &mut Report,
 ) -> Result<Texture, String> {
+    let settings = *report.settings();
     let format = image::guess_format(bytes)
         .ok()
         .or_else(|| extension.and_then(ImageFormat::from_extension))
@@ -63,8 +59,12 @@ pub(super) fn decode(
             "it takes {needed} of memory, {left} are left of what is allowed (--max-memory raises the limit)"
         ));
     }
+    // Before the work: a picture that proves to be damaged in the end was work all the same.
+    report
+        .spend(bytes_needed, "the texture")
+        .map_err(|fault| fault.into_error(report.path()).to_string())?;
     let mut reader = reader();
-    reader.limits(limits(settings));
+    reader.limits(limits(&settings));
     let texels = reader.decode().map_err(words)?.into_rgba8().into_raw();
     let (texels, _) = texels.as_chunks::<4>();
     let size = |side: u32| usize::try_from(side).unwrap_or(usize::MAX);
@@ -82,6 +82,18 @@ fn limits(settings: &LoadSettings) -> Limits {
 mod tests {
     use super::*;
 
+    fn decoded(
+        bytes: &[u8],
+        extension: Option<&str>,
+        settings: LoadSettings,
+    ) -> Result<Texture, String> {
+        decode(
+            bytes,
+            extension,
+            &mut Report::new("a.obj".as_ref(), settings),
+        )
+    }
+
     fn png(columns: u32, rows: u32) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
@@ -96,7 +108,7 @@ mod tests {
 
     #[test]
     fn texels_come_row_by_row_from_the_top() {
-        let texture = decode(&png(3, 2), None, &LoadSettings::default()).unwrap();
+        let texture = decoded(&png(3, 2), None, LoadSettings::default()).unwrap();
         assert_eq!((texture.columns(), texture.rows()), (3, 2));
         assert_eq!(texture.texels()[4], [12, 13, 14, 255]);
     }
@@ -108,17 +120,17 @@ mod tests {
             max_texture: 39,
             ..LoadSettings::default()
         };
-        let error = decode(&bytes, None, &small).unwrap_err();
+        let error = decoded(&bytes, None, small).unwrap_err();
         assert!(error.contains("40"), "{error}");
         // A header that lies: 2^31 - 1 squared.
         bytes[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
-        assert!(decode(&bytes, None, &LoadSettings::default()).is_err());
+        assert!(decoded(&bytes, None, LoadSettings::default()).is_err());
     }
 
     #[test]
     fn what_is_no_picture_is_said_to_be_none() {
         for bytes in [&b""[..], b"GIF89a", b"not a picture", &png(4, 4)[..60]] {
-            assert!(decode(bytes, Some("png"), &LoadSettings::default()).is_err());
+            assert!(decoded(bytes, Some("png"), LoadSettings::default()).is_err());
         }
     }
 }

@@ -37,8 +37,16 @@ impl Fault {
     pub(super) fn into_error(self, path: &Path) -> Error {
         let path = path.to_owned();
         match self {
-            Self::Content { place, what } => Error::Parse { path, place, what },
-            Self::TooLarge { place, what } => Error::TooLarge { path, place, what },
+            Self::Content { place, what } => Error::Parse {
+                path,
+                place,
+                what: shortened(what),
+            },
+            Self::TooLarge { place, what } => Error::TooLarge {
+                path,
+                place,
+                what: shortened(what),
+            },
             Self::Other(error) => error,
         }
     }
@@ -48,6 +56,18 @@ impl From<Error> for Fault {
     fn from(error: Error) -> Self {
         Self::Other(error)
     }
+}
+
+/// The most characters that are said about one fault.
+const LONGEST: usize = 1000;
+
+/// A text that a file's names may have made longer than anyone reads, cut to what is read.
+fn shortened(mut text: String) -> String {
+    if let Some((end, _)) = text.char_indices().nth(LONGEST) {
+        text.truncate(end);
+        text.push_str("...");
+    }
+    text
 }
 
 /// A number of bytes, in the largest unit that keeps it from 1 on.
@@ -196,7 +216,7 @@ impl Report {
         if let Some(kind) = self.kinds.iter_mut().find(|kind| kind.key == key) {
             kind.count += 1;
         } else {
-            let line = format!("{}{place}: {}", escaped(path), what());
+            let line = format!("{}{place}: {}", escaped(path), shortened(what()));
             let count = 1;
             self.kinds.push(Kind { key, line, count });
         }

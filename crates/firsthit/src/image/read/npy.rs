@@ -185,6 +185,32 @@ fn check_header_length(bytes: &[u8]) -> Result<(), String> {
             "the header of {length} bytes is longer than the file"
         ));
     }
+    // Those of plain arrays have a hundred.
+    if length > LONGEST_HEADER {
+        return Err(format!(
+            "the header of {length} bytes is over the limit of {LONGEST_HEADER}"
+        ));
+    }
+    let end = usize::try_from(length).map_or(bytes.len(), |length| bytes.len().min(12 + length));
+    check_nesting(bytes.get(8..end).unwrap_or_default())
+}
+
+const LONGEST_HEADER: u64 = 1 << 16;
+
+/// Refuses brackets in brackets that no array of numbers has: the crate that reads headers takes twice the
+/// time for each level.
+fn check_nesting(header: &[u8]) -> Result<(), String> {
+    let mut depth = 0_u32;
+    for byte in header {
+        match byte {
+            b'[' | b'(' | b'{' => depth += 1,
+            b']' | b')' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > 8 {
+            return Err("the header's brackets are nested more than 8 deep".to_owned());
+        }
+    }
     Ok(())
 }
 
@@ -209,5 +235,12 @@ mod tests {
             error,
             "the header of 662372470 bytes is longer than the file"
         );
+    }
+    #[test]
+    fn brackets_in_brackets_take_no_time() {
+        let mut bytes = b"\x93NUMPY\x01\x00\x10\x27{'descr': ".to_vec();
+        bytes.resize(10_012, b'[');
+        let error = decode(&bytes, 1 << 20).unwrap_err();
+        assert_eq!(error, "the header's brackets are nested more than 8 deep");
     }
 }

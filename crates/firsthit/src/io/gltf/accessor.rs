@@ -221,13 +221,19 @@ impl<'a> Elements<'a> {
         let component = component(document, index)?;
         let (entry, Index(count)) = (entry(index), accessor.count);
         let size = component.size() * shape.components;
-        let mut packed = |extent, size, place: &str| {
+        let mut packed = |extent, size, place: &str, report: &mut Report| {
             Packed::new(extent, size, buffers, report)
                 .map_err(|fault| fault.unwrap_or_else(|what| entry.fault(place, what)))
         };
         let whole = accessor.buffer_view;
-        let whole =
-            whole.map(|view| packed([view, accessor.byte_offset, accessor.count], size, "count"));
+        let whole = whole.map(|view| {
+            packed(
+                [view, accessor.byte_offset, accessor.count],
+                size,
+                "count",
+                report,
+            )
+        });
         let whole = whole.transpose()?;
         let sparse = match &accessor.sparse {
             None => None,
@@ -243,7 +249,12 @@ impl<'a> Elements<'a> {
                     sparse.indices.byte_offset,
                     sparse.count,
                 ];
-                let indices = packed(extent, kind.size(), "sparse/count")?;
+                let indices = packed(extent, kind.size(), "sparse/count", report)?;
+                // The indices twice, and the values at their largest: a byte may stand behind each.
+                let each = (size_of::<u32>() + size_of::<usize>()) as u64;
+                let each = each + (size_of::<f64>() * shape.components) as u64;
+                let needed = (sparse.count.0 as u64).saturating_mul(each);
+                report.spend(needed, "a sparse accessor")?;
                 let indices = rising(
                     &indices.read::<u32, 1>(kind, None, sparse.count.0),
                     count,
@@ -254,7 +265,7 @@ impl<'a> Elements<'a> {
                     sparse.values.byte_offset,
                     sparse.count,
                 ];
-                Some((indices, packed(extent, size, "sparse/count")?))
+                Some((indices, packed(extent, size, "sparse/count", report)?))
             }
         };
         Ok(Self {

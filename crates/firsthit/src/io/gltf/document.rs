@@ -7,7 +7,7 @@ use std::fmt;
 use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, Visitor};
 
-use super::super::report::{Checked, Fault};
+use super::super::report::{Checked, Fault, Report};
 use super::container::Container;
 use super::material::{ImageEntry, MaterialEntry, SamplerEntry, TextureEntry};
 use super::place::pointer_of;
@@ -325,6 +325,18 @@ pub(super) struct Buffer<'a> {
     #[serde(borrow)]
     pub(super) uri: Option<Cow<'a, str>>,
     pub(super) byte_length: Index,
+}
+
+/// Takes the memory that a document may need at most: a few characters can stand for a large record.
+pub(super) fn spend_on(container: &Container<'_>, report: &mut Report) -> Checked<()> {
+    // Lists grow by doubling. Nodes are the largest records; names are the largest plain values, two to an
+    // entry of a map.
+    let (record, value) = (2 * size_of::<Node<'_>>(), 4 * size_of::<Cow<'_, str>>());
+    let count = |wanted: u8| memchr::memchr_iter(wanted, container.json).count();
+    let records = count(b'{').saturating_mul(record);
+    let needed = records.saturating_add(count(b',').saturating_mul(value));
+    report.spend(needed as u64, "the document")?;
+    report.check_memory(needed)
 }
 
 /// Reads the JSON. What is wrong with it is told by its place: a line of a text, a byte of a GLB, or the

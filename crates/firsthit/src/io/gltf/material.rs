@@ -333,11 +333,7 @@ fn read(
         .as_deref()
         .and_then(|name| name.rsplit_once('.'))
         .map(|(_, end)| end);
-    let texture = picture::decode(bytes.get(), extension, report.settings())?;
-    let size = size_of_val(texture.texels()) as u64;
-    let spent = report.spend(size, "the texture");
-    spent.map_err(|fault| fault.into_error(report.path()).to_string())?;
-    Ok(texture)
+    picture::decode(bytes.get(), extension, report)
 }
 
 fn wrap(code: Option<Index>) -> Wrap {

@@ -67,6 +67,7 @@ const LOOKS: &[&str] = &[
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let container = container::open(bytes, report)?;
+    document::spend_on(&container, report)?;
     let document = document::parse(&container)?;
     check_extensions(&document, report)?;
     references::check(&document)?;

@@ -28,6 +28,11 @@ pub(super) struct Objects<'a, 'b> {
     shared: Shared,
     meshes: HashMap<(usize, usize), Option<Arc<Mesh>>>,
     palettes: HashMap<Index, Rc<Palette>>,
+    /// Where the nodes are, once a skin asked for it.
+    worlds: Option<Vec<Option<DAffine3>>>,
+    /// The primitives of a mesh that have triangles, once a node showed it: a mesh of many others is then
+    /// no work for any further node.
+    visible: HashMap<usize, Rc<[usize]>>,
     made: Vec<Object>,
 }
 
@@ -50,6 +55,8 @@ impl<'a, 'b> Objects<'a, 'b> {
             shared: Shared::default(),
             meshes: HashMap::new(),
             palettes: HashMap::new(),
+            worlds: None,
+            visible: HashMap::new(),
             made: Vec::new(),
         }
     }
@@ -68,6 +75,13 @@ impl<'a, 'b> Objects<'a, 'b> {
         let Some(entry) = self.document.meshes.get(mesh) else {
             return Ok(());
         };
+        let primitives: Rc<[usize]> = match self.visible.get(&mesh) {
+            Some(known) => Rc::clone(known),
+            None => (0..entry.primitives.len()).collect(),
+        };
+        if primitives.is_empty() {
+            return Ok(());
+        }
         let names = [&place.node.name, &entry.name].into_iter().flatten();
         let name = names
             .map(|name| escape_controls(name))
@@ -77,23 +91,30 @@ impl<'a, 'b> Objects<'a, 'b> {
             Some(instancing) => self.instances(instancing, place)?,
             None => vec![DAffine3::IDENTITY],
         };
-        for number in 0..entry.primitives.len() {
-            self.primitive(place, (mesh, number), &name, &instances)?;
+        let mut visible = Vec::new();
+        for &number in &*primitives {
+            if self.primitive(place, (mesh, number), &name, &instances)? {
+                visible.push(number);
+            }
+        }
+        if visible.len() < primitives.len() || !self.visible.contains_key(&mesh) {
+            self.visible.insert(mesh, visible.into());
         }
         Ok(())
     }
 
+    /// Makes the objects of a primitive; whether it has triangles at all, by its kind.
     fn primitive(
         &mut self,
         place: &Placed<'a>,
         primitive: (usize, usize),
         name: &str,
         instances: &[DAffine3],
-    ) -> Checked<()> {
+    ) -> Checked<bool> {
         let entry = self.document.meshes.get(primitive.0);
         let described = entry.and_then(|entry| entry.primitives.get(primitive.1));
         let (Some(entry), Some(described)) = (entry, described) else {
-            return Ok(());
+            return Ok(false);
         };
         let has_joints = described.attributes.contains_key("JOINTS_0");
         let skin = place.node.skin.filter(|_| has_joints);
@@ -123,7 +144,7 @@ impl<'a, 'b> Objects<'a, 'b> {
             self.meshes.insert(primitive, mesh.clone());
         }
         let Some(mesh) = mesh else {
-            return Ok(());
+            return Ok(false);
         };
         // Joints are in the world already.
         let world = palette
@@ -139,8 +160,7 @@ impl<'a, 'b> Objects<'a, 'b> {
             let Some((mesh, transform)) = placed else {
                 continue;
             };
-            self.report
-                .spend(OBJECT_BYTES + name.len() as u64, "an object")?;
+            self.make_room(name)?;
             let object = Object::new(mesh).named(name).placed(transform);
             self.made.push(match &look {
                 Some(look) => object.with_materials(Arc::clone(&look.materials)),
@@ -148,6 +168,18 @@ impl<'a, 'b> Objects<'a, 'b> {
                 None if is_painted => object.with_materials([Material::default()]),
                 None => object,
             });
+        }
+        Ok(true)
+    }
+
+    /// Pays for one more object; the system is asked whenever the list is about to double.
+    fn make_room(&mut self, name: &str) -> Checked<()> {
+        let each = OBJECT_BYTES + name.len() as u64;
+        self.report.spend(each, "an object")?;
+        if self.made.len() == self.made.capacity() {
+            let room =
+                (2 * self.made.len()).saturating_mul(usize::try_from(each).unwrap_or(usize::MAX));
+            self.report.check_memory(room)?;
         }
         Ok(())
     }
@@ -195,13 +227,11 @@ impl<'a, 'b> Objects<'a, 'b> {
         if let Some(known) = self.palettes.get(&skin) {
             return Ok(Rc::clone(known));
         }
-        let palette = skin::palette(
-            self.document,
-            skin,
-            self.placed,
-            &mut self.buffers,
-            self.report,
-        )?;
+        let (document, placed) = (self.document, self.placed);
+        let worlds = self
+            .worlds
+            .get_or_insert_with(|| skin::worlds(document, placed));
+        let palette = skin::palette(document, skin, worlds, &mut self.buffers, self.report)?;
         let palette = Rc::new(palette);
         self.palettes.insert(skin, Rc::clone(&palette));
         Ok(palette)
@@ -239,6 +269,8 @@ impl<'a, 'b> Objects<'a, 'b> {
         if needed > self.report.settings().max_memory {
             self.report.spend(needed, "the instances")?;
         }
+        let placements = (count as u64).saturating_mul(size_of::<DAffine3>() as u64);
+        self.report.spend(placements, "the instances")?;
         let translations = self.values::<3>(instancing, "TRANSLATION", &Shape::VEC3)?;
         let rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
         let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;

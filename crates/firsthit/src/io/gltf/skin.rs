@@ -12,11 +12,22 @@ use crate::geometry::{DAffine3, DMat3, DVec3};
 /// For each joint the map from the mesh as it was bound to the world.
 pub(super) type Palette = Vec<DAffine3>;
 
-/// The palette of a skin.
+/// Where each node is, by its index; `None` for those that are not part of the scene.
+pub(super) fn worlds(document: &Document<'_>, placed: &[Placed<'_>]) -> Vec<Option<DAffine3>> {
+    let mut worlds = vec![None; document.nodes.len()];
+    for place in placed {
+        if let Some(world) = worlds.get_mut(place.index) {
+            *world = Some(place.world_from_node);
+        }
+    }
+    worlds
+}
+
+/// The palette of a skin, from where the nodes are.
 pub(super) fn palette<'a>(
     document: &'a Document<'a>,
     Index(skin): Index,
-    placed: &[Placed<'_>],
+    worlds: &[Option<DAffine3>],
     buffers: &mut Buffers<'a>,
     report: &mut Report,
 ) -> Checked<Palette> {
@@ -40,12 +51,8 @@ pub(super) fn palette<'a>(
         );
         return Err(entry.fault("inverseBindMatrices", what));
     }
-    let mut worlds = vec![None; document.nodes.len()];
-    for place in placed {
-        if let Some(world) = worlds.get_mut(place.index) {
-            *world = Some(place.world_from_node);
-        }
-    }
+    let room = (skin.joints.len() as u64).saturating_mul(size_of::<DAffine3>() as u64);
+    report.spend(room, "the joints")?;
     let joints = skin.joints.iter().enumerate().map(|(k, &Index(joint))| {
         let world = worlds.get(joint).copied().flatten().unwrap_or_else(|| {
             report.warn("joint", &entry.at(format!("joints/{k}")), || {

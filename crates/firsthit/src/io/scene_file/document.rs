@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Error, Place, escape_controls};
+use crate::error::{Place, escape_controls};
 use crate::io::report::{Checked, Fault, Report};
 
 pub(super) type Value<'t> = Spanned<DeValue<'t>>;
@@ -54,15 +54,7 @@ impl<'t> Text<'t> {
         let needed = self.0.len().saturating_mul(BYTES_PER_BYTE);
         report.spend(needed as u64, "its text, parsed,")?;
         // The parser cannot be told that memory is scarce: asked here, it is an error, not the end.
-        let mut room: Vec<u8> = Vec::new();
-        if room.try_reserve_exact(needed).is_err() {
-            return Err(Fault::Other(Error::Limit {
-                what: "bytes of memory for a scene file",
-                got: needed.to_string(),
-                limit: "what memory is free".to_owned(),
-            }));
-        }
-        drop(room);
+        report.check_memory(needed)?;
         DeTable::parse(self.0).map_err(|error| {
             let byte = error.span().map_or(self.0.len(), |span| span.start);
             // One line, whatever the text holds.
