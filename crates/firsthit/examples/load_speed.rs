@@ -27,7 +27,11 @@ fn main() -> firsthit::Result<()> {
             let (started, start) = (Instant::now(), cpu_time());
             let model = load(path, &LoadSettings::default())?;
             wall = wall.min(started.elapsed());
-            cpu = cpu.min(cpu_time().unwrap_or_default() - start.unwrap_or_default());
+            cpu = cpu.min(
+                cpu_time()
+                    .unwrap_or_default()
+                    .saturating_sub(start.unwrap_or_default()),
+            );
             drop(model);
         }
         let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());

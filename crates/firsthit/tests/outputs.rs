@@ -4,6 +4,7 @@
     clippy::unwrap_used,
     clippy::indexing_slicing,
     clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     reason = "a test may panic, and its numbers are small"
 )]
 
@@ -382,7 +383,7 @@ fn files_that_claim_more_than_they_hold_are_refused_before_memory_is_taken() {
         None,
     );
     // The data window's and the display window's last corner.
-    let corner: Vec<u8> = [COLUMNS as i32 - 1, ROWS as i32 - 1]
+    let corner: Vec<u8> = [COLUMNS as u32 - 1, ROWS as u32 - 1]
         .iter()
         .flat_map(|x| x.to_le_bytes())
         .collect();

@@ -37,9 +37,9 @@ fn refusal(pointer: &str, value: Value) -> String {
     builder.refusal()
 }
 
-#[test]
-fn what_is_wrong_is_told_by_its_pointer() {
-    for (pointer, value, place) in [
+/// Where a value is put that is wrong there, and what the error's place adds to that (after `!`, is instead).
+fn wrong_values() -> impl Iterator<Item = (&'static str, Value, &'static str)> {
+    [
         ("/asset/version", json!("1.0"), ""),
         ("/asset/minVersion", json!("2.1"), ""),
         ("/scene", json!(1), ""),
@@ -97,7 +97,13 @@ fn what_is_wrong_is_told_by_its_pointer() {
         ("/images/0/bufferView", json!(8), ""),
         ("/skins/0/joints", json!([5]), "/0"),
         ("/skins/0/inverseBindMatrices", json!(5), ""),
-    ] {
+    ]
+    .into_iter()
+}
+
+#[test]
+fn what_is_wrong_is_told_by_its_pointer() {
+    for (pointer, value, place) in wrong_values() {
         let expected = match place.strip_prefix('!') {
             Some(other) => format!("#{other}: "),
             None => format!("#{pointer}{place}: "),
