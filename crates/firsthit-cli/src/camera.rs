@@ -1,28 +1,47 @@
 //! From the command line's words to a camera.
 
+use std::path::Path;
+
 use firsthit::camera::{Aim, Description, Lens};
-use firsthit::error::escape_controls;
+use firsthit::error::{escape_controls, escaped};
 use firsthit::io::{Model, NamedCamera};
 use firsthit::{Bounds, Camera, DVec3, Projection};
 
 use crate::args::CameraArgs;
 use crate::failure::Failure;
-use crate::hints::triple;
+use crate::hints::{span, triple};
 use crate::values::Target;
 
 /// 16,384 squared: more is a slip of the finger more often than a picture.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// The camera that the arguments describe, in place of what the file's own camera, `base`, says; what both
+/// Scenes that reach further have no place from which a camera sees them: squares are infinite there.
+const FARTHEST: f64 = 1e150;
+
+/// The camera that the arguments describe, in place of what the camera of `file`, `base`, says; what both
 /// leave open, the scene decides.
 pub(crate) fn camera(
     args: &CameraArgs,
-    base: &Description,
+    (file, base): (&Path, &Description),
     bounds: Bounds,
     up: DVec3,
 ) -> Result<Camera, Failure> {
     let described = described(args, base)?;
-    check_size(described.size())?;
+    match args.size {
+        Some(size) => check_size("--size", size)?,
+        None => check_size(
+            &format!("{}: the camera's size", escaped(file)),
+            described.size(),
+        )?,
+    }
+    let reach = bounds.low.abs().max(bounds.high.abs()).max_element();
+    if described.position.is_none() && !bounds.is_empty() && reach > FARTHEST {
+        return Err(Failure::bad_input(format!(
+            "{}: the scene reaches too far for a camera to be placed: {}; use --position",
+            escaped(file),
+            span(bounds)
+        )));
+    }
     Ok(described.camera(bounds, up)?)
 }
 
@@ -88,14 +107,14 @@ pub(crate) fn labelled(number: usize, camera: &NamedCamera) -> String {
 
 /// Refuses what no camera can be, whatever the file says, before any work is done.
 pub(crate) fn check(args: &CameraArgs) -> Result<(), Failure> {
-    args.size.map_or(Ok(()), check_size)
+    args.size.map_or(Ok(()), |size| check_size("--size", size))
 }
 
-/// Refuses what no picture is that large.
-pub(crate) fn check_size((columns, rows): (usize, usize)) -> Result<(), Failure> {
+/// Refuses what no picture is that large; `what` says who asks for it.
+pub(crate) fn check_size(what: &str, (columns, rows): (usize, usize)) -> Result<(), Failure> {
     if rows.saturating_mul(columns) > MOST_PIXELS {
         return Err(Failure::limit(format!(
-            "--size: {columns}x{rows} is over the limit of {MOST_PIXELS} pixels"
+            "{what}: {columns}x{rows} is over the limit of {MOST_PIXELS} pixels"
         )));
     }
     Ok(())

@@ -42,7 +42,15 @@ pub(crate) fn span(bounds: Bounds) -> String {
 
 /// A vector as the command line has it.
 pub(crate) fn triple(v: DVec3) -> String {
-    format!("{},{},{}", v.x, v.y, v.z)
+    format!("{},{},{}", number(v.x), number(v.y), number(v.z))
+}
+
+/// A number as the command line has it, without hundreds of zeros.
+pub(crate) fn number(x: f64) -> String {
+    if x == 0.0 || (1e-9..1e16).contains(&x.abs()) {
+        return x.to_string();
+    }
+    format!("{x:e}")
 }
 
 /// To six digits: enough to aim by.

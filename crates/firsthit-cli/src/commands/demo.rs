@@ -17,7 +17,7 @@ const DEFAULT_SAMPLES: u32 = 16;
 
 pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let kinds = output::kinds(&args.channels, Source::Camera, args.run.quiet)?;
-    check_size(args.size)?;
+    check_size("--size", args.size)?;
     if args.samples.is_some() && !kinds.iter().any(|kind| kind.needs_shade()) {
         warn(&[format!("--samples does nothing {WITHOUT_COLOR}")]);
     }

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use firsthit::error::escape_controls;
 use firsthit::image::format_of;
 use firsthit::shape::{Property, PropertyOf};
-use firsthit::{Bounds, DVec3, Object, Shape};
+use firsthit::{Bounds, Object, Shape};
 use serde_json::{Value, json};
 
 use super::{info_looks, info_output};
 use crate::args::InfoArgs;
 use crate::console::{counted, warn};
 use crate::failure::Failure;
-use crate::hints::{span, triple};
+use crate::hints::{number, span, triple};
 use crate::loading::{self, Loaded, with_all_cores};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
@@ -85,7 +85,7 @@ fn as_text(loaded: &Loaded) -> String {
     if scene.bounds().is_empty() {
         lines.push("bounds     none".into());
     } else {
-        let DVec3 { x, y, z } = scene.bounds().size();
+        let [x, y, z] = scene.bounds().size().to_array().map(number);
         lines.push(format!("bounds     {}", span(scene.bounds())));
         lines.push(format!("size       {x} x {y} x {z}"));
     }

@@ -47,7 +47,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
         warn(&idle_options(args, &orders, &shader));
         warn(&warnings);
         let base = of_file(&args.camera, &model)?;
-        let camera = camera(&args.camera, &base, scene.bounds(), up)?;
+        let camera = camera(&args.camera, (&args.file, &base), scene.bounds(), up)?;
         let lights = lights(&args.light, &model, &scene, &camera);
         let scene = if args.light.light.is_empty() && model.lights.is_empty() {
             scene.with_borrowed_lights(lights)

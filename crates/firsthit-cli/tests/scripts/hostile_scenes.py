@@ -29,7 +29,7 @@ def long() -> list[str]:
         "a" * 1_000_000 + " = 1",
         '"' + "\\n" * 100_000 + '" = 1',
         'x = "' + "y" * 1_000_000,
-        BALL * 100_000,
+        "".join(BALL.replace("[0,", f"[{k},") for k in range(100_000)),
         BALL + "[[lights]]\n" * 100_000,
         "".join(f'[[outputs]]\nfile = "{k}.png"\n' for k in range(1000)) + BALL,
         "#" * 1_000_000,
@@ -64,7 +64,8 @@ def elsewhere(outside: list[str]) -> list[str]:
 def crowds() -> list[str]:
     """Files named again and again."""
     one = '[[objects]]\nfile = "tri.obj"\n'
-    return [one * 100_000, "".join(f'[[objects]]\nfile = "{"./" * k}tri.obj"\n' for k in range(500))]
+    # Each ray meets all that lies in one place: a thousand take a second.
+    return [one * 1000, "".join(f"{one}translate = [{k}, 0, 0]\n" for k in range(100_000)), "".join(f'[[objects]]\nfile = "{"./" * k}tri.obj"\n' for k in range(500))]
 
 
 def files(outside: list[str]) -> list[tuple[str, bytes]]:
