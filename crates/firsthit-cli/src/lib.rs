@@ -18,6 +18,7 @@ mod values;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex};
 
 use clap::Parser;
 
@@ -37,18 +38,28 @@ where
         Err(error) => return usage::report(&error),
     };
     let exhaustion = exhaustion::catch();
-    // A panic is a bug of ours; the user gets one line of it, not a trace.
+    // A panic is a bug of ours; the user gets one line of it, not a trace. What the library catches of another
+    // crate's panics is the file's fault, and gets no line here.
+    let last = Arc::new(Mutex::new(String::new()));
+    let noted = Arc::clone(&last);
     std::panic::set_hook(Box::new(move |panic| {
         exhaustion.is_ruled_out();
-        console::say(format_args!(
-            "firsthit: error: a bug in firsthit, please report it: {}",
-            panic.to_string().replace('\n', " ")
-        ));
+        if let Ok(mut text) = noted.lock() {
+            *text = panic.to_string().replace('\n', " ");
+        }
     }));
     match catch_unwind(AssertUnwindSafe(|| dispatch(cli))) {
         Ok(Ok(())) => 0,
         Ok(Err(failure)) => failure.report(),
-        Err(_) => failure::INTERNAL,
+        Err(_) => {
+            let text = last
+                .lock()
+                .map_or_else(|_| String::new(), |text| text.clone());
+            console::say(format_args!(
+                "firsthit: error: a bug in firsthit, please report it: {text}"
+            ));
+            failure::INTERNAL
+        }
     }
 }
 
