@@ -3,6 +3,7 @@
 import argparse
 import os
 import resource
+import signal
 import subprocess
 from pathlib import Path
 
@@ -52,15 +53,14 @@ def run(command: list, folder: Path, *, memory: int = 0, seconds: float = 60) ->
         if memory:
             resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 
+    process = subprocess.Popen(
+        [str(word) for word in command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=limit
+    )
     try:
-        done = subprocess.run(
-            [str(word) for word in command],
-            cwd=folder,
-            capture_output=True,
-            preexec_fn=limit,
-            timeout=seconds,
-            check=False,
-        )
+        _, stderr = process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
+        # The group: what a tracer runs would go on without it.
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
         return Ended(-1, f"still running after {seconds} s")
-    return Ended(done.returncode, done.stderr.decode(errors="replace"))
+    return Ended(process.returncode, stderr.decode(errors="replace"))
