@@ -141,7 +141,8 @@ mod tests {
             scene: &scene,
             budget: 1000,
         };
-        let mut hits = firsthit_side::first_hits(&scene, rays.as_slice());
+        let mut hits = Hits::default();
+        firsthit_side::first_hits(&scene, rays.as_slice(), &mut hits);
         assert_eq!(judge.first_hits(&hits, rays.as_slice(), None).wrong, 0);
         hits.t[3] = hits.t[3].next_up();
         let checked = judge.first_hits(&hits, rays.as_slice(), None);

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use firsthit::io::LoadSettings;
-use firsthit::shoot::{BruteForce, any_hit, first_hit, shoot_all};
+use firsthit::shoot::{BruteForce, first_hit, occluded_all, shoot_all_into};
 use firsthit::{Hit, Hits, Object, Ray, Rays, Scene};
-use rayon::prelude::*;
 
 /// The objects of a file.
 pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
@@ -19,22 +18,17 @@ pub(crate) fn build(objects: &[Object]) -> Result<Scene, String> {
     Scene::new(objects.to_vec()).map_err(|error| error.to_string())
 }
 
-/// The first hits of all rays, of a camera or from an array.
-pub(crate) fn first_hits(scene: &Scene, rays: &(impl Rays + ?Sized)) -> Hits {
-    shoot_all(scene, rays, &()).expect("there is memory for a million hits, and nobody stops it")
+/// The first hits of all rays, of a camera or from an array, into memory that is used again.
+pub(crate) fn first_hits(scene: &Scene, rays: &(impl Rays + ?Sized), hits: &mut Hits) {
+    shoot_all_into(scene, rays, hits, &()).expect(STOPPED);
 }
 
 /// Whether each ray meets anything.
 pub(crate) fn any_hits(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
-    let mut found = vec![false; rays.len()];
-    let chunks = found.par_chunks_mut(1024).zip(rays.par_chunks(1024));
-    chunks.for_each(|(found, rays)| {
-        for (found, ray) in found.iter_mut().zip(rays) {
-            *found = any_hit(scene, ray);
-        }
-    });
-    found
+    occluded_all(scene, rays, &()).expect(STOPPED)
 }
+
+const STOPPED: &str = "there is memory for a million hits, and nobody stops it";
 
 /// The first hit by the judge: every triangle, in float64.
 pub(crate) fn judge(scene: &Scene, ray: &Ray) -> Hit {

@@ -4,9 +4,10 @@ mod rays;
 
 use std::cell::RefCell;
 use std::hint::black_box;
+use std::sync::Mutex;
 
 use clap::ValueEnum;
-use firsthit::{Camera, Projection, Ray, Rays};
+use firsthit::{Camera, Hits, Projection, Ray, Rays};
 use rayon::ThreadPool;
 
 use crate::check::{Checked, Judge};
@@ -121,6 +122,9 @@ struct Run<'a> {
     pool: &'a ThreadPool,
 }
 
+/// A thread panicked.
+const POISONED: &str = "no thread panics";
+
 impl Run<'_> {
     fn pixels(&self, row: Row, camera: &Camera) -> Measured {
         self.first_hits(row, camera, &Pixels::new(camera))
@@ -133,7 +137,9 @@ impl Run<'_> {
     /// `rays` for firsthit and `source` for Embree are the same ones.
     fn first_hits(&self, row: Row, rays: &(impl Rays + ?Sized), source: &impl Source) -> Measured {
         let scene = &self.trees.firsthit;
-        let mut ours = || drop(black_box(firsthit_side::first_hits(scene, rays)));
+        let hits = Mutex::new(Hits::default());
+        let shoot = || firsthit_side::first_hits(scene, rays, &mut hits.lock().expect(POISONED));
+        let mut ours = || black_box(shoot());
         let theirs = |(robust, door): (bool, Door), answers: &mut Answers| {
             if let Some(trees) = &self.trees.embree {
                 trees.of(robust).first_hits(source, door, answers);
@@ -141,21 +147,19 @@ impl Run<'_> {
         };
         let mut answers = Answers::new(source.len());
         let times = self.in_turns(source.len(), &mut ours, &theirs, &mut answers);
-        let hits = firsthit_side::first_hits(scene, rays);
+        shoot();
         // What Embree answers at its most careful.
         theirs((true, Door::Single), &mut answers);
         let answers = self.trees.embree.is_some().then_some(&answers);
         let judge = self.judge;
-        let check = || judge.first_hits(&hits, rays, answers);
+        let check = || judge.first_hits(&hits.lock().expect(POISONED), rays, answers);
         Measured {
             row,
             rays: source.len(),
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
-            speedup: measure::speedup(self.rounds, self.pool, &|| {
-                drop(black_box(firsthit_side::first_hits(scene, rays)));
-            }),
+            speedup: measure::speedup(self.rounds, self.pool, &shoot),
         }
     }
 

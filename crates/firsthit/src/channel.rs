@@ -6,9 +6,10 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, Hit, Ray, Rays};
 use crate::image::{Channel, Data, Description, Picture, Unit};
+use crate::memory::{filled, zeroed};
 use crate::scene::Scene;
 use crate::shade::Shade;
-use crate::shoot::{Hits, filled};
+use crate::shoot::Hits;
 use crate::watch::Watch;
 
 /// Rays, what they met, and all that channels are made from.
@@ -272,7 +273,7 @@ impl Kind {
 }
 
 fn colors(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
-    let mut values = filled(shots.rays.len().saturating_mul(3), 0.0_f32)?;
+    let mut values = zeroed::<f32>(shots.rays.len().saturating_mul(3))?;
     values
         .par_chunks_mut(3)
         .with_min_len(256)

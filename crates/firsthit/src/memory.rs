@@ -1,6 +1,9 @@
 //! Whether there is memory, asked before it is needed.
 
+use bytemuck::Zeroable;
+
 use crate::error::{Error, Result};
+use crate::simd;
 
 /// Refuses what would take more memory than the system gives at this moment.
 ///
@@ -24,6 +27,29 @@ pub(crate) fn check(what: &'static str, bytes: usize) -> Result<()> {
         });
     }
     Ok(())
+}
+
+/// A vector of `count` zeros, which cost nothing before they are written, or an error when memory is short.
+pub(crate) fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>> {
+    let vec = bytemuck::allocation::try_zeroed_vec(count).map_err(|()| short_of(count))?;
+    simd::prefer_large_pages(&vec);
+    Ok(vec)
+}
+
+/// A vector of `count` times `value`, or an error instead of an abort when memory is short.
+pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
+    let mut vec = Vec::new();
+    vec.try_reserve_exact(count).map_err(|_| short_of(count))?;
+    vec.resize(count, value);
+    Ok(vec)
+}
+
+fn short_of(count: usize) -> Error {
+    Error::Limit {
+        what: "elements of a result",
+        got: count.to_string(),
+        limit: "the memory there is".into(),
+    }
 }
 
 #[cfg(test)]

@@ -7,10 +7,11 @@ use crate::channel::{Kind, Shots, single};
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DMat3, Ray};
 use crate::image::{CameraRecord, Channel, Data, Frame, Intrinsics, Origin, Pose};
+use crate::memory::filled;
 use crate::sampling::offset;
 use crate::scene::{Light, Scene};
 use crate::shade::Shade;
-use crate::shoot::{Hits, filled, shoot, shoot_all};
+use crate::shoot::{Hits, shoot, shoot_all};
 use crate::watch::Watch;
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.

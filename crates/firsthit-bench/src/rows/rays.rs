@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use firsthit::{Bounds, Camera, DVec3, Ray, Scene};
+use firsthit::{Bounds, Camera, DVec3, Hits, Ray, Scene};
 
 use crate::firsthit_side;
 
@@ -25,7 +25,8 @@ const OFF: f64 = 1e-5;
 
 impl Surface {
     pub(super) fn seen(scene: &Scene, camera: &Camera) -> Self {
-        let hits = firsthit_side::first_hits(scene, camera);
+        let mut hits = Hits::default();
+        firsthit_side::first_hits(scene, camera, &mut hits);
         let off = OFF * scene.bounds().size().length();
         let tiles = camera.columns() / 16;
         let pixel = |tile: usize, k: usize| {

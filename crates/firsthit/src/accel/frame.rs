@@ -213,7 +213,8 @@ impl Frame {
     }
 }
 
-fn largest_axis(v: DVec3) -> usize {
+/// The axis along which a vector is longest, of equal ones the first.
+pub(crate) fn largest_axis(v: DVec3) -> usize {
     let v = v.abs();
     if v.x >= v.y && v.x >= v.z {
         0

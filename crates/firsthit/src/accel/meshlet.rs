@@ -64,9 +64,8 @@ impl Meshlet {
     /// The corners of a triangle, in the tree's space.
     #[inline(always)]
     pub(super) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
-        let lane = lane % LANES;
         let corner = |k: usize| {
-            let vertex = usize::from(self.corners[k][lane]) % LANES;
+            let vertex = self.vertex(lane, k);
             [
                 self.vertices[0][vertex],
                 self.vertices[1][vertex],
@@ -74,6 +73,12 @@ impl Meshlet {
             ]
         };
         [corner(0), corner(1), corner(2)]
+    }
+
+    /// Which vertex a corner of a triangle is.
+    #[inline(always)]
+    pub(super) fn vertex(&self, lane: usize, corner: usize) -> usize {
+        usize::from(self.corners[corner % 3][lane % LANES]) % LANES
     }
 }
 

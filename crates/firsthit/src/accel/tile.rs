@@ -132,7 +132,7 @@ pub(crate) fn fill<L: Lanes>(
     tile: &mut Tile,
     arbiter: &mut impl Arbiter,
 ) {
-    let stack = &mut scratch.stack;
+    let Scratch { stack, known } = scratch;
     stack.clear();
     let mut index = 0_u32;
     let mut entry = 0.0_f32;
@@ -151,8 +151,16 @@ pub(crate) fn fill<L: Lanes>(
                 slot,
                 tile,
                 arbiter,
+                known,
+                changed: 0,
             };
-            if visit.run(l, entry, limit) {
+            visit.run(l, entry, limit);
+            let mut changed = visit.changed;
+            if changed != 0 {
+                while changed != 0 {
+                    tile.update_row(l, changed.trailing_zeros() as usize % TILE);
+                    changed &= changed - 1;
+                }
                 limit = tile.limit(l);
             }
         }
@@ -207,20 +215,25 @@ struct Visit<'a, A> {
     slot: u32,
     tile: &'a mut Tile,
     arbiter: &'a mut A,
+    known: &'a mut Known,
+    /// The rows with a new hit.
+    changed: u16,
 }
 
 /// Sides of the three edges for sixteen triangles, each linear in the place of a sample relative to the
 /// triangle's first: `constant + column * across + row * down`.
 #[repr(C, align(64))]
+#[derive(Debug, Default)]
 struct Edges {
     constant: [[f32; LANES]; 3],
     across: [[f32; LANES]; 3],
     down: [[f32; LANES]; 3],
 }
 
-/// What else is known of the triangles, in arrays to take single ones from.
+/// What else is known of the triangles, in arrays to take single ones from. Only what a leaf has written is its own.
 #[repr(C, align(64))]
-struct Known {
+#[derive(Debug, Default)]
+pub(super) struct Known {
     edges: Edges,
     bound: [f32; LANES],
     /// The corners' depths.
@@ -234,13 +247,13 @@ struct Known {
 }
 
 impl<A: Arbiter> Visit<'_, A> {
-    /// Whether any pixel changed. All of the leaf is at depths from `entry` on.
+    /// All of the leaf is at depths from `entry` on.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
         reason = "straight-line lane code; functions would hand on twenty registers"
     )]
-    fn run<L: Lanes>(&mut self, l: L, entry: f32, limit: f32) -> bool {
+    fn run<L: Lanes>(&mut self, l: L, entry: f32, limit: f32) {
         let frame = self.frame;
         let [x, y, z] = frame.transformed(l, self.leaf);
         let [a, b, c] = &self.leaf.corners;
@@ -277,7 +290,7 @@ impl<A: Arbiter> Visit<'_, A> {
             alive &= l.le(columns[0], columns[1]) & l.le(rows[0], rows[1]);
         }
         if alive == 0 {
-            return false;
+            return;
         }
 
         // The corners relative to the first of those samples.
@@ -308,21 +321,6 @@ impl<A: Arbiter> Visit<'_, A> {
                 size,
             )
         };
-        let mut known = Known {
-            edges: Edges {
-                constant: [[0.0; LANES]; 3],
-                across: [[0.0; LANES]; 3],
-                down: [[0.0; LANES]; 3],
-            },
-            bound: [0.0; LANES],
-            depths: [[0.0; LANES]; 3],
-            nearest: [0.0; LANES],
-            farthest: [0.0; LANES],
-            first_column: [0.0; LANES],
-            last_column: [0.0; LANES],
-            first_row: [0.0; LANES],
-            last_row: [0.0; LANES],
-        };
         let constants = [
             l.mul_sub(cx, by, l.mul(cy, bx)),
             l.mul_sub(ax, cy, l.mul(ay, cx)),
@@ -338,13 +336,12 @@ impl<A: Arbiter> Visit<'_, A> {
             l.mul_sub(ah, cx, l.mul(ax, ch)),
             l.mul_sub(bh, ax, l.mul(bx, ah)),
         ];
-        l.store(columns[0], &mut known.first_column);
-        l.store(rows[0], &mut known.first_row);
-        l.store(nearest, &mut known.nearest);
-        l.store(farthest, &mut known.farthest);
+        l.store(columns[0], &mut self.known.first_column);
+        l.store(rows[0], &mut self.known.first_row);
+        l.store(nearest, &mut self.known.nearest);
+        l.store(farthest, &mut self.known.farthest);
 
         let small = alive & l.le(width, one) & l.le(height, one);
-        let mut changed = false;
         if small != 0 {
             let parts = Parts {
                 constants,
@@ -357,34 +354,32 @@ impl<A: Arbiter> Visit<'_, A> {
                 width,
                 height,
             };
-            changed |= self.small(l, &parts, &known, small);
+            self.small(l, &parts, small);
         }
         let mut large = alive & !small;
         if large != 0 {
             for k in 0..3 {
-                l.store(constants[k], &mut known.edges.constant[k]);
-                l.store(across[k], &mut known.edges.across[k]);
-                l.store(down[k], &mut known.edges.down[k]);
+                l.store(constants[k], &mut self.known.edges.constant[k]);
+                l.store(across[k], &mut self.known.edges.across[k]);
+                l.store(down[k], &mut self.known.edges.down[k]);
             }
-            l.store(az, &mut known.depths[0]);
-            l.store(bz, &mut known.depths[1]);
-            l.store(cz, &mut known.depths[2]);
-            l.store(bound, &mut known.bound);
-            l.store(columns[1], &mut known.last_column);
-            l.store(rows[1], &mut known.last_row);
+            l.store(az, &mut self.known.depths[0]);
+            l.store(bz, &mut self.known.depths[1]);
+            l.store(cz, &mut self.known.depths[2]);
+            l.store(bound, &mut self.known.bound);
+            l.store(columns[1], &mut self.known.last_column);
+            l.store(rows[1], &mut self.known.last_row);
         }
         while large != 0 {
             let lane = large.trailing_zeros() as usize;
             large &= large - 1;
-            changed |= self.large(l, &known, lane);
+            self.large(l, lane);
         }
-        changed
     }
 
     /// Triangles that hold up to two by two samples: a lane for each triangle.
     #[inline(always)]
-    fn small<L: Lanes>(&mut self, l: L, parts: &Parts<L>, known: &Known, small: u16) -> bool {
-        let mut changed = false;
+    fn small<L: Lanes>(&mut self, l: L, parts: &Parts<L>, small: u16) {
         for down in 0..2_u8 {
             for across in 0..2_u8 {
                 let (row, column) = (l.splat(f32::from(down)), l.splat(f32::from(across)));
@@ -424,30 +419,27 @@ impl<A: Arbiter> Visit<'_, A> {
                         reason = "small whole numbers"
                     )]
                     let (row, column) = (
-                        (known.first_row[lane] as usize + usize::from(down)) % TILE,
-                        (known.first_column[lane] as usize + usize::from(across)) % TILE,
+                        (self.known.first_row[lane] as usize + usize::from(down)) % TILE,
+                        (self.known.first_column[lane] as usize + usize::from(across)) % TILE,
                     );
                     let is_certain = verdict.certain >> lane & 1 == 1;
                     let depths = (lows.0[lane], highs.0[lane]);
-                    if self.meet(row, column, lane, depths, is_certain) {
-                        self.tile.update_row(l, row);
-                        changed = true;
-                    }
+                    self.meet(row, column, lane, depths, is_certain);
                 }
             }
         }
-        changed
     }
 
     /// One triangle, row by row: a lane for each pixel.
     #[inline(always)]
-    fn large<L: Lanes>(&mut self, l: L, known: &Known, lane: usize) -> bool {
+    fn large<L: Lanes>(&mut self, l: L, lane: usize) {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "small whole numbers"
         )]
         let whole = |x: f32| x as usize % TILE;
+        let known = &*self.known;
         let [first, last] = [
             whole(known.first_column[lane]),
             whole(known.last_column[lane]),
@@ -470,16 +462,23 @@ impl<A: Arbiter> Visit<'_, A> {
         ];
         let nearest = known.nearest[lane];
         let ends = [l.splat(nearest), l.splat(known.farthest[lane])];
-        let mut changed = false;
-        for row in whole(known.first_row[lane])..=whole(known.last_row[lane]) {
+        let (first_row, down) = (
+            known.first_row[lane],
+            [
+                edges.down[0][lane],
+                edges.down[1][lane],
+                edges.down[2][lane],
+            ],
+        );
+        for row in whole(first_row)..=whole(known.last_row[lane]) {
             if nearest > self.tile.farthest[row] {
                 continue;
             }
-            let down = row as f32 - known.first_row[lane];
+            let steps = row as f32 - first_row;
             let sides = [
-                l.add(along[0], l.splat(down * edges.down[0][lane])),
-                l.add(along[1], l.splat(down * edges.down[1][lane])),
-                l.add(along[2], l.splat(down * edges.down[2][lane])),
+                l.add(along[0], l.splat(steps * down[0])),
+                l.add(along[1], l.splat(steps * down[1])),
+                l.add(along[2], l.splat(steps * down[2])),
             ];
             let verdict = Verdict::new(
                 l,
@@ -491,20 +490,19 @@ impl<A: Arbiter> Visit<'_, A> {
                 columns,
             );
             if let Some(verdict) = verdict {
-                changed |= self.meet_row(l, row, lane, &verdict);
+                self.meet_row(l, row, lane, &verdict);
             }
         }
-        changed
     }
 
     #[inline(always)]
-    fn meet_row<L: Lanes>(&mut self, l: L, row: usize, lane: usize, verdict: &Verdict<L>) -> bool {
+    fn meet_row<L: Lanes>(&mut self, l: L, row: usize, lane: usize, verdict: &Verdict<L>) {
         let (low, high) = (l.load(&self.tile.low[row]), l.load(&self.tile.high[row]));
         let possible = verdict.possible
             & l.le(verdict.low, high)
             & l.le(l.splat(self.frame.start_depth), verdict.high);
         if possible == 0 {
-            return false;
+            return;
         }
         let wins = possible
             & verdict.certain
@@ -520,18 +518,14 @@ impl<A: Arbiter> Visit<'_, A> {
             let objects = &mut self.tile.objects[row];
             let object = l.splat(f32::from_bits(winner.object));
             l.store(l.select(wins, object, l.load(objects)), objects);
+            self.changed |= 1 << row;
         }
         let mut open = possible & !wins;
-        let mut changed = wins != 0;
         while open != 0 {
             let column = open.trailing_zeros() as usize;
             open &= open - 1;
-            changed |= self.settle(row, column, winner);
+            self.settle(row, column, winner);
         }
-        if changed {
-            self.tile.update_row(l, row);
-        }
-        changed
     }
 
     /// A candidate for one pixel.
@@ -543,17 +537,18 @@ impl<A: Arbiter> Visit<'_, A> {
         lane: usize,
         (low, high): (f32, f32),
         is_certain: bool,
-    ) -> bool {
+    ) {
         let start = self.frame.start_depth;
         if low > self.tile.high[row][column] || high < start {
-            return false;
+            return;
         }
         let winner = self.winner(lane);
         if is_certain && high < self.tile.low[row][column] && low > start {
             self.tile.set(row, column, winner, low, high);
-            return true;
+            self.changed |= 1 << row;
+        } else {
+            self.settle(row, column, winner);
         }
-        self.settle(row, column, winner)
     }
 
     #[inline(always)]
@@ -569,10 +564,10 @@ impl<A: Arbiter> Visit<'_, A> {
     /// Lets float64 decide about a pixel.
     #[cold]
     #[inline(never)]
-    fn settle(&mut self, row: usize, column: usize, new: Winner) -> bool {
+    fn settle(&mut self, row: usize, column: usize, new: Winner) {
         let old = self.tile.winner(row, column);
         let Some((winner, depth)) = self.arbiter.settle(row, column, old, new) else {
-            return false;
+            return;
         };
         #[expect(
             clippy::cast_possible_truncation,
@@ -582,7 +577,7 @@ impl<A: Arbiter> Visit<'_, A> {
         let error = self.frame.depth_error + depth.abs() * (4.0 * U);
         self.tile
             .set(row, column, winner, depth - error, depth + error);
-        true
+        self.changed |= 1 << row;
     }
 }
 

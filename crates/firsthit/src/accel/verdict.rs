@@ -7,37 +7,56 @@ use super::mesh_tree::MeshTree;
 use crate::geometry::DVec3;
 use crate::shape::Mesh;
 use crate::shape::triangle::FAR;
-use crate::simd::{LANES, Lanes, WIDE};
+use crate::simd::{Aligned, LANES, Lanes, WIDE};
 
-/// Eight rays, in the space of a mesh.
+/// Eight rays, in the space of a mesh, along [`axes`].
 pub(crate) struct Pencil<L: Lanes> {
     pub(crate) origin: [L::Doubles; 3],
     pub(crate) direction: [L::Doubles; 3],
 }
 
-/// The corners of sixteen triangles in lanes, corner by corner and axis by axis, in two halves.
-pub(crate) struct Corners<L: Lanes>(pub(crate) [[[L::Doubles; 2]; 3]; 3]);
+/// The order of the axes for rays that go mostly along the axis `z`: that one is the last.
+pub(crate) fn axes(z: usize) -> [usize; 3] {
+    [(z + 1) % 3, (z + 2) % 3, z]
+}
 
-impl<L: Lanes> Corners<L> {
+/// The corners of sixteen triangles in lanes, corner by corner and axis by axis, along [`axes`].
+pub(crate) enum Corners {
+    /// In units of the tree's space: what they are multiplied with, and what is added to that.
+    Scaled(Box3<[f32; LANES]>, f64, [f64; 3]),
+    /// As they are, in two halves.
+    Whole(Box3<[[f64; WIDE]; 2]>),
+}
+
+/// Three corners of three coordinates.
+type Box3<T> = Aligned<[[T; 3]; 3]>;
+
+impl Corners {
     /// Those of the triangles in `slots` (as bits), in the lanes of `wanted`; of others anything.
     #[inline(always)]
-    pub(crate) fn new(
+    pub(crate) fn new<L: Lanes>(
         l: L,
-        tree: &MeshTree,
-        mesh: &Mesh,
+        (tree, mesh): (&MeshTree, &Mesh),
+        axes: [usize; 3],
         slots: &[f32; LANES],
         wanted: u16,
     ) -> Self {
         if tree.is_exact {
-            Self::exact(l, tree, slots, wanted)
+            Self::scaled(l, tree, axes, slots, wanted)
         } else {
-            Self::gathered(l, tree, mesh, slots, wanted)
+            Self::whole(tree, mesh, axes, slots, wanted)
         }
     }
 
     /// From the leaves, which are in the cache: neighbours mostly meet the same few triangles.
     #[inline(always)]
-    fn exact(l: L, tree: &MeshTree, slots: &[f32; LANES], wanted: u16) -> Self {
+    fn scaled<L: Lanes>(
+        l: L,
+        tree: &MeshTree,
+        axes: [usize; 3],
+        slots: &[f32; LANES],
+        wanted: u16,
+    ) -> Self {
         let all = l.load(slots);
         let mut corners = [[l.splat(0.0); 3]; 3];
         let mut left = wanted;
@@ -46,82 +65,106 @@ impl<L: Lanes> Corners<L> {
             let here = l.same(all, l.splat(slot));
             left &= !here;
             let slot = slot.to_bits() as usize;
-            let triangle = tree.leaves[slot / LANES].triangle(slot % LANES);
-            for (corner, point) in corners.iter_mut().zip(triangle) {
-                for (lanes, coordinate) in corner.iter_mut().zip(point) {
+            let leaf = &tree.leaves[slot / LANES];
+            for corner in 0..3 {
+                let vertex = leaf.vertex(slot, corner);
+                for axis in 0..3 {
+                    let coordinate = leaf.vertices[axes[axis] % 3][vertex];
+                    let lanes = &mut corners[corner][axis];
                     *lanes = l.select(here, l.splat(coordinate), *lanes);
                 }
             }
         }
-        let unscale = l.splat64(tree.space.unscale);
-        let mut out = [[[l.splat64(0.0); 2]; 3]; 3];
-        for (out, corner) in out.iter_mut().zip(corners) {
-            for (axis, (out, lanes)) in out.iter_mut().zip(corner).enumerate() {
-                let origin = l.splat64(tree.space.origin[axis]);
-                let [low, high] = l.widen(lanes);
-                *out = [
-                    l.add64(l.mul64(low, unscale), origin),
-                    l.add64(l.mul64(high, unscale), origin),
-                ];
+        // Indices: of chains of iterators over registers the compiler makes copies in memory.
+        let mut out = Aligned([[[0.0; LANES]; 3]; 3]);
+        for corner in 0..3 {
+            for axis in 0..3 {
+                l.store(corners[corner][axis], &mut out.0[corner][axis]);
             }
         }
-        Self(out)
+        let origin = axes.map(|axis| tree.space.origin[axis % 3]);
+        Self::Scaled(out, tree.space.unscale, origin)
     }
 
     /// From the mesh, one by one.
     #[inline(always)]
-    fn gathered(l: L, tree: &MeshTree, mesh: &Mesh, slots: &[f32; LANES], wanted: u16) -> Self {
-        let mut arrays = [[[[0.0; WIDE]; 2]; 3]; 3];
+    fn whole(
+        tree: &MeshTree,
+        mesh: &Mesh,
+        axes: [usize; 3],
+        slots: &[f32; LANES],
+        wanted: u16,
+    ) -> Self {
+        let mut out = Aligned([[[[0.0; WIDE]; 2]; 3]; 3]);
         let mut left = wanted;
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
             let corners: [DVec3; 3] = tree.corners_in(mesh, slots[lane].to_bits());
-            for (arrays, corner) in arrays.iter_mut().zip(corners) {
-                for axis in 0..3 {
-                    arrays[axis][lane / WIDE][lane % WIDE] = corner[axis];
+            for (out, corner) in out.0.iter_mut().zip(corners) {
+                for (out, axis) in out.iter_mut().zip(axes) {
+                    out[lane / WIDE][lane % WIDE] = corner[axis % 3];
                 }
             }
         }
-        let mut out = [[[l.splat64(0.0); 2]; 3]; 3];
-        for (out, arrays) in out.iter_mut().zip(&arrays) {
-            for (out, arrays) in out.iter_mut().zip(arrays) {
-                *out = [l.load64(&arrays[0]), l.load64(&arrays[1])];
+        Self::Whole(out)
+    }
+
+    /// Eight of them, in float64.
+    #[inline(always)]
+    fn half<L: Lanes>(&self, l: L, half: usize) -> [[L::Doubles; 3]; 3] {
+        match self {
+            Self::Scaled(corners, unscale, origin) => {
+                let unscale = l.splat64(*unscale);
+                let mut out = [[unscale; 3]; 3];
+                for corner in 0..3 {
+                    for axis in 0..3 {
+                        let lanes = &corners.0[corner][axis].as_chunks().0[half % 2];
+                        let lanes = l.mul64(l.load_widened(lanes), unscale);
+                        out[corner][axis] = l.add64(lanes, l.splat64(origin[axis]));
+                    }
+                }
+                out
+            }
+            Self::Whole(corners) => {
+                let mut out = [[l.splat64(0.0); 3]; 3];
+                for corner in 0..3 {
+                    for axis in 0..3 {
+                        out[corner][axis] = l.load64(&corners.0[corner][axis][half % 2]);
+                    }
+                }
+                out
             }
         }
-        Self(out)
     }
 }
 
-/// `t` and the weights of corners 1 and 2, and in which lanes they are the judge's.
+/// `t` and the weights of corners 1 and 2, and in which lanes they are the judge's: those whose rays go mostly along
+/// the axis `z`, and where nothing is special.
 #[inline(always)]
 pub(crate) fn verdict<L: Lanes>(
     l: L,
+    z: usize,
     rays: &Pencil<L>,
-    corners: &Corners<L>,
+    corners: &Corners,
     half: usize,
 ) -> (u8, [L::Doubles; 3]) {
     let d = &rays.direction;
-    let longest = [l.abs64(d[0]), l.abs64(d[1]), l.abs64(d[2])];
-    // Where x, else y, is longest.
-    let is_x = l.le64(longest[1], longest[0]) & l.le64(longest[2], longest[0]);
-    let is_y = l.le64(longest[2], longest[1]) & !is_x;
-    let (z, same) = if is_x & 1 == 1 {
-        (0, is_x)
-    } else if is_y & 1 == 1 {
-        (1, is_y)
-    } else {
-        (2, !is_x & !is_y)
+    let [p, q, r] = [l.abs64(d[0]), l.abs64(d[1]), l.abs64(d[2])];
+    // As the judge chooses: of equal ones the first.
+    let along = match z {
+        0 => l.le64(p, r) & l.le64(q, r),
+        1 => l.le64(p, r) & !(l.le64(r, q) & l.le64(p, q)),
+        _ => !(l.le64(q, p) & l.le64(r, p)) & !l.le64(r, q),
     };
-    let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-    let slope = [l.div64(d[x], d[z]), l.div64(d[y], d[z])];
-    let scale = l.div64(l.splat64(1.0), d[z]);
+    let slope = [l.div64(d[0], d[2]), l.div64(d[1], d[2])];
+    let scale = l.div64(l.splat64(1.0), d[2]);
+    let corners = corners.half(l, half);
     macro_rules! sheared {
         ($corner:literal) => {{
-            let corner = &corners.0[$corner];
-            let along = l.sub64(corner[z][half % 2], rays.origin[z]);
-            let across = l.sub64(corner[x][half % 2], rays.origin[x]);
-            let upwards = l.sub64(corner[y][half % 2], rays.origin[y]);
+            let across = l.sub64(corners[$corner][0], rays.origin[0]);
+            let upwards = l.sub64(corners[$corner][1], rays.origin[1]);
+            let along = l.sub64(corners[$corner][2], rays.origin[2]);
             [
                 l.sub64(across, l.mul64(slope[0], along)),
                 l.sub64(upwards, l.mul64(slope[1], along)),
@@ -145,7 +188,7 @@ pub(crate) fn verdict<L: Lanes>(
     let is_sizeable = l.le64(l.splat64(1e-140), l.max64(largest!(0), largest!(1)));
     let is_near = l.le64(largest!(2), l.mul64(l.splat64(FAR), l.abs64(t)));
     let is_ahead = l.lt64(l.splat64(0.0), t) & l.lt64(t, l.splat64(f64::INFINITY));
-    (same & is_sizeable & is_near & is_ahead, [t, v, w])
+    (along & is_sizeable & is_near & is_ahead, [t, v, w])
 }
 
 /// On which side of an edge the ray is, to the last digits.

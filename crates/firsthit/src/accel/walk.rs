@@ -8,6 +8,7 @@ use super::filter::{Candidates, filter};
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
 use super::ray::TreeRay;
+use super::tile::Known;
 use super::wide::LEAF;
 use crate::geometry::Ray;
 use crate::shape::triangle::{Shear, TriangleHit};
@@ -18,6 +19,7 @@ use crate::simd::{Aligned, LANES, Lanes};
 #[derive(Debug)]
 pub(crate) struct Scratch {
     pub(super) stack: Stack,
+    pub(super) known: Box<Known>,
 }
 
 impl Scratch {
@@ -28,6 +30,7 @@ impl Scratch {
                 entries: vec![0; STACK].try_into().expect("it has that length"),
                 height: 0,
             },
+            known: Box::default(),
         }
     }
 }

@@ -7,6 +7,7 @@
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
 )]
 
+mod hits;
 mod judge;
 mod object;
 mod tiles;
@@ -14,16 +15,18 @@ mod trees;
 
 use rayon::prelude::*;
 
+pub use hits::Hits;
 pub use judge::BruteForce;
 pub use trees::Trees;
 
-use crate::accel::{Scratch, TILE};
+use crate::accel::Scratch;
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, Hit, PixelGrid, Ray, Rays};
+use crate::geometry::{DVec3, Hit, PixelGrid, Ray, Rays};
 use crate::memory;
 use crate::scene::Scene;
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
+use hits::Out;
 
 /// The first object on the ray `p + t * u_r`: the smallest `t > 0`, and at the same `t` the lower
 /// (object, primitive). `u_r` need not be of length one; a ray that is zero, infinite or NaN misses.
@@ -52,45 +55,6 @@ pub fn first_hit<S: Search>(scene: &Scene, ray: &Ray) -> Hit {
     S::first_hit(scene, ray)
 }
 
-/// What many rays met, an array for each quantity; see [`Hit`] for their meaning.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Hits {
-    /// The rays' parameters, infinity for a miss.
-    pub t: Vec<f64>,
-    /// The objects' identifiers, -1 for a miss.
-    pub object: Vec<i32>,
-    /// The primitives' identifiers, -1 for a miss.
-    pub primitive: Vec<i32>,
-    /// The weights of a triangle's corners 1 and 2, else NaN.
-    pub barycentric: Vec<DVec2>,
-}
-
-impl Hits {
-    /// How many rays there were.
-    pub fn len(&self) -> usize {
-        self.t.len()
-    }
-
-    /// Whether there were none.
-    pub fn is_empty(&self) -> bool {
-        self.t.is_empty()
-    }
-
-    /// What the ray `index` met.
-    ///
-    /// # Panics
-    ///
-    /// When there was no such ray.
-    pub fn get(&self, index: usize) -> Hit {
-        Hit {
-            t: self.t[index],
-            object: self.object[index],
-            primitive: self.primitive[index],
-            barycentric: self.barycentric[index],
-        }
-    }
-}
-
 /// How many rays a thread takes at a time: enough to be worth it, few enough to stop within a moment.
 const BATCH: usize = 1024;
 
@@ -101,7 +65,24 @@ const BATCH: usize = 1024;
 ///
 /// [`Error::Limit`] when the result does not fit into memory, [`Error::Interrupted`] when `watch` stops it.
 pub fn shoot_all<R: Rays + ?Sized>(scene: &Scene, rays: &R, watch: &dyn Watch) -> Result<Hits> {
-    shoot_each(scene, &Borrowed(rays), watch)
+    let mut hits = Hits::default();
+    shoot_all_into(scene, rays, &mut hits, watch)?;
+    Ok(hits)
+}
+
+/// [`shoot_all`] into hits that are there already: their memory is used again, which for a million rays is a
+/// large part of the time. After an error they are of no meaning.
+///
+/// # Errors
+///
+/// Those of [`shoot_all`].
+pub fn shoot_all_into<R: Rays + ?Sized>(
+    scene: &Scene,
+    rays: &R,
+    hits: &mut Hits,
+    watch: &dyn Watch,
+) -> Result<()> {
+    shoot_each(scene, &Borrowed(rays), hits, watch)
 }
 
 /// Rays behind a pointer: kernels are compiled once, not for each kind of rays.
@@ -121,21 +102,12 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
     }
 }
 
-fn shoot_each(scene: &Scene, rays: &dyn Rays, watch: &dyn Watch) -> Result<Hits> {
+fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch) -> Result<()> {
     let count = rays.len();
     let plan = tiles::Plan::new(scene, rays);
-    let mut hits = Hits {
-        // Written once, by whoever shoots: memory that is zero costs nothing.
-        t: zeroed(count, 0.0)?,
-        object: zeroed(count, 0)?,
-        primitive: zeroed(count, 0)?,
-        barycentric: filled(count, Hit::MISS.barycentric)?,
-    };
-    // A row of tiles at a time, or a number of rays.
-    let chunk = plan
-        .as_ref()
-        .map_or(BATCH, |plan| plan.columns() * TILE)
-        .max(1);
+    hits.fit(count)?;
+    // A band of tiles at a time, or a number of rays.
+    let chunk = plan.as_ref().map_or(BATCH, tiles::Plan::band).max(1);
     hits.t
         .par_chunks_mut(chunk)
         .zip(hits.object.par_chunks_mut(chunk))
@@ -167,36 +139,7 @@ fn shoot_each(scene: &Scene, rays: &dyn Rays, watch: &dyn Watch) -> Result<Hits>
             }
             watch.advance(count);
             Ok(())
-        })?;
-    Ok(hits)
-}
-
-/// Where hits go.
-struct Out<'a> {
-    t: &'a mut [f64],
-    object: &'a mut [i32],
-    primitive: &'a mut [i32],
-    barycentric: &'a mut [DVec2],
-}
-
-impl Out<'_> {
-    #[inline(always)]
-    fn put(&mut self, index: usize, hit: &Hit) {
-        self.t[index] = hit.t;
-        self.object[index] = hit.object;
-        self.primitive[index] = hit.primitive;
-        self.barycentric[index] = hit.barycentric;
-    }
-
-    #[inline(always)]
-    fn get(&self, index: usize) -> Hit {
-        Hit {
-            t: self.t[index],
-            object: self.object[index],
-            primitive: self.primitive[index],
-            barycentric: self.barycentric[index],
-        }
-    }
+        })
 }
 
 /// Rays from `first` on, one by one.
@@ -232,7 +175,7 @@ pub fn occluded_all<R: Rays + ?Sized>(
     watch: &dyn Watch,
 ) -> Result<Vec<bool>> {
     let rays: &dyn Rays = &Borrowed(rays);
-    let mut found = filled(rays.len(), false)?;
+    let mut found = memory::zeroed(rays.len())?;
     found
         .par_chunks_mut(BATCH)
         .enumerate()
@@ -275,27 +218,4 @@ impl Kernel for AnyBatch<'_> {
             *found = trees::any_hit(l, &mut scratch, self.scene, &ray);
         }
     }
-}
-
-/// A vector of `count` times `zero`, or an error instead of an abort when memory is short.
-fn zeroed<T: Clone>(count: usize, zero: T) -> Result<Vec<T>> {
-    // The standard library has no fallible way to memory that is zero already.
-    memory::check("a result", count.saturating_mul(size_of::<T>()))?;
-    Ok(vec![zero; count])
-}
-
-fn reserved<T>(mut vec: Vec<T>, count: usize) -> Result<Vec<T>> {
-    vec.try_reserve_exact(count).map_err(|_| Error::Limit {
-        what: "elements of a result",
-        got: count.to_string(),
-        limit: "the memory there is".into(),
-    })?;
-    Ok(vec)
-}
-
-/// A vector of `count` times `value`, or an error instead of an abort when memory is short.
-pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
-    let mut vec = reserved(Vec::new(), count)?;
-    vec.resize(count, value);
-    Ok(vec)
 }

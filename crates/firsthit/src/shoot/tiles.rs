@@ -6,7 +6,8 @@ use super::Out;
 use super::object::Moderate;
 use super::trees;
 use crate::accel::{
-    Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, Scratch, TILE, Tile, Winner, fill, verdict,
+    Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, Scratch, TILE, Tile, Winner, axes, fill,
+    largest_axis, verdict,
 };
 use crate::geometry::{DVec2, DVec3, Hit, PixelGrid, Rays};
 use crate::scene::{Object, Scene};
@@ -20,8 +21,11 @@ pub(super) struct Plan<'a> {
     grid: PixelGrid,
     /// What tiles can do, the nearest first.
     meshes: Vec<Placed>,
-    /// Whether an object is in there.
+    /// Whether an object is in there, and whether all are.
     is_tiled: Vec<bool>,
+    all_tiled: bool,
+    /// Rows of tiles in a band.
+    tiles_down: usize,
 }
 
 /// An object, and the tiles that it may be seen in.
@@ -48,17 +52,28 @@ impl<'a> Plan<'a> {
             }
         }
         meshes.sort_by(|a: &Placed, b| a.depth.total_cmp(&b.depth));
+        // Enough bands for all threads; fewer, and one of them would be waited for.
+        let many = 8 * rayon::current_num_threads();
+        let tiles_down = if grid.rows >= many * TALL * TILE {
+            TALL
+        } else {
+            1
+        };
+        let all_tiled = !is_tiled.contains(&false);
         is_tiled.contains(&true).then_some(Self {
             scene,
             rays,
             grid,
             meshes,
             is_tiled,
+            all_tiled,
+            tiles_down,
         })
     }
 
-    pub(super) fn columns(&self) -> usize {
-        self.grid.columns
+    /// How many pixels a band has, but for the last one.
+    pub(super) fn band(&self) -> usize {
+        self.tiles_down * TILE * self.grid.columns
     }
 }
 
@@ -147,7 +162,7 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     })
 }
 
-/// A row of tiles.
+/// Some rows of tiles.
 pub(super) struct Band<'a> {
     pub(super) plan: &'a Plan<'a>,
     /// Its number, from the top.
@@ -160,24 +175,64 @@ impl Kernel for Band<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        let grid = &self.plan.grid;
         let mut scratch = Scratch::new();
-        let rows = (grid.rows - self.index * TILE).min(TILE);
-        for tile in 0..grid.columns.div_ceil(TILE) {
-            let mut work = Work {
-                plan: self.plan,
-                row: self.index * TILE,
-                column: tile * TILE,
-            };
-            let columns = (grid.columns - work.column).min(TILE);
-            let mut pixels = Tile::new(rows, columns);
-            let is_filled = work.fill(l, &mut scratch, self.index, tile, &mut pixels);
-            for row in 0..rows {
-                if is_filled {
-                    work.develop(l, &pixels, row, columns, &mut self.out);
-                }
-                work.complete(l, &mut scratch, row, columns, is_filled, &mut self.out);
+        let first = self.index * self.plan.tiles_down;
+        let [down, across] =
+            [self.plan.grid.rows, self.plan.grid.columns].map(|n| n.div_ceil(TILE));
+        // Neighbours one after the other: what the one has brought into the cache the next one needs.
+        for place in 0..ORDER.len() * across.div_ceil(TALL) {
+            let (dx, dy) = ORDER[place % ORDER.len()];
+            let tile = (first + dy, place / ORDER.len() * TALL + dx);
+            if dy < self.plan.tiles_down && tile.0 < down && tile.1 < across {
+                self.tile(l, &mut scratch, tile, dy * TILE);
             }
+        }
+    }
+}
+
+/// Tiles down a band, where there are many bands.
+const TALL: usize = 4;
+
+/// The tiles of a square of a band, columns and rows, along Morton's curve.
+const ORDER: [(usize, usize); TALL * TALL] = {
+    let mut order = [(0, 0); TALL * TALL];
+    let mut k = 0;
+    while k < order.len() {
+        order[k] = (k & 1 | k >> 1 & 2, k >> 1 & 1 | k >> 2 & 2);
+        k += 1;
+    }
+    order
+};
+
+impl Band<'_> {
+    /// The tile in a row and a column of tiles, whose first row of pixels is `inside` the band.
+    #[inline(always)]
+    fn tile<L: Lanes>(
+        &mut self,
+        l: L,
+        scratch: &mut Scratch,
+        (row, column): (usize, usize),
+        inside: usize,
+    ) {
+        let grid = &self.plan.grid;
+        let mut work = Work {
+            plan: self.plan,
+            row: row * TILE,
+            column: column * TILE,
+            inside,
+        };
+        let rows = (grid.rows - work.row).min(TILE);
+        let columns = (grid.columns - work.column).min(TILE);
+        let mut pixels = Tile::new(rows, columns);
+        for row in 0..rows {
+            self.out.prefetch(l, work.at(row), columns);
+        }
+        let is_filled = work.fill(l, scratch, row, column, &mut pixels);
+        if is_filled {
+            work.develop(l, &pixels, [rows, columns], &mut self.out);
+        }
+        for row in 0..rows {
+            work.complete(l, scratch, row, columns, is_filled, &mut self.out);
         }
     }
 }
@@ -185,37 +240,89 @@ impl Kernel for Band<'_> {
 /// The hits of a tile's row, on their way to memory: there, a few bytes at a time would be slow.
 #[repr(align(64))]
 struct RowOfHits {
-    t: [f64; TILE],
+    t: [[f64; WIDE]; 2],
     object: [i32; TILE],
     primitive: [i32; TILE],
-    barycentric: [DVec2; TILE],
+    barycentric: [[f64; WIDE]; 4],
 }
 
 impl RowOfHits {
     const MISSES: Self = Self {
-        t: [Hit::MISS.t; TILE],
+        t: [[Hit::MISS.t; WIDE]; 2],
         object: [Hit::MISS.object; TILE],
         primitive: [Hit::MISS.primitive; TILE],
-        barycentric: [Hit::MISS.barycentric; TILE],
+        barycentric: [[f64::NAN; WIDE]; 4],
     };
 
-    #[inline(always)]
     fn put(&mut self, column: usize, hit: &Hit) {
-        let column = column % TILE;
-        self.t[column] = hit.t;
+        let (column, weights) = (column % TILE, hit.barycentric);
+        self.t.as_flattened_mut()[column] = hit.t;
         self.object[column] = hit.object;
         self.primitive[column] = hit.primitive;
-        self.barycentric[column] = hit.barycentric;
+        self.barycentric.as_flattened_mut()[2 * column..][..2]
+            .copy_from_slice(&[weights.x, weights.y]);
+    }
+
+    /// Takes eight hits where the mask says so.
+    #[inline(always)]
+    fn put_half<L: Lanes>(&mut self, l: L, half: usize, mask: u8, [t, v, w]: [L::Doubles; 3]) {
+        let half = half % 2;
+        let old = l.load64(&self.t[half]);
+        l.store64(l.select64(mask, t, old), &mut self.t[half]);
+        let mut both = [[0.0; WIDE]; 2];
+        let [low, high] = l.interleave64(v, w);
+        if mask == u8::MAX {
+            l.store64(low, &mut self.barycentric[2 * half]);
+            l.store64(high, &mut self.barycentric[2 * half + 1]);
+            return;
+        }
+        l.store64(low, &mut both[0]);
+        l.store64(high, &mut both[1]);
+        let (both, own) = (both.as_flattened(), self.barycentric.as_flattened_mut());
+        for k in (0..WIDE).filter(|k| mask >> k & 1 == 1) {
+            own[2 * (WIDE * half + k)..][..2].copy_from_slice(&both[2 * k..][..2]);
+        }
     }
 
     #[inline(always)]
     fn write(&self, at: usize, columns: usize, out: &mut Out<'_>) {
-        let place = at..at + columns;
-        out.t[place.clone()].copy_from_slice(&self.t[..columns]);
-        out.object[place.clone()].copy_from_slice(&self.object[..columns]);
-        out.primitive[place.clone()].copy_from_slice(&self.primitive[..columns]);
-        out.barycentric[place].copy_from_slice(&self.barycentric[..columns]);
+        if columns == TILE {
+            // Lengths that the compiler knows.
+            self.copy::<TILE>(at, out);
+        } else {
+            for k in 0..columns {
+                self.copy_one(k, at + k, out);
+            }
+        }
     }
+
+    #[inline(always)]
+    fn copy<const N: usize>(&self, at: usize, out: &mut Out<'_>) {
+        out.t[at..at + N].copy_from_slice(&self.t.as_flattened()[..N]);
+        out.object[at..at + N].copy_from_slice(&self.object[..N]);
+        out.primitive[at..at + N].copy_from_slice(&self.primitive[..N]);
+        let weights: &mut [f64] = bytemuck::cast_slice_mut(&mut out.barycentric[at..at + N]);
+        weights.copy_from_slice(&self.barycentric.as_flattened()[..2 * N]);
+    }
+
+    fn copy_one(&self, from: usize, at: usize, out: &mut Out<'_>) {
+        out.t[at] = self.t.as_flattened()[from];
+        out.object[at] = self.object[from];
+        out.primitive[at] = self.primitive[from];
+        let weights = &self.barycentric.as_flattened()[2 * from..];
+        out.barycentric[at] = DVec2::new(weights[0], weights[1]);
+    }
+}
+
+/// An object as a tile sees it.
+#[derive(Clone, Copy)]
+struct Sight<'a> {
+    index: u32,
+    object: &'a Object,
+    mesh: &'a Mesh,
+    tree: &'a MeshTree,
+    /// The axis that its rays mostly go along.
+    z: usize,
 }
 
 /// A tile by its first pixel.
@@ -223,6 +330,8 @@ struct Work<'a> {
     plan: &'a Plan<'a>,
     row: usize,
     column: usize,
+    /// The row in its band.
+    inside: usize,
 }
 
 impl Work<'_> {
@@ -254,77 +363,94 @@ impl Work<'_> {
         true
     }
 
-    /// Writes the hits of a row.
+    /// Where in the band's results a row begins.
+    #[inline(always)]
+    fn at(&self, row: usize) -> usize {
+        (self.inside + row) * self.plan.grid.columns + self.column
+    }
+
+    fn sight(&self, index: u32) -> Option<Sight<'_>> {
+        let (mesh, tree) = tileable(self.plan.scene, index)?;
+        let object = &self.plan.scene.objects()[index as usize];
+        let centre = bundle(&self.plan.grid, object, self.row, self.column).centre;
+        Some(Sight {
+            index,
+            object,
+            mesh,
+            tree,
+            z: largest_axis(centre),
+        })
+    }
+
+    /// Writes the hits.
     #[inline(always)]
     fn develop<L: Lanes>(
         &self,
         l: L,
         pixels: &Tile,
-        row: usize,
-        columns: usize,
+        [rows, columns]: [usize; 2],
         out: &mut Out<'_>,
     ) {
-        let at = row * self.plan.grid.columns + self.column;
-        let (slots, objects) = pixels.row(row);
-        let mut hits = RowOfHits::MISSES;
-        let all = l.load(objects);
-        let mut left = u16::MAX >> (TILE - columns);
-        left &= !l.same(all, l.splat(f32::from_bits(Winner::NONE.object)));
-        while left != 0 {
-            let object = objects[left.trailing_zeros() as usize % LANES];
-            let here = left & l.same(all, l.splat(object));
-            left &= !here;
-            self.develop_object(l, object.to_bits(), slots, here, row, &mut hits);
+        let mut sight: Option<Sight<'_>> = None;
+        for row in 0..rows {
+            let at = self.at(row);
+            let (slots, objects) = pixels.row(row);
+            let mut hits = RowOfHits::MISSES;
+            let all = l.load(objects);
+            let mut left = u16::MAX >> (TILE - columns);
+            left &= !l.same(all, l.splat(f32::from_bits(Winner::NONE.object)));
+            while left != 0 {
+                let object = objects[left.trailing_zeros() as usize % LANES];
+                let here = left & l.same(all, l.splat(object));
+                left &= !here;
+                let index = object.to_bits();
+                if sight.is_none_or(|sight| sight.index != index) {
+                    sight = self.sight(index);
+                }
+                if let Some(sight) = &sight {
+                    self.develop_object(l, sight, (slots, here), row, &mut hits);
+                }
+            }
+            hits.write(at, columns, out);
         }
-        hits.write(at, columns, out);
     }
 
     #[inline(always)]
     fn develop_object<L: Lanes>(
         &self,
         l: L,
-        index: u32,
-        slots: &[f32; LANES],
-        here: u16,
+        sight: &Sight<'_>,
+        (slots, here): (&[f32; LANES], u16),
         row: usize,
         hits: &mut RowOfHits,
     ) {
-        let Some((mesh, tree)) = tileable(self.plan.scene, index) else {
-            return;
-        };
-        let object = &self.plan.scene.objects()[index as usize];
-        let corners = Corners::new(l, tree, mesh, slots, here);
+        let axes = axes(sight.z);
+        let corners = Corners::new(l, (sight.tree, sight.mesh), axes, slots, here);
+        let mut left = here;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            hits.object[lane] = sight.index.cast_signed();
+            hits.primitive[lane] = sight.tree.triangle_in(slots[lane].to_bits()).cast_signed();
+        }
         for half in 0..2 {
-            let lanes = here >> (WIDE * half) & 0xff;
+            let [low, high] = here.to_le_bytes();
+            let lanes = if half == 0 { low } else { high };
             if lanes == 0 {
                 continue;
             }
-            let rays = self.pencil(l, object, row, self.column + WIDE * half);
-            let (sound, numbers) = verdict(l, &rays, &corners, half);
-            let mut arrays = [[0.0; WIDE]; 3];
-            for (array, numbers) in arrays.iter_mut().zip(numbers) {
-                l.store64(numbers, array);
-            }
-            let mut left = lanes;
-            while left != 0 {
-                let lane = left.trailing_zeros() as usize % WIDE;
-                left &= left - 1;
-                let column = WIDE * half + lane;
-                let slot = slots[column % LANES].to_bits();
-                let hit = if sound >> lane & 1 == 1 {
-                    Hit {
-                        t: arrays[0][lane],
-                        object: index.cast_signed(),
-                        primitive: tree.triangle_in(slot).cast_signed(),
-                        barycentric: DVec2::new(arrays[1][lane], arrays[2][lane]),
-                    }
-                } else {
-                    let winner = Winner {
-                        object: index,
-                        slot,
-                    };
-                    self.decide(row, column, winner).unwrap_or(Hit::MISS)
+            let rays = self.pencil(l, sight, row, self.column + WIDE * half);
+            let (sound, numbers) = verdict(l, sight.z, &rays, &corners, half);
+            hits.put_half(l, half, lanes & sound, numbers);
+            let mut open = lanes & !sound;
+            while open != 0 {
+                let column = WIDE * half + open.trailing_zeros() as usize;
+                open &= open - 1;
+                let winner = Winner {
+                    object: sight.index,
+                    slot: slots[column % LANES].to_bits(),
                 };
+                let hit = self.decide(row, column, winner).unwrap_or(Hit::MISS);
                 hits.put(column, &hit);
             }
         }
@@ -334,7 +460,9 @@ impl Work<'_> {
     /// operation.
     #[inline(always)]
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
-    fn pencil<L: Lanes>(&self, l: L, object: &Object, row: usize, column: usize) -> Pencil<L> {
+    fn pencil<L: Lanes>(&self, l: L, sight: &Sight<'_>, row: usize, column: usize) -> Pencil<L> {
+        let object = sight.object;
+        let axes = axes(sight.z);
         let grid = &self.plan.grid;
         let mut x = [0.0; WIDE];
         for (k, x) in x.iter_mut().enumerate() {
@@ -389,6 +517,7 @@ impl Work<'_> {
         let matrix = &object.transform().object_from_world().matrix3;
         macro_rules! turned {
             ($v:ident, $k:ident) => {{
+                let $k = axes[$k];
                 let part = [
                     l.mul64(l.splat64(matrix.x_axis[$k]), $v[0]),
                     l.mul64(l.splat64(matrix.y_axis[$k]), $v[1]),
@@ -416,12 +545,13 @@ impl Work<'_> {
         out: &mut Out<'_>,
     ) {
         let plan = self.plan;
-        if is_filled && !plan.is_tiled.contains(&false) {
+        if is_filled && plan.all_tiled {
             return;
         }
         for column in 0..columns {
-            let at = row * plan.grid.columns + self.column + column;
-            let ray = plan.rays.ray(self.row * plan.grid.columns + at);
+            let at = self.at(row) + column;
+            let pixel = (self.row + row) * plan.grid.columns + self.column + column;
+            let ray = plan.rays.ray(pixel);
             let hit = if is_filled {
                 let is_wanted = |object: u32| !plan.is_tiled[object as usize];
                 trees::first_hit_among(l, scratch, plan.scene, &ray, out.get(at), is_wanted)

@@ -53,6 +53,19 @@ fn signs(mask: u8) -> __m256 {
     })
 }
 
+/// The same signs for lanes twice as wide.
+#[inline(always)]
+fn widen_signs(x: __m256) -> D {
+    x86!({
+        let x = _mm256_castps_si256(x);
+        let (low, high) = (_mm256_castsi256_si128(x), _mm256_extracti128_si256::<1>(x));
+        [
+            _mm256_castsi256_pd(_mm256_cvtepi32_epi64(low)),
+            _mm256_castsi256_pd(_mm256_cvtepi32_epi64(high)),
+        ]
+    })
+}
+
 /// The sign bits of sixteen lanes.
 #[inline(always)]
 #[expect(
@@ -234,8 +247,8 @@ impl Lanes for Avx2 {
         })
     }
     #[inline(always)]
-    fn widen(self, a: F) -> [D; 2] {
-        [widen_half(a[0]), widen_half(a[1])]
+    fn load_widened(self, from: &[f32; WIDE]) -> D {
+        widen_half(x86!(_mm256_loadu_ps(from.as_ptr())))
     }
     #[inline(always)]
     fn splat64(self, x: f64) -> D {
@@ -308,6 +321,27 @@ impl Lanes for Avx2 {
         ]))
     }
     #[inline(always)]
+    fn select64(self, mask: u8, a: D, b: D) -> D {
+        let signs = widen_signs(signs(mask));
+        x86!([
+            _mm256_blendv_pd(b[0], a[0], signs[0]),
+            _mm256_blendv_pd(b[1], a[1], signs[1])
+        ])
+    }
+    #[inline(always)]
+    fn interleave64(self, a: D, b: D) -> [D; 2] {
+        let four = |a, b| {
+            x86!({
+                let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                [
+                    _mm256_permute2f128_pd::<0x20>(even, odd),
+                    _mm256_permute2f128_pd::<0x31>(even, odd),
+                ]
+            })
+        };
+        [four(a[0], b[0]), four(a[1], b[1])]
+    }
+    #[inline(always)]
     fn prefetch<T>(self, what: &T) {
         x86!(for line in 0..size_of::<T>().div_ceil(64) {
             _mm_prefetch::<_MM_HINT_T0>(
@@ -315,6 +349,13 @@ impl Lanes for Avx2 {
                     .cast::<i8>()
                     .wrapping_add(64 * line),
             );
+        });
+    }
+    #[inline(always)]
+    fn prefetch_to_write<T>(self, what: &mut [T]) {
+        let start = what.as_ptr().cast::<i8>();
+        x86!(for line in 0..=size_of_val(what) / 64 {
+            _mm_prefetch::<_MM_HINT_ET0>(start.wrapping_add(64 * line));
         });
     }
 }

@@ -141,11 +141,8 @@ impl Lanes for Avx512 {
         x86!(_mm512_reduce_max_ps(a))
     }
     #[inline(always)]
-    fn widen(self, a: F) -> [D; 2] {
-        x86!([
-            _mm512_cvtps_pd(_mm512_castps512_ps256(a)),
-            _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(a))
-        ])
+    fn load_widened(self, from: &[f32; WIDE]) -> D {
+        x86!(_mm512_cvtps_pd(_mm256_loadu_ps(from.as_ptr())))
     }
     #[inline(always)]
     fn splat64(self, x: f64) -> D {
@@ -200,6 +197,17 @@ impl Lanes for Avx512 {
         x86!(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b))
     }
     #[inline(always)]
+    fn select64(self, mask: u8, a: D, b: D) -> D {
+        x86!(_mm512_mask_blend_pd(mask, b, a))
+    }
+    #[inline(always)]
+    fn interleave64(self, a: D, b: D) -> [D; 2] {
+        x86!([
+            _mm512_permutex2var_pd(a, _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11), b),
+            _mm512_permutex2var_pd(a, _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15), b)
+        ])
+    }
+    #[inline(always)]
     fn prefetch<T>(self, what: &T) {
         x86!(for line in 0..size_of::<T>().div_ceil(64) {
             _mm_prefetch::<_MM_HINT_T0>(
@@ -207,6 +215,13 @@ impl Lanes for Avx512 {
                     .cast::<i8>()
                     .wrapping_add(64 * line),
             );
+        });
+    }
+    #[inline(always)]
+    fn prefetch_to_write<T>(self, what: &mut [T]) {
+        let start = what.as_ptr().cast::<i8>();
+        x86!(for line in 0..=size_of_val(what) / 64 {
+            _mm_prefetch::<_MM_HINT_ET0>(start.wrapping_add(64 * line));
         });
     }
 }

@@ -50,8 +50,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn select(self, mask: u16, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// The largest lane; none is NaN.
     fn largest(self, a: Self::Floats) -> f32;
-    /// The lower and the upper half in float64.
-    fn widen(self, a: Self::Floats) -> [Self::Doubles; 2];
+
+    /// Eight float32 in float64.
+    fn load_widened(self, from: &[f32; WIDE]) -> Self::Doubles;
 
     fn splat64(self, x: f64) -> Self::Doubles;
     fn load64(self, from: &[f64; WIDE]) -> Self::Doubles;
@@ -72,6 +73,13 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     /// Where `a <= b`; not where either is NaN.
     fn le64(self, a: Self::Doubles, b: Self::Doubles) -> u8;
 
+    /// `a` where the mask is set, else `b`.
+    fn select64(self, mask: u8, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
+    /// The lanes of both in turns: `a` 0, `b` 0, `a` 1, `b` 1 and so on.
+    fn interleave64(self, a: Self::Doubles, b: Self::Doubles) -> [Self::Doubles; 2];
+
     /// Asks for the memory of `what`, which is read soon.
     fn prefetch<T>(self, what: &T);
+    /// Asks for the memory of `what`, which is overwritten soon.
+    fn prefetch_to_write<T>(self, what: &mut [T]);
 }

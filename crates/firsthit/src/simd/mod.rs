@@ -20,10 +20,12 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod lanes;
+mod pages;
 mod portable;
 mod set;
 
 pub(crate) use lanes::{Aligned, LANES, Lanes, WIDE};
+pub(crate) use pages::prefer_large_pages;
 pub use set::InstructionSet;
 
 /// Something to be computed with lanes.

@@ -109,9 +109,10 @@ impl Lanes for Portable {
     fn largest(self, a: F) -> f32 {
         a.into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
+
     #[inline(always)]
-    fn widen(self, a: F) -> [D; 2] {
-        [from_fn(|k| a[k].into()), from_fn(|k| a[k + WIDE].into())]
+    fn load_widened(self, from: &[f32; WIDE]) -> D {
+        from.map(f64::from)
     }
 
     #[inline(always)]
@@ -168,5 +169,17 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn select64(self, mask: u8, a: D, b: D) -> D {
+        from_fn(|k| if mask >> k & 1 == 1 { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn interleave64(self, a: D, b: D) -> [D; 2] {
+        let lane = |k: usize| if k % 2 == 0 { a[k / 2] } else { b[k / 2] };
+        [from_fn(lane), from_fn(|k| lane(k + WIDE))]
+    }
+
+    #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
+    #[inline(always)]
+    fn prefetch_to_write<T>(self, _: &mut [T]) {}
 }
