@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::Bvh;
-use super::bins::{self, Box32, Item, around};
+use super::bins::{self, Box32, Item, Split, around};
 use super::bvh::Node;
 use crate::geometry::{Bounds, DVec3};
 
@@ -43,13 +43,14 @@ pub(super) fn binary(
     fits: &(impl Fn(&[Item]) -> bool + Sync),
 ) -> Binary {
     let is_leaf = |items: &[Item]| items.len() <= largest_leaf && fits(items);
-    let Subtree { root, nodes } = subtree(items, 0, 0, &is_leaf);
+    let all = around(items);
+    let Subtree { root, nodes } = subtree(items, all, 0, 0, &is_leaf);
     Binary {
         nodes: std::iter::once(root)
             .chain(nodes)
             .map(|node| shift(node, 1))
             .collect(),
-        order: items.iter().map(|item| item.index).collect(),
+        order: items.iter().map(Item::index).collect(),
     }
 }
 
@@ -76,10 +77,7 @@ pub(super) fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f6
     let origin = all.centre();
     let item = |index: u32| {
         let bounds = bounds(index);
-        (!bounds.is_empty()).then(|| Item {
-            bounds: rounded_outwards(bounds, origin),
-            index,
-        })
+        (!bounds.is_empty()).then(|| Item::new(rounded_outwards(bounds, origin), index))
     };
     let mut items: Vec<Item> = indices().filter_map(item).collect();
     let Binary { nodes, order } = binary(&mut items, LEAF, &|_| true);
@@ -100,10 +98,10 @@ pub(super) fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f6
 )]
 fn rounded_outwards(bounds: Bounds, origin: DVec3) -> Box32 {
     let single = |point: DVec3| (point - origin).to_array().map(|x| x as f32);
-    Box32 {
-        low: single(bounds.low).map(f32::next_down),
-        high: single(bounds.high).map(f32::next_up),
-    }
+    Box32::new(
+        single(bounds.low).map(f32::next_down),
+        single(bounds.high).map(f32::next_up),
+    )
 }
 
 /// The same node after its subtree moved by `offset`.
@@ -120,21 +118,22 @@ fn shift(node: BinaryNode, offset: u32) -> BinaryNode {
 
 fn subtree(
     items: &mut [Item],
+    around: Box32,
     start: u32,
     depth: usize,
     is_leaf: &(impl Fn(&[Item]) -> bool + Sync),
 ) -> Subtree {
     let mut nodes = Vec::new();
     if items.len() < FORK {
-        let root = append(items, start, depth, is_leaf, &mut nodes);
+        let root = append(items, around, start, depth, is_leaf, &mut nodes);
         return Subtree { root, nodes };
     }
-    let around = around(items);
-    let middle = split(items, depth);
-    let (left, right) = items.split_at_mut(middle);
+    let parts = split(items, depth);
+    let (left, right) = items.split_at_mut(parts.middle);
+    let right_start = start + index(parts.middle);
     let (left, right) = rayon::join(
-        || subtree(left, start, depth + 1, is_leaf),
-        || subtree(right, start + index(middle), depth + 1, is_leaf),
+        || subtree(left, parts.left, start, depth + 1, is_leaf),
+        || subtree(right, parts.right, right_start, depth + 1, is_leaf),
     );
     let left_at = 2;
     let right_at = 2 + index(left.nodes.len());
@@ -151,25 +150,26 @@ fn subtree(
 /// Appends the nodes below a range's root; the recursion ends, because from [`SAH_DEPTH`] on it halves.
 fn append(
     items: &mut [Item],
+    around: Box32,
     start: u32,
     depth: usize,
     is_leaf: &impl Fn(&[Item]) -> bool,
     nodes: &mut Vec<BinaryNode>,
 ) -> BinaryNode {
-    let around = around(items);
     if is_leaf(items) {
         return BinaryNode {
             count: index(items.len()),
             ..inner(around, start)
         };
     }
-    let middle = split(items, depth);
-    let (left, right) = items.split_at_mut(middle);
+    let parts = split(items, depth);
+    let (left, right) = items.split_at_mut(parts.middle);
     let at = nodes.len();
     let placeholder = inner(around, 0);
     nodes.extend([placeholder, placeholder]);
-    nodes[at] = append(left, start, depth + 1, is_leaf, nodes);
-    nodes[at + 1] = append(right, start + index(middle), depth + 1, is_leaf, nodes);
+    let right_start = start + index(parts.middle);
+    nodes[at] = append(left, parts.left, start, depth + 1, is_leaf, nodes);
+    nodes[at + 1] = append(right, parts.right, right_start, depth + 1, is_leaf, nodes);
     inner(around, index(at))
 }
 
@@ -184,8 +184,8 @@ fn inner(bounds: Box32, first: u32) -> BinaryNode {
 impl From<BinaryNode> for Node {
     fn from(node: BinaryNode) -> Self {
         Self {
-            low: node.bounds.low,
-            high: node.bounds.high,
+            low: node.bounds.low(),
+            high: node.bounds.high(),
             first: node.first,
             count: node.count,
         }
@@ -197,13 +197,18 @@ fn index(count: usize) -> u32 {
     u32::try_from(count).expect("identifiers are signed 32-bit")
 }
 
-/// Where to split a range, which is put in order for it.
-fn split(items: &mut [Item], depth: usize) -> usize {
-    let half = items.len() / 2;
-    if depth >= SAH_DEPTH {
-        return half;
-    }
-    bins::split(items).unwrap_or(half)
+/// The two parts of a range, which is put in order for them.
+fn split(items: &mut [Item], depth: usize) -> Split {
+    let parts = (depth < SAH_DEPTH).then(|| bins::split(items)).flatten();
+    parts.unwrap_or_else(|| {
+        let middle = items.len() / 2;
+        let (left, right) = items.split_at(middle);
+        Split {
+            middle,
+            left: around(left),
+            right: around(right),
+        }
+    })
 }
 
 #[cfg(test)]

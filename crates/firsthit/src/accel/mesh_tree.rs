@@ -117,17 +117,18 @@ impl MeshTree {
             .map(|k| space.point(mesh.positions().get(k)))
             .collect();
         let triangles = mesh.triangles();
-        let item = |index: u32| Item {
-            bounds: Box32::of(triangles[index as usize].map(|vertex| points[vertex as usize])),
-            index,
+        let item = |index: u32| {
+            let corners = triangles[index as usize].map(|vertex| points[vertex as usize]);
+            Item::new(Box32::of(corners), index)
         };
         let mut items: Vec<Item> = (0..count(triangles.len()))
             .into_par_iter()
             .with_min_len(build::CHUNK)
             .map(item)
             .collect();
-        let fits =
-            |items: &[Item]| Meshlet::fits(items.iter().map(|item| triangles[item.index as usize]));
+        let fits = |items: &[Item]| {
+            Meshlet::fits(items.iter().map(|item| triangles[item.index() as usize]))
+        };
         let Binary { nodes, order } = build::binary(&mut items, wide::WIDTH, &fits);
         drop(items);
         let wide::Wide { nodes, ranges } = wide::collapse(&nodes);

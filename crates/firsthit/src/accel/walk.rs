@@ -57,6 +57,12 @@ impl Stack {
         self.height
     }
 
+    #[inline(always)]
+    pub(super) fn push(&mut self, key: u64) {
+        self.entries[self.height % STACK] = key;
+        self.height += 1;
+    }
+
     /// Puts `key` among those from `base` on, the smallest on top.
     #[inline(always)]
     pub(super) fn insert(&mut self, base: usize, key: u64) {
@@ -83,6 +89,8 @@ impl Stack {
 
 /// What to do with a leaf's candidates.
 trait Goal<L: Lanes> {
+    /// Whether it matters which candidates come first.
+    const ORDERED: bool = true;
     /// Takes note of them.
     fn meet(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>);
     /// The depth beyond which nothing matters any more; negative to end.
@@ -231,11 +239,22 @@ fn traverse<L: Lanes, G: Goal<L>>(l: L, stack: &mut Stack, place: &Place<'_>, go
         if index & LEAF == 0 {
             let node = &tree.nodes[index as usize];
             let (mut met, entry) = place.ray.boxes(l, node, goal.limit());
+            if met != 0 && (met & (met - 1) == 0 || !G::ORDERED) {
+                // The next one is known, without a way through memory.
+                index = node.children[met.trailing_zeros() as usize % LANES];
+                met &= met - 1;
+                while met != 0 {
+                    let child = met.trailing_zeros() as usize % LANES;
+                    met &= met - 1;
+                    stack.push(u64::from(node.children[child]));
+                }
+                continue;
+            }
             let mut entries = Aligned([0.0; LANES]);
             l.store(entry, &mut entries.0);
             let base = stack.len();
             while met != 0 {
-                let child = met.trailing_zeros() as usize;
+                let child = met.trailing_zeros() as usize % LANES;
                 met &= met - 1;
                 let key =
                     u64::from(entries.0[child].to_bits()) << 32 | u64::from(node.children[child]);
@@ -389,6 +408,8 @@ struct Any {
 }
 
 impl<L: Lanes> Goal<L> for Any {
+    const ORDERED: bool = false;
+
     #[inline(always)]
     fn meet(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
         let inside =

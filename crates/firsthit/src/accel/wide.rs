@@ -58,8 +58,8 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
                 count,
             } = binary[child as usize];
             for axis in 0..3 {
-                node.planes[2 * axis][k] = bounds.low[axis];
-                node.planes[2 * axis + 1][k] = bounds.high[axis];
+                node.planes[2 * axis][k] = bounds.low()[axis];
+                node.planes[2 * axis + 1][k] = bounds.high()[axis];
             }
             node.children[k] = if count > 0 {
                 wide.ranges.push((first, count));

@@ -7,6 +7,7 @@ pub struct Transform {
     world_from_object: DAffine3,
     object_from_world: DAffine3,
     rounding: f64,
+    is_identity: bool,
 }
 
 impl Transform {
@@ -15,6 +16,7 @@ impl Transform {
         world_from_object: DAffine3::IDENTITY,
         object_from_world: DAffine3::IDENTITY,
         rounding: f64::EPSILON,
+        is_identity: true,
     };
 
     /// The transform that takes object space to the world.
@@ -42,6 +44,7 @@ impl Transform {
             world_from_object,
             object_from_world,
             rounding: left + f64::EPSILON * norm(there) * norm(back),
+            is_identity: world_from_object == DAffine3::IDENTITY,
         })
     }
 
@@ -71,7 +74,7 @@ impl Transform {
 
     /// Whether this is exactly the identity.
     pub fn is_identity(&self) -> bool {
-        self.world_from_object == DAffine3::IDENTITY
+        self.is_identity
     }
 
     /// Whether a box stays a box: every axis goes to an axis.
@@ -85,6 +88,9 @@ impl Transform {
     /// A world ray in object space. Its `t` is the same: the direction is not normalised.
     #[inline]
     pub fn ray_in_object(&self, ray: &Ray) -> Ray {
+        if self.is_identity {
+            return *ray;
+        }
         Ray {
             // The translation first: far from the world's origin it would cancel what the matrix rounds.
             origin: self.object_from_world.matrix3

@@ -1,5 +1,10 @@
 //! What there is to see: objects, lights, and the trees over them. Immutable once built.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a kernel is not compiled for its instruction set"
+)]
+
 mod background;
 mod fingerprint;
 mod light;
@@ -279,10 +284,13 @@ impl Scene {
     }
 
     /// The objects that `ray` may meet, one after the other.
+    #[inline(always)]
     pub(crate) fn on_the_way(&self, ray: &Ray) -> OnTheWay<'_> {
         OnTheWay {
             unconditional: &self.unconditional,
-            walk: (self.unconditional.len() < self.objects.len()).then(|| self.tree.walk(ray)),
+            tree: (self.unconditional.len() < self.objects.len()).then_some(&self.tree),
+            ray: *ray,
+            walk: None,
         }
     }
 
@@ -301,19 +309,30 @@ impl Scene {
 /// See [`Scene::on_the_way`].
 pub(crate) struct OnTheWay<'a> {
     unconditional: &'a [u32],
+    /// Of all other objects.
+    tree: Option<&'a Bvh>,
+    ray: Ray,
+    /// Begun when the tree's turn comes.
     walk: Option<Walk<'a>>,
 }
 
 impl OnTheWay<'_> {
     /// The next object that the ray may meet at a parameter of at most `t_max`, which is not larger than the
     /// time before.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn next(&mut self, t_max: f64) -> Option<u32> {
         if let Some((&index, rest)) = self.unconditional.split_first() {
             self.unconditional = rest;
             return Some(index);
         }
-        self.walk.as_mut()?.next(t_max)
+        self.tree.is_some().then(|| self.next_in_tree(t_max))?
+    }
+
+    #[inline(never)]
+    fn next_in_tree(&mut self, t_max: f64) -> Option<u32> {
+        let tree = self.tree?;
+        let walk = self.walk.get_or_insert_with(|| tree.walk(&self.ray));
+        walk.next(t_max)
     }
 }
 

@@ -220,7 +220,11 @@ impl Band<'_> {
             row: row * TILE,
             column: column * TILE,
             inside,
+            x: [[0.0; WIDE]; 2],
         };
+        for (k, x) in work.x.as_flattened_mut().iter_mut().enumerate() {
+            *x = grid.x(work.column + k);
+        }
         let rows = (grid.rows - work.row).min(TILE);
         let columns = (grid.columns - work.column).min(TILE);
         let mut pixels = Tile::new(rows, columns);
@@ -332,6 +336,8 @@ struct Work<'a> {
     column: usize,
     /// The row in its band.
     inside: usize,
+    /// Where on the viewplane its columns are.
+    x: [[f64; WIDE]; 2],
 }
 
 impl Work<'_> {
@@ -439,7 +445,7 @@ impl Work<'_> {
             if lanes == 0 {
                 continue;
             }
-            let rays = self.pencil(l, sight, row, self.column + WIDE * half);
+            let rays = self.pencil(l, sight, row, half);
             let (sound, numbers) = verdict(l, sight.z, &rays, &corners, half);
             hits.put_half(l, half, lanes & sound, numbers);
             let mut open = lanes & !sound;
@@ -460,15 +466,18 @@ impl Work<'_> {
     /// operation.
     #[inline(always)]
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
-    fn pencil<L: Lanes>(&self, l: L, sight: &Sight<'_>, row: usize, column: usize) -> Pencil<L> {
+    fn pencil<L: Lanes>(&self, l: L, sight: &Sight<'_>, row: usize, half: usize) -> Pencil<L> {
         let object = sight.object;
         let axes = axes(sight.z);
         let grid = &self.plan.grid;
-        let mut x = [0.0; WIDE];
-        for (k, x) in x.iter_mut().enumerate() {
-            *x = grid.x(column + k);
-        }
-        let x = l.load64(&x);
+        let x = l.load64(&self.x[half % 2]);
+        // Where the object's space is the world's, its axes are taken in their order from the start.
+        let is_at_home = object.transform().is_identity();
+        let (order, z) = if is_at_home {
+            (axes, sight.z)
+        } else {
+            ([0, 1, 2], 2)
+        };
         let up = grid.y(self.row + row) * grid.upwards;
         // The lanes of a vector: an expression for each axis.
         macro_rules! vector {
@@ -489,11 +498,11 @@ impl Work<'_> {
                 ]
             };
         }
-        let toward = vector!(k => l.splat64(grid.toward[k]));
-        let position = vector!(k => l.splat64(grid.position[k]));
+        let toward = vector!(k => l.splat64(grid.toward[order[k]]));
+        let position = vector!(k => l.splat64(grid.position[order[k]]));
         let point = vector!(k => {
-            let across = l.mul64(x, l.splat64(grid.right[k]));
-            l.add64(l.add64(toward[k], across), l.splat64(up[k]))
+            let across = l.mul64(x, l.splat64(grid.right[order[k]]));
+            l.add64(l.add64(toward[k], across), l.splat64(up[order[k]]))
         });
         let (origin, direction) = if let Some(parallel) = grid.parallel {
             let start = if grid.starts_on_viewplane {
@@ -502,10 +511,16 @@ impl Work<'_> {
                 vector!(k => l.sub64(point[k], toward[k]))
             };
             let origin = vector!(k => l.add64(position[k], start[k]));
-            (origin, vector!(k => l.splat64(parallel[k])))
+            (origin, vector!(k => l.splat64(parallel[order[k]])))
         } else {
             let squares = vector!(k => l.mul64(point[k], point[k]));
-            let length = l.sqrt64(l.add64(l.add64(squares[0], squares[1]), squares[2]));
+            // The sum in the order of the axes of space.
+            let [first, second, third] = match z {
+                0 => [squares[2], squares[0], squares[1]],
+                1 => [squares[1], squares[2], squares[0]],
+                _ => squares,
+            };
+            let length = l.sqrt64(l.add64(l.add64(first, second), third));
             let origin = if grid.starts_on_viewplane {
                 vector!(k => l.add64(position[k], point[k]))
             } else {
@@ -525,6 +540,9 @@ impl Work<'_> {
                 ];
                 l.add64(l.add64(part[0], part[1]), part[2])
             }};
+        }
+        if is_at_home {
+            return Pencil { origin, direction };
         }
         let moved = vector!(k => l.sub64(origin[k], l.splat64(place[k])));
         Pencil {
