@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 const ROOMS: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("watch", &[]),
-    ("memory", &[]),
+    // Large pages are asked for in the room with `unsafe` code.
+    ("memory", &["simd"]),
     ("geometry", &[]),
     ("sampling", &["geometry"]),
     ("camera", &["geometry"]),

@@ -3,6 +3,11 @@
 //! Operation for operation what `shape/triangle.rs` does in one lane, so the bits are the same; what goes a way
 //! of its own there (an axis unlike its neighbours', tiny triangles, `t` by cancellation) is left to it.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "of chains of iterators over registers the compiler makes copies in memory"
+)]
+
 use super::mesh_tree::MeshTree;
 use crate::geometry::DVec3;
 use crate::shape::Mesh;
@@ -21,6 +26,10 @@ pub(crate) fn axes(z: usize) -> [usize; 3] {
 }
 
 /// The corners of sixteen triangles in lanes, corner by corner and axis by axis, along [`axes`].
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it lives for a row, on the stack"
+)]
 pub(crate) enum Corners {
     /// In units of the tree's space: what they are multiplied with, and what is added to that.
     Scaled(Box3<[f32; LANES]>, f64, [f64; 3]),
@@ -75,7 +84,6 @@ impl Corners {
                 }
             }
         }
-        // Indices: of chains of iterators over registers the compiler makes copies in memory.
         let mut out = Aligned([[[0.0; LANES]; 3]; 3]);
         for corner in 0..3 {
             for axis in 0..3 {

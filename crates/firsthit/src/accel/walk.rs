@@ -239,7 +239,7 @@ fn traverse<L: Lanes, G: Goal<L>>(l: L, stack: &mut Stack, place: &Place<'_>, go
         if index & LEAF == 0 {
             let node = &tree.nodes[index as usize];
             let (mut met, entry) = place.ray.boxes(l, node, goal.limit());
-            if met != 0 && (met & (met - 1) == 0 || !G::ORDERED) {
+            if met.is_power_of_two() || (met != 0 && !G::ORDERED) {
                 // The next one is known, without a way through memory.
                 index = node.children[met.trailing_zeros() as usize % LANES];
                 met &= met - 1;

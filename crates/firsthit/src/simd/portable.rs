@@ -174,7 +174,7 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn interleave64(self, a: D, b: D) -> [D; 2] {
-        let lane = |k: usize| if k % 2 == 0 { a[k / 2] } else { b[k / 2] };
+        let lane = |k: usize| [a, b][k % 2][k / 2];
         [from_fn(lane), from_fn(|k| lane(k + WIDE))]
     }
 
