@@ -56,6 +56,11 @@ pub(crate) fn of_file(args: &CameraArgs, model: &Model) -> Result<Description, F
 
 /// The camera of a name, or else of another name that it goes by, or else of a number.
 fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, Failure> {
+    if name.is_empty() {
+        return Err(Failure::usage(
+            "--camera: the name is empty; a camera without one has a number",
+        ));
+    }
     let called = |of: &dyn Fn(&NamedCamera) -> bool| -> Vec<usize> {
         let all = cameras.iter().enumerate();
         all.filter(|(_, camera)| of(camera))

@@ -2,8 +2,10 @@
 
 use std::fmt::Display;
 use std::io;
+use std::path::Path;
 
 use firsthit::Error;
+use firsthit::error::escaped;
 
 use crate::console::{say, say_interrupted};
 
@@ -49,6 +51,17 @@ impl Failure {
         Self {
             code: LIMIT,
             message: Some(message.to_string()),
+        }
+    }
+
+    /// The same about what a file asks for: then the file is wrong, not the command line.
+    pub(crate) fn in_file(self, file: &Path) -> Self {
+        match self {
+            Self {
+                code: USAGE,
+                message: Some(message),
+            } => Self::bad_input(format!("{}: {message}", escaped(file))),
+            other => other,
         }
     }
 

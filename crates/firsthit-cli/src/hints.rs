@@ -12,7 +12,7 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: &Hits) -> Vec<String> 
     let between = hidden_in_front(scene, camera);
     if hits.t.iter().all(|&t| t == f64::INFINITY) {
         if bounds.is_empty() {
-            hints.push("nothing was hit: there is nothing in the file".into());
+            hints.push("nothing was hit: there is nothing to see".into());
         } else if !between {
             let how = if looks_away(camera, bounds) {
                 "the camera looks away from the scene"

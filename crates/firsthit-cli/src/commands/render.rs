@@ -38,11 +38,17 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             warnings,
             model,
         } = loading::read(&args.file, &args.load, args.light.color)?;
-        let orders = match asked {
-            Some(orders) => orders,
-            None => orders(args, &model.outputs)?,
+        let is_of_file = asked.is_none() && args.picture.channels.is_empty();
+        let blamed = |failure: Failure| {
+            if is_of_file {
+                failure.in_file(&args.file)
+            } else {
+                failure
+            }
         };
-        output::check_not_inputs(&orders, &model.files)?;
+        let orders = asked.map_or_else(|| orders(args, &model.outputs), Ok);
+        let orders = orders.map_err(blamed)?;
+        output::check_not_inputs(&orders, &model.files).map_err(blamed)?;
         let shader = shader(&args.light, model.shader.as_ref())?;
         warn(&idle_options(args, &orders, &shader));
         warn(&warnings);

@@ -54,7 +54,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
             stream(&frame, format)?;
         }
         if scene.bounds().is_empty() && !rays.is_empty() {
-            warn(&["nothing was hit: there is nothing in the file"]);
+            warn(&["nothing was hit: there is nothing to see"]);
         }
         if !args.run.quiet {
             let hit = hits.t.iter().filter(|&&t| t < f64::INFINITY).count();

@@ -85,7 +85,7 @@ fn an_empty_file_has_no_bounds() {
     assert!(
         outcome
             .stderr
-            .contains("nothing was hit: there is nothing in the file"),
+            .contains("nothing was hit: there is nothing to see"),
         "{}",
         outcome.stderr
     );

@@ -207,8 +207,8 @@ fn nothing_that_was_read_is_written_over() {
     );
     lab.fails(
         "render scene.toml",
-        2,
-        "texture.png is an input; it will not be overwritten",
+        3,
+        "scene.toml: texture.png is an input; it will not be overwritten",
     );
     lab.fails(
         "render a.obj -o texture.png",
@@ -219,7 +219,11 @@ fn nothing_that_was_read_is_written_over() {
         "twice.toml",
         "[[outputs]]\nfile = 'x.png'\n[[outputs]]\nfile = './x.png'\n",
     );
-    lab.fails("render twice.toml", 2, "x.png is named twice as an output");
+    lab.fails(
+        "render twice.toml",
+        3,
+        "twice.toml: ./x.png is named twice as an output",
+    );
     lab.write("nowhere.toml", "[[outputs]]\nfile = 'nowhere/x.png'\n");
     lab.fails(
         "render nowhere.toml",

@@ -12,7 +12,7 @@ use super::bvh::Node;
 use crate::geometry::{Bounds, DVec3};
 
 /// From this depth on ranges are halved: geometry can make the heuristic peel off one box at a time.
-pub(super) const SAH_DEPTH: usize = 64;
+pub(super) const SAH_DEPTH: u32 = 64;
 const LEAF: usize = 4;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
@@ -35,16 +35,30 @@ pub(super) struct Binary {
     pub(super) order: Vec<u32>,
 }
 
-/// The tree over `items`, which are put in order for it. A leaf has at most `largest_leaf` of them, and they
-/// fit: fewer always do.
-pub(super) fn binary(
-    items: &mut [Item],
-    largest_leaf: usize,
-    fits: &(impl Fn(&[Item]) -> bool + Sync),
-) -> Binary {
-    let is_leaf = |items: &[Item]| items.len() <= largest_leaf && fits(items);
+/// What a builder has to know about what it puts in order.
+pub(super) trait Kind: Sync {
+    /// Whether items can be a leaf; one always can.
+    fn is_leaf(&self, items: &[Item]) -> bool;
+    /// Puts those in front that are not in the place of others, which win over them, and says how many they are.
+    /// Asked only where no plane separates the middles.
+    fn distinct(&self, items: &mut [Item]) -> usize {
+        items.len()
+    }
+}
+
+/// Boxes of which nothing else is known.
+struct Boxes;
+
+impl Kind for Boxes {
+    fn is_leaf(&self, items: &[Item]) -> bool {
+        items.len() <= LEAF
+    }
+}
+
+/// The tree over `items`, which are put in order for it.
+pub(super) fn binary(items: &mut [Item], kind: &impl Kind) -> Binary {
     let all = around(items);
-    let Subtree { root, nodes } = subtree(items, all, 0, 0, &is_leaf);
+    let Subtree { root, nodes } = subtree(items, all, [0, 0], kind);
     Binary {
         nodes: std::iter::once(root)
             .chain(nodes)
@@ -80,7 +94,7 @@ pub(super) fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f6
         (!bounds.is_empty()).then(|| Item::new(rounded_outwards(bounds, origin), index))
     };
     let mut items: Vec<Item> = indices().filter_map(item).collect();
-    let Binary { nodes, order } = binary(&mut items, LEAF, &|_| true);
+    let Binary { nodes, order } = binary(&mut items, &Boxes);
     Bvh {
         origin,
         extent: (all.high - origin).max(origin - all.low).max_element(),
@@ -116,24 +130,41 @@ fn shift(node: BinaryNode, offset: u32) -> BinaryNode {
     }
 }
 
+/// The tree over a range that starts at `start`, at a depth.
 fn subtree(
     items: &mut [Item],
     around: Box32,
-    start: u32,
-    depth: usize,
-    is_leaf: &(impl Fn(&[Item]) -> bool + Sync),
+    [start, depth]: [u32; 2],
+    kind: &impl Kind,
 ) -> Subtree {
     let mut nodes = Vec::new();
     if items.len() < FORK {
-        let root = append(items, around, start, depth, is_leaf, &mut nodes);
+        let root = append(items, around, [start, depth], kind, &mut nodes);
         return Subtree { root, nodes };
     }
-    let parts = split(items, depth);
+    let Some(parts) = split(items, depth) else {
+        return match kind.distinct(items) {
+            kept if kept < items.len() => subtree(&mut items[..kept], around, [start, depth], kind),
+            _ => join(items, around, &halves(items), [start, depth], kind),
+        };
+    };
+    join(items, around, &parts, [start, depth], kind)
+}
+
+/// The tree over the two parts of a range.
+fn join(
+    items: &mut [Item],
+    around: Box32,
+    parts: &Split,
+    [start, depth]: [u32; 2],
+    kind: &impl Kind,
+) -> Subtree {
+    let mut nodes = Vec::new();
     let (left, right) = items.split_at_mut(parts.middle);
     let right_start = start + index(parts.middle);
     let (left, right) = rayon::join(
-        || subtree(left, parts.left, start, depth + 1, is_leaf),
-        || subtree(right, parts.right, right_start, depth + 1, is_leaf),
+        || subtree(left, parts.left, [start, depth + 1], kind),
+        || subtree(right, parts.right, [right_start, depth + 1], kind),
     );
     let left_at = 2;
     let right_at = 2 + index(left.nodes.len());
@@ -151,25 +182,32 @@ fn subtree(
 fn append(
     items: &mut [Item],
     around: Box32,
-    start: u32,
-    depth: usize,
-    is_leaf: &impl Fn(&[Item]) -> bool,
+    [start, depth]: [u32; 2],
+    kind: &impl Kind,
     nodes: &mut Vec<BinaryNode>,
 ) -> BinaryNode {
-    if is_leaf(items) {
+    if kind.is_leaf(items) {
         return BinaryNode {
             count: index(items.len()),
             ..inner(around, start)
         };
     }
-    let parts = split(items, depth);
+    let parts = match split(items, depth) {
+        Some(parts) => parts,
+        None => match kind.distinct(items) {
+            kept if kept < items.len() => {
+                return append(&mut items[..kept], around, [start, depth], kind, nodes);
+            }
+            _ => halves(items),
+        },
+    };
     let (left, right) = items.split_at_mut(parts.middle);
     let at = nodes.len();
     let placeholder = inner(around, 0);
     nodes.extend([placeholder, placeholder]);
     let right_start = start + index(parts.middle);
-    nodes[at] = append(left, parts.left, start, depth + 1, is_leaf, nodes);
-    nodes[at + 1] = append(right, parts.right, right_start, depth + 1, is_leaf, nodes);
+    nodes[at] = append(left, parts.left, [start, depth + 1], kind, nodes);
+    nodes[at + 1] = append(right, parts.right, [right_start, depth + 1], kind, nodes);
     inner(around, index(at))
 }
 
@@ -197,18 +235,19 @@ fn index(count: usize) -> u32 {
     u32::try_from(count).expect("identifiers are signed 32-bit")
 }
 
-/// The two parts of a range, which is put in order for them.
-fn split(items: &mut [Item], depth: usize) -> Split {
-    let parts = (depth < SAH_DEPTH).then(|| bins::split(items)).flatten();
-    parts.unwrap_or_else(|| {
-        let middle = items.len() / 2;
-        let (left, right) = items.split_at(middle);
-        Split {
-            middle,
-            left: around(left),
-            right: around(right),
-        }
-    })
+/// The two parts of a range, which is put in order for them; `None` where it has to be halved.
+fn split(items: &mut [Item], depth: u32) -> Option<Split> {
+    (depth < SAH_DEPTH).then(|| bins::split(items)).flatten()
+}
+
+fn halves(items: &[Item]) -> Split {
+    let middle = items.len() / 2;
+    let (left, right) = items.split_at(middle);
+    Split {
+        middle,
+        left: around(left),
+        right: around(right),
+    }
 }
 
 #[cfg(test)]
@@ -244,7 +283,7 @@ mod tests {
             Bounds::of([DVec3::splat(x), DVec3::splat(x * 1.01)])
         };
         let bvh = Bvh::build(50_000, spiral, Bvh::TRIANGLES);
-        assert!(depth(&bvh) <= SAH_DEPTH + 32, "{}", depth(&bvh));
+        assert!(depth(&bvh) <= SAH_DEPTH as usize + 32, "{}", depth(&bvh));
     }
 
     #[test]

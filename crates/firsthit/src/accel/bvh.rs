@@ -30,7 +30,7 @@ pub(super) struct Node {
 }
 
 /// No tree is deeper: the builder falls back to halving from depth [`build::SAH_DEPTH`] on.
-const STACK: usize = build::SAH_DEPTH + 33;
+const STACK: usize = build::SAH_DEPTH as usize + 33;
 
 impl Bvh {
     /// What the float64 triangle test needs as `slack`, and half as much again: see `Slab` below.

@@ -126,10 +126,7 @@ impl MeshTree {
             .with_min_len(build::CHUNK)
             .map(item)
             .collect();
-        let fits = |items: &[Item]| {
-            Meshlet::fits(items.iter().map(|item| triangles[item.index() as usize]))
-        };
-        let Binary { nodes, order } = build::binary(&mut items, wide::WIDTH, &fits);
+        let Binary { nodes, order } = build::binary(&mut items, &Triangles(mesh));
         drop(items);
         let wide::Wide { nodes, ranges } = wide::collapse(&nodes);
         let leaf = |&(first, length): &(u32, u32)| {
@@ -203,6 +200,36 @@ impl MeshTree {
     #[inline(always)]
     pub(super) fn triangle(&self, leaf: &Meshlet, lane: usize) -> u32 {
         self.order[leaf.first as usize + lane]
+    }
+}
+
+/// A mesh's triangles as the builder sees them.
+struct Triangles<'a>(&'a Mesh);
+
+impl build::Kind for Triangles<'_> {
+    fn is_leaf(&self, items: &[Item]) -> bool {
+        let corners = |item: &Item| self.0.triangles()[item.index() as usize];
+        items.len() <= wide::WIDTH && Meshlet::fits(items.iter().map(corners))
+    }
+
+    fn distinct(&self, items: &mut [Item]) -> usize {
+        if !self.0.has_plain_triangles() {
+            return items.len();
+        }
+        let key = |item: &Item| {
+            let corners = self.0.corners(item.index() as usize);
+            corners.map(|corner| corner.to_array().map(f64::to_bits))
+        };
+        items.sort_by_cached_key(|item| (key(item), item.index()));
+        // Of those that are alike the lowest wins, and comes first.
+        let mut kept = 0;
+        for k in 0..items.len() {
+            if kept == 0 || key(&items[k]) != key(&items[kept - 1]) {
+                items.swap(kept, k);
+                kept += 1;
+            }
+        }
+        kept
     }
 }
 

@@ -63,6 +63,10 @@ pub(super) fn decode(
     report
         .spend(bytes_needed, "the texture")
         .map_err(|fault| fault.into_error(report.path()).to_string())?;
+    // The system's own limit: as decoded, as four bytes a texel, and as the texture.
+    report
+        .check_memory(usize::try_from(3 * bytes_needed).unwrap_or(usize::MAX))
+        .map_err(|fault| fault.into_error(report.path()).to_string())?;
     let mut reader = reader();
     reader.limits(limits(&settings));
     let texels = reader.decode().map_err(words)?.into_rgba8().into_raw();

@@ -141,7 +141,7 @@ fn check_name(name: &str) -> std::result::Result<(), &'static str> {
     } else if name.starts_with('/') {
         Err("refused: the path is absolute; only relative paths are read")
     } else if name.split('/').any(|component| component == "..") {
-        Err("refused: the path has ..; only files under the scene's folder are read")
+        Err("refused: the path has ..; only files under the scene's folder are read and written")
     } else {
         Ok(())
     }

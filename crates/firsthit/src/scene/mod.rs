@@ -6,6 +6,7 @@
 )]
 
 mod background;
+mod covered;
 mod fingerprint;
 mod light;
 mod material;
@@ -41,6 +42,8 @@ pub struct Scene {
     /// The objects that every ray is a candidate for: they have no finite box, or only a vague one, or there
     /// are so few that asking the tree would take longer.
     unconditional: Vec<u32>,
+    /// Whether an earlier object has every hit of an object: no ray needs to be asked about it.
+    covered: Vec<bool>,
     bounds: Bounds,
     lights: Vec<Light>,
     instruction_set: InstructionSet,
@@ -94,18 +97,23 @@ impl Scene {
         };
         let trees = mesh_trees(&objects, known)?;
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
+        let covered = covered::covered(&objects, &bounds);
         let is_loose = |k: u32| {
             count <= FEW
                 || is_unbounded(&bounds[k as usize])
                 || objects[k as usize].slack() > LARGEST_SLACK
         };
-        let unconditional = (0..count).filter(|&k| is_loose(k)).collect();
+        let is_asked = |&k: &u32| !covered[k as usize];
+        let unconditional: Vec<u32> = (0..count)
+            .filter(|&k| is_loose(k))
+            .filter(is_asked)
+            .collect();
         let slack = (0..count)
             .filter(|&k| !is_loose(k))
             .map(|k| objects[k as usize].slack())
             .fold(Bvh::OBJECTS, f64::max);
         let padded = |k: u32| {
-            if is_loose(k) {
+            if is_loose(k) || covered[k as usize] {
                 Bounds::EMPTY
             } else {
                 objects[k as usize].padded(bounds[k as usize], slack)
@@ -119,6 +127,7 @@ impl Scene {
             trees,
             tree,
             unconditional,
+            covered,
             bounds,
             lights: Vec::new(),
             instruction_set: InstructionSet::current()?,
@@ -277,6 +286,11 @@ impl Scene {
     /// What the scene is shot at with.
     pub fn instruction_set(&self) -> InstructionSet {
         self.instruction_set
+    }
+
+    /// Whether no ray meets an object first, because an earlier one is in its place.
+    pub(crate) fn is_covered(&self, object: u32) -> bool {
+        self.covered[object as usize]
     }
 
     pub(crate) fn mesh_tree(&self, object: usize) -> Option<&MeshTree> {

@@ -24,6 +24,24 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Whether its triangles are those of another mesh, to the last bit and in the same order, whatever they look like.
+    pub(crate) fn is_congruent(&self, other: &Self) -> bool {
+        // (Equal zeros may have different signs, which shows in a hit's weights.)
+        let same_bits = || {
+            let bits = |mesh: &Self, k: u32| mesh.positions.get(k).to_array().map(f64::to_bits);
+            let mut corners = self.triangles.iter().flatten();
+            corners.all(|&k| bits(self, k) == bits(other, k))
+        };
+        self.triangles == other.triangles
+            && (Arc::ptr_eq(&self.positions, &other.positions) || same_bits())
+    }
+
+    /// Whether all of a triangle's points look alike as far as holes are concerned: of two triangles in one place
+    /// the first then hides the other.
+    pub(crate) fn has_plain_triangles(&self) -> bool {
+        self.uvs.is_none() && self.slots.is_none() && self.alphas.is_none()
+    }
+
     /// The mesh of `triangles`, which index `positions`; counter-clockwise is front. Several meshes may
     /// share their positions: surfaces that meet there have no cracks between them.
     ///

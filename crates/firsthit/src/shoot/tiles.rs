@@ -46,7 +46,9 @@ impl<'a> Plan<'a> {
         let mut is_tiled = vec![false; scene.objects().len()];
         let mut meshes = Vec::new();
         for (index, object) in (0..).zip(scene.objects()) {
-            if tileable(scene, index).is_some() {
+            if scene.is_covered(index) {
+                is_tiled[index as usize] = true;
+            } else if tileable(scene, index).is_some() {
                 is_tiled[index as usize] = true;
                 meshes.extend(placed(&grid, index, object));
             }

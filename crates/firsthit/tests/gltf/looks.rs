@@ -74,9 +74,10 @@ fn texels_are_seen_where_the_reference_has_them() {
             } else {
                 (x, 1.0 - y)
             };
-            // The transform: scaled by (2, 1/2), turned by a quarter, moved by (1/4, 1/2).
+            // The transform: scaled by (2, 1/2), turned by a quarter (as the extension says it in
+            // words: the texture clockwise, v downwards), moved by (1/4, 1/2).
             let (u, v) = if square == 10 {
-                (0.25 - 0.5 * v, 0.5 + 2.0 * u)
+                (0.25 + 0.5 * v, 0.5 - 2.0 * u)
             } else {
                 (u, v)
             };
