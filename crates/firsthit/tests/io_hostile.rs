@@ -181,3 +181,40 @@ fn ninety_thousand_objects_take_moments() {
     assert_eq!(model.objects.len(), 90_000);
     assert!(start.elapsed().as_secs() < 2);
 }
+
+#[test]
+fn colours_that_are_no_numbers_are_a_warning() {
+    let colors = "property float red\nproperty float green\nproperty float blue\n";
+    let header = format!(
+        "element vertex 3\n{XYZ}{colors}element face 1\nproperty list uchar int vertex_indices\n"
+    );
+    let body = b"0 0 0 nan inf 1e300\n1 0 0 1 1 1\n0 1 0 -5 1 1\n3 0 1 2\n";
+    let model = read("a.ply", &ply("ascii", &header, body)).expect("odd, but right");
+    let mesh = model.objects[0].mesh().unwrap();
+    let values = &mesh.colors().unwrap().values;
+    assert_eq!(*values, [[1.0; 3], [1.0; 3], [0.0, 1.0, 1.0]]);
+    assert!(
+        model.warnings[0].contains(": 2, the first at index 0;"),
+        "{:?}",
+        model.warnings
+    );
+}
+
+#[test]
+fn what_is_not_the_format_has_a_place_too() {
+    let refused = refusal("a.obj", b"\x00\x01\x02 nothing\n");
+    assert!(refused.starts_with(":1: not an OBJ file"), "{refused}");
+    let refused = refusal("a.ply", &ply("ascii", "element a 0\n", b""));
+    assert!(refused.starts_with(":4: no vertex element"), "{refused}");
+}
+
+#[test]
+fn a_property_that_is_there_twice_is_a_warning() {
+    let header = format!("element vertex 1\n{XYZ}property float x\n");
+    let model = read("a.ply", &ply("ascii", &header, b"0 0 0 5\n")).expect("odd, but right");
+    assert!(
+        model.warnings[0].contains(":7: property 'x' is there twice"),
+        "{:?}",
+        model.warnings
+    );
+}

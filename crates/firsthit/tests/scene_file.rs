@@ -611,3 +611,14 @@ fn the_path_is_taken_as_it_is_given() {
         "{error}"
     );
 }
+
+#[test]
+fn a_mesh_with_a_corner_that_is_too_far_is_refused_by_its_place() {
+    let refused = refusal(
+        "[[objects]]\nshape = \"mesh\"\nvertices = [[0,0,0],[1,0,0],[0,1,1e31]]\ntriangles = [[0,1,2]]\n",
+    );
+    assert!(
+        refused.contains(":3:29: vertex 2 has a coordinate that is not below 1e30"),
+        "{refused}"
+    );
+}

@@ -54,7 +54,8 @@ fn member(rest: &mut &[u8], size: usize, most: u64, content: &mut Vec<u8>) -> Ch
         let too_large = || {
             let limit = size_in_words(most);
             let what = format!(
-                "unpacks to more than {limit} of memory allow (--max-memory raises the limit)"
+                "unpacks to more than the {limit} of memory that are left of what is allowed \
+                 (--max-memory raises the limit)"
             );
             Fault::TooLarge {
                 place: Place::File,

@@ -18,6 +18,7 @@
 mod decimal;
 mod gltf;
 mod gzip;
+mod mend;
 mod mtl;
 mod obj;
 mod picture;

@@ -161,14 +161,18 @@ impl Report {
 
     /// Takes so many bytes from the memory that the file may use; `what` they are for.
     pub(super) fn spend(&mut self, bytes: u64, what: &str) -> Checked<()> {
+        self.spend_at(Place::File, bytes, what)
+    }
+
+    /// The same for what is asked for at a place of the file.
+    pub(super) fn spend_at(&mut self, place: Place, bytes: u64, what: &str) -> Checked<()> {
         let left = self.settings.max_memory;
         self.settings.max_memory = left.checked_sub(bytes).ok_or_else(|| {
             let (bytes, left) = (size_in_words(bytes), size_in_words(left));
             let what = format!(
-                "{what} takes {bytes} of memory, {left} are left of what is allowed \
+                "{what} would take {bytes} of memory, {left} are left of what is allowed \
                  (--max-memory raises the limit)"
             );
-            let place = Place::File;
             Fault::TooLarge { place, what }
         })?;
         Ok(())
@@ -257,8 +261,13 @@ impl Report {
     pub(super) fn dropped(&self) -> Option<String> {
         (self.dropped > 0).then(|| {
             let (count, first) = (self.dropped, &self.first_dropped);
+            let have = if count == 1 {
+                "triangle has"
+            } else {
+                "triangles have"
+            };
             format!(
-                "{count} triangles have a corner that is not finite or not below 1e30; \
+                "{count} {have} a corner that is not finite or not below 1e30; \
                  the first is {first}"
             )
         })

@@ -8,7 +8,7 @@ use crate::geometry::DVec3;
 use crate::shape::{Attribute, Mesh, Positions};
 
 /// Coordinates from here on are garbage: their products would leave the range of float64.
-const TOO_FAR: f64 = 1e30;
+pub(super) const TOO_FAR: f64 = 1e30;
 
 /// A file's vertices, shared by all of its objects.
 pub(super) struct Vertices {
@@ -264,6 +264,6 @@ mod tests {
         assert_eq!(mesh.triangles(), [[0, 1, 2], [2, 1, 0]]);
         assert_eq!([mesh.face(0), mesh.face(1)], [0, 2]);
         assert_eq!(corners[0], [[5; 3], [7; 3]]);
-        assert!(report.dropped().unwrap().starts_with("1 triangles"));
+        assert!(report.dropped().unwrap().starts_with("1 triangle has"));
     }
 }

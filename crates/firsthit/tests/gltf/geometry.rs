@@ -310,8 +310,67 @@ fn corners_that_are_not_finite_cost_their_triangles() {
         [[0, 2, 3], [0, 3, 4]]
     );
     assert!(
-        model.warnings[0].contains("1 triangles have a corner"),
+        model.warnings[0].contains("1 triangle has a corner"),
         "{:?}",
         model.warnings
+    );
+}
+
+#[test]
+fn values_beside_positions_that_are_not_finite_are_one_warning_each() {
+    let mut builder = Builder::triangle();
+    let (nan, inf) = (f32::NAN, f32::INFINITY);
+    builder.attribute("TEXCOORD_0", &[0.0, 0.0, nan, 1.0, 0.5, inf], "VEC2");
+    builder.attribute("NORMAL", &[0., 0., 1., 0., nan, 1., 0., 0., 1.], "VEC3");
+    builder.attribute("COLOR_0", &[nan, -1., 0.5, 1., inf, 1., 1., 1., 1.], "VEC3");
+    let model = builder.load().unwrap();
+    let mesh = model.objects[0].mesh().unwrap();
+    assert_eq!(mesh.uvs().unwrap().values, [[0.0; 2]; 3]);
+    assert_eq!(mesh.normals().unwrap().values[1], [0.0; 3]);
+    let colors = &mesh.colors().unwrap().values;
+    assert_eq!(colors[..2], [[1.0, 0.0, 0.5], [1.0; 3]]);
+    assert_eq!(model.warnings.len(), 3, "{:?}", model.warnings);
+    for (name, words) in [
+        ("TEXCOORD_0", ": 2, the first at index 1"),
+        ("NORMAL", ": 1, the first at index 1"),
+        ("COLOR_0", ": 2, the first at index 0"),
+    ] {
+        let told = |line: &String| line.contains(name) && line.contains(words);
+        assert!(model.warnings.iter().any(told), "{:?}", model.warnings);
+    }
+}
+
+#[test]
+fn vertices_without_a_weight_stay_where_the_node_is() {
+    let mut builder = Builder::triangle();
+    let joints = builder.accessor(&[0; 12], 5121, 3, "VEC4");
+    builder.primitive()["attributes"]["JOINTS_0"] = json!(joints);
+    let mut weights = [0.0; 12];
+    weights[0] = 1.0;
+    builder.attribute("WEIGHTS_0", &weights, "VEC4");
+    builder.json["nodes"] = json!([
+        {"mesh": 0, "skin": 0, "translation": [0, 0, 7], "children": [1]},
+        {"translation": [0, 0, 2]},
+    ]);
+    builder.json["skins"] = json!([{"joints": [1]}]);
+    let model = builder.load().unwrap();
+    let expected = [[0.0, 0.0, 9.0], [1.0, 0.0, 7.0], [0.0, 1.0, 7.0]].map(DVec3::from);
+    assert_eq!(points(&model, 0), expected);
+    assert!(
+        model.warnings[0].contains("WEIGHTS_0: vertices without a weight: 2, the first at index 1"),
+        "{:?}",
+        model.warnings
+    );
+}
+
+#[test]
+fn a_matrix_beside_its_parts_is_a_warning() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]);
+    builder.json["nodes"][0]["translation"] = json!([0, 9, 0]);
+    let warnings = builder.load().unwrap().warnings;
+    assert!(
+        warnings[0].starts_with("a.gltf#/nodes/0: has a matrix and a translation"),
+        "{warnings:?}"
     );
 }

@@ -75,6 +75,8 @@ fn wrong_values() -> impl Iterator<Item = (&'static str, Value, &'static str)> {
         ("/accessors/1/componentType", json!(5120), ""),
         ("/bufferViews/0/buffer", json!(1), ""),
         ("/bufferViews/0/byteLength", json!(999), ""),
+        ("/bufferViews/0/byteStride", json!(0), ""),
+        ("/bufferViews/0/byteStride", json!(253), ""),
         (
             "/bufferViews/0/byteOffset",
             json!(999),
@@ -387,4 +389,29 @@ fn every_prefix_of_a_document_is_refused() {
         let result = load_bytes(Path::new("a.gltf"), &text[..end], &LoadSettings::default());
         assert!(result.is_err(), "{end}");
     }
+}
+
+#[test]
+fn counts_that_no_memory_holds_are_limits_with_their_places() {
+    let mut builder = Builder::triangle();
+    let accessor = json!({"componentType": 5126, "count": 1_u64 << 34, "type": "VEC3"});
+    let huge = push(&mut builder.json["accessors"], accessor);
+    builder.primitive()["attributes"]["POSITION"] = json!(huge);
+    let error = builder.load().unwrap_err();
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+    assert!(
+        error.to_string().contains("#/accessors/1/count: "),
+        "{error}"
+    );
+    let mut builder = Builder::triangle();
+    let huge = push(
+        &mut builder.json["accessors"],
+        json!({"componentType": 5126, "count": 1_u64 << 34, "type": "VEC3"}),
+    );
+    builder.json["nodes"][0]["extensions"] =
+        json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": huge}}});
+    let error = builder.load().unwrap_err();
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+    let place = "#/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION: ";
+    assert!(error.to_string().contains(place), "{error}");
 }

@@ -313,3 +313,20 @@ fn normals_are_interpolated_for_shading() {
     let normal = mesh.shading_normal(0, DVec2::new(1.0, 0.0)).unwrap();
     assert!((normal - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-7);
 }
+
+#[test]
+fn words_of_samplers_that_mean_nothing_are_a_warning() {
+    let mut builder = textured();
+    builder.json["samplers"] = json!([{"wrapS": 1, "minFilter": 9728}]);
+    builder.json["textures"][0]["sampler"] = json!(0);
+    let model = builder.load().unwrap();
+    let map = model.objects[0].materials()[0].texture.clone().unwrap();
+    assert_eq!(map.wrap, [Wrap::Repeat; 2]);
+    assert_eq!(
+        model.warnings,
+        [
+            "a.gltf#/samplers/0/wrapS: must be one of [10497, 33071, 33648], got 1: \
+             the default is taken"
+        ]
+    );
+}

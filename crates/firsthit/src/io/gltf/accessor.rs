@@ -254,7 +254,7 @@ impl<'a> Elements<'a> {
                 let each = (size_of::<u32>() + size_of::<usize>()) as u64;
                 let each = each + (size_of::<f64>() * shape.components) as u64;
                 let needed = (sparse.count.0 as u64).saturating_mul(each);
-                report.spend(needed, "a sparse accessor")?;
+                report.spend_at(entry.at("sparse/count"), needed, "a sparse accessor")?;
                 let indices = rising(
                     &indices.read::<u32, 1>(kind, None, sparse.count.0),
                     count,
@@ -285,7 +285,7 @@ impl<'a> Elements<'a> {
     ) -> Checked<Vec<[T; N]>> {
         // What is not in the bytes is zero, and its count is nothing but a claim.
         let needed = (self.count as u64).saturating_mul(size_of::<[T; N]>() as u64);
-        report.spend(needed, "an accessor")?;
+        report.spend_at(self.entry.at("count"), needed, "an accessor")?;
         let largest = self.normalized.then(|| self.component.largest());
         let mut values = match &self.packed {
             Some(packed) => packed.read(self.component, largest, self.count),
@@ -308,8 +308,10 @@ impl<'a> Elements<'a> {
 fn reserved<T>(count: usize, entry: Entry) -> Checked<Vec<T>> {
     let mut values = Vec::new();
     let reserved = values.try_reserve_exact(count);
-    let what = || format!("{count} elements are more than what memory is free");
-    reserved.map_err(|_| entry.fault("count", what()))?;
+    reserved.map_err(|_| Fault::TooLarge {
+        place: entry.at("count"),
+        what: format!("{count} elements are more than what memory is free"),
+    })?;
     Ok(values)
 }
 

@@ -123,6 +123,7 @@ impl<'a> Buffers<'a> {
             .as_ref()
             .map(|meshopt| meshopt.byte_stride);
         let Index(stride) = view.byte_stride.or(packed)?;
+        // Of a packed view, whose own is checked where it is unpacked.
         Some(stride).filter(|&stride| stride > 0)
     }
 

@@ -118,6 +118,7 @@ pub(super) struct ImageEntry<'a> {
 #[serde(rename_all = "camelCase")]
 pub(super) struct SamplerEntry {
     mag_filter: Option<Index>,
+    min_filter: Option<Index>,
     wrap_s: Option<Index>,
     wrap_t: Option<Index>,
 }
@@ -184,6 +185,27 @@ impl TextureInfo {
         let ([x, y], [u, v]) = (transform.scale.unwrap_or([1.0; 2]), transform.offset);
         let (sine, cosine) = (libm::sin(transform.rotation), libm::cos(transform.rotation));
         [[cosine * x, sine * y, u], [-sine * x, cosine * y, v]]
+    }
+}
+
+impl SamplerEntry {
+    /// Says which of its words mean nothing: such are as if they were not there.
+    fn warn_of_unknown(&self, entry: Entry, report: &mut Report) {
+        const WRAPS: &[usize] = &[10497, 33071, 33648];
+        const FILTERS: &[usize] = &[9728, 9729];
+        const SMALLER: &[usize] = &[9728, 9729, 9984, 9985, 9986, 9987];
+        for (name, code, known) in [
+            ("wrapS", self.wrap_s, WRAPS),
+            ("wrapT", self.wrap_t, WRAPS),
+            ("magFilter", self.mag_filter, FILTERS),
+            ("minFilter", self.min_filter, SMALLER),
+        ] {
+            if let Some(Index(code)) = code.filter(|code| !known.contains(&code.0)) {
+                report.warn("sampler", &entry.at(name), || {
+                    format!("must be one of {known:?}, got {code}: the default is taken")
+                });
+            }
+        }
     }
 }
 
@@ -282,6 +304,9 @@ impl Looks {
             .and_then(|Index(sampler)| document.samplers.get(sampler));
         let default = SamplerEntry::default();
         let sampler = sampler.unwrap_or(&default);
+        if let Some(Index(index)) = texture.sampler {
+            sampler.warn_of_unknown(Entry::new("samplers", index), report);
+        }
         Some(TextureMap {
             wrap: [sampler.wrap_s, sampler.wrap_t].map(wrap),
             filter: match sampler.mag_filter {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::super::mend::{Kind, mend};
 use super::super::report::{Checked, Fault};
 use super::super::surface::{Surface, Vertices, push_fan};
 use super::accessor::{Component, Shape, component, has_shape};
@@ -19,6 +20,8 @@ pub(super) struct Deformation<'a> {
     /// How much of each morph target is added.
     pub(super) weights: &'a [f64],
     pub(super) palette: Option<&'a Palette>,
+    /// The map of the mesh's node, at which vertices stay that no joint moves.
+    pub(super) node: DAffine3,
     /// A map that no transform can stand for, since it flattens space.
     pub(super) flattened: Option<DAffine3>,
 }
@@ -132,7 +135,7 @@ fn deformed(
     let mut points: Vec<[f64; 3]> = values.all("POSITION", index, &Shape::VEC3)?;
     morph(values, deformation, "POSITION", &mut points)?;
     let maps = match deformation.palette {
-        Some(palette) => Some(skin::maps(values, palette, points.len())?),
+        Some(palette) => Some(skin::maps(values, palette, deformation.node, points.len())?),
         None => None,
     };
     if let Some(maps) = &maps {
@@ -255,9 +258,10 @@ fn with_normals(
         return Ok(mesh);
     }
     if maps.is_none() && !is_morphed(values, deformation) {
-        let normals = values
+        let mut normals = values
             .read("NORMAL", &Shape::VEC3, count)?
             .unwrap_or_default();
+        mend_in(values, &mut normals, Kind::Normals, "NORMAL");
         return Ok(mesh.with_normals(Attribute::per_vertex(normals))?);
     }
     let mut normals: Vec<[f64; 3]> = values
@@ -268,11 +272,28 @@ fn with_normals(
         // By the inverse transpose, as surfaces are turned.
         *normal = (map.matrix3.inverse().transpose() * DVec3::from(*normal)).into();
     }
-    let normals = normals
+    // Joints that flatten space, which is no fault, leave no normal either.
+    let is_moved = maps.is_some();
+    let mut normals: Vec<[f32; 3]> = normals
         .iter()
-        .map(|normal| normal.map(|x| x as f32))
+        .map(|normal| match normal.map(|x| x as f32) {
+            moved if is_moved && !moved.iter().all(|x| x.is_finite()) => [0.0; 3],
+            normal => normal,
+        })
         .collect();
+    mend_in(values, &mut normals, Kind::Normals, "NORMAL");
     Ok(mesh.with_normals(Attribute::per_vertex(normals))?)
+}
+
+/// Replaces what is no number in the values of an attribute.
+fn mend_in<const N: usize>(
+    values: &mut Values<'_, '_>,
+    numbers: &mut [[f32; N]],
+    kind: Kind,
+    name: &str,
+) {
+    let place = values.place(&format!("attributes/{name}"));
+    mend(numbers, kind, &place, values.report);
 }
 
 /// The texture coordinates that the material takes; without a texture, the first set.
@@ -284,7 +305,8 @@ fn with_uvs(
 ) -> Checked<Mesh> {
     let set = look.and_then(|look| look.set);
     let name = format!("TEXCOORD_{}", set.unwrap_or(0));
-    if let Some(uvs) = values.read(&name, &Shape::VEC2, count)? {
+    if let Some(mut uvs) = values.read(&name, &Shape::VEC2, count)? {
+        mend_in(values, &mut uvs, Kind::Coordinates, &name);
         return Ok(mesh.with_uvs(Attribute::per_vertex(uvs))?);
     }
     if set.is_some() {
@@ -306,14 +328,16 @@ fn with_colors(
         return Ok(mesh);
     };
     if has_shape(values.document, index, &Shape::VEC3) {
-        let colors = values
+        let mut colors = values
             .read("COLOR_0", &Shape::VEC3, count)?
             .unwrap_or_default();
+        mend_in(values, &mut colors, Kind::Colors, "COLOR_0");
         return Ok(mesh.with_colors(Attribute::per_vertex(colors))?);
     }
-    let colors: Vec<[f32; 4]> = values
+    let mut colors: Vec<[f32; 4]> = values
         .read("COLOR_0", &Shape::VEC4, count)?
         .unwrap_or_default();
+    mend_in(values, &mut colors, Kind::Colors, "COLOR_0");
     let opaque = colors
         .iter()
         .map(|&[red, green, blue, _]| [red, green, blue])

@@ -79,7 +79,10 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     if !document.animations.is_empty() {
         report.warn("animations", &Place::Pointer("/animations".into()), || {
             let count = document.animations.len();
-            format!("{count} animations are not read: everything is at rest")
+            match count {
+                1 => "1 animation is not read: everything is at rest".to_owned(),
+                _ => format!("{count} animations are not read: everything is at rest"),
+            }
         });
     }
     if objects.iter().all(|object| object.triangles() == 0) {

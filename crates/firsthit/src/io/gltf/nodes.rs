@@ -94,6 +94,13 @@ fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
         let translation = node.translation.unwrap_or_default();
         return affine(translation, rotation, node.scale.unwrap_or([1.0; 3]));
     };
+    if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
+        report.warn("matrix and parts", &entry.place(), || {
+            "has a matrix and a translation, rotation or scale, which exclude each other: \
+             the matrix is taken"
+                .to_owned()
+        });
+    }
     let [a, b, c, w0, d, e, f, w1, g, h, i, w2, x, y, z, w3] = matrix;
     if [w0, w1, w2, w3] != [0.0, 0.0, 0.0, 1.0] {
         report.warn("matrix", &entry.at("matrix"), || {

@@ -127,6 +127,7 @@ impl<'a, 'b> Objects<'a, 'b> {
         let deformation = Deformation {
             weights: own_weights.unwrap_or(&entry.weights),
             palette: palette.as_deref(),
+            node: place.world_from_node,
             flattened: None,
         };
         let look = described.material.map(|material| {
@@ -266,11 +267,16 @@ impl<'a, 'b> Objects<'a, 'b> {
         }
         // Before anything else is made of a count that nothing may stand behind.
         let needed = (count as u64).saturating_mul(size_of::<DAffine3>() as u64 + OBJECT_BYTES);
+        let place = || {
+            let name = super::place::key(first);
+            let value = format!("extensions/EXT_mesh_gpu_instancing/attributes/{name}");
+            place.entry().at(value)
+        };
         if needed > self.report.settings().max_memory {
-            self.report.spend(needed, "the instances")?;
+            self.report.spend_at(place(), needed, "the instances")?;
         }
         let placements = (count as u64).saturating_mul(size_of::<DAffine3>() as u64);
-        self.report.spend(placements, "the instances")?;
+        self.report.spend_at(place(), placements, "the instances")?;
         let translations = self.values::<3>(instancing, "TRANSLATION", &Shape::VEC3)?;
         let rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
         let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;

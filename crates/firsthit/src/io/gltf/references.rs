@@ -184,6 +184,12 @@ impl Counts {
 
     fn view(&self, view: &BufferView<'_>, entry: Entry) -> Checked<()> {
         self.buffers.option(Some(view.buffer), entry, "buffer")?;
+        if let Some(Index(stride)) = view.byte_stride
+            && !(4..=252).contains(&stride)
+        {
+            let what = format!("must be from 4 to 252, got {stride}");
+            return Err(entry.fault("byteStride", what));
+        }
         let packed = view
             .extensions
             .meshopt

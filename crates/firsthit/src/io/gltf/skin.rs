@@ -75,6 +75,7 @@ fn affine(&[a, b, c, _, d, e, f, _, g, h, i, _, x, y, z, _]: &[f64; 16]) -> DAff
 pub(super) fn maps(
     values: &mut Values<'_, '_>,
     palette: &Palette,
+    world_from_node: DAffine3,
     vertices: usize,
 ) -> Checked<Vec<DAffine3>> {
     let room = (vertices as u64).saturating_mul(size_of::<DAffine3>() as u64);
@@ -117,7 +118,33 @@ pub(super) fn maps(
         }
     }
     even_out(values, &mut maps, &sums);
+    put_back(values, &mut maps, &sums, world_from_node);
     Ok(maps)
+}
+
+/// Leaves vertices that no joint moves where the mesh's node puts them: as a sum of nothing they would all fall
+/// into the origin.
+fn put_back(
+    values: &mut Values<'_, '_>,
+    maps: &mut [DAffine3],
+    sums: &[f64],
+    world_from_node: DAffine3,
+) {
+    let is_moved = |&sum: &f64| sum > 0.0;
+    let Some(first) = sums.iter().position(|sum| !is_moved(sum)) else {
+        return;
+    };
+    let count = sums.iter().filter(|sum| !is_moved(sum)).count();
+    let place = values.place("attributes/WEIGHTS_0");
+    values.report.warn("no weights", &place, || {
+        format!(
+            "vertices without a weight: {count}, the first at index {first}; \
+             they stay where the node is"
+        )
+    });
+    for (map, _) in maps.iter_mut().zip(sums).filter(|(_, sum)| !is_moved(sum)) {
+        *map = world_from_node;
+    }
 }
 
 /// Divides by the shares' sum where it is not one, as it must be; by more than rounding, lest vertices that

@@ -7,6 +7,7 @@ mod plain;
 use std::collections::HashMap;
 
 use super::Model;
+use super::mend::{Kind, mend};
 use super::mtl::Library;
 use super::report::{Checked, Fault, Report};
 use super::surface::Vertices;
@@ -96,6 +97,14 @@ struct Values {
     normals: Vec<[f32; 3]>,
     /// Linear colours of vertices: none, or as many as vertices.
     colors: Vec<[f32; 3]>,
+}
+
+impl Values {
+    fn mend(&mut self, report: &mut Report) {
+        mend(&mut self.normals, Kind::Normals, &Place::File, report);
+        mend(&mut self.uvs, Kind::Coordinates, &Place::File, report);
+        mend(&mut self.colors, Kind::Colors, &Place::File, report);
+    }
 }
 
 /// The materials that faces use, by number.
@@ -381,7 +390,10 @@ impl<'a> Reader<'a> {
     fn finish(mut self) -> Checked<Model> {
         self.check_memory()?;
         if !self.has_statements {
-            return Err(Fault::file("not an OBJ file: it has no statement of one"));
+            return Err(Fault::line(
+                1,
+                "not an OBJ file: it has no statement of one",
+            ));
         }
         let [vertices, uvs, normals] = &self.indices;
         vertices.check()?;
@@ -399,6 +411,7 @@ impl<'a> Reader<'a> {
             self.objects.push(Object::new(stem));
         }
         self.look_up_materials();
+        self.values.mend(self.report);
         let vertices = Vertices::new(Positions::compact(self.positions));
         let mut gather = Gather::default();
         let finish = |object: Object| {

@@ -1,5 +1,7 @@
 //! The head of a PLY file: which elements follow, of which properties.
 
+use std::collections::HashSet;
+
 use crate::io::report::{Checked, Fault};
 use crate::io::text::{Lines, Words, shown};
 
@@ -13,6 +15,8 @@ pub(super) struct Header<'a> {
     pub(super) stray: Option<(u64, String)>,
     /// What follows the header.
     pub(super) body: &'a [u8],
+    /// The first line that declares a property its element has already, with the property's name.
+    pub(super) repeated: Option<(u64, String)>,
     /// How many lines the header has.
     pub(super) lines: u64,
 }
@@ -30,6 +34,8 @@ pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
+    /// The names of its properties: looked up, lest a header of a million lines takes a day.
+    names: HashSet<String>,
     pub(super) line: u64,
 }
 
@@ -131,7 +137,7 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
     // In a file whose lines end with CR, an LF after the header is already the body's first byte.
     lines.bare_cr = matches!(start.get(magic.len()..), Some([b'\r', next, ..]) if *next != b'\n');
     let (mut format, mut elements, mut textures) = (None, Vec::new(), Vec::new());
-    let mut stray = None;
+    let (mut stray, mut repeated) = (None, None);
     while let Some(line) = lines.next() {
         let number = lines.number;
         let mut words = Words::new(line);
@@ -144,7 +150,11 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
                 let property = parse_property(words, number)?;
                 let element: Option<&mut Element> = elements.last_mut();
                 let orphan = || Fault::line(number, "a property before any element");
-                element.ok_or_else(orphan)?.properties.push(property);
+                let element = element.ok_or_else(orphan)?;
+                if repeated.is_none() && !element.names.insert(property.name.clone()) {
+                    repeated = Some((number, property.name.clone()));
+                }
+                element.properties.push(property);
             }
             Some(b"end_header") => {
                 let missing = || Fault::line(number, "the header has no line 'format'");
@@ -153,6 +163,7 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
                     elements,
                     textures,
                     stray,
+                    repeated,
                     body: lines.rest(),
                     lines: number,
                 });
@@ -221,6 +232,7 @@ fn parse_element(mut words: Words, line: u64) -> Checked<Element> {
         name,
         count,
         properties: Vec::new(),
+        names: HashSet::new(),
         line,
     })
 }

@@ -10,6 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::Model;
+use super::mend::{self, mend};
 use super::picture;
 use super::report::{Checked, Fault, Report};
 use super::surface::{Surface, Vertices, face_attribute};
@@ -30,6 +31,11 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
             format!("this line of the header is not read: '{text}'")
         });
     }
+    if let Some((line, name)) = &header.repeated {
+        report.warn("repeated", &Place::Line(*line), || {
+            format!("property '{name}' is there twice in its element: the first one counts")
+        });
+    }
     match header.format {
         Format::Ascii => read_body(&header, Ascii::new(&header), report),
         Format::Little => read_body(&header, Binary::new(&header, bytes.len(), false), report),
@@ -45,7 +51,7 @@ fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Chec
     }
     let element = header
         .vertex_element()?
-        .ok_or_else(|| Fault::file("no vertex element: there is no geometry"))?;
+        .ok_or_else(|| Fault::line(header.lines, "no vertex element: there is no geometry"))?;
     let mut vertices = VertexRows::new(element, header)?;
     let mut faces = Faces::new(element.count);
     for element in &header.elements {
@@ -142,10 +148,12 @@ fn model(
     warn_if_empty(&surface, &shared, report);
     let count = surface.face_count();
     let (mut mesh, _) = surface.finish(&shared, &name, report)?;
-    if let Some(normals) = vertices.normals {
+    if let Some(mut normals) = vertices.normals {
+        mend(&mut normals, mend::Kind::Normals, &Place::File, report);
         mesh = mesh.with_normals(Attribute::per_vertex(normals))?;
     }
-    if let Some(uvs) = vertices.uvs {
+    if let Some(mut uvs) = vertices.uvs {
+        mend(&mut uvs, mend::Kind::Coordinates, &Place::File, report);
         mesh = mesh.with_uvs(Attribute::per_vertex(uvs))?;
     }
     let colors = match (vertices.colors, colors) {
@@ -162,7 +170,8 @@ fn model(
         texture,
         ..Material::default()
     });
-    if let Some(colors) = colors {
+    if let Some(mut colors) = colors {
+        mend(&mut colors.values, mend::Kind::Colors, &Place::File, report);
         mesh = mesh.with_colors(colors)?;
     }
     let object = Object::new(Arc::new(mesh)).named(name);

@@ -15,6 +15,7 @@ use super::section::Section;
 use crate::error::{Error, escape_controls};
 use crate::geometry::{DAffine3, Transform};
 use crate::io::report::{Checked, Fault, Report};
+use crate::io::surface::TOO_FAR;
 use crate::io::{format_of, load_part, read};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
@@ -199,6 +200,14 @@ fn mesh(section: &Section<'_, '_>) -> Checked<Mesh> {
         .iter()
         .filter_map(|item| numbers::<3>(item.get_ref()))
         .collect();
+    // The rule of mesh files, where such a corner costs its triangle: here somebody can be told.
+    if let Some(far) = points
+        .iter()
+        .position(|p| p.iter().any(|x| x.abs() >= TOO_FAR))
+    {
+        let what = format!("vertex {far} has a coordinate that is not below {TOO_FAR:e}");
+        return Err(section.fault_in("vertices", far, what));
+    }
     let triangles: Vec<[u32; 3]> = items("triangles")
         .iter()
         .filter_map(|item| triple(item.get_ref()))

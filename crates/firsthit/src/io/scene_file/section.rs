@@ -254,6 +254,15 @@ impl<'v, 't> Section<'v, 't> {
         self.text.fault(at, what)
     }
 
+    /// A fault of an item of the array under a key.
+    pub(super) fn fault_in(&self, name: &str, item: usize, what: impl Into<String>) -> Fault {
+        let items = self.raw(name).and_then(DeValue::as_array);
+        match items.and_then(|items| items.get(item)) {
+            Some(value) => self.text.fault(value.span().start, what),
+            None => self.fault_at(name, what),
+        }
+    }
+
     /// What a constructor of the library says, at the place of the value that it names.
     pub(super) fn checked<T>(&self, made: Result<T>) -> Checked<T> {
         made.map_err(|error| match &error {
