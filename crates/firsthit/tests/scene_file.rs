@@ -568,7 +568,7 @@ fn hostile_texts_end_soon_and_in_an_error() {
         let said = refusal(&text);
         assert!(said.len() < 500, "{what}: {said}");
     }
-    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 
 #[test]
@@ -576,7 +576,7 @@ fn a_hundred_thousand_objects_take_moments() {
     let ball = "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\n";
     let start = std::time::Instant::now();
     assert_eq!(model(&ball.repeat(100_000)).objects.len(), 100_000);
-    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 
 #[test]

@@ -227,7 +227,7 @@ fn damaged_files_are_read_or_refused_in_moments() {
         }
         assert!(refused > 0, "{name}");
         assert!(
-            start.elapsed().as_secs() < 30,
+            start.elapsed().as_secs() < 60,
             "{name}: {:?}",
             start.elapsed()
         );
