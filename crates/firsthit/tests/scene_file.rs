@@ -230,7 +230,7 @@ fn doubts_about_a_named_file_are_passed_on() {
     let bad = "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n";
     let model = read(text, &[("t.obj", bad)]).expect("a scene");
     assert!(
-        model.warnings[0].contains("t.obj: dropped: 1 triangles"),
+        model.warnings[0].contains("t.obj: dropped: 1 triangle"),
         "{:?}",
         model.warnings
     );

@@ -482,5 +482,10 @@ fn numbers<const N: usize>(words: &mut Words, line: u64) -> Checked<[f64; N]> {
 
 #[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
 fn linear(encoded: f64) -> f32 {
-    srgb_decode(encoded) as f32
+    if encoded.is_finite() && encoded >= 0.0 {
+        srgb_decode(encoded) as f32
+    } else {
+        // Not a colour: told, and replaced, where all are there.
+        encoded as f32
+    }
 }
