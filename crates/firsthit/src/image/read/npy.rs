@@ -25,7 +25,8 @@ pub(super) fn array(bytes: &[u8], name: Option<String>, most: u64) -> Result<Arr
         .is_none_or(|needed| needed > data.len())
     {
         return Err(format!(
-            "the array of shape {claimed:?} is longer than the file"
+            "the array of shape {claimed:?} is longer than the file, which holds {} bytes of it",
+            data.len()
         ));
     }
     let shape: Vec<usize> = (claimed.iter())

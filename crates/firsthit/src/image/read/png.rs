@@ -1,6 +1,6 @@
-use std::io::Cursor;
+use std::io::{Cursor, ErrorKind};
 
-use png::{BitDepth, Decoder, Limits, Transformations};
+use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
 
 use super::super::metadata::{Encoding, KEY};
 use super::{Array, Numbers, Output, collected, elements, metadata_of, only_channel};
@@ -12,7 +12,9 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
+    let mut reader = decoder
+        .read_info()
+        .map_err(|error| in_words(&error, bytes.len()))?;
     let (columns, rows) = (reader.info().width, reader.info().height);
     let (color, depth) = reader.output_color_type();
     let components = color.samples();
@@ -28,7 +30,7 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
     let mut samples = collected(size, std::iter::repeat_n(0, size))?;
     reader
         .next_frame(&mut samples)
-        .map_err(|error| error.to_string())?;
+        .map_err(|error| in_words(&error, bytes.len()))?;
     let mut output = Output::default();
     let texts = &reader.info().uncompressed_latin1_text;
     let text = texts.iter().find(|text| text.keyword == KEY);
@@ -60,6 +62,22 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
         is_picture,
     });
     Ok(output)
+}
+
+/// Why there is no picture. The crate's own words hold names of its types.
+fn in_words(error: &DecodingError, length: usize) -> String {
+    match error {
+        DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            format!("truncated: the picture goes on where the file ends, at byte {length}")
+        }
+        DecodingError::Format(_) => {
+            "not a PNG, or a damaged one: its chunks are not what the format asks for".to_owned()
+        }
+        DecodingError::IoError(_) | DecodingError::Parameter(_) => {
+            "not a PNG that can be read".to_owned()
+        }
+        DecodingError::LimitsExceeded => "takes more memory than is allowed".to_owned(),
+    }
 }
 
 fn sixteen(samples: &[u8]) -> impl Iterator<Item = i64> {

@@ -376,13 +376,27 @@ fn fault(
     if let Some(end) = what.rfind(" at line ") {
         what.truncate(end);
     }
-    let what = escape_controls(&what);
+    let what = plain(&escape_controls(&what));
     let place = match (path, container.start) {
         (Some(path), _) if error.is_data() => Place::Pointer(pointer_of(path)),
         (_, Some(start)) => Place::Byte((start + offset_of(container.json, error)) as u64),
         (_, None) => Place::Line(error.line() as u64),
     };
     Fault::at(place, what)
+}
+
+/// A message in JSON's words, where it has Rust's.
+fn plain(what: &str) -> String {
+    let Some((start, expected)) = what.rsplit_once("expected ") else {
+        return what.to_owned();
+    };
+    let words = match expected {
+        "f32" | "f64" => "a number",
+        "a sequence" => "an array",
+        _ if expected.starts_with("struct ") || expected == "a map" => "an object",
+        _ => expected,
+    };
+    format!("{start}expected {words}")
 }
 
 /// The byte of the text that an error is about.
