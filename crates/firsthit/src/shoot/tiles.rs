@@ -380,13 +380,20 @@ impl Work<'_> {
     fn sight(&self, index: u32) -> Option<Sight<'_>> {
         let (mesh, tree) = tileable(self.plan.scene, index)?;
         let object = &self.plan.scene.objects()[index as usize];
-        let centre = bundle(&self.plan.grid, object, self.row, self.column).centre;
+        // Of parallel rays the very direction: where two axes are as long, the last bit chooses.
+        let along = match self.plan.grid.parallel {
+            Some(direction) => object
+                .transform()
+                .object_from_world()
+                .transform_vector3(direction),
+            None => bundle(&self.plan.grid, object, self.row, self.column).centre,
+        };
         Some(Sight {
             index,
             object,
             mesh,
             tree,
-            z: largest_axis(centre),
+            z: largest_axis(along),
         })
     }
 
