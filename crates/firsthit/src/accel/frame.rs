@@ -58,6 +58,8 @@ pub(crate) struct Frame {
     start: [f32; 3],
     pub(super) is_perspective: bool,
     pub(super) start_depth: f32,
+    /// The depth that the eye was moved by.
+    slid: f32,
     /// What X and Y are off.
     pub(super) error: f32,
     /// What depths are off.
@@ -79,9 +81,16 @@ impl Frame {
     )]
     pub(crate) fn new(tree: &MeshTree, bundle: &Bundle) -> Option<Self> {
         let space = &tree.space;
-        let eye = (bundle.eye - space.origin) * space.scale;
+        let mut eye = (bundle.eye - space.origin) * space.scale;
+        let far = eye.abs().max_element();
         let [centre, across, down] =
             [bundle.centre, bundle.across, bundle.down].map(|v| v * space.scale);
+        // Parallel rays may start anywhere on their way: near the tree, differences lose nothing.
+        let mut slid = 0.0;
+        if !bundle.is_perspective {
+            slid = -eye.dot(centre) / centre.length_squared();
+            eye += slid * centre;
+        }
         let reach = eye.abs().max_element() + 1.0;
         let z = largest_axis(centre);
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
@@ -103,9 +112,15 @@ impl Frame {
         };
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
-        let blur = 4e-15 * (bundle.largest * space.scale + reach);
+        let blur = 4e-15 * (bundle.largest * space.scale + far + reach);
         let error = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur);
-        let depth_error = sum(rows[2]) * (40.0 * u * reach + 4.0 * blur);
+        let depth_error = sum(rows[2]) * (40.0 * u * reach + 4.0 * blur) + 16.0 * u * slid.abs();
+        // What a wrong depth moves on the picture.
+        let sideways = if bundle.is_perspective {
+            depth_error
+        } else {
+            0.0
+        };
         let skew = sum(rows[0]).max(sum(rows[1])) * (sum(columns[0]) + sum(columns[1]));
         let fine = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
         // Where a pixel is not seen sharply at the distance of the tree's far side, most would be undecided.
@@ -114,9 +129,14 @@ impl Frame {
         } else {
             1.0
         };
-        let is_sharp = error + 16.0 * depth_error < 0.2 * far_depth.max(1e-30);
+        let is_sharp = error + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
         // Written so that a NaN fails.
-        let is_fine = fine && is_sharp && error.is_finite() && (sum(rows[0]) + sum(rows[1])) < 1e12;
+        let is_fine = fine
+            && is_sharp
+            && error.is_finite()
+            && slid.abs() < 1e30
+            && depth_error < 1e30
+            && (sum(rows[0]) + sum(rows[1])) < 1e12;
         if !is_fine {
             return None;
         }
@@ -133,7 +153,7 @@ impl Frame {
             } else {
                 reach_of_pixels
             };
-            let slack = sum(normal) * (8.0 * u * reach + 2.0 * blur) + error + 8.0 * depth_error;
+            let slack = sum(normal) * (8.0 * u * reach + 2.0 * blur) + error + 8.0 * sideways;
             (
                 normal.to_array().map(|x| x as f32),
                 -((below + slack) * 1.000_01) as f32,
@@ -150,9 +170,10 @@ impl Frame {
             start: eye.to_array().map(|x| x as f32),
             is_perspective: bundle.is_perspective,
             start_depth: bundle.start_depth as f32,
+            slid: slid as f32,
             error: error as f32,
             depth_error: depth_error as f32,
-            absolute: (4.3 * (error + 24.0 * depth_error)) as f32,
+            absolute: (4.3 * (error + 24.0 * sideways)) as f32,
             relative: ((16.0 + 6.0 * skew) * u) as f32,
         })
     }
@@ -176,7 +197,7 @@ impl Frame {
                 l.mul_add(l.splat(ry), y, l.mul(l.splat(rz), z)),
             )
         };
-        [row(0), row(1), row(2)]
+        [row(0), row(1), l.add(row(2), l.splat(self.slid))]
     }
 
     /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.
@@ -198,10 +219,10 @@ impl Frame {
             l.le(l.splat(least), farthest(normal))
         };
         let [x, y, z] = self.depth;
-        let last = l.add(farthest(self.depth), l.splat(self.depth_error));
+        let last = l.add(farthest(self.depth), l.splat(self.slid + self.depth_error));
         let first = l.sub(
-            l.sub(l.splat(0.0), farthest([-x, -y, -z])),
-            l.splat(self.depth_error),
+            l.splat(self.slid - self.depth_error),
+            farthest([-x, -y, -z]),
         );
         let met = inside(0)
             & inside(1)
