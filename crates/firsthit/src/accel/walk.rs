@@ -129,7 +129,8 @@ pub(crate) fn first<L: Lanes>(
 ) -> Option<Crossing> {
     let shear = Shear::new(ray);
     if tree.nodes.is_empty() {
-        return without_tree(mesh, ray, &shear);
+        // Float32 holds nothing of this mesh, or there is nothing.
+        return mesh.first_crossing(ray, &shear);
     }
     let tree_ray = TreeRay::new(tree, ray, &shear)?;
     let place = Place {
@@ -156,7 +157,7 @@ pub(crate) fn any<L: Lanes>(
 ) -> bool {
     let shear = Shear::new(ray);
     if tree.nodes.is_empty() {
-        return without_tree(mesh, ray, &shear).is_some();
+        return mesh.first_crossing(ray, &shear).is_some();
     }
     let Some(tree_ray) = TreeRay::new(tree, ray, &shear) else {
         return false;
@@ -208,26 +209,6 @@ pub(crate) fn each<L: Lanes>(
         };
         traverse(l, &mut scratch.stack, &place, &mut each);
     }
-}
-
-/// Float32 holds nothing of this mesh, or there is nothing.
-#[cold]
-fn without_tree(mesh: &Mesh, ray: &Ray, shear: &Shear) -> Option<Crossing> {
-    let mut first: Option<Crossing> = None;
-    for (triangle, primitive) in (0..mesh.triangles().len()).zip(0..) {
-        if let Some(TriangleHit { t, barycentric }) = mesh.intersect_triangle(triangle, shear)
-            && t > 0.0
-            && t <= ray.t_max
-            && first.is_none_or(|first| t < first.t)
-        {
-            first = Some(Crossing {
-                t,
-                primitive,
-                barycentric,
-            });
-        }
-    }
-    first
 }
 
 #[inline(always)]

@@ -43,7 +43,7 @@ fn covers(a: &Object, b: &Object) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{DVec3, Transform};
+    use crate::geometry::{DAffine3, DVec3, Transform};
     use crate::scene::{AlphaMode, Material};
     use crate::shape::{Mesh, Positions, Sphere};
 
@@ -65,6 +65,7 @@ mod tests {
             ..Material::default()
         };
         let holes = triangle(0.0).with_materials([glass]);
+        let half_turn = DAffine3::from_scale(DVec3::new(-1.0, -1.0, 1.0));
         let objects = [
             holes.clone(),
             triangle(0.0),
@@ -74,10 +75,14 @@ mod tests {
             moved(&triangle(1.0), 1.0),
             ball.clone(),
             moved(&ball, 1.0),
-            ball,
+            ball.clone(),
+            // In the same bounds, and still not the same to the last bit.
+            ball.placed(Transform::new(half_turn).unwrap()),
         ];
         let bounds: Vec<Bounds> = objects.iter().map(Object::bounds).collect();
-        let expected = [false, false, true, true, false, false, false, false, true];
+        let expected = [
+            false, false, true, true, false, false, false, false, true, false,
+        ];
         assert_eq!(covered(&objects, &bounds), expected);
     }
 }

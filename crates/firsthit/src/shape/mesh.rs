@@ -36,6 +36,21 @@ impl Mesh {
             && (Arc::ptr_eq(&self.positions, &other.positions) || same_bits())
     }
 
+    /// The first crossing of a ray that is ready for triangles, by brute force; of equal `t` the lowest triangle.
+    pub(crate) fn first_crossing(&self, ray: &Ray, shear: &Shear) -> Option<Crossing> {
+        let mut first: Option<Crossing> = None;
+        for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
+            if let Some(hit) = self.intersect_triangle(triangle, shear)
+                && hit.t > 0.0
+                && hit.t <= ray.t_max
+                && first.is_none_or(|first| hit.t < first.t)
+            {
+                first = Some(hit.crossing(primitive));
+            }
+        }
+        first
+    }
+
     /// Whether all of a triangle's points look alike as far as holes are concerned: of two triangles in one place
     /// the first then hides the other.
     pub(crate) fn has_plain_triangles(&self) -> bool {
@@ -340,22 +355,7 @@ impl Surface for Arc<Mesh> {
 
     /// Brute force over all triangles: scenes put a tree over them.
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let shear = Shear::new(ray);
-        let mut first: Option<Crossing> = None;
-        for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
-            if let Some(TriangleHit { t, barycentric }) = self.intersect_triangle(triangle, &shear)
-                && t > 0.0
-                && t <= ray.t_max
-                && first.is_none_or(|first| t < first.t)
-            {
-                first = Some(Crossing {
-                    t,
-                    primitive,
-                    barycentric,
-                });
-            }
-        }
-        first
+        self.first_crossing(ray, &Shear::new(ray))
     }
 
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {

@@ -2,10 +2,11 @@
 
 use bytemuck::Zeroable;
 
+use crate::accel::TILE;
 use crate::error::Result;
 use crate::geometry::{DVec2, Hit};
 use crate::memory;
-use crate::simd::Lanes;
+use crate::simd::{Lanes, WIDE};
 
 /// What many rays met, an array for each quantity; see [`Hit`] for their meaning.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -101,5 +102,88 @@ impl Out<'_> {
             primitive: self.primitive[index],
             barycentric: self.barycentric[index],
         }
+    }
+}
+
+/// The hits of a tile's row, on their way to memory: there, a few bytes at a time would be slow.
+#[repr(align(64))]
+pub(super) struct RowOfHits {
+    t: [[f64; WIDE]; 2],
+    pub(super) object: [i32; TILE],
+    pub(super) primitive: [i32; TILE],
+    barycentric: [[f64; WIDE]; 4],
+}
+
+impl RowOfHits {
+    pub(super) const MISSES: Self = Self {
+        t: [[Hit::MISS.t; WIDE]; 2],
+        object: [Hit::MISS.object; TILE],
+        primitive: [Hit::MISS.primitive; TILE],
+        barycentric: [[f64::NAN; WIDE]; 4],
+    };
+
+    pub(super) fn put(&mut self, column: usize, hit: &Hit) {
+        let (column, weights) = (column % TILE, hit.barycentric);
+        self.t.as_flattened_mut()[column] = hit.t;
+        self.object[column] = hit.object;
+        self.primitive[column] = hit.primitive;
+        self.barycentric.as_flattened_mut()[2 * column..][..2]
+            .copy_from_slice(&[weights.x, weights.y]);
+    }
+
+    /// Takes eight hits where the mask says so.
+    #[inline(always)]
+    pub(super) fn put_half<L: Lanes>(
+        &mut self,
+        l: L,
+        half: usize,
+        mask: u8,
+        [t, v, w]: [L::Doubles; 3],
+    ) {
+        let half = half % 2;
+        let old = l.load64(&self.t[half]);
+        l.store64(l.select64(mask, t, old), &mut self.t[half]);
+        let mut both = [[0.0; WIDE]; 2];
+        let [low, high] = l.interleave64(v, w);
+        if mask == u8::MAX {
+            l.store64(low, &mut self.barycentric[2 * half]);
+            l.store64(high, &mut self.barycentric[2 * half + 1]);
+            return;
+        }
+        l.store64(low, &mut both[0]);
+        l.store64(high, &mut both[1]);
+        let (both, own) = (both.as_flattened(), self.barycentric.as_flattened_mut());
+        for k in (0..WIDE).filter(|k| mask >> k & 1 == 1) {
+            own[2 * (WIDE * half + k)..][..2].copy_from_slice(&both[2 * k..][..2]);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn write(&self, at: usize, columns: usize, out: &mut Out<'_>) {
+        if columns == TILE {
+            // Lengths that the compiler knows.
+            self.copy::<TILE>(at, out);
+        } else {
+            for k in 0..columns {
+                self.copy_one(k, at + k, out);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn copy<const N: usize>(&self, at: usize, out: &mut Out<'_>) {
+        out.t[at..at + N].copy_from_slice(&self.t.as_flattened()[..N]);
+        out.object[at..at + N].copy_from_slice(&self.object[..N]);
+        out.primitive[at..at + N].copy_from_slice(&self.primitive[..N]);
+        let weights: &mut [f64] = bytemuck::cast_slice_mut(&mut out.barycentric[at..at + N]);
+        weights.copy_from_slice(&self.barycentric.as_flattened()[..2 * N]);
+    }
+
+    fn copy_one(&self, from: usize, at: usize, out: &mut Out<'_>) {
+        out.t[at] = self.t.as_flattened()[from];
+        out.object[at] = self.object[from];
+        out.primitive[at] = self.primitive[from];
+        let weights = &self.barycentric.as_flattened()[2 * from..];
+        out.barycentric[at] = DVec2::new(weights[0], weights[1]);
     }
 }
