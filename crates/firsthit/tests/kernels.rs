@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firsthit::shape::triangle::Shear;
-use firsthit::shoot::{BruteForce, any_hit, first_hit, occluded_all, shoot_all};
+use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit, occluded_all, shoot_all};
 use firsthit::{
     Camera, DAffine3, DMat3, DVec3, Hit, Hits, InstructionSet, Object, Plane, Projection, Ray,
     RayStart, Rays, Scene, Sphere, Transform, View,
@@ -53,6 +53,8 @@ fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
             assert_eq!(any[k], !judge.is_miss(), "any hit: {}", what());
             if k % 64 == 0 {
                 assert_eq!(any_hit(&scene, &ray), !judge.is_miss(), "{}", what());
+                let alone = first_hit::<Trees>(&scene, &ray);
+                assert_eq!(bits(&alone), bits(judge), "alone: {}", what());
             }
         }
     }
@@ -248,6 +250,9 @@ fn cameras_on_instances_transforms_and_other_shapes() {
     for camera in cameras(DVec3::ZERO, 1.5, &mut numbers) {
         hits += judged(&mixed, &camera) + judged(&meshes, &camera);
     }
+    let one = Scene::new(vec![objects[1].clone()]).unwrap();
+    let rays = rays(&points, 1.0, 3000, &mut numbers);
+    hits += judged(&mixed, &rays) + judged(&meshes, &rays) + judged(&one, &rays);
     assert!(hits > 5_000, "{hits}");
 }
 

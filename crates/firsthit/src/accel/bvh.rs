@@ -29,9 +29,6 @@ pub(super) struct Node {
     pub(super) count: u32,
 }
 
-/// No tree is deeper: the builder falls back to halving from depth [`build::SAH_DEPTH`] on.
-const STACK: usize = build::SAH_DEPTH as usize + 33;
-
 impl Bvh {
     /// What the float64 triangle test needs as `slack`, and half as much again: see `Slab` below.
     pub const TRIANGLES: f64 = f64::EPSILON * 16.0;
@@ -57,26 +54,26 @@ impl Bvh {
 pub(crate) struct Walk<'a> {
     bvh: &'a Bvh,
     slab: Slab,
-    /// Nodes to be visited, and where the ray enters them.
-    stack: [(u32, f64); STACK],
-    height: usize,
     /// What is left of a leaf.
     leaf: &'a [u32],
 }
 
+/// Memory for a [`Walk`], to be used again: nodes to be visited, and where the ray enters them.
+pub(crate) type WalkStack = Vec<(u32, f64)>;
+
 impl Bvh {
     /// The boxes that `ray` may meet, one after the other.
-    pub(crate) fn walk(&self, ray: &Ray) -> Walk<'_> {
+    pub(crate) fn walk(&self, ray: &Ray, stack: &mut WalkStack) -> Walk<'_> {
         let slab = Slab::new(self, ray);
-        let is_met = self
-            .nodes
-            .first()
-            .is_some_and(|root| !slab.entry(root).is_nan());
+        stack.clear();
+        if let Some(root) = self.nodes.first()
+            && !slab.entry(root).is_nan()
+        {
+            stack.push((0, 0.0));
+        }
         Walk {
             bvh: self,
             slab,
-            stack: [(0, 0.0); STACK],
-            height: usize::from(is_met),
             leaf: &[],
         }
     }
@@ -84,23 +81,22 @@ impl Bvh {
 
 impl Walk<'_> {
     /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest first;
-    /// `t_max` is not larger than the time before.
-    pub(crate) fn next(&mut self, t_max: f64) -> Option<u32> {
+    /// `t_max` is not larger than the time before, and `stack` the same.
+    pub(crate) fn next(&mut self, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
         loop {
             if let Some((&index, rest)) = self.leaf.split_first() {
                 self.leaf = rest;
                 return Some(index);
             }
-            self.height = self.height.checked_sub(1)?;
-            let (index, entry) = self.stack[self.height];
+            let (index, entry) = stack.pop()?;
             // A hit since it was put there may have made it too far.
             if entry <= t_max {
-                self.open(self.bvh.nodes[index as usize], t_max);
+                self.open(self.bvh.nodes[index as usize], t_max, stack);
             }
         }
     }
 
-    fn open(&mut self, node: Node, t_max: f64) {
+    fn open(&mut self, node: Node, t_max: f64, stack: &mut WalkStack) {
         if node.count > 0 {
             self.leaf = &self.bvh.order[node.first as usize..(node.first + node.count) as usize];
             return;
@@ -115,8 +111,7 @@ impl Walk<'_> {
         for child in [far, near] {
             // Not where it is NaN: the ray passes the box.
             if child.1 <= t_max {
-                self.stack[self.height] = child;
-                self.height += 1;
+                stack.push(child);
             }
         }
     }

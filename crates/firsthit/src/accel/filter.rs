@@ -20,7 +20,7 @@ use super::ray::{TreeRay, U};
 use crate::simd::Lanes;
 
 /// What float32 knows about a leaf's triangles.
-pub(super) struct Candidates<L: Lanes> {
+pub(crate) struct Candidates<L: Lanes> {
     /// Those the ray may meet.
     pub(super) possible: u16,
     /// Those of them whose inside it meets for certain.
@@ -52,10 +52,8 @@ pub(super) fn filter<L: Lanes>(
     let [a, b, c] = &leaf.corners;
     let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
     let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
-    let near = l.add(
-        l.max(l.abs(nearest), l.abs(farthest)),
-        l.splat(3.0 * leaf.size),
-    );
+    let deep = l.max(l.abs(nearest), l.abs(farthest));
+    let near = l.add(deep, l.splat(3.0 * leaf.size));
     let error = l.mul_add(near, l.splat(9.0 * U), l.splat(3.0 * ray.blur));
     let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * leaf.size));
     let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
@@ -68,23 +66,22 @@ pub(super) fn filter<L: Lanes>(
     let w = l.mul_sub(bx, ay, l.mul(by, ax));
     let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
     let (minus, plus) = (l.sub(l.splat(0.0), bound), bound);
-    let possible = leaf.filled & !(l.lt(least, minus) & l.lt(plus, most));
+    let outside = l.lt(least, minus) & l.lt(plus, most);
+    let slack = l.mul_add(deep, l.splat(24.0 * U), l.splat(3.0 * ray.blur));
+    let spread = l.mul(l.sub(farthest, nearest), l.splat(6.1));
+    let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
+    let between = l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
+    let possible = leaf.filled & !outside & between;
     if possible == 0 {
         return None;
     }
     let certain = l.lt(plus, least) | l.lt(most, minus);
-
-    let slack = l.mul_add(near, l.splat(24.0 * U), l.splat(3.0 * ray.blur));
-    let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
-    let possible = possible & l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
-    if possible == 0 {
-        return None;
-    }
     // The corners' depths in the mean of the sides. The weights are off by 6 B / |sum| in all, and what they
-    // weigh differs by no more than the triangle's size.
-    let sum = l.add(l.add(u, v), w);
-    let depth = l.div(l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz))), sum);
-    let weights = l.div(l.mul(bound, l.splat(6.1 * leaf.size)), l.abs(sum));
+    // weigh differs by no more than the spread.
+    let over = l.div(l.splat(1.0), l.add(l.add(u, v), w));
+    let depth = l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz)));
+    let depth = l.mul(depth, over);
+    let weights = l.mul(l.mul(bound, spread), l.abs(over));
     let around = l.add(weights, slack);
     // Where the sides say too little, the triangle's own depths.
     let low = l.select(certain, l.max(l.sub(depth, around), nearest), nearest);

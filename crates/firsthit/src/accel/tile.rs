@@ -132,7 +132,7 @@ pub(crate) fn fill<L: Lanes>(
     tile: &mut Tile,
     arbiter: &mut impl Arbiter,
 ) {
-    let Scratch { stack, known } = scratch;
+    let Scratch { stack, known, .. } = scratch;
     stack.clear();
     let mut index = 0_u32;
     let mut entry = 0.0_f32;

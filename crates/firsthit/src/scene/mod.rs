@@ -24,7 +24,7 @@ pub use material::{AlphaMode, Material};
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
-use crate::accel::{Bvh, InstructionSet, MeshTree, Walk};
+use crate::accel::{Bvh, InstructionSet, MeshTree, Walk, WalkStack};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Hit, Ray};
 use crate::memory;
@@ -297,13 +297,12 @@ impl Scene {
         self.trees[object].as_deref()
     }
 
-    /// The objects that `ray` may meet, one after the other.
+    /// The objects that a ray may meet.
     #[inline(always)]
-    pub(crate) fn on_the_way(&self, ray: &Ray) -> OnTheWay<'_> {
+    pub(crate) fn on_the_way(&self) -> OnTheWay<'_> {
         OnTheWay {
             unconditional: &self.unconditional,
             tree: (self.unconditional.len() < self.objects.len()).then_some(&self.tree),
-            ray: *ray,
             walk: None,
         }
     }
@@ -325,28 +324,29 @@ pub(crate) struct OnTheWay<'a> {
     unconditional: &'a [u32],
     /// Of all other objects.
     tree: Option<&'a Bvh>,
-    ray: Ray,
     /// Begun when the tree's turn comes.
     walk: Option<Walk<'a>>,
 }
 
 impl OnTheWay<'_> {
-    /// The next object that the ray may meet at a parameter of at most `t_max`, which is not larger than the
-    /// time before.
+    /// The next object that `ray` may meet at a parameter of at most `t_max`. That is not larger than the
+    /// time before, and the others are the same.
     #[inline(always)]
-    pub(crate) fn next(&mut self, t_max: f64) -> Option<u32> {
+    pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
         if let Some((&index, rest)) = self.unconditional.split_first() {
             self.unconditional = rest;
             return Some(index);
         }
-        self.tree.is_some().then(|| self.next_in_tree(t_max))?
+        self.tree
+            .is_some()
+            .then(|| self.next_in_tree(ray, t_max, stack))?
     }
 
     #[inline(never)]
-    fn next_in_tree(&mut self, t_max: f64) -> Option<u32> {
+    fn next_in_tree(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
         let tree = self.tree?;
-        let walk = self.walk.get_or_insert_with(|| tree.walk(&self.ray));
-        walk.next(t_max)
+        let walk = self.walk.get_or_insert_with(|| tree.walk(ray, stack));
+        walk.next(t_max, stack)
     }
 }
 

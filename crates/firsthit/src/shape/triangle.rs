@@ -70,16 +70,6 @@ impl Shear {
         }
     }
 
-    /// The axes across the ray, and the one along which its direction is longest.
-    pub(crate) fn axes(&self) -> [usize; 3] {
-        self.axes
-    }
-
-    /// How much the ray moves along the first two axes for one along the third.
-    pub(crate) fn slope(&self) -> DVec2 {
-        self.slope
-    }
-
     /// The vertex relative to the ray: its distances from the ray across, and its place along it.
     #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {

@@ -8,6 +8,7 @@
 )]
 
 mod hits;
+mod journey;
 mod judge;
 mod object;
 mod tiles;
@@ -19,14 +20,15 @@ pub use hits::Hits;
 pub use judge::BruteForce;
 pub use trees::Trees;
 
-use crate::accel::Scratch;
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Hit, PixelGrid, Ray, Rays};
 use crate::memory;
 use crate::scene::Scene;
-use crate::simd::{self, Kernel, Lanes};
+use crate::simd;
 use crate::watch::Watch;
 use hits::Out;
+use journey::{AnyHit, FirstHit};
+use trees::{BATCH, Batch, Take};
 
 /// The first object on the ray `p + t * u_r`: the smallest `t > 0`, and at the same `t` the lower
 /// (object, primitive). `u_r` need not be of length one; a ray that is zero, infinite or NaN misses.
@@ -41,7 +43,7 @@ pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
 
 /// [`occluded`] for a ray with its own `t_max`.
 pub fn any_hit(scene: &Scene, ray: &Ray) -> bool {
-    simd::run(scene.instruction_set(), trees::Any(scene, ray))
+    trees::any_hit(scene, ray)
 }
 
 /// A way to find the first hit.
@@ -54,9 +56,6 @@ pub trait Search {
 pub fn first_hit<S: Search>(scene: &Scene, ray: &Ray) -> Hit {
     S::first_hit(scene, ray)
 }
-
-/// How many rays a thread takes at a time: enough to be worth it, few enough to stop within a moment.
-const BATCH: usize = 1024;
 
 /// [`shoot`] for many rays, by all threads of the current rayon pool. The order is that of the rays, and
 /// the result does not depend on the number of threads.
@@ -133,7 +132,8 @@ fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch
                     scene,
                     rays,
                     first,
-                    out,
+                    count: out.t.len(),
+                    take: out,
                 };
                 simd::run(scene.instruction_set(), batch);
             }
@@ -142,25 +142,12 @@ fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch
         })
 }
 
-/// Rays from `first` on, one by one.
-struct Batch<'a> {
-    scene: &'a Scene,
-    rays: &'a dyn Rays,
-    first: usize,
-    out: Out<'a>,
-}
-
-impl Kernel for Batch<'_> {
-    type Output = ();
+impl Take for Out<'_> {
+    type Quest = FirstHit;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) {
-        let mut scratch = Scratch::new();
-        for k in 0..self.out.t.len() {
-            let ray = self.rays.ray(self.first + k);
-            let hit = trees::first_hit(l, &mut scratch, self.scene, &ray);
-            self.out.put(k, &hit);
-        }
+    fn take(&mut self, index: usize, FirstHit(hit): &FirstHit) {
+        self.put(index, hit);
     }
 }
 
@@ -185,37 +172,27 @@ pub fn occluded_all<R: Rays + ?Sized>(
             }
             let count = found.len() as u64;
             let first = batch * BATCH;
-            simd::run(
-                scene.instruction_set(),
-                AnyBatch {
-                    scene,
-                    rays,
-                    first,
-                    found,
-                },
-            );
+            let batch = Batch {
+                scene,
+                rays,
+                first,
+                count: found.len(),
+                take: Found(found),
+            };
+            simd::run(scene.instruction_set(), batch);
             watch.advance(count);
             Ok(())
         })?;
     Ok(found)
 }
 
-struct AnyBatch<'a> {
-    scene: &'a Scene,
-    rays: &'a dyn Rays,
-    first: usize,
-    found: &'a mut [bool],
-}
+struct Found<'a>(&'a mut [bool]);
 
-impl Kernel for AnyBatch<'_> {
-    type Output = ();
+impl Take for Found<'_> {
+    type Quest = AnyHit;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        let mut scratch = Scratch::new();
-        for (k, found) in self.found.iter_mut().enumerate() {
-            let ray = self.rays.ray(self.first + k);
-            *found = trees::any_hit(l, &mut scratch, self.scene, &ray);
-        }
+    fn take(&mut self, index: usize, AnyHit(is_hit): &AnyHit) {
+        self.0[index] = *is_hit;
     }
 }

@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::hits::{Out, RowOfHits};
+use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
-use super::trees;
+use super::trees::{self, Memory};
 use crate::accel::{
-    Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, Scratch, TILE, Tile, Winner, axes, fill,
+    Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill,
     largest_axis, verdict,
 };
 use crate::geometry::{DVec3, Hit, PixelGrid, Rays};
@@ -177,7 +178,7 @@ impl Kernel for Band<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        let mut scratch = Scratch::new();
+        let mut memory = Memory::take();
         let first = self.index * self.plan.tiles_down;
         let [down, across] =
             [self.plan.grid.rows, self.plan.grid.columns].map(|n| n.div_ceil(TILE));
@@ -186,9 +187,10 @@ impl Kernel for Band<'_> {
             let (dx, dy) = ORDER[place % ORDER.len()];
             let tile = (first + dy, place / ORDER.len() * TALL + dx);
             if dy < self.plan.tiles_down && tile.0 < down && tile.1 < across {
-                self.tile(l, &mut scratch, tile, dy * TILE);
+                self.tile(l, &mut memory, tile, dy * TILE);
             }
         }
+        memory.give_back();
     }
 }
 
@@ -212,7 +214,7 @@ impl Band<'_> {
     fn tile<L: Lanes>(
         &mut self,
         l: L,
-        scratch: &mut Scratch,
+        memory: &mut Memory,
         (row, column): (usize, usize),
         inside: usize,
     ) {
@@ -233,12 +235,12 @@ impl Band<'_> {
         for row in 0..rows {
             self.out.prefetch(l, work.at(row), columns);
         }
-        let is_filled = work.fill(l, scratch, row, column, &mut pixels);
+        let is_filled = work.fill(l, memory, row, column, &mut pixels);
         if is_filled {
             work.develop(l, &pixels, [rows, columns], &mut self.out);
         }
         for row in 0..rows {
-            work.complete(l, scratch, row, columns, is_filled, &mut self.out);
+            work.complete(l, memory, row, columns, is_filled, &mut self.out);
         }
     }
 }
@@ -271,7 +273,7 @@ impl Work<'_> {
     fn fill<L: Lanes>(
         &mut self,
         l: L,
-        scratch: &mut Scratch,
+        memory: &mut Memory,
         band: usize,
         tile: usize,
         pixels: &mut Tile,
@@ -289,7 +291,15 @@ impl Work<'_> {
             let Some(frame) = Frame::new(tree, &bundle) else {
                 return false;
             };
-            fill(l, scratch, tree, &frame, placed.object, pixels, self);
+            fill(
+                l,
+                &mut memory.scratch,
+                tree,
+                &frame,
+                placed.object,
+                pixels,
+                self,
+            );
         }
         true
     }
@@ -488,7 +498,7 @@ impl Work<'_> {
     fn complete<L: Lanes>(
         &self,
         l: L,
-        scratch: &mut Scratch,
+        memory: &mut Memory,
         row: usize,
         columns: usize,
         is_filled: bool,
@@ -502,13 +512,17 @@ impl Work<'_> {
             let at = self.at(row) + column;
             let pixel = (self.row + row) * plan.grid.columns + self.column + column;
             let ray = plan.rays.ray(pixel);
-            let hit = if is_filled {
+            if is_filled {
+                let known = out.get(at);
+                let mut journey = Journey::new(plan.scene, &ray, FirstHit(known), known.t);
                 let is_wanted = |object: u32| !plan.is_tiled[object as usize];
-                trees::first_hit_among(l, scratch, plan.scene, &ray, out.get(at), is_wanted)
+                trees::go(l, memory, plan.scene, &mut journey, is_wanted);
+                out.put(at, &journey.quest.0);
             } else {
-                trees::first_hit(l, scratch, plan.scene, &ray)
-            };
-            out.put(at, &hit);
+                let mut journey = Journey::new(plan.scene, &ray, FirstHit::START, f64::INFINITY);
+                trees::go(l, memory, plan.scene, &mut journey, |_| true);
+                out.put(at, &journey.quest.0);
+            }
         }
     }
 

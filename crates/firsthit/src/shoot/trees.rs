@@ -1,175 +1,298 @@
-//! One ray through the trees: the objects on its way, and in each mesh the triangles.
+//! Rays through the trees, one by one and many at a time.
 
 use std::cell::Cell;
 
-use super::Search;
-use super::object::{Moderate, identifier};
-use crate::accel::{self, Scratch};
-use crate::geometry::{Hit, Ray};
+use super::journey::{AnyHit, FirstHit, Journey, Leg, Quest};
+use crate::accel::{
+    self, Answers, MeshTree, Question, RAYS, Scratch, Search, Sheaf, WalkStack, Wave,
+};
+use crate::geometry::{Hit, Ray, Rays};
 use crate::scene::{Object, Scene};
-use crate::shape::{Crossing, Mesh, Shape, Surface, triangle::Shear};
+use crate::shape::{Mesh, Shape};
 use crate::simd::{self, Kernel, Lanes};
 
 /// The trees propose, float64 decides.
 #[derive(Debug, Clone, Copy)]
 pub struct Trees;
 
-impl Search for Trees {
+impl super::Search for Trees {
     fn first_hit(scene: &Scene, ray: &Ray) -> Hit {
-        simd::run(scene.instruction_set(), First(scene, ray))
-    }
-}
-
-thread_local! {
-    /// What single rays work with; made once for each thread.
-    static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
-}
-
-struct First<'a>(&'a Scene, &'a Ray);
-
-impl Kernel for First<'_> {
-    type Output = Hit;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Hit {
-        let mut scratch = SCRATCH.take().unwrap_or_else(Scratch::new);
-        let hit = first_hit(l, &mut scratch, self.0, self.1);
-        SCRATCH.set(Some(scratch));
+        let FirstHit(hit) = simd::run(scene.instruction_set(), Single(scene, ray, FirstHit::START));
         hit
     }
 }
 
 /// [`super::any_hit`].
-pub(super) struct Any<'a>(pub(super) &'a Scene, pub(super) &'a Ray);
+pub(super) fn any_hit(scene: &Scene, ray: &Ray) -> bool {
+    let AnyHit(is_hit) = simd::run(scene.instruction_set(), Single(scene, ray, AnyHit::START));
+    is_hit
+}
 
-impl Kernel for Any<'_> {
-    type Output = bool;
+/// How many rays a thread takes at a time at most: enough to be worth it, few enough to stop within a moment.
+pub(super) const BATCH: usize = 1024;
+
+thread_local! {
+    /// What rays work with; made once for each thread.
+    static MEMORY: Cell<Option<Memory>> = const { Cell::new(None) };
+}
+
+/// Memory for searches.
+pub(super) struct Memory {
+    pub(super) scratch: Scratch,
+    /// One for each ray of a batch.
+    walk_stacks: Vec<WalkStack>,
+    sheaves: Vec<Sheaf>,
+    wave: Wave,
+}
+
+impl Memory {
+    /// This thread's; to be given back.
+    pub(super) fn take() -> Self {
+        let new = || Self {
+            scratch: Scratch::new(),
+            walk_stacks: vec![WalkStack::new(); BATCH],
+            sheaves: Vec::new(),
+            wave: Wave::new(),
+        };
+        MEMORY.take().unwrap_or_else(new)
+    }
+
+    pub(super) fn give_back(self) {
+        MEMORY.set(Some(self));
+    }
+}
+
+struct Single<'a, Q>(&'a Scene, &'a Ray, Q);
+
+impl<Q: Quest> Kernel for Single<'_, Q> {
+    type Output = Q;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> bool {
-        let mut scratch = SCRATCH.take().unwrap_or_else(Scratch::new);
-        let is_hit = any_hit(l, &mut scratch, self.0, self.1);
-        SCRATCH.set(Some(scratch));
-        is_hit
+    fn run<L: Lanes>(self, l: L) -> Q {
+        let Self(scene, ray, quest) = self;
+        let mut memory = Memory::take();
+        let mut journey = Journey::new(scene, ray, quest, f64::INFINITY);
+        go(l, &mut memory, scene, &mut journey, |_| true);
+        memory.give_back();
+        journey.quest
     }
 }
 
-/// The first hit of `ray`.
+/// Takes one ray to its end, among the objects that are wanted.
 #[inline(always)]
-pub(super) fn first_hit<L: Lanes>(l: L, scratch: &mut Scratch, scene: &Scene, ray: &Ray) -> Hit {
-    first_hit_among(l, scratch, scene, ray, Hit::MISS, |_| true)
-}
-
-/// The first of a hit that is known and of those in the objects that are wanted.
-#[inline(always)]
-pub(super) fn first_hit_among<L: Lanes>(
+pub(super) fn go<'a, L: Lanes, Q: Quest>(
     l: L,
-    scratch: &mut Scratch,
-    scene: &Scene,
-    ray: &Ray,
-    known: Hit,
-    is_wanted: impl Fn(u32) -> bool,
-) -> Hit {
-    let mut first = known;
-    let Some(moderate) = Moderate::new(ray) else {
-        return first;
-    };
-    let mut t_max = moderate.ray.t_max.min(known.t / moderate.scale);
-    let mut objects = scene.on_the_way(&moderate.ray);
-    while let Some(index) = objects.next(t_max) {
-        if !is_wanted(index) {
-            continue;
+    memory: &mut Memory,
+    scene: &'a Scene,
+    journey: &mut Journey<'a, Q>,
+    is_wanted: impl Fn(u32) -> bool + Copy,
+) {
+    let Memory {
+        scratch,
+        walk_stacks,
+        ..
+    } = memory;
+    let stack = &mut walk_stacks[0];
+    while let Some(leg) = journey.next(l, scratch, (scene, stack), is_wanted) {
+        let answer = accel::ask::<L, Q::Question>(l, scratch, (leg.tree, leg.mesh), &leg.ray);
+        journey.answer(answer);
+    }
+}
+
+/// Many rays, from `first` on.
+pub(super) struct Batch<'a, T> {
+    pub(super) scene: &'a Scene,
+    pub(super) rays: &'a dyn Rays,
+    pub(super) first: usize,
+    pub(super) count: usize,
+    pub(super) take: T,
+}
+
+/// Takes what came of the rays of a batch, by their number in it.
+pub(super) trait Take {
+    /// What is asked about them.
+    type Quest: Quest;
+    /// Takes the answer for one of them; they come in any order.
+    fn take(&mut self, index: usize, quest: &Self::Quest);
+}
+
+impl<T: Take> Kernel for Batch<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let mut memory = Memory::take();
+        match the_mesh(self.scene) {
+            Some((object, tree, mesh)) => self.through_mesh(l, &mut memory, object, (tree, mesh)),
+            None => self.through_scene(l, &mut memory),
         }
-        let object = &scene.objects()[index as usize];
-        let Some(ray) = moderate.in_object(object, t_max) else {
-            continue;
-        };
-        let crossing = match (object.shape(), scene.mesh_tree(index as usize)) {
-            (Shape::Mesh(mesh), Some(tree)) if is_plain(&moderate, object) => {
-                accel::first(l, scratch, (tree, mesh), &ray)
+        memory.give_back();
+    }
+}
+
+/// The mesh that is all there is to a scene, and its object.
+fn the_mesh(scene: &Scene) -> Option<(&Object, &MeshTree, &Mesh)> {
+    let [object] = scene.objects() else {
+        return None;
+    };
+    match (object.shape(), scene.mesh_tree(0)) {
+        (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
+            Some((object, tree, mesh))
+        }
+        _ => None,
+    }
+}
+
+impl<T: Take> Batch<'_, T> {
+    /// Through the one mesh of a scene: no ray has a way to find.
+    #[inline(always)]
+    fn through_mesh<L: Lanes>(
+        mut self,
+        l: L,
+        memory: &mut Memory,
+        object: &Object,
+        (tree, mesh): (&MeshTree, &Mesh),
+    ) {
+        let count = self.count.min(BATCH);
+        let sheaves = count.div_ceil(RAYS);
+        if memory.sheaves.len() < sheaves {
+            memory.sheaves.resize(sheaves, Sheaf::default());
+        }
+        for index in 0..count {
+            let ray = self.rays.ray(self.first + index);
+            memory.sheaves[index / RAYS].put(index % RAYS, &ray);
+        }
+        for number in 0..sheaves {
+            let sheaf = &mut memory.sheaves[number];
+            let first = number * RAYS;
+            let length = (count - first).min(RAYS);
+            let plain = sheaf.enter(l, object.transform());
+            sheaf.prepare(l, tree, length);
+            sheaf.alive &= plain;
+            let alive = sheaf.alive;
+            for lane in 0..length {
+                if plain >> lane & 1 == 0 {
+                    let ray = self.rays.ray(self.first + first + lane);
+                    let start = T::Quest::START;
+                    let mut journey = Journey::new(self.scene, &ray, start, f64::INFINITY);
+                    go(l, memory, self.scene, &mut journey, |_| true);
+                    self.take.take(first + lane, &journey.quest);
+                } else if alive >> lane & 1 == 0 {
+                    self.take.take(first + lane, &T::Quest::START);
+                }
             }
-            (Shape::Mesh(mesh), Some(tree)) => {
-                let mut first: Option<Crossing> = None;
-                accel::each(l, scratch, (tree, mesh), &ray, |triangle, t_max| {
-                    if let Some(new) = checked(&moderate, object, mesh, triangle as usize, &ray)
-                        && first.is_none_or(|old| (new.t, new.primitive) < (old.t, old.primitive))
-                    {
-                        first = Some(new);
-                    }
-                    first.map_or(t_max, |first| first.t)
-                });
-                first
+        }
+        let Memory {
+            sheaves: all, wave, ..
+        } = memory;
+        let sheaves = &all[..sheaves];
+        let mut searches = Vec::with_capacity(sheaves.len());
+        for sheaf in sheaves {
+            searches.push(Search { tree, mesh, sheaf });
+        }
+        let mut ends = Ends(self.take);
+        accel::wave::<L, <T::Quest as Quest>::Question>(l, wave, &searches, &mut ends);
+    }
+
+    /// From object to object.
+    #[inline(always)]
+    fn through_scene<L: Lanes>(mut self, l: L, memory: &mut Memory) {
+        let scene = self.scene;
+        let count = self.count.min(BATCH);
+        let mut journeys: Vec<Journey<'_, T::Quest>> = Vec::with_capacity(count);
+        for index in 0..count {
+            let ray = self.rays.ray(self.first + index);
+            journeys.push(Journey::new(scene, &ray, T::Quest::START, f64::INFINITY));
+        }
+        let mut legs = Vec::with_capacity(count);
+        // Those that are not yet at their ends.
+        let mut left: Vec<usize> = (0..count).collect();
+        loop {
+            legs.clear();
+            for index in left.drain(..) {
+                let place = (scene, &mut memory.walk_stacks[index]);
+                if let Some(leg) = journeys[index].next(l, &mut memory.scratch, place, |_| true) {
+                    legs.push((index, leg));
+                }
             }
-            (shape, _) => shape.intersect(&ray),
-        };
-        if let Some(hit) = crossing.and_then(|crossing| moderate.hit(index, crossing))
-            && hit.precedes(&first)
-        {
-            first = hit;
-            t_max = t_max.min(first.t / moderate.scale);
+            if legs.is_empty() {
+                break;
+            }
+            legs.sort_by_key(|(_, leg)| leg.object);
+            go_together(l, memory, &legs, &mut journeys);
+            left.extend(legs.iter().map(|(index, _)| index));
+        }
+        for (index, journey) in journeys.iter().enumerate() {
+            self.take.take(index, &journey.quest);
         }
     }
-    first
 }
 
-/// Whether `ray` hits anything.
+/// Where the answers for the one mesh of a scene go.
+struct Ends<T>(T);
+
+impl<T: Take> Answers<Answer<T>> for Ends<T> {
+    #[inline(always)]
+    fn take(&mut self, search: usize, lane: usize, answer: Answer<T>) {
+        let quest = T::Quest::of_answer(0, answer);
+        self.0.take(search * RAYS + lane, &quest);
+    }
+}
+
+/// What a mesh answers.
+type Answer<T> = <<<T as Take>::Quest as Quest>::Question as Question>::Answer;
+
+/// Takes rays a leg further. Legs to the same object stand side by side.
 #[inline(always)]
-pub(super) fn any_hit<L: Lanes>(l: L, scratch: &mut Scratch, scene: &Scene, ray: &Ray) -> bool {
-    let Some(moderate) = Moderate::new(ray) else {
-        return false;
-    };
-    let t_max = moderate.ray.t_max;
-    let mut objects = scene.on_the_way(&moderate.ray);
-    while let Some(index) = objects.next(t_max) {
-        let object = &scene.objects()[index as usize];
-        let Some(ray) = moderate.in_object(object, t_max) else {
-            continue;
-        };
-        let is_hit = match (object.shape(), scene.mesh_tree(index as usize)) {
-            (Shape::Mesh(mesh), Some(tree)) if is_plain(&moderate, object) => {
-                accel::any(l, scratch, (tree, mesh), &ray)
+fn go_together<'a, L: Lanes, Q: Quest>(
+    l: L,
+    memory: &mut Memory,
+    legs: &[(usize, Leg<'a>)],
+    journeys: &mut [Journey<'a, Q>],
+) {
+    let mut count = 0;
+    let mut firsts = Vec::with_capacity(legs.len());
+    for same in legs.chunk_by(|(_, a), (_, b)| a.object == b.object) {
+        for chunk in same.chunks(RAYS) {
+            if memory.sheaves.len() == firsts.len() {
+                memory.sheaves.push(Sheaf::default());
             }
-            (Shape::Mesh(mesh), Some(tree)) => {
-                let mut is_hit = false;
-                accel::each(l, scratch, (tree, mesh), &ray, |triangle, t_max| {
-                    is_hit = checked(&moderate, object, mesh, triangle as usize, &ray).is_some();
-                    if is_hit { -1.0 } else { t_max }
-                });
-                is_hit
+            let sheaf = &mut memory.sheaves[firsts.len()];
+            for (lane, (_, leg)) in chunk.iter().enumerate() {
+                sheaf.put(lane, &leg.ray);
             }
-            (shape, _) => {
-                let crossing = shape.intersect(&ray);
-                crossing
-                    .and_then(|crossing| moderate.hit(index, crossing))
-                    .is_some()
-            }
-        };
-        if is_hit {
-            return true;
+            firsts.push((count, chunk.len()));
+            count += chunk.len();
         }
     }
-    false
+    for (sheaf, &(first, length)) in memory.sheaves.iter_mut().zip(&firsts) {
+        sheaf.prepare(l, legs[first].1.tree, length);
+    }
+    let search = |(sheaf, &(first, _)): (_, &(usize, usize))| {
+        let Leg { tree, mesh, .. } = legs[first].1;
+        Search { tree, mesh, sheaf }
+    };
+    let searches: Vec<Search<'_>> = memory.sheaves.iter().zip(&firsts).map(search).collect();
+    let mut answers = Arrivals {
+        legs,
+        firsts: &firsts,
+        journeys,
+    };
+    accel::wave::<L, Q::Question>(l, &mut memory.wave, &searches, &mut answers);
 }
 
-/// Whether all that a mesh's triangles meet is a hit.
-#[inline(always)]
-fn is_plain(moderate: &Moderate, object: &Object) -> bool {
-    moderate.scale == 1.0 && !object.may_have_holes()
+/// Where the answers go.
+struct Arrivals<'a, 'b, Q> {
+    legs: &'b [(usize, Leg<'a>)],
+    /// The first leg of each search.
+    firsts: &'b [(usize, usize)],
+    journeys: &'b mut [Journey<'a, Q>],
 }
 
-/// The hit in a triangle, if it is one.
-#[cold]
-fn checked(
-    moderate: &Moderate,
-    object: &Object,
-    mesh: &Mesh,
-    triangle: usize,
-    ray: &Ray,
-) -> Option<Crossing> {
-    let hit = mesh.intersect_triangle(triangle, &Shear::new(ray))?;
-    let is_within = hit.t > 0.0 && hit.t <= ray.t_max;
-    let is_hole = || object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric);
-    let crossing = hit.crossing(identifier(triangle));
-    // In the caller's units `t` may be too small for float64.
-    (is_within && moderate.hit(0, crossing).is_some() && !is_hole()).then_some(crossing)
+impl<Q: Quest> Answers<<Q::Question as Question>::Answer> for Arrivals<'_, '_, Q> {
+    #[inline(always)]
+    fn take(&mut self, search: usize, lane: usize, answer: <Q::Question as Question>::Answer) {
+        let (index, _) = self.legs[self.firsts[search].0 + lane];
+        self.journeys[index].answer(answer);
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::arch::x86_64::*;
 
+use super::portable::compress;
 use super::{Kernel, LANES, Lanes, WIDE};
 
 /// Proof that this machine has AVX2 and fused multiply-add.
@@ -247,8 +248,33 @@ impl Lanes for Avx2 {
         })
     }
     #[inline(always)]
+    fn smallest(self, a: F) -> f32 {
+        x86!({
+            let eight = _mm256_min_ps(a[0], a[1]);
+            let four = _mm_min_ps(
+                _mm256_castps256_ps128(eight),
+                _mm256_extractf128_ps::<1>(eight),
+            );
+            let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_min_ss(two, _mm_shuffle_ps::<1>(two, two)))
+        })
+    }
+    #[inline(always)]
+    fn compress(self, mask: u16, a: F, to: &mut [f32; LANES]) {
+        let mut from = [0.0; LANES];
+        self.store(a, &mut from);
+        compress(mask, &from, to);
+    }
+    #[inline(always)]
     fn load_widened(self, from: &[f32; WIDE]) -> D {
         widen_half(x86!(_mm256_loadu_ps(from.as_ptr())))
+    }
+    #[inline(always)]
+    fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
+        x86!({
+            _mm_storeu_ps(to.as_mut_ptr(), _mm256_cvtpd_ps(x[0]));
+            _mm_storeu_ps(to.as_mut_ptr().wrapping_add(4), _mm256_cvtpd_ps(x[1]));
+        });
     }
     #[inline(always)]
     fn splat64(self, x: f64) -> D {
@@ -350,6 +376,22 @@ impl Lanes for Avx2 {
                     .wrapping_add(64 * line),
             );
         });
+    }
+    #[inline(always)]
+    fn prefetch_either<T, U>(self, is_other: bool, index: u32, whats: &[T], others: &[U]) {
+        let (start, size) = if is_other {
+            (others.as_ptr().cast::<i8>(), size_of::<U>())
+        } else {
+            (whats.as_ptr().cast::<i8>(), size_of::<T>())
+        };
+        let start = start.wrapping_add(size * index as usize);
+        x86!(
+            for line in 0..size_of::<T>().max(size_of::<U>()).div_ceil(64) {
+                // Behind the smaller one, its own first line again.
+                let offset = if 64 * line < size { 64 * line } else { 0 };
+                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset));
+            }
+        );
     }
     #[inline(always)]
     fn prefetch_to_write<T>(self, what: &mut [T]) {

@@ -141,8 +141,21 @@ impl Lanes for Avx512 {
         x86!(_mm512_reduce_max_ps(a))
     }
     #[inline(always)]
+    fn smallest(self, a: F) -> f32 {
+        x86!(_mm512_reduce_min_ps(a))
+    }
+    #[inline(always)]
+    fn compress(self, mask: u16, a: F, to: &mut [f32; LANES]) {
+        // In the register: to memory the instruction takes a hundred cycles on some processors.
+        self.store(x86!(_mm512_maskz_compress_ps(mask, a)), to);
+    }
+    #[inline(always)]
     fn load_widened(self, from: &[f32; WIDE]) -> D {
         x86!(_mm512_cvtps_pd(_mm256_loadu_ps(from.as_ptr())))
+    }
+    #[inline(always)]
+    fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
+        x86!(_mm256_storeu_ps(to.as_mut_ptr(), _mm512_cvtpd_ps(x)));
     }
     #[inline(always)]
     fn splat64(self, x: f64) -> D {
@@ -216,6 +229,22 @@ impl Lanes for Avx512 {
                     .wrapping_add(64 * line),
             );
         });
+    }
+    #[inline(always)]
+    fn prefetch_either<T, U>(self, is_other: bool, index: u32, whats: &[T], others: &[U]) {
+        let (start, size) = if is_other {
+            (others.as_ptr().cast::<i8>(), size_of::<U>())
+        } else {
+            (whats.as_ptr().cast::<i8>(), size_of::<T>())
+        };
+        let start = start.wrapping_add(size * index as usize);
+        x86!(
+            for line in 0..size_of::<T>().max(size_of::<U>()).div_ceil(64) {
+                // Behind the smaller one, its own first line again.
+                let offset = if 64 * line < size { 64 * line } else { 0 };
+                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset));
+            }
+        );
     }
     #[inline(always)]
     fn prefetch_to_write<T>(self, what: &mut [T]) {

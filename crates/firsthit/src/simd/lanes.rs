@@ -50,9 +50,16 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn select(self, mask: u16, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// The largest lane; none is NaN.
     fn largest(self, a: Self::Floats) -> f32;
+    /// The smallest lane; none is NaN.
+    fn smallest(self, a: Self::Floats) -> f32;
+    /// Writes the lanes where the mask is set side by side to the front of `to`; behind them may be anything.
+    fn compress(self, mask: u16, a: Self::Floats, to: &mut [f32; LANES]);
 
     /// Eight float32 in float64.
     fn load_widened(self, from: &[f32; WIDE]) -> Self::Doubles;
+
+    /// Eight float64, rounded to the nearest float32.
+    fn store_narrowed(self, x: Self::Doubles, to: &mut [f32; WIDE]);
 
     fn splat64(self, x: f64) -> Self::Doubles;
     fn load64(self, from: &[f64; WIDE]) -> Self::Doubles;
@@ -80,6 +87,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
 
     /// Asks for the memory of `what`, which is read soon.
     fn prefetch<T>(self, what: &T);
+    /// Asks for the memory of one of `whats`, or of one of `others`, without a branch: what is chosen between is hard
+    /// to foresee. An index that is not there does no harm.
+    fn prefetch_either<T, U>(self, is_other: bool, index: u32, whats: &[T], others: &[U]);
     /// Asks for the memory of `what`, which is overwritten soon.
     fn prefetch_to_write<T>(self, what: &mut [T]);
 }

@@ -21,6 +21,16 @@ fn mask64(is_set: impl Fn(usize) -> bool) -> u8 {
     (0..WIDE).fold(0, |mask, k| mask | u8::from(is_set(k)) << k)
 }
 
+/// See [`Lanes::compress`].
+#[inline(always)]
+pub(super) fn compress(mask: u16, from: &F, to: &mut F) {
+    let mut left = mask;
+    for to in to.iter_mut().take(mask.count_ones() as usize) {
+        *to = from[left.trailing_zeros() as usize % LANES];
+        left &= left - 1;
+    }
+}
+
 impl Lanes for Portable {
     type Floats = F;
     type Doubles = D;
@@ -109,10 +119,27 @@ impl Lanes for Portable {
     fn largest(self, a: F) -> f32 {
         a.into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
+    #[inline(always)]
+    fn smallest(self, a: F) -> f32 {
+        a.into_iter().fold(f32::INFINITY, f32::min)
+    }
+    #[inline(always)]
+    fn compress(self, mask: u16, a: F, to: &mut F) {
+        compress(mask, &a, to);
+    }
 
     #[inline(always)]
     fn load_widened(self, from: &[f32; WIDE]) -> D {
         from.map(f64::from)
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding is what this is for"
+    )]
+    fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
+        *to = x.map(|x| x as f32);
     }
 
     #[inline(always)]
@@ -180,6 +207,8 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
+    #[inline(always)]
+    fn prefetch_either<T, U>(self, _: bool, _: u32, _: &[T], _: &[U]) {}
     #[inline(always)]
     fn prefetch_to_write<T>(self, _: &mut [T]) {}
 }

@@ -1,0 +1,277 @@
+//! What a traversal is for: the first hit, any hit, or all candidates.
+//!
+//! What is met for certain at a depth that no other candidate can have is not computed before the end.
+
+use super::filter::Candidates;
+use super::mesh_tree::MeshTree;
+use super::meshlet::Meshlet;
+use super::sheaf::Sheaf;
+use crate::shape::triangle::{Shear, TriangleHit};
+use crate::shape::{Crossing, Mesh};
+use crate::simd::{Aligned, LANES, Lanes};
+
+/// What to do with a leaf's candidates.
+pub(crate) trait Goal {
+    /// Whether it matters which candidates come first.
+    const ORDERED: bool = true;
+    /// Takes note of them.
+    fn meet<L: Lanes>(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>);
+    /// The depth beyond which nothing matters any more; negative to end.
+    fn limit(&self) -> f32;
+}
+
+/// A goal with an answer.
+pub(crate) trait Question: Goal {
+    /// What comes out.
+    type Answer: Copy;
+    /// The answer where nothing is met.
+    const NOTHING: Self::Answer;
+    /// Before the first leaf; with the ray's limits, see [`Sheaf::limits`].
+    fn new(limits: (f32, f32)) -> Self;
+    /// After the last one.
+    fn answer(&self, place: &Place<'_>) -> Self::Answer;
+    /// Without a tree.
+    fn from_crossing(crossing: Option<Crossing>) -> Self::Answer;
+}
+
+/// What a traversal works with: a ray of a sheaf, and a mesh with its tree.
+#[derive(Clone, Copy)]
+pub(crate) struct Place<'a> {
+    pub(super) tree: &'a MeshTree,
+    pub(super) mesh: &'a Mesh,
+    pub(super) sheaf: &'a Sheaf,
+    pub(super) lane: usize,
+}
+
+impl Place<'_> {
+    /// The judge's word about a triangle.
+    #[inline(always)]
+    fn decide(&self, leaf: &Meshlet, lane: usize) -> Option<TriangleHit> {
+        let corners = self.tree.corners(self.mesh, leaf, lane);
+        let ray = self.sheaf.ray(self.lane);
+        let hit = Shear::new(&ray).intersect_ahead(corners)?;
+        (hit.t > 0.0 && hit.t <= ray.t_max).then_some(hit)
+    }
+
+    #[inline(always)]
+    fn crossing(&self, leaf: &Meshlet, lane: usize, hit: TriangleHit) -> Crossing {
+        hit.crossing(self.tree.triangle(leaf, lane).cast_signed())
+    }
+}
+
+/// The first hit so far.
+enum Best {
+    None,
+    /// Met for certain, between two depths; float64 has yet to say where.
+    Pending {
+        leaf: u32,
+        lane: usize,
+        low: f32,
+        high: f32,
+    },
+    Decided {
+        crossing: Crossing,
+        low: f32,
+        high: f32,
+    },
+}
+
+impl Best {
+    #[inline(always)]
+    fn decided(&self, place: &Place<'_>) -> Option<Crossing> {
+        match *self {
+            Self::None => None,
+            Self::Decided { crossing, .. } => Some(crossing),
+            Self::Pending { leaf, lane, .. } => {
+                let leaf = &place.tree.leaves[leaf as usize];
+                place
+                    .decide(leaf, lane)
+                    .map(|hit| place.crossing(leaf, lane, hit))
+            }
+        }
+    }
+}
+
+pub(crate) struct First {
+    best: Best,
+    limit: f32,
+    /// The depth up to which a hit is within the ray's `t_max` for certain.
+    within: f32,
+}
+
+impl First {
+    /// Lets float64 decide between the best so far and a candidate.
+    #[inline(always)]
+    fn compare(&mut self, place: &Place<'_>, leaf: u32, lane: usize) {
+        let leaf = &place.tree.leaves[leaf as usize];
+        let Some(hit) = place.decide(leaf, lane) else {
+            return;
+        };
+        let new = place.crossing(leaf, lane, hit);
+        let old = self.best.decided(place);
+        let is_first = |old: Crossing| (new.t, new.primitive) < (old.t, old.primitive);
+        let crossing = match old {
+            Some(old) if !is_first(old) => old,
+            _ => new,
+        };
+        let low = place.sheaf.depth_below(place.lane, crossing.t);
+        let high = place.sheaf.depth_above(place.lane, crossing.t);
+        self.best = Best::Decided {
+            crossing,
+            low,
+            high,
+        };
+        self.limit = self.limit.min(high);
+    }
+}
+
+impl Question for First {
+    type Answer = Option<Crossing>;
+    const NOTHING: Self::Answer = None;
+
+    #[inline(always)]
+    fn new((limit, within): (f32, f32)) -> Self {
+        Self {
+            best: Best::None,
+            limit,
+            within,
+        }
+    }
+
+    #[inline(always)]
+    fn answer(&self, place: &Place<'_>) -> Self::Answer {
+        self.best.decided(place)
+    }
+
+    #[inline(always)]
+    fn from_crossing(crossing: Option<Crossing>) -> Self::Answer {
+        crossing
+    }
+}
+
+impl Goal for First {
+    #[inline(always)]
+    fn meet<L: Lanes>(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let mut lows = Aligned([0.0; LANES]);
+        let mut highs = lows;
+        l.store(candidates.low, &mut lows.0);
+        l.store(candidates.high, &mut highs.0);
+        let mut possible = candidates.possible;
+        while possible != 0 {
+            let lane = possible.trailing_zeros() as usize;
+            possible &= possible - 1;
+            let (low, high) = (lows.0[lane], highs.0[lane]);
+            let (best_low, best_high) = match self.best {
+                Best::None => (self.within, f32::INFINITY),
+                Best::Pending { low, high, .. } | Best::Decided { low, high, .. } => (low, high),
+            };
+            if low > best_high {
+                continue;
+            }
+            let is_certain = candidates.certain >> lane & 1 == 1;
+            if is_certain && low > 0.0 && high < best_low {
+                self.best = Best::Pending {
+                    leaf,
+                    lane,
+                    low,
+                    high,
+                };
+                self.limit = self.limit.min(high);
+            } else {
+                self.compare(place, leaf, lane);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+}
+
+pub(crate) struct Any {
+    is_found: bool,
+    limit: f32,
+    within: f32,
+}
+
+impl Question for Any {
+    type Answer = bool;
+    const NOTHING: Self::Answer = false;
+
+    #[inline(always)]
+    fn new((limit, within): (f32, f32)) -> Self {
+        Self {
+            is_found: false,
+            limit,
+            within,
+        }
+    }
+
+    #[inline(always)]
+    fn answer(&self, _: &Place<'_>) -> Self::Answer {
+        self.is_found
+    }
+
+    #[inline(always)]
+    fn from_crossing(crossing: Option<Crossing>) -> Self::Answer {
+        crossing.is_some()
+    }
+}
+
+impl Goal for Any {
+    const ORDERED: bool = false;
+
+    #[inline(always)]
+    fn meet<L: Lanes>(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let inside =
+            l.lt(l.splat(0.0), candidates.low) & l.lt(candidates.high, l.splat(self.within));
+        let leaf = &place.tree.leaves[leaf as usize];
+        let mut possible = candidates.possible;
+        // Where it is met for certain, nobody wants to know the place.
+        self.is_found = possible & candidates.certain & inside != 0;
+        while possible != 0 && !self.is_found {
+            let lane = possible.trailing_zeros() as usize;
+            possible &= possible - 1;
+            self.is_found = place.decide(leaf, lane).is_some();
+        }
+        if self.is_found {
+            self.limit = -1.0;
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+}
+
+/// Every candidate, for whoever visits.
+pub(super) struct Each<V> {
+    pub(super) visit: V,
+    pub(super) t_max: f64,
+    pub(super) limit: f32,
+}
+
+impl<V: FnMut(u32, f64) -> f64> Goal for Each<V> {
+    #[inline(always)]
+    fn meet<L: Lanes>(&mut self, _: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let leaf = &place.tree.leaves[leaf as usize];
+        let mut possible = candidates.possible;
+        while possible != 0 {
+            let lane = possible.trailing_zeros() as usize;
+            possible &= possible - 1;
+            self.t_max = (self.visit)(place.tree.triangle(leaf, lane), self.t_max);
+            if self.t_max < 0.0 {
+                self.limit = -1.0;
+                return;
+            }
+            self.limit = place.sheaf.depth_above(place.lane, self.t_max);
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+}

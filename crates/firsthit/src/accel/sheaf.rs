@@ -1,0 +1,410 @@
+//! Eight rays made ready for a [`MeshTree`] at once, a lane each. What comes out is described in `ray.rs`.
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "of chains of iterators over registers the compiler makes copies in memory"
+)]
+
+use super::mesh_tree::MeshTree;
+use super::ray::{TreeRay, U};
+use crate::geometry::{DVec3, Ray, Transform};
+use crate::simd::{Lanes, WIDE};
+
+/// How many rays are in a sheaf.
+pub(crate) const RAYS: usize = WIDE;
+
+/// Starts beyond this are moved. The tree is in the cube from -1 to 1.
+const FAR: f64 = 8.0;
+
+/// Eight rays in the space of a mesh.
+#[derive(Debug, Clone, Default)]
+#[repr(C, align(64))]
+pub(crate) struct Sheaf {
+    origin: [[f64; WIDE]; 3],
+    direction: [[f64; WIDE]; 3],
+    t_max: [f64; WIDE],
+    /// Depth in a unit of `t`.
+    depth_per_t: [f64; WIDE],
+    /// The depth that the start was moved by.
+    moved: [f64; WIDE],
+
+    // See `TreeRay`.
+    start: [[[f32; WIDE]; 2]; 3],
+    slope: [[f32; WIDE]; 2],
+    forwards: [f32; WIDE],
+    blur: [f32; WIDE],
+    inverse: [[f32; WIDE]; 3],
+    ends: [[[f32; WIDE]; 2]; 3],
+
+    /// What a float32 depth is off by at most, and twice as much again.
+    depth_error: [f32; WIDE],
+    /// The depth beyond which nothing matters, as `t_max` says.
+    limit: [f32; WIDE],
+    /// The depth up to which a hit is within `t_max` for certain.
+    within: [f32; WIDE],
+    /// The rays whose direction is longest along y, and along z.
+    is_along: [u8; 2],
+    /// The rays that may meet something.
+    pub(crate) alive: u8,
+}
+
+/// A lane of each of three vectors' components, by the axes of a ray: `x`, `y` and `z` as in `TreeRay::axes`.
+struct Axes {
+    /// The rays whose direction is longest along x, and along y; of all others it is along z.
+    first: u8,
+    second: u8,
+}
+
+impl Axes {
+    /// The judge's choice: of equal ones the first.
+    #[inline(always)]
+    fn new<L: Lanes>(l: L, d: &[L::Doubles; 3]) -> Self {
+        let [x, y, z] = [l.abs64(d[0]), l.abs64(d[1]), l.abs64(d[2])];
+        let first = l.le64(y, x) & l.le64(z, x);
+        let second = !first & l.le64(z, y);
+        Self { first, second }
+    }
+
+    #[inline(always)]
+    fn choose<L: Lanes>(&self, l: L, [a, b, c]: [L::Doubles; 3]) -> L::Doubles {
+        l.select64(self.first, a, l.select64(self.second, b, c))
+    }
+
+    /// From the axes of space to those of the rays.
+    #[inline(always)]
+    fn turned<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
+        [
+            self.choose(l, [y, z, x]),
+            self.choose(l, [z, x, y]),
+            self.choose(l, [x, y, z]),
+        ]
+    }
+
+    /// And back.
+    #[inline(always)]
+    fn restored<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
+        [
+            self.choose(l, [z, y, x]),
+            self.choose(l, [x, z, y]),
+            self.choose(l, [y, x, z]),
+        ]
+    }
+}
+
+/// What is off by how much; see `ray.rs`.
+struct Rounding<L: Lanes> {
+    reach: L::Doubles,
+    blur: L::Doubles,
+}
+
+impl<L: Lanes> Rounding<L> {
+    /// So many times float32's rounding of `reach`.
+    #[inline(always)]
+    fn units(&self, l: L, units: f64) -> L::Doubles {
+        l.mul64(l.splat64(units * f64::from(U)), self.reach)
+    }
+}
+
+impl Sheaf {
+    /// Puts a ray into a lane.
+    #[inline(always)]
+    pub(crate) fn put(&mut self, lane: usize, ray: &Ray) {
+        let lane = lane % WIDE;
+        for axis in 0..3 {
+            self.origin[axis][lane] = ray.origin[axis];
+            self.direction[axis][lane] = ray.direction[axis];
+        }
+        self.t_max[lane] = ray.t_max;
+    }
+
+    /// The ray in a lane.
+    #[inline(always)]
+    pub(super) fn ray(&self, lane: usize) -> Ray {
+        let lane = lane % WIDE;
+        let vector = |v: &[[f64; WIDE]; 3]| DVec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        Ray {
+            origin: vector(&self.origin),
+            direction: vector(&self.direction),
+            t_max: self.t_max[lane],
+        }
+    }
+
+    /// The same as the tree sees it.
+    #[inline(always)]
+    pub(super) fn tree_ray(&self, lane: usize) -> TreeRay {
+        let lane = lane % WIDE;
+        let [y, z] = self.is_along.map(|mask| usize::from(mask >> lane & 1));
+        let z = y + 2 * z;
+        let pair = |v: &[[f32; WIDE]; 2]| [v[0][lane], v[1][lane]];
+        TreeRay {
+            axes: AXES[z],
+            start: [
+                pair(&self.start[0]),
+                pair(&self.start[1]),
+                pair(&self.start[2]),
+            ],
+            slope: pair(&self.slope),
+            forwards: self.forwards[lane],
+            blur: self.blur[lane],
+            inverse: [
+                self.inverse[0][lane],
+                self.inverse[1][lane],
+                self.inverse[2][lane],
+            ],
+            ends: [
+                pair(&self.ends[0]),
+                pair(&self.ends[1]),
+                pair(&self.ends[2]),
+            ],
+        }
+    }
+
+    /// Takes world rays into an object's space, and says which of them are as nearly all are: valid in both, and with
+    /// a direction that can be squared. What becomes of others is of no use.
+    #[inline(always)]
+    pub(crate) fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u8 {
+        let number = |x: f64| l.splat64(x);
+        let finite = |v: &[L::Doubles; 3]| {
+            // Written so that a NaN fails.
+            l.le64(l.abs64(v[0]), number(f64::MAX))
+                & l.le64(l.abs64(v[1]), number(f64::MAX))
+                & l.le64(l.abs64(v[2]), number(f64::MAX))
+        };
+        macro_rules! load {
+            ($from:expr) => {
+                [
+                    l.load64(&$from[0]),
+                    l.load64(&$from[1]),
+                    l.load64(&$from[2]),
+                ]
+            };
+        }
+        let (origin, direction) = (load!(self.origin), load!(self.direction));
+        let length = largest_of(l, &direction);
+        let plain = l.lt64(number(0.0), l.load64(&self.t_max))
+            & l.lt64(number(1e-99), length)
+            & l.lt64(length, number(1e99))
+            & finite(&direction)
+            & finite(&origin);
+        if transform.is_identity() {
+            return plain;
+        }
+        // Operation for operation what `Transform::ray_in_object` does.
+        let place = transform.world_from_object().translation;
+        let matrix = &transform.object_from_world().matrix3;
+        macro_rules! turned {
+            ($v:ident, $axis:ident) => {
+                l.add64(
+                    l.add64(
+                        l.mul64(number(matrix.x_axis[$axis]), $v[0]),
+                        l.mul64(number(matrix.y_axis[$axis]), $v[1]),
+                    ),
+                    l.mul64(number(matrix.z_axis[$axis]), $v[2]),
+                )
+            };
+        }
+        let moved = [
+            l.sub64(origin[0], number(place.x)),
+            l.sub64(origin[1], number(place.y)),
+            l.sub64(origin[2], number(place.z)),
+        ];
+        let mut inside = [[number(0.0); 3]; 2];
+        for axis in 0..3 {
+            inside[0][axis] = turned!(moved, axis);
+            inside[1][axis] = turned!(direction, axis);
+            l.store64(inside[0][axis], &mut self.origin[axis]);
+            l.store64(inside[1][axis], &mut self.direction[axis]);
+        }
+        let length = largest_of(l, &inside[1]);
+        plain & finite(&inside[0]) & finite(&inside[1]) & l.lt64(number(0.0), length)
+    }
+
+    /// Makes the first `count` rays ready for `tree`. They are [valid](Ray::is_valid).
+    #[inline(always)]
+    pub(crate) fn prepare<L: Lanes>(&mut self, l: L, tree: &MeshTree, count: usize) {
+        macro_rules! load {
+            ($from:expr) => {
+                [
+                    l.load64(&$from[0]),
+                    l.load64(&$from[1]),
+                    l.load64(&$from[2]),
+                ]
+            };
+        }
+        let number = |x: f64| l.splat64(x);
+        let (zero, one) = (number(0.0), number(1.0));
+        let (origin, d) = (load!(self.origin), load!(self.direction));
+        let axes = Axes::new(l, &d);
+        let [across, upwards, along] = axes.turned(l, d);
+        let sign = l.select64(l.lt64(along, zero), number(-1.0), one);
+        let slope = [
+            l.mul64(sign, l.div64(across, along)),
+            l.mul64(sign, l.div64(upwards, along)),
+        ];
+        let direction = axes.restored(l, [slope[0], slope[1], sign]);
+
+        let scale = number(tree.space.scale);
+        let mut start = [zero; 3];
+        for axis in 0..3 {
+            let moved = l.sub64(origin[axis], number(tree.space.origin[axis]));
+            start[axis] = l.mul64(moved, scale);
+        }
+        let mut largest = largest_of(l, &start);
+        let size = l.mul64(largest_of(l, &origin), scale);
+        let mut blur = l.mul64(number(1e-15), l.add64(size, number(100.0)));
+        if !tree.is_exact {
+            blur = l.add64(blur, number(U.into()));
+        }
+        let mut moved = zero;
+        let far = !l.le64(largest, number(FAR));
+        if far != 0 {
+            (start, moved) = nearer(l, far, &start, &direction);
+            blur = l.add64(blur, l.mul64(number(1e-15), l.add64(largest, moved)));
+            largest = largest_of(l, &start);
+        }
+        // Written so that a NaN fails. The ray passes the tree, or leaves it behind.
+        let near = l.le64(largest, number(FAR));
+        self.alive = near & lowest(count);
+
+        let reach = l.add64(l.mul64(largest, number(1.000_001)), one);
+        let rounding = Rounding { reach, blur };
+        self.set_ends(l, &start, &direction, &rounding);
+        let start = axes.turned(l, start);
+        for axis in 0..3 {
+            let [high, low] = &mut self.start[axis];
+            l.store_narrowed(start[axis], high);
+            l.store_narrowed(l.sub64(start[axis], l.load_widened(high)), low);
+        }
+        l.store_narrowed(slope[0], &mut self.slope[0]);
+        l.store_narrowed(slope[1], &mut self.slope[1]);
+        l.store_narrowed(sign, &mut self.forwards);
+        l.store_narrowed(blur, &mut self.blur);
+        self.is_along = [axes.second, !(axes.first | axes.second)];
+        l.store64(l.mul64(l.abs64(along), scale), &mut self.depth_per_t);
+        l.store64(moved, &mut self.moved);
+        self.set_limits(l, &rounding);
+    }
+
+    /// What a node's test works with.
+    #[inline(always)]
+    fn set_ends<L: Lanes>(
+        &mut self,
+        l: L,
+        start: &[L::Doubles; 3],
+        direction: &[L::Doubles; 3],
+        rounding: &Rounding<L>,
+    ) {
+        let zero = l.splat64(0.0);
+        // In units of float32's rounding: the start is rounded by 1 and its product by 1, the direction's
+        // reciprocal by 1, the plane's product and the difference by 1 each, and the tree rounded the vertices by 1.
+        let blur = l.add64(rounding.blur, rounding.blur);
+        let margin = l.add64(rounding.units(l, 12.0), blur);
+        for axis in 0..3 {
+            let back = l.lt64(direction[axis], zero);
+            let over = reciprocal(l, direction[axis], back);
+            let wider = l.select64(back, l.sub64(zero, margin), margin);
+            let minus = l.sub64(zero, over);
+            l.store_narrowed(over, &mut self.inverse[axis]);
+            let [first, last] = &mut self.ends[axis];
+            l.store_narrowed(l.mul64(l.add64(start[axis], wider), minus), first);
+            l.store_narrowed(l.mul64(l.sub64(start[axis], wider), minus), last);
+        }
+    }
+
+    /// What `t_max` comes to in depths.
+    #[inline(always)]
+    fn set_limits<L: Lanes>(&mut self, l: L, rounding: &Rounding<L>) {
+        let blur = l.mul64(l.splat64(3.0), rounding.blur);
+        let error = l.add64(rounding.units(l, 24.0), blur);
+        l.store_narrowed(error, &mut self.depth_error);
+        let depth = l.mul64(l.load64(&self.t_max), l.load64(&self.depth_per_t));
+        let depth = l.sub64(depth, l.load64(&self.moved));
+        let share = l.mul64(l.abs64(depth), l.splat64(f64::from(4.0 * U)));
+        let slack = l.add64(share, error);
+        // Infinity less a part of infinity is NaN.
+        let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
+        let within = l.select64(is_finite, l.sub64(depth, slack), depth);
+        l.store_narrowed(l.add64(depth, slack), &mut self.limit);
+        l.store_narrowed(within, &mut self.within);
+    }
+
+    /// The depth beyond which nothing matters to a ray, and up to which a hit counts for certain.
+    #[inline(always)]
+    pub(super) fn limits(&self, lane: usize) -> (f32, f32) {
+        (self.limit[lane % WIDE], self.within[lane % WIDE])
+    }
+
+    /// A depth that is not smaller than that of `t`, nor is that of a hit there as the filter sees it.
+    #[inline(always)]
+    pub(super) fn depth_above(&self, lane: usize, t: f64) -> f32 {
+        let depth = self.depth(lane, t);
+        depth + depth.abs() * (4.0 * U) + self.depth_error[lane % WIDE]
+    }
+
+    /// A depth that is not larger than that of `t`, a finite one.
+    #[inline(always)]
+    pub(super) fn depth_below(&self, lane: usize, t: f64) -> f32 {
+        let depth = self.depth(lane, t);
+        depth - depth.abs() * (4.0 * U) - self.depth_error[lane % WIDE]
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the rounding is allowed for"
+    )]
+    fn depth(&self, lane: usize, t: f64) -> f32 {
+        (t * self.depth_per_t[lane % WIDE] - self.moved[lane % WIDE]) as f32
+    }
+}
+
+/// `TreeRay::axes` by the last of them; the fourth is nobody's.
+static AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+
+/// The lowest bits.
+#[inline(always)]
+pub(crate) fn lowest(count: usize) -> u8 {
+    u8::try_from((1_u16 << count.min(WIDE)) - 1).unwrap_or(u8::MAX)
+}
+
+#[inline(always)]
+fn largest_of<L: Lanes>(l: L, v: &[L::Doubles; 3]) -> L::Doubles {
+    l.max64(l.max64(l.abs64(v[0]), l.abs64(v[1])), l.abs64(v[2]))
+}
+
+/// The starts of the rays that are `far` moved to two units before the point nearest to the middle of the tree,
+/// and by how much.
+#[inline(always)]
+fn nearer<L: Lanes>(
+    l: L,
+    far: u8,
+    start: &[L::Doubles; 3],
+    direction: &[L::Doubles; 3],
+) -> ([L::Doubles; 3], L::Doubles) {
+    let zero = l.splat64(0.0);
+    let (mut dot, mut squares) = (zero, zero);
+    for axis in 0..3 {
+        dot = l.add64(dot, l.mul64(start[axis], direction[axis]));
+        squares = l.add64(squares, l.mul64(direction[axis], direction[axis]));
+    }
+    let nearest = l.sub64(zero, l.div64(dot, squares));
+    let moved = l.max64(l.sub64(nearest, l.splat64(2.0)), zero);
+    let moved = l.select64(far, moved, zero);
+    let mut out = *start;
+    for axis in 0..3 {
+        let sum = l.add64(start[axis], l.mul64(moved, direction[axis]));
+        out[axis] = l.select64(far, sum, start[axis]);
+    }
+    (out, moved)
+}
+
+/// One over a component of the direction, finite: along an axis where the ray moves by less than all
+/// margins it is parallel, and a huge number tells inside from outside.
+#[inline(always)]
+fn reciprocal<L: Lanes>(l: L, x: L::Doubles, back: u8) -> L::Doubles {
+    const SMALLEST: f64 = 1e-30;
+    let huge = l.splat64(1.0 / SMALLEST);
+    let huge = l.select64(back, l.sub64(l.splat64(0.0), huge), huge);
+    let is_small = l.lt64(l.abs64(x), l.splat64(SMALLEST));
+    l.select64(is_small, huge, l.div64(l.splat64(1.0), x))
+}

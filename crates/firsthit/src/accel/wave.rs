@@ -1,0 +1,275 @@
+//! Sixteen rays at a time, each on its own way through a [`MeshTree`].
+//!
+//! A single ray waits: for the next node from memory, for its boxes, for the guess where the way leads. Here a
+//! round takes each of sixteen rays a step further, and all steps of a kind come one after the other, without a
+//! branch in between that depends on what was met. So while one ray waits the others are at work, and what a
+//! ray needs in the next round is asked for in this one. (Benthin, Wald, Woop, Ernst and Mark, "Combining Single
+//! and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", 2012, find that single
+//! rays are latency; Boulos, Wald and Benthin, "Adaptive Ray Packet Reordering", 2008, and others gather rays
+//! that are at the same place. These need not be.)
+//!
+//! What is still to be visited is kept in two arrays, depths and children. The next one is the nearest of the
+//! last sixteen: one comparison finds it, nothing is ever sorted, and where it is too far, so are all sixteen.
+
+use std::array::from_fn;
+
+use super::filter::filter;
+use super::goal::{Place, Question};
+use super::mesh_tree::MeshTree;
+use super::sheaf::{RAYS, Sheaf};
+use super::walk::{Stack, traverse};
+use super::wide::LEAF;
+use crate::shape::Mesh;
+use crate::simd::{LANES, Lanes};
+
+/// A sheaf of rays that is [prepared](Sheaf::prepare) for the tree of a mesh.
+#[derive(Clone, Copy)]
+pub(crate) struct Search<'a> {
+    pub(crate) tree: &'a MeshTree,
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) sheaf: &'a Sheaf,
+}
+
+/// Who wants to know what came of the searches.
+pub(crate) trait Answers<A> {
+    /// The answer for a ray of a search, by their numbers.
+    fn take(&mut self, search: usize, lane: usize, answer: A);
+}
+
+/// Memory for waves, to be used again.
+#[derive(Debug)]
+pub(crate) struct Wave {
+    heaps: Box<[Heap; LANES]>,
+    /// For rays that have more to visit than a heap holds.
+    stack: Stack,
+}
+
+impl Wave {
+    /// With its memory.
+    pub(crate) fn new() -> Self {
+        let heaps = vec![Heap::EMPTY; LANES].into_boxed_slice();
+        Self {
+            heaps: heaps.try_into().expect("it has that length"),
+            stack: Stack::new(),
+        }
+    }
+}
+
+/// What a ray has still to visit.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+struct Heap {
+    /// The first sixteen are nobody's: a look at the last sixteen may reach below the first.
+    depths: [f32; HEAP + LANES],
+    /// Nodes and leaves, as bits.
+    children: [f32; HEAP + LANES],
+}
+
+/// How many there can be; from half of it on the last one is the next, so that hardly anything comes to more.
+const HEAP: usize = 256;
+
+impl Heap {
+    const EMPTY: Self = Self {
+        depths: [f32::INFINITY; HEAP + LANES],
+        children: [0.0; HEAP + LANES],
+    };
+}
+
+/// A ray on its way.
+struct Slot<'a, Q> {
+    place: Place<'a>,
+    /// The number of its search.
+    search: usize,
+    question: Q,
+    /// What to visit next.
+    next: u32,
+    /// How many are in the heap.
+    height: usize,
+}
+
+/// Answers each ray of `searches` that may meet something.
+#[inline(always)]
+pub(crate) fn wave<'a, L: Lanes, Q: Question>(
+    l: L,
+    wave: &mut Wave,
+    searches: &[Search<'a>],
+    answers: &mut impl Answers<Q::Answer>,
+) {
+    let Some(&any) = searches.first() else {
+        return;
+    };
+    let mut queue = Queue {
+        searches,
+        next: 0,
+        left: 0,
+    };
+    let mut slots: [Slot<'a, Q>; LANES] = from_fn(|_| Slot::new(any, 0, 0));
+    let Wave { heaps, stack } = wave;
+    let mut nodes = 0_u16;
+    let mut leaves = 0_u16;
+    let mut free = u16::MAX;
+    loop {
+        while free != 0 {
+            let Some((search, lane)) = queue.take() else {
+                break;
+            };
+            let k = free.trailing_zeros() as usize % LANES;
+            free &= free - 1;
+            slots[k] = Slot::new(searches[search], search, lane);
+            nodes |= 1 << k;
+        }
+        let all = nodes | leaves;
+        if all == 0 {
+            return;
+        }
+        while nodes != 0 {
+            let k = nodes.trailing_zeros() as usize % LANES;
+            nodes &= nodes - 1;
+            slots[k].open(l, &mut heaps[k], stack);
+        }
+        while leaves != 0 {
+            let k = leaves.trailing_zeros() as usize % LANES;
+            leaves &= leaves - 1;
+            slots[k].visit(l);
+        }
+        let mut left = all;
+        while left != 0 {
+            let k = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let slot = &mut slots[k];
+            // In numbers, not branches: nobody could foresee them.
+            let goes_on = u16::from(slot.step(l, &mut heaps[k]));
+            let is_leaf = u16::from(slot.next & LEAF != 0);
+            free |= (1 - goes_on) << k;
+            leaves |= (goes_on & is_leaf) << k;
+            nodes |= (goes_on & (1 - is_leaf)) << k;
+        }
+        let mut over = all & free;
+        while over != 0 {
+            let slot = &slots[over.trailing_zeros() as usize % LANES];
+            over &= over - 1;
+            let answer = slot.question.answer(&slot.place);
+            answers.take(slot.search, slot.place.lane, answer);
+        }
+    }
+}
+
+/// The rays that are not yet on their way.
+struct Queue<'a, 'b> {
+    searches: &'b [Search<'a>],
+    /// The number of the search after the one being taken from.
+    next: usize,
+    /// What is left of that.
+    left: u8,
+}
+
+impl Queue<'_, '_> {
+    /// The next ray: its search and its lane.
+    #[inline(always)]
+    fn take(&mut self) -> Option<(usize, usize)> {
+        while self.left == 0 {
+            self.left = self.searches.get(self.next)?.sheaf.alive;
+            self.next += 1;
+        }
+        let lane = self.left.trailing_zeros() as usize % RAYS;
+        self.left &= self.left - 1;
+        Some((self.next - 1, lane))
+    }
+}
+
+impl<'a, Q: Question> Slot<'a, Q> {
+    #[inline(always)]
+    fn new(search: Search<'a>, number: usize, lane: usize) -> Self {
+        let Search { tree, mesh, sheaf } = search;
+        Self {
+            place: Place {
+                tree,
+                mesh,
+                sheaf,
+                lane,
+            },
+            search: number,
+            question: Q::new(sheaf.limits(lane)),
+            next: 0,
+            height: 0,
+        }
+    }
+
+    /// Puts the children that the ray meets into the heap.
+    #[inline(always)]
+    fn open<L: Lanes>(&mut self, l: L, heap: &mut Heap, stack: &mut Stack) {
+        let node = &self.place.tree.nodes[self.next as usize];
+        let Place { sheaf, lane, .. } = self.place;
+        let (met, entry) = sheaf.tree_ray(lane).boxes(l, node, self.question.limit());
+        let above = LANES + self.height;
+        let (Some(depths), Some(children)) = (
+            heap.depths[above..].first_chunk_mut(),
+            heap.children[above..].first_chunk_mut(),
+        ) else {
+            return self.start_again(l, stack);
+        };
+        if Q::ORDERED {
+            l.compress(met, entry, depths);
+        }
+        l.compress(met, l.load(bytemuck::cast_ref(&node.children)), children);
+        self.height += met.count_ones() as usize;
+    }
+
+    /// Looks for the answer in the plain way.
+    #[cold]
+    #[inline(never)]
+    fn start_again<L: Lanes>(&mut self, l: L, stack: &mut Stack) {
+        self.question = Q::new(self.place.sheaf.limits(self.place.lane));
+        traverse(l, stack, &self.place, &mut self.question);
+        self.height = 0;
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, l: L) {
+        let index = self.next & !LEAF;
+        let leaf = &self.place.tree.leaves[index as usize];
+        let ray = self.place.sheaf.tree_ray(self.place.lane);
+        if let Some(candidates) = filter(l, &ray, leaf, self.question.limit()) {
+            self.question.meet(l, &self.place, index, &candidates);
+        }
+    }
+
+    /// Takes what is to be visited next; `false` when there is nothing any more.
+    #[inline(always)]
+    fn step<L: Lanes>(&mut self, l: L, heap: &mut Heap) -> bool {
+        let limit = self.question.limit();
+        loop {
+            if self.height == 0 || limit < 0.0 {
+                return false;
+            }
+            let last = LANES - 1 + self.height;
+            let mut at = last;
+            if Q::ORDERED && self.height < HEAP / 2 {
+                let depths = l.load(window(&heap.depths, self.height));
+                let nearest = l.smallest(depths);
+                if nearest > limit {
+                    self.height = self.height.saturating_sub(LANES);
+                    continue;
+                }
+                // Of equal ones the last, which is the deepest in the tree.
+                let lane = l.le(depths, l.splat(nearest)).leading_zeros() as usize;
+                at = last - lane % LANES;
+                heap.depths[at] = heap.depths[last];
+            }
+            let next = heap.children[at].to_bits();
+            heap.children[at] = heap.children[last];
+            self.height -= 1;
+            self.next = next;
+            let tree = self.place.tree;
+            l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
+            return true;
+        }
+    }
+}
+
+/// The sixteen below the height.
+#[inline(always)]
+fn window(values: &[f32; HEAP + LANES], height: usize) -> &[f32; LANES] {
+    let from = height.min(HEAP);
+    values[from..].first_chunk().expect("sixteen are below all")
+}
