@@ -67,6 +67,43 @@ fn fit<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()> {
     Ok(())
 }
 
+/// Pixels across and down a square of tiles.
+pub(super) const SIDE: usize = 4 * TILE;
+
+/// The hits of a square of tiles, small enough for the cache next to the registers: a tile's are written there,
+/// and from there in long rows, which memory takes far faster.
+#[derive(Debug)]
+pub(super) struct Square(Hits);
+
+impl Default for Square {
+    fn default() -> Self {
+        let count = SIDE * SIDE;
+        Self(Hits {
+            t: vec![0.0; count],
+            object: vec![0; count],
+            primitive: vec![0; count],
+            barycentric: vec![DVec2::ZERO; count],
+        })
+    }
+}
+
+impl Square {
+    pub(super) fn out(&mut self) -> Out<'_> {
+        let Hits {
+            t,
+            object,
+            primitive,
+            barycentric,
+        } = &mut self.0;
+        Out {
+            t,
+            object,
+            primitive,
+            barycentric,
+        }
+    }
+}
+
 /// Where hits go.
 pub(super) struct Out<'a> {
     pub(super) t: &'a mut [f64],
@@ -76,14 +113,36 @@ pub(super) struct Out<'a> {
 }
 
 impl Out<'_> {
-    /// Asks for the memory of hits that are written soon.
+    /// Takes a square's hits, whose first column is `left`, into a band as wide as `columns`; past the caches if there
+    /// are many.
     #[inline(always)]
-    pub(super) fn prefetch<L: Lanes>(&mut self, l: L, first: usize, count: usize) {
-        let place = first..first + count;
-        l.prefetch_to_write(&mut self.t[place.clone()]);
-        l.prefetch_to_write(&mut self.object[place.clone()]);
-        l.prefetch_to_write(&mut self.primitive[place.clone()]);
-        l.prefetch_to_write(&mut self.barycentric[place]);
+    pub(super) fn take<L: Lanes>(
+        &mut self,
+        l: L,
+        square: &Square,
+        left: usize,
+        columns: usize,
+        is_large: bool,
+    ) {
+        let width = (columns - left).min(SIDE);
+        let hits = &square.0;
+        macro_rules! copy {
+            ($field:ident, $row:ident) => {
+                let to = &mut self.$field[$row * columns + left..][..width];
+                let from = &hits.$field[$row * SIDE..][..width];
+                if is_large {
+                    l.stream(from, to);
+                } else {
+                    to.copy_from_slice(from);
+                }
+            };
+        }
+        for row in 0..self.t.len() / columns {
+            copy!(t, row);
+            copy!(object, row);
+            copy!(primitive, row);
+            copy!(barycentric, row);
+        }
     }
 
     #[inline(always)]

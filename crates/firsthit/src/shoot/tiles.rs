@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::hits::{Out, RowOfHits};
+use super::hits::{Out, RowOfHits, SIDE};
 use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
 use super::trees::{self, Memory};
@@ -27,6 +27,8 @@ pub(super) struct Plan<'a> {
     all_tiled: bool,
     /// Rows of tiles in a band.
     tiles_down: usize,
+    /// Whether the results are more than the caches hold.
+    is_large: bool,
 }
 
 /// An object, and the tiles that it may be seen in.
@@ -71,6 +73,7 @@ impl<'a> Plan<'a> {
             is_tiled,
             all_tiled,
             tiles_down,
+            is_large: grid.rows * grid.columns >= LARGE,
         })
     }
 
@@ -179,23 +182,32 @@ impl Kernel for Band<'_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
         let mut memory = Memory::take();
+        let mut square = memory.square.take().unwrap_or_default();
         let first = self.index * self.plan.tiles_down;
         let [down, across] =
             [self.plan.grid.rows, self.plan.grid.columns].map(|n| n.div_ceil(TILE));
-        // Neighbours one after the other: what the one has brought into the cache the next one needs.
-        for place in 0..ORDER.len() * across.div_ceil(TALL) {
-            let (dx, dy) = ORDER[place % ORDER.len()];
-            let tile = (first + dy, place / ORDER.len() * TALL + dx);
-            if dy < self.plan.tiles_down && tile.0 < down && tile.1 < across {
-                self.tile(l, &mut memory, tile, dy * TILE);
+        for left in (0..across).step_by(TALL) {
+            // Neighbours one after the other: what the one has brought into the cache the next one needs.
+            for (dx, dy) in ORDER {
+                let tile = (first + dy, left + dx);
+                if dy < self.plan.tiles_down && tile.0 < down && tile.1 < across {
+                    self.tile(l, &mut memory, tile, (dy, dx), &mut square.out());
+                }
             }
+            let columns = self.plan.grid.columns;
+            self.out.take(l, &square, left * TILE, columns, self.plan.is_large);
         }
+        l.end_streams();
+        memory.square = Some(square);
         memory.give_back();
     }
 }
 
+/// From so many pixels on, results go past the caches.
+const LARGE: usize = 1 << 17;
+
 /// Tiles down a band, where there are many bands.
-const TALL: usize = 4;
+const TALL: usize = SIDE / TILE;
 
 /// The tiles of a square of a band, columns and rows, along Morton's curve.
 const ORDER: [(usize, usize); TALL * TALL] = {
@@ -209,21 +221,22 @@ const ORDER: [(usize, usize); TALL * TALL] = {
 };
 
 impl Band<'_> {
-    /// The tile in a row and a column of tiles, whose first row of pixels is `inside` the band.
+    /// The tile in a row and a column of tiles; `place` is where it stands in its square.
     #[inline(always)]
     fn tile<L: Lanes>(
-        &mut self,
+        &self,
         l: L,
         memory: &mut Memory,
         (row, column): (usize, usize),
-        inside: usize,
+        place: (usize, usize),
+        out: &mut Out<'_>,
     ) {
         let grid = &self.plan.grid;
         let mut work = Work {
             plan: self.plan,
             row: row * TILE,
             column: column * TILE,
-            inside,
+            first: (place.0 * SIDE + place.1) * TILE,
             x: [[0.0; WIDE]; 2],
         };
         for (k, x) in work.x.as_flattened_mut().iter_mut().enumerate() {
@@ -232,15 +245,12 @@ impl Band<'_> {
         let rows = (grid.rows - work.row).min(TILE);
         let columns = (grid.columns - work.column).min(TILE);
         let mut pixels = Tile::new(rows, columns);
-        for row in 0..rows {
-            self.out.prefetch(l, work.at(row), columns);
-        }
         let is_filled = work.fill(l, memory, row, column, &mut pixels);
         if is_filled {
-            work.develop(l, &pixels, [rows, columns], &mut self.out);
+            work.develop(l, &pixels, [rows, columns], out);
         }
         for row in 0..rows {
-            work.complete(l, memory, row, columns, is_filled, &mut self.out);
+            work.complete(l, memory, row, columns, is_filled, out);
         }
     }
 }
@@ -261,8 +271,8 @@ struct Work<'a> {
     plan: &'a Plan<'a>,
     row: usize,
     column: usize,
-    /// The row in its band.
-    inside: usize,
+    /// Where in its square it begins.
+    first: usize,
     /// Where on the viewplane its columns are.
     x: [[f64; WIDE]; 2],
 }
@@ -304,10 +314,10 @@ impl Work<'_> {
         true
     }
 
-    /// Where in the band's results a row begins.
+    /// Where in the square's results a row begins.
     #[inline(always)]
     fn at(&self, row: usize) -> usize {
-        (self.inside + row) * self.plan.grid.columns + self.column
+        self.first + row * SIDE
     }
 
     fn sight(&self, index: u32) -> Option<Sight<'_>> {

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use super::hits::Square;
 use super::journey::{AnyHit, FirstHit, Journey, Leg, Quest};
 use crate::accel::{
     self, Answers, MeshTree, Question, RAYS, Scratch, Search, Sheaf, WalkStack, Wave,
@@ -43,6 +44,8 @@ pub(super) struct Memory {
     walk_stacks: Vec<WalkStack>,
     sheaves: Vec<Sheaf>,
     wave: Wave,
+    /// Made when there is a picture.
+    pub(super) square: Option<Square>,
 }
 
 impl Memory {
@@ -53,6 +56,7 @@ impl Memory {
             walk_stacks: vec![WalkStack::new(); BATCH],
             sheaves: Vec::new(),
             wave: Wave::new(),
+            square: None,
         };
         MEMORY.take().unwrap_or_else(new)
     }

@@ -2,6 +2,8 @@
 
 use std::arch::x86_64::*;
 
+use bytemuck::Pod;
+
 use super::portable::compress;
 use super::{Kernel, LANES, Lanes, WIDE};
 
@@ -394,10 +396,27 @@ impl Lanes for Avx2 {
         );
     }
     #[inline(always)]
-    fn prefetch_to_write<T>(self, what: &mut [T]) {
-        let start = what.as_ptr().cast::<i8>();
-        x86!(for line in 0..=size_of_val(what) / 64 {
-            _mm_prefetch::<_MM_HINT_ET0>(start.wrapping_add(64 * line));
-        });
+    fn stream<T: Pod>(self, from: &[T], to: &mut [T]) {
+        let from: &[u8] = bytemuck::cast_slice(from);
+        let to: &mut [u8] = bytemuck::cast_slice_mut(to);
+        let head = to.as_ptr().align_offset(32).min(to.len());
+        let (from_head, from) = from.split_at(head);
+        let (to_head, to) = to.split_at_mut(head);
+        to_head.copy_from_slice(from_head);
+        let (from, from_tail) = from.as_chunks::<32>();
+        let (to, to_tail) = to.as_chunks_mut::<32>();
+        for (from, to) in from.iter().zip(to) {
+            // SAFETY: each has 32 bytes, and those that are written begin at a multiple of 32; an `Avx2` is made only
+            // where the machine has the features.
+            unsafe {
+                let bytes = _mm256_loadu_si256(from.as_ptr().cast());
+                _mm256_stream_si256(to.as_mut_ptr().cast(), bytes);
+            }
+        }
+        to_tail.copy_from_slice(from_tail);
+    }
+    #[inline(always)]
+    fn end_streams(self) {
+        x86!(_mm_sfence());
     }
 }

@@ -2,6 +2,8 @@
 
 use std::arch::x86_64::*;
 
+use bytemuck::Pod;
+
 use super::{Kernel, LANES, Lanes, WIDE};
 
 /// Proof that this machine has AVX-512 F, BW, DQ and VL, and what comes before them.
@@ -247,10 +249,41 @@ impl Lanes for Avx512 {
         );
     }
     #[inline(always)]
-    fn prefetch_to_write<T>(self, what: &mut [T]) {
-        let start = what.as_ptr().cast::<i8>();
-        x86!(for line in 0..=size_of_val(what) / 64 {
-            _mm_prefetch::<_MM_HINT_ET0>(start.wrapping_add(64 * line));
-        });
+    fn stream<T: Pod>(self, from: &[T], to: &mut [T]) {
+        assert_eq!(from.len(), to.len());
+        let length = size_of_val(to);
+        let (from, to) = (
+            from.as_ptr().cast::<i8>(),
+            to.as_mut_ptr().cast::<i8>(),
+        );
+        let head = to.align_offset(64).min(length);
+        let lines = (length - head) / 64;
+        // (Not a closure: that would not be compiled with the features.)
+        macro_rules! part {
+            ($at:expr, $bytes:expr) => {{
+                let mask = (1_u64 << $bytes) - 1;
+                // SAFETY: both have `length` bytes, `$at + $bytes` is no more, and bytes that are not in the mask
+                // are not touched; an `Avx512` is made only where the machine has the features.
+                unsafe {
+                    let bytes = _mm512_maskz_loadu_epi8(mask, from.wrapping_add($at));
+                    _mm512_mask_storeu_epi8(to.wrapping_add($at), mask, bytes);
+                }
+            }};
+        }
+        part!(0, head);
+        for line in 0..lines {
+            let at = head + 64 * line;
+            // SAFETY: the 64 bytes are in both, and those that are written begin at a multiple of 64.
+            unsafe {
+                let bytes = _mm512_loadu_si512(from.wrapping_add(at).cast());
+                _mm512_stream_si512(to.wrapping_add(at).cast(), bytes);
+            }
+        }
+        let at = head + 64 * lines;
+        part!(at, length - at);
+    }
+    #[inline(always)]
+    fn end_streams(self) {
+        x86!(_mm_sfence());
     }
 }

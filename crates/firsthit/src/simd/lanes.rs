@@ -1,3 +1,5 @@
+use bytemuck::Pod;
+
 /// How many float32 lanes there are: the width of a node and of a leaf.
 pub(crate) const LANES: usize = 16;
 /// How many float64 lanes there are.
@@ -90,6 +92,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     /// Asks for the memory of one of `whats`, or of one of `others`, without a branch: what is chosen between is hard
     /// to foresee. An index that is not there does no harm.
     fn prefetch_either<T, U>(self, is_other: bool, index: u32, whats: &[T], others: &[U]);
-    /// Asks for the memory of `what`, which is overwritten soon.
-    fn prefetch_to_write<T>(self, what: &mut [T]);
+    /// Copies as many numbers as there are to memory that nobody reads soon, past the caches. Before another
+    /// thread reads them: [`Lanes::end_streams`].
+    fn stream<T: Pod>(self, from: &[T], to: &mut [T]);
+    /// Makes what was streamed visible.
+    fn end_streams(self);
 }

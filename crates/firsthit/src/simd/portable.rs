@@ -2,6 +2,8 @@
 
 use std::array::from_fn;
 
+use bytemuck::Pod;
+
 use super::{LANES, Lanes, WIDE};
 
 /// No instructions but those that every machine has.
@@ -210,5 +212,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn prefetch_either<T, U>(self, _: bool, _: u32, _: &[T], _: &[U]) {}
     #[inline(always)]
-    fn prefetch_to_write<T>(self, _: &mut [T]) {}
+    fn stream<T: Pod>(self, from: &[T], to: &mut [T]) {
+        to.copy_from_slice(from);
+    }
+    #[inline(always)]
+    fn end_streams(self) {}
 }
