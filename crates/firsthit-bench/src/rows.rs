@@ -27,6 +27,8 @@ pub(crate) enum Row {
     Primary,
     /// The pixels of an orthographic camera, from its description
     Orthographic,
+    /// The first row's as an array of rays in float32, row by row
+    Array,
     /// From each hit of the first row to the light: anything in between?
     Shadow,
     /// Four from each hit, as far as the scene's reach: anything there?
@@ -42,6 +44,7 @@ impl Row {
     pub(crate) const ALL: &[Self] = &[
         Self::Primary,
         Self::Orthographic,
+        Self::Array,
         Self::Shadow,
         Self::Occlusion,
         Self::Bounce,
@@ -104,6 +107,7 @@ pub(crate) fn measure(
             Row::Orthographic => {
                 run.pixels(row, &scene.look.camera(Projection::Orthographic, side)?)
             }
+            Row::Array => run.array(row, &rays::of_pixels(&camera)),
             Row::Shadow => run.any_hits(row, &surface.to_light(scene.look.light)),
             Row::Occlusion => run.any_hits(row, &surface.around(scene.look.reach, side * side)),
             Row::Bounce => run.array(row, &surface.scattered()),

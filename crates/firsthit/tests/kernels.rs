@@ -227,6 +227,66 @@ fn cameras_on_soups() {
     assert!(hits > 20_000, "{hits}");
 }
 
+/// A camera's rays in an array, as others make them: rounded, of any length, of a part of the picture, bent, and with
+/// rays among them that are nobody's pixel.
+fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {
+    let columns = if kind == 3 {
+        16..camera.columns()
+    } else {
+        0..camera.columns()
+    };
+    let mut rays = Vec::new();
+    for row in 0..camera.rows() {
+        for column in columns.clone() {
+            let mut ray = camera.ray(row, column);
+            match kind {
+                1 => {
+                    ray.origin = ray.origin.as_vec3().as_dvec3();
+                    ray.direction = ray.direction.as_vec3().as_dvec3();
+                }
+                2 => ray.direction *= 0.1 + 3.0 * numbers.unit(),
+                4 => ray.direction += 1e-3 * ray.direction.x * ray.direction.y * DVec3::Y,
+                5 => ray.direction += 1e-9 * numbers.point(),
+                _ => {}
+            }
+            rays.push(ray);
+        }
+    }
+    if kind == 6 {
+        let count = rays.len();
+        rays[count / 2].direction = DVec3::NAN;
+        rays[count / 3].t_max = 1.0;
+        rays[count / 5].direction *= 1e-200;
+        rays[count / 7] = Ray::new(DVec3::ONE, DVec3::X);
+    }
+    rays
+}
+
+#[test]
+fn arrays_of_a_cameras_rays() {
+    let mut hits = 0;
+    for round in 0..16 {
+        let mut numbers = Numbers::new(900 + round);
+        let (scale, offset) = PLACES[round as usize % PLACES.len()];
+        let (points, triangles) = soup(30, &mut numbers);
+        let points = placed(&points, scale, offset);
+        let mut objects = vec![Object::new(mesh(&points, triangles))];
+        if round % 4 == 3 {
+            let turn = DAffine3::from_rotation_y(0.7);
+            let turned = objects[0].clone().placed(Transform::new(turn).unwrap());
+            objects.push(turned);
+            objects.push(Object::new(Sphere::new(DVec3::ZERO, 0.1 * scale).unwrap()));
+        }
+        let scene = Scene::new(objects).unwrap();
+        let middle = placed(&[DVec3::ZERO], scale, offset)[0];
+        for (k, camera) in cameras(middle, scale, &mut numbers).iter().enumerate() {
+            let rays = pixels(camera, (k + round as usize) % 7, &mut numbers);
+            hits += judged(&scene, &rays);
+        }
+    }
+    assert!(hits > 20_000, "{hits}");
+}
+
 #[test]
 fn cameras_on_instances_transforms_and_other_shapes() {
     let mut numbers = Numbers::new(5);

@@ -23,6 +23,20 @@ struct Point {
 /// How far off the surface, as a share of the scene's diagonal.
 const OFF: f64 = 1e-5;
 
+/// A camera's rays, row by row from the top.
+pub(super) fn of_pixels(camera: &Camera) -> Vec<Ray> {
+    let pixels = (0..camera.rows()).flat_map(|row| (0..camera.columns()).map(move |k| (row, k)));
+    let rounded = |(row, column)| {
+        let Ray {
+            origin,
+            direction,
+            t_max,
+        } = camera.ray(row, column);
+        ray(origin, direction, t_max)
+    };
+    pixels.map(rounded).collect()
+}
+
 impl Surface {
     pub(super) fn seen(scene: &Scene, camera: &Camera) -> Self {
         let mut hits = Hits::default();

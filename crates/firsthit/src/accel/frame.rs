@@ -38,6 +38,8 @@ pub(crate) struct Bundle {
     pub(crate) start_depth: f64,
     /// How large the numbers were that all this is made from.
     pub(crate) largest: f64,
+    /// What the rays are off at most, in pixels.
+    pub(crate) off: f64,
 }
 
 /// A [`Bundle`] made ready for a tree.
@@ -113,8 +115,17 @@ impl Frame {
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
         let blur = 4e-15 * (bundle.largest * space.scale + far + reach);
-        let error = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur);
-        let depth_error = sum(rows[2]) * (40.0 * u * reach + 4.0 * blur) + 16.0 * u * slid.abs();
+        // A pixel at the largest depth of the tree, and one on the viewplane.
+        let far_pixel = if bundle.is_perspective {
+            2.0 * sum(rows[2]) * reach
+        } else {
+            1.0
+        };
+        let pixel = sum(columns[0]).max(sum(columns[1]));
+        let error = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur)
+            + bundle.off * far_pixel;
+        let along = 40.0 * u * reach + 4.0 * blur + bundle.off * pixel;
+        let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
         // What a wrong depth moves on the picture.
         let sideways = if bundle.is_perspective {
             depth_error

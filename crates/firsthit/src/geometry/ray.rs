@@ -55,6 +55,13 @@ pub trait Rays: Sync {
     /// The ray `index`, below [`Rays::len`].
     fn ray(&self, index: usize) -> Ray;
 
+    /// Fills `rays` with those from `first` on.
+    fn fill(&self, first: usize, rays: &mut [Ray]) {
+        for (index, ray) in (first..).zip(rays) {
+            *ray = self.ray(index);
+        }
+    }
+
     /// Whether there are none.
     fn is_empty(&self) -> bool {
         self.len() == 0
@@ -75,6 +82,10 @@ impl Rays for [Ray] {
     fn ray(&self, index: usize) -> Ray {
         self[index]
     }
+
+    fn fill(&self, first: usize, rays: &mut [Ray]) {
+        rays.copy_from_slice(&self[first..first + rays.len()]);
+    }
 }
 
 impl Rays for Vec<Ray> {
@@ -84,5 +95,9 @@ impl Rays for Vec<Ray> {
 
     fn ray(&self, index: usize) -> Ray {
         self[index]
+    }
+
+    fn fill(&self, first: usize, rays: &mut [Ray]) {
+        rays.copy_from_slice(&self[first..first + rays.len()]);
     }
 }

@@ -7,6 +7,7 @@
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
 )]
 
+mod fit;
 mod hits;
 mod journey;
 mod judge;
@@ -94,6 +95,10 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
 
     fn ray(&self, index: usize) -> Ray {
         self.0.ray(index)
+    }
+
+    fn fill(&self, first: usize, rays: &mut [Ray]) {
+        self.0.fill(first, rays);
     }
 
     fn grid(&self) -> Option<PixelGrid> {

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::fit::{self, TileRays};
 use super::hits::{Out, RowOfHits, SIDE};
 use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
@@ -20,6 +21,8 @@ pub(super) struct Plan<'a> {
     scene: &'a Scene,
     rays: &'a dyn Rays,
     grid: PixelGrid,
+    /// Whether the rays are an array's, and only near the grid.
+    is_fitted: bool,
     /// What tiles can do, the nearest first.
     meshes: Vec<Placed>,
     /// Whether an object is in there, and whether all are.
@@ -42,7 +45,10 @@ struct Placed {
 impl<'a> Plan<'a> {
     /// `None` when rays one by one are the better way.
     pub(super) fn new(scene: &'a Scene, rays: &'a dyn Rays) -> Option<Self> {
-        let grid = rays.grid()?;
+        let (grid, is_fitted) = match rays.grid() {
+            Some(grid) => (grid, false),
+            None => (fit::grid(rays)?, true),
+        };
         if !is_moderate(&grid) {
             return None;
         }
@@ -69,6 +75,7 @@ impl<'a> Plan<'a> {
             scene,
             rays,
             grid,
+            is_fitted,
             meshes,
             is_tiled,
             all_tiled,
@@ -139,6 +146,14 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
         columns: 0..grid.columns.div_ceil(TILE),
         depth: low.z,
     };
+    let skew = [
+        (grid.right, aim),
+        (grid.upwards, aim),
+        (grid.right, grid.upwards),
+    ];
+    if skew.iter().any(|(a, b)| a.dot(*b).abs() > 1e-6) {
+        return Some(whole);
+    }
     if high.z < -slack {
         return None;
     }
@@ -195,7 +210,8 @@ impl Kernel for Band<'_> {
                 }
             }
             let columns = self.plan.grid.columns;
-            self.out.take(l, &square, left * TILE, columns, self.plan.is_large);
+            self.out
+                .take(l, &square, left * TILE, columns, self.plan.is_large);
         }
         l.end_streams();
         memory.square = Some(square);
@@ -232,8 +248,19 @@ impl Band<'_> {
         out: &mut Out<'_>,
     ) {
         let grid = &self.plan.grid;
+        let rows = (grid.rows - row * TILE).min(TILE);
+        let columns = (grid.columns - column * TILE).min(TILE);
+        let mut rays = memory.tile_rays.take();
+        let mut off = Some(0.0);
+        if self.plan.is_fitted {
+            let rays = rays.get_or_insert_with(|| Box::new(TileRays::NONE));
+            let first = [row * TILE, column * TILE];
+            off = rays.load(l, self.plan.rays, grid, first, [rows, columns]);
+        }
         let mut work = Work {
             plan: self.plan,
+            rays: rays.as_deref().filter(|_| self.plan.is_fitted),
+            off: off.unwrap_or(f64::INFINITY),
             row: row * TILE,
             column: column * TILE,
             first: (place.0 * SIDE + place.1) * TILE,
@@ -242,16 +269,15 @@ impl Band<'_> {
         for (k, x) in work.x.as_flattened_mut().iter_mut().enumerate() {
             *x = grid.x(work.column + k);
         }
-        let rows = (grid.rows - work.row).min(TILE);
-        let columns = (grid.columns - work.column).min(TILE);
         let mut pixels = Tile::new(rows, columns);
-        let is_filled = work.fill(l, memory, row, column, &mut pixels);
+        let is_filled = off.is_some() && work.fill(l, memory, row, column, &mut pixels);
         if is_filled {
             work.develop(l, &pixels, [rows, columns], out);
         }
         for row in 0..rows {
             work.complete(l, memory, row, columns, is_filled, out);
         }
+        memory.tile_rays = rays;
     }
 }
 
@@ -269,6 +295,10 @@ struct Sight<'a> {
 /// A tile by its first pixel.
 struct Work<'a> {
     plan: &'a Plan<'a>,
+    /// Its rays where they are an array's.
+    rays: Option<&'a TileRays>,
+    /// What they are off the grid, in pixels.
+    off: f64,
     row: usize,
     column: usize,
     /// Where in its square it begins.
@@ -297,7 +327,7 @@ impl Work<'_> {
                 continue;
             };
             let object = &plan.scene.objects()[placed.object as usize];
-            let bundle = bundle(&plan.grid, object, self.row, self.column);
+            let bundle = bundle(&plan.grid, object, self.off, [self.row, self.column]);
             let Some(frame) = Frame::new(tree, &bundle) else {
                 return false;
             };
@@ -329,7 +359,7 @@ impl Work<'_> {
                 .transform()
                 .object_from_world()
                 .transform_vector3(direction),
-            None => bundle(&self.plan.grid, object, self.row, self.column).centre,
+            None => bundle(&self.plan.grid, object, 0.0, [self.row, self.column]).centre,
         };
         Some(Sight {
             index,
@@ -456,7 +486,13 @@ impl Work<'_> {
             let across = l.mul64(x, l.splat64(grid.right[order[k]]));
             l.add64(l.add64(toward[k], across), l.splat64(up[order[k]]))
         });
-        let (origin, direction) = if let Some(parallel) = grid.parallel {
+        let (origin, direction) = if let Some(rays) = self.rays {
+            let half = 2 * row + half;
+            (
+                vector!(k => rays.origin(l, half, order[k])),
+                vector!(k => rays.direction(l, half, order[k])),
+            )
+        } else if let Some(parallel) = grid.parallel {
             let start = if grid.starts_on_viewplane {
                 point
             } else {
@@ -556,6 +592,13 @@ impl Work<'_> {
     /// The depth of a hit at `t`, in units of the viewplane's.
     fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
         let grid = &self.plan.grid;
+        if self.rays.is_some() {
+            let pixel = (self.row + row) * grid.columns + self.column + column;
+            let normal = grid.right.cross(grid.upwards);
+            let direction = self.plan.rays.ray(pixel).direction;
+            let depth = t * direction.dot(normal) / grid.toward.dot(normal);
+            return depth + f64::from(u8::from(grid.starts_on_viewplane));
+        }
         let unit = if grid.parallel.is_some() {
             grid.toward.length()
         } else {
@@ -589,7 +632,7 @@ impl Arbiter for Work<'_> {
 }
 
 /// A tile's rays in an object's space.
-fn bundle(grid: &PixelGrid, object: &Object, row: usize, column: usize) -> Bundle {
+fn bundle(grid: &PixelGrid, object: &Object, off: f64, [row, column]: [usize; 2]) -> Bundle {
     let half = 0.5 * (TILE as f64);
     let middle = |size: f64, count: usize, first: usize| {
         -size / 2.0 + size / count as f64 * (first as f64 + half)
@@ -616,6 +659,7 @@ fn bundle(grid: &PixelGrid, object: &Object, row: usize, column: usize) -> Bundl
         down: turned(-grid.height / grid.rows as f64 * grid.upwards),
         is_perspective: grid.parallel.is_none(),
         start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
+        off,
         largest: growth
             * (start.abs().max_element() + place.abs().max_element() + centre.abs().max_element()),
     }

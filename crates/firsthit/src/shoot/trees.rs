@@ -2,12 +2,13 @@
 
 use std::cell::Cell;
 
+use super::fit::TileRays;
 use super::hits::Square;
 use super::journey::{AnyHit, FirstHit, Journey, Leg, Quest};
 use crate::accel::{
     self, Answers, MeshTree, Question, RAYS, Scratch, Search, Sheaf, WalkStack, Wave,
 };
-use crate::geometry::{Hit, Ray, Rays};
+use crate::geometry::{DVec3, Hit, Ray, Rays};
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Shape};
 use crate::simd::{self, Kernel, Lanes};
@@ -44,8 +45,9 @@ pub(super) struct Memory {
     walk_stacks: Vec<WalkStack>,
     sheaves: Vec<Sheaf>,
     wave: Wave,
-    /// Made when there is a picture.
+    /// Made when there is a picture, and when its rays are an array's.
     pub(super) square: Option<Square>,
+    pub(super) tile_rays: Option<Box<TileRays>>,
 }
 
 impl Memory {
@@ -57,6 +59,7 @@ impl Memory {
             sheaves: Vec::new(),
             wave: Wave::new(),
             square: None,
+            tile_rays: None,
         };
         MEMORY.take().unwrap_or_else(new)
     }
@@ -162,9 +165,14 @@ impl<T: Take> Batch<'_, T> {
         if memory.sheaves.len() < sheaves {
             memory.sheaves.resize(sheaves, Sheaf::default());
         }
-        for index in 0..count {
-            let ray = self.rays.ray(self.first + index);
-            memory.sheaves[index / RAYS].put(index % RAYS, &ray);
+        let mut eight = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
+        for number in 0..sheaves {
+            let first = number * RAYS;
+            let length = (count - first).min(RAYS);
+            self.rays.fill(self.first + first, &mut eight[..length]);
+            for (lane, ray) in eight.iter().enumerate() {
+                memory.sheaves[number].put(lane, ray);
+            }
         }
         for number in 0..sheaves {
             let sheaf = &mut memory.sheaves[number];

@@ -252,10 +252,7 @@ impl Lanes for Avx512 {
     fn stream<T: Pod>(self, from: &[T], to: &mut [T]) {
         assert_eq!(from.len(), to.len());
         let length = size_of_val(to);
-        let (from, to) = (
-            from.as_ptr().cast::<i8>(),
-            to.as_mut_ptr().cast::<i8>(),
-        );
+        let (from, to) = (from.as_ptr().cast::<i8>(), to.as_mut_ptr().cast::<i8>());
         let head = to.align_offset(64).min(length);
         let lines = (length - head) / 64;
         // (Not a closure: that would not be compiled with the features.)
