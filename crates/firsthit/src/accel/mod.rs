@@ -20,6 +20,7 @@ mod ray;
 mod sheaf;
 mod tile;
 mod verdict;
+mod visit;
 mod walk;
 mod wave;
 mod wide;

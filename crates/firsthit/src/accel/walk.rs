@@ -8,7 +8,7 @@ use super::filter::filter;
 use super::goal::{Each, Goal, Place, Question};
 use super::mesh_tree::MeshTree;
 use super::sheaf::Sheaf;
-use super::tile::Known;
+use super::visit::Known;
 use super::wide::LEAF;
 use crate::geometry::Ray;
 use crate::shape::Mesh;

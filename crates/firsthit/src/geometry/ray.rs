@@ -55,8 +55,8 @@ pub trait Rays: Sync {
     /// The ray `index`, below [`Rays::len`].
     fn ray(&self, index: usize) -> Ray;
 
-    /// Fills `rays` with those from `first` on.
-    fn fill(&self, first: usize, rays: &mut [Ray]) {
+    /// Fills `rays` with those from `first` on: many at once are sooner had than one by one.
+    fn read(&self, first: usize, rays: &mut [Ray]) {
         for (index, ray) in (first..).zip(rays) {
             *ray = self.ray(index);
         }
@@ -83,7 +83,7 @@ impl Rays for [Ray] {
         self[index]
     }
 
-    fn fill(&self, first: usize, rays: &mut [Ray]) {
+    fn read(&self, first: usize, rays: &mut [Ray]) {
         rays.copy_from_slice(&self[first..first + rays.len()]);
     }
 }
@@ -97,7 +97,7 @@ impl Rays for Vec<Ray> {
         self[index]
     }
 
-    fn fill(&self, first: usize, rays: &mut [Ray]) {
+    fn read(&self, first: usize, rays: &mut [Ray]) {
         rays.copy_from_slice(&self[first..first + rays.len()]);
     }
 }

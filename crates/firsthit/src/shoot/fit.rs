@@ -4,6 +4,7 @@
 //! serves to rule triangles out, by as much less as the rays are off it; what decides, and where they meet it, are the
 //! rays themselves.
 
+use super::hits::SIDE;
 use crate::accel::TILE;
 use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
 use crate::simd::{Lanes, WIDE};
@@ -81,7 +82,10 @@ fn columns(rays: &dyn Rays) -> Option<usize> {
     /// Of a row's steps, none is so many times longer than the one before.
     const LEAP: f64 = 5.0;
     let count = rays.len();
-    let (first, second) = (rays.ray(0), rays.ray(1.min(count.checked_sub(1)?)));
+    if count < TILE {
+        return None;
+    }
+    let (first, second) = (rays.ray(0), rays.ray(1));
     let is_parallel = first.direction == second.direction;
     let place = |ray: Ray| {
         if is_parallel {
@@ -108,124 +112,100 @@ fn columns(rays: &dyn Rays) -> Option<usize> {
     None
 }
 
-/// A tile's rays as they are, in lanes.
-#[derive(Debug, Clone)]
-#[repr(C, align(64))]
-pub(super) struct TileRays {
-    /// For each row and half of it, and each axis.
-    origin: [[[f64; WIDE]; 3]; 2 * TILE],
-    direction: [[[f64; WIDE]; 3]; 2 * TILE],
+/// Halves of a tile's rows in a row of a square.
+const ACROSS: usize = SIDE / WIDE;
+
+/// The rays of a square of tiles as they are, in lanes: memory gives long rows far faster than short ones.
+#[derive(Debug)]
+pub(super) struct SquareRays {
+    /// For each row and eight columns, and each axis.
+    origin: Vec<[[f64; WIDE]; 3]>,
+    direction: Vec<[[f64; WIDE]; 3]>,
+    /// The tiles in which a ray ends somewhere, row by row.
+    has_ends: [bool; (SIDE / TILE) * (SIDE / TILE)],
+}
+
+impl Default for SquareRays {
+    fn default() -> Self {
+        Self {
+            origin: vec![[[0.0; WIDE]; 3]; SIDE * ACROSS],
+            direction: vec![[[0.0; WIDE]; 3]; SIDE * ACROSS],
+            has_ends: [false; (SIDE / TILE) * (SIDE / TILE)],
+        }
+    }
+}
+
+impl SquareRays {
+    /// Takes the rays from a row and a column of the grid on.
+    #[inline(always)]
+    pub(super) fn load(&mut self, rays: &dyn Rays, grid: &PixelGrid, [row, column]: [usize; 2]) {
+        let rows = (grid.rows - row).min(SIDE);
+        let columns = (grid.columns - column).min(SIDE);
+        self.has_ends.fill(false);
+        let mut row_of_rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); SIDE];
+        for down in 0..rows {
+            let first = (row + down) * grid.columns + column;
+            rays.read(first, &mut row_of_rays[..columns]);
+            // Where the square ends early, its last ray again.
+            let last = row_of_rays[columns - 1];
+            row_of_rays[columns..].fill(last);
+            for (across, ray) in row_of_rays.iter().enumerate() {
+                let tile = down / TILE * (SIDE / TILE) + across / TILE;
+                self.has_ends[tile] |= ray.t_max != f64::INFINITY;
+                let (half, lane) = (down * ACROSS + across / WIDE, across % WIDE);
+                let (origin, direction) = (&mut self.origin[half], &mut self.direction[half]);
+                for axis in 0..3 {
+                    origin[axis][lane] = ray.origin[axis];
+                    direction[axis][lane] = ray.direction[axis];
+                }
+            }
+        }
+    }
+
+    /// Those of a tile, by its row and column in the square.
+    pub(super) fn tile(&self, (row, column): (usize, usize)) -> TileRays<'_> {
+        TileRays {
+            square: self,
+            first: row * TILE * ACROSS + column * (TILE / WIDE),
+            has_ends: self.has_ends[row * (SIDE / TILE) + column],
+        }
+    }
+}
+
+/// The rays of a tile.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TileRays<'a> {
+    square: &'a SquareRays,
+    /// Where it begins.
+    first: usize,
+    has_ends: bool,
 }
 
 /// Rays farther from their grid than this share of a pixel are not for tiles.
 const FARTHEST: f64 = 0.01;
 
-impl TileRays {
-    pub(super) const NONE: Self = Self {
-        origin: [[[0.0; WIDE]; 3]; 2 * TILE],
-        direction: [[[0.0; WIDE]; 3]; 2 * TILE],
-    };
-
-    /// Takes the tile at a row and a column of the grid, which has so many rows and columns left; `None` when not all
-    /// rays are like those of a camera, else how far they are off the grid at most, in pixels.
+impl TileRays<'_> {
+    /// How far the rays are off the grid at most, in pixels; `None` when not all of them are like those of a camera.
+    /// The tile is at a row and a column of the grid, and has so many rows and columns.
     #[inline(always)]
-    pub(super) fn load<L: Lanes>(
-        &mut self,
-        l: L,
-        rays: &dyn Rays,
-        grid: &PixelGrid,
-        [row, column]: [usize; 2],
-        [rows, columns]: [usize; 2],
-    ) -> Option<f64> {
-        let mut row_of_rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); TILE];
-        for down in 0..rows {
-            rays.fill(
-                (row + down) * grid.columns + column,
-                &mut row_of_rays[..columns],
-            );
-            for (across, ray) in row_of_rays.iter().enumerate() {
-                // Where a tile ends early, its last ray again.
-                let ray = if across < columns {
-                    ray
-                } else {
-                    &row_of_rays[columns - 1]
-                };
-                if ray.t_max != f64::INFINITY {
-                    return None;
-                }
-                let (half, lane) = (2 * down + across / WIDE, across % WIDE);
-                for axis in 0..3 {
-                    self.origin[half][axis][lane] = ray.origin[axis];
-                    self.direction[half][axis][lane] = ray.direction[axis];
-                }
-            }
-        }
-        self.distance(l, grid, [row, column], [rows, columns])
-    }
-
-    /// See [`TileRays::load`].
-    #[inline(always)]
-    fn distance<L: Lanes>(
+    pub(super) fn distance<L: Lanes>(
         &self,
         l: L,
         grid: &PixelGrid,
         [row, column]: [usize; 2],
         [rows, columns]: [usize; 2],
     ) -> Option<f64> {
-        let normal = grid.right.cross(grid.upwards);
-        let number = |x: f64| l.splat64(x);
-        let plane = number(normal.dot(grid.toward));
-        let mut farthest = number(0.0);
+        if self.has_ends {
+            return None;
+        }
+        let mut farthest = l.splat64(0.0);
         for half in 0..2 * rows {
-            macro_rules! vector {
-                ($part:ident) => {
-                    [
-                        self.$part(l, half, 0),
-                        self.$part(l, half, 1),
-                        self.$part(l, half, 2),
-                    ]
-                };
-            }
-            let (o, d) = (vector!(origin), vector!(direction));
             let mut x = [0.0; WIDE];
             for (lane, x) in x.iter_mut().enumerate() {
                 *x = grid.x(column + (WIDE * (half % 2) + lane).min(columns - 1));
             }
-            let x = l.load64(&x);
             let base = grid.toward + grid.y(row + half / 2) * grid.upwards;
-            let along = l.add64(
-                l.add64(
-                    l.mul64(d[0], number(normal.x)),
-                    l.mul64(d[1], number(normal.y)),
-                ),
-                l.mul64(d[2], number(normal.z)),
-            );
-            // Where the ray crosses the viewplane, from the grid's position on, and where it should.
-            let length = l.div64(plane, along);
-            let mut squares = number(0.0);
-            let mut is_plain = l.lt64(number(0.0), length);
-            for axis in 0..3 {
-                let relative = l.sub64(o[axis], number(grid.position[axis]));
-                let point = l.add64(number(base[axis]), l.mul64(x, number(grid.right[axis])));
-                let crossing = match grid.parallel {
-                    // All from where they start, all the same way.
-                    Some(parallel) => {
-                        let same = number(parallel[axis]);
-                        is_plain &= l.le64(d[axis], same) & l.le64(same, d[axis]);
-                        relative
-                    }
-                    // All from one point.
-                    None => {
-                        is_plain &= l.le64(l.abs64(relative), number(0.0));
-                        l.mul64(d[axis], length)
-                    }
-                };
-                let off = l.sub64(crossing, point);
-                squares = l.add64(squares, l.mul64(off, off));
-                is_plain &= l.lt64(l.abs64(d[axis]), number(1e80));
-            }
-            let longest = l.max64(l.max64(l.abs64(d[0]), l.abs64(d[1])), l.abs64(d[2]));
-            is_plain &= l.lt64(number(1e-80), longest) & l.lt64(squares, number(1e160));
+            let (is_plain, squares) = self.squares(l, grid, half, base, l.load64(&x));
             if is_plain != u8::MAX {
                 return None;
             }
@@ -239,15 +219,139 @@ impl TileRays {
         (off < FARTHEST).then_some(off)
     }
 
+    /// Which of eight rays are like those of a camera, and the square of how far each is off the grid's points, which
+    /// are `x` to the right of `base`.
+    #[inline(always)]
+    fn squares<L: Lanes>(
+        &self,
+        l: L,
+        grid: &PixelGrid,
+        half: usize,
+        base: DVec3,
+        x: L::Doubles,
+    ) -> (u8, L::Doubles) {
+        macro_rules! vector {
+            ($part:ident) => {
+                [
+                    self.$part(l, half, 0),
+                    self.$part(l, half, 1),
+                    self.$part(l, half, 2),
+                ]
+            };
+        }
+        let number = |x: f64| l.splat64(x);
+        let (o, d) = (vector!(origin), vector!(direction));
+        let normal = grid.right.cross(grid.upwards);
+        let across = l.mul64(d[0], number(normal.x));
+        let along = l.add64(across, l.mul64(d[1], number(normal.y)));
+        let along = l.add64(along, l.mul64(d[2], number(normal.z)));
+        // Where the ray crosses the viewplane, from the grid's position on, and where it should.
+        let length = l.div64(number(normal.dot(grid.toward)), along);
+        let mut squares = number(0.0);
+        let mut is_plain = l.lt64(number(0.0), length);
+        for axis in 0..3 {
+            let relative = l.sub64(o[axis], number(grid.position[axis]));
+            let point = l.add64(number(base[axis]), l.mul64(x, number(grid.right[axis])));
+            let crossing = if let Some(parallel) = grid.parallel {
+                // All from where they start, all the same way.
+                let same = number(parallel[axis]);
+                is_plain &= l.le64(d[axis], same) & l.le64(same, d[axis]);
+                relative
+            } else {
+                // All from one point.
+                is_plain &= l.le64(l.abs64(relative), number(0.0));
+                l.mul64(d[axis], length)
+            };
+            let off = l.sub64(crossing, point);
+            squares = l.add64(squares, l.mul64(off, off));
+            is_plain &= l.lt64(l.abs64(d[axis]), number(1e80));
+        }
+        let longest = l.max64(l.max64(l.abs64(d[0]), l.abs64(d[1])), l.abs64(d[2]));
+        is_plain &= l.lt64(number(1e-80), longest) & l.lt64(squares, number(1e160));
+        (is_plain, squares)
+    }
+
     /// Where eight rays start, half a row, along an axis.
     #[inline(always)]
     pub(super) fn origin<L: Lanes>(&self, l: L, half: usize, axis: usize) -> L::Doubles {
-        l.load64(&self.origin[half % (2 * TILE)][axis % 3])
+        l.load64(&self.square.origin[self.place(half)][axis % 3])
     }
 
     /// Where they go.
     #[inline(always)]
     pub(super) fn direction<L: Lanes>(&self, l: L, half: usize, axis: usize) -> L::Doubles {
-        l.load64(&self.direction[half % (2 * TILE)][axis % 3])
+        l.load64(&self.square.direction[self.place(half)][axis % 3])
+    }
+
+    #[inline(always)]
+    fn place(&self, half: usize) -> usize {
+        self.first + half / 2 * ACROSS + half % 2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Projection, View};
+
+    fn camera(projection: Projection) -> Camera {
+        let view = View {
+            position: DVec3::new(3.0, -2.0, 1.0),
+            aim: DVec3::new(-3.0, 2.5, -0.5),
+            up: DVec3::new(0.1, 0.2, 1.0),
+            rows: 40,
+            columns: 70,
+            projection,
+            ..View::default()
+        };
+        Camera::new(view).unwrap()
+    }
+
+    fn array(camera: &Camera) -> Vec<Ray> {
+        (0..camera.len()).map(|k| Rays::ray(camera, k)).collect()
+    }
+
+    /// All rays go through the grid's points.
+    fn assert_fits(rays: &[Ray], columns: usize) {
+        let rays = rays.to_vec();
+        let grid = grid(&rays).unwrap();
+        assert_eq!((grid.columns, grid.rows), (columns, rays.len() / columns));
+        for (k, ray) in rays.iter().enumerate() {
+            assert!(is_near(&grid, k / columns, k % columns, ray), "{k}");
+        }
+    }
+
+    #[test]
+    fn the_grid_of_a_cameras_rays_is_found() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let rays = array(&camera(projection));
+            assert_fits(&rays, 70);
+            // In single precision, in other lengths, and only the left part of the picture, which is not straight
+            // ahead.
+            let single = |v: DVec3| v.as_vec3().as_dvec3();
+            let change = |ray: &Ray| Ray::new(single(ray.origin), 2.0 * single(ray.direction));
+            assert_fits(&rays.iter().map(change).collect::<Vec<_>>(), 70);
+            let left = rays.chunks(70).flat_map(|row| &row[..20]).copied();
+            assert_fits(&left.collect::<Vec<_>>(), 20);
+        }
+    }
+
+    #[test]
+    fn other_rays_have_no_grid() {
+        let rays = array(&camera(Projection::Perspective));
+        assert_eq!(grid(&Vec::<Ray>::new()), None);
+        assert_eq!(grid(&rays[..1].to_vec()), None);
+        assert_eq!(grid(&vec![rays[0]; 1000]), None);
+        assert_eq!(grid(&rays[..71].to_vec()), None, "a row and a ray");
+        let bent = |ray: &Ray| {
+            let bend = 0.1 * ray.direction.x * ray.direction.y;
+            Ray::new(ray.origin, ray.direction + bend * DVec3::Y)
+        };
+        assert_eq!(grid(&rays.iter().map(bent).collect::<Vec<_>>()), None);
+        let scattered = |k: usize| rays[k * 37 % rays.len()];
+        assert_eq!(
+            grid(&(0..rays.len()).map(scattered).collect::<Vec<_>>()),
+            None
+        );
     }
 }

@@ -12,6 +12,7 @@ mod hits;
 mod journey;
 mod judge;
 mod object;
+mod plan;
 mod tiles;
 mod trees;
 
@@ -29,6 +30,7 @@ use crate::simd;
 use crate::watch::Watch;
 use hits::Out;
 use journey::{AnyHit, FirstHit};
+use plan::Plan;
 use trees::{BATCH, Batch, Take};
 
 /// The first object on the ray `p + t * u_r`: the smallest `t > 0`, and at the same `t` the lower
@@ -97,8 +99,8 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
         self.0.ray(index)
     }
 
-    fn fill(&self, first: usize, rays: &mut [Ray]) {
-        self.0.fill(first, rays);
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        self.0.read(first, rays);
     }
 
     fn grid(&self) -> Option<PixelGrid> {
@@ -108,10 +110,10 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
 
 fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch) -> Result<()> {
     let count = rays.len();
-    let plan = tiles::Plan::new(scene, rays);
+    let plan = Plan::new(scene, rays);
     hits.fit(count)?;
     // A band of tiles at a time, or a number of rays.
-    let chunk = plan.as_ref().map_or(BATCH, tiles::Plan::band).max(1);
+    let chunk = plan.as_ref().map_or(BATCH, Plan::band).max(1);
     hits.t
         .par_chunks_mut(chunk)
         .zip(hits.object.par_chunks_mut(chunk))

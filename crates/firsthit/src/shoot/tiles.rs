@@ -1,187 +1,19 @@
 //! A camera's rays, tile by tile: float32 finds who wins each pixel, float64 says where it is met.
 
-use std::ops::Range;
-
-use super::fit::{self, TileRays};
+use super::fit::TileRays;
 use super::hits::{Out, RowOfHits, SIDE};
 use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
+use super::plan::{Plan, TALL, tileable};
 use super::trees::{self, Memory};
 use crate::accel::{
     Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill,
     largest_axis, verdict,
 };
-use crate::geometry::{DVec3, Hit, PixelGrid, Rays};
-use crate::scene::{Object, Scene};
-use crate::shape::{Crossing, Mesh, Shape, triangle::Shear};
+use crate::geometry::{DVec3, Hit, PixelGrid};
+use crate::scene::Object;
+use crate::shape::{Crossing, Mesh, triangle::Shear};
 use crate::simd::{Kernel, LANES, Lanes, WIDE};
-
-/// A scene made ready for a grid of pixels.
-pub(super) struct Plan<'a> {
-    scene: &'a Scene,
-    rays: &'a dyn Rays,
-    grid: PixelGrid,
-    /// Whether the rays are an array's, and only near the grid.
-    is_fitted: bool,
-    /// What tiles can do, the nearest first.
-    meshes: Vec<Placed>,
-    /// Whether an object is in there, and whether all are.
-    is_tiled: Vec<bool>,
-    all_tiled: bool,
-    /// Rows of tiles in a band.
-    tiles_down: usize,
-    /// Whether the results are more than the caches hold.
-    is_large: bool,
-}
-
-/// An object, and the tiles that it may be seen in.
-struct Placed {
-    object: u32,
-    rows: Range<usize>,
-    columns: Range<usize>,
-    depth: f64,
-}
-
-impl<'a> Plan<'a> {
-    /// `None` when rays one by one are the better way.
-    pub(super) fn new(scene: &'a Scene, rays: &'a dyn Rays) -> Option<Self> {
-        let (grid, is_fitted) = match rays.grid() {
-            Some(grid) => (grid, false),
-            None => (fit::grid(rays)?, true),
-        };
-        if !is_moderate(&grid) {
-            return None;
-        }
-        let mut is_tiled = vec![false; scene.objects().len()];
-        let mut meshes = Vec::new();
-        for (index, object) in (0..).zip(scene.objects()) {
-            if scene.is_covered(index) {
-                is_tiled[index as usize] = true;
-            } else if tileable(scene, index).is_some() {
-                is_tiled[index as usize] = true;
-                meshes.extend(placed(&grid, index, object));
-            }
-        }
-        meshes.sort_by(|a: &Placed, b| a.depth.total_cmp(&b.depth));
-        // Enough bands for all threads; fewer, and one of them would be waited for.
-        let many = 8 * rayon::current_num_threads();
-        let tiles_down = if grid.rows >= many * TALL * TILE {
-            TALL
-        } else {
-            1
-        };
-        let all_tiled = !is_tiled.contains(&false);
-        is_tiled.contains(&true).then_some(Self {
-            scene,
-            rays,
-            grid,
-            is_fitted,
-            meshes,
-            is_tiled,
-            all_tiled,
-            tiles_down,
-            is_large: grid.rows * grid.columns >= LARGE,
-        })
-    }
-
-    /// How many pixels a band has, but for the last one.
-    pub(super) fn band(&self) -> usize {
-        self.tiles_down * TILE * self.grid.columns
-    }
-}
-
-/// The mesh and the tree of an object whose triangles are all there is to it.
-fn tileable(scene: &Scene, index: u32) -> Option<(&Mesh, &MeshTree)> {
-    let object = &scene.objects()[index as usize];
-    match (object.shape(), scene.mesh_tree(index as usize)) {
-        (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
-            Some((mesh, tree))
-        }
-        _ => None,
-    }
-}
-
-/// Whether no direction needs other units (see [`Moderate`]).
-fn is_moderate(grid: &PixelGrid) -> bool {
-    let toward = grid.toward.length();
-    let range = 1e-80..1e80;
-    range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80
-}
-
-/// Where an object may be seen; `None` for nowhere.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a cast of a float saturates"
-)]
-fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
-    let bounds = object.mesh()?.bounds();
-    let aim = grid.toward.normalize();
-    let focal = grid.toward.length();
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for corner in bounds.corners() {
-        let world = object
-            .transform()
-            .world_from_object()
-            .transform_point3(corner);
-        let relative = world - grid.position;
-        let depth = relative.dot(aim);
-        let share = if grid.parallel.is_some() {
-            1.0
-        } else {
-            focal / depth
-        };
-        let seen = DVec3::new(
-            share * relative.dot(grid.right),
-            share * relative.dot(grid.upwards),
-            depth,
-        );
-        (low, high) = (low.min(seen), high.max(seen));
-    }
-    // Far more than rounding.
-    let slack = 1e-9 * (high.abs().max(low.abs()).z + grid.position.abs().max_element());
-    let whole = Placed {
-        object: index,
-        rows: 0..grid.rows.div_ceil(TILE),
-        columns: 0..grid.columns.div_ceil(TILE),
-        depth: low.z,
-    };
-    let skew = [
-        (grid.right, aim),
-        (grid.upwards, aim),
-        (grid.right, grid.upwards),
-    ];
-    if skew.iter().any(|(a, b)| a.dot(*b).abs() > 1e-6) {
-        return Some(whole);
-    }
-    if high.z < -slack {
-        return None;
-    }
-    // Written so that a NaN leads to all of the picture.
-    let is_in_front = low.z > slack || grid.parallel.is_some();
-    if !(is_in_front && low.is_finite() && high.is_finite()) {
-        return Some(whole);
-    }
-    let tiles = |low: f64, high: f64, size: f64, count: usize| {
-        let pixel = size / count as f64;
-        let blur = if grid.parallel.is_some() {
-            slack
-        } else {
-            slack * focal / low.max(slack)
-        };
-        let pad = 1.0 + blur / pixel;
-        let tile = |x: f64| (x / pixel + 0.5 * count as f64) / TILE as f64;
-        let first = (tile(low) - pad).floor().max(0.0) as usize;
-        first..((tile(high) + pad).ceil().max(0.0) as usize).min(count.div_ceil(TILE))
-    };
-    let columns = tiles(low.x, high.x, grid.width, grid.columns);
-    let rows = tiles(-high.y, -low.y, grid.height, grid.rows);
-    (!columns.is_empty() && !rows.is_empty()).then_some(Placed {
-        rows,
-        columns,
-        ..whole
-    })
-}
 
 /// Some rows of tiles.
 pub(super) struct Band<'a> {
@@ -201,12 +33,18 @@ impl Kernel for Band<'_> {
         let first = self.index * self.plan.tiles_down;
         let [down, across] =
             [self.plan.grid.rows, self.plan.grid.columns].map(|n| n.div_ceil(TILE));
+        let mut rays = memory.square_rays.take().filter(|_| self.plan.is_fitted);
         for left in (0..across).step_by(TALL) {
+            if self.plan.is_fitted {
+                let rays = rays.get_or_insert_default();
+                rays.load(self.plan.rays, &self.plan.grid, [first * TILE, left * TILE]);
+            }
             // Neighbours one after the other: what the one has brought into the cache the next one needs.
             for (dx, dy) in ORDER {
                 let tile = (first + dy, left + dx);
                 if dy < self.plan.tiles_down && tile.0 < down && tile.1 < across {
-                    self.tile(l, &mut memory, tile, (dy, dx), &mut square.out());
+                    let rays = rays.as_ref().map(|rays| rays.tile((dy, dx)));
+                    self.tile(l, &mut memory, tile, (dy, dx), rays, &mut square.out());
                 }
             }
             let columns = self.plan.grid.columns;
@@ -215,15 +53,10 @@ impl Kernel for Band<'_> {
         }
         l.end_streams();
         memory.square = Some(square);
+        memory.square_rays = rays;
         memory.give_back();
     }
 }
-
-/// From so many pixels on, results go past the caches.
-const LARGE: usize = 1 << 17;
-
-/// Tiles down a band, where there are many bands.
-const TALL: usize = SIDE / TILE;
 
 /// The tiles of a square of a band, columns and rows, along Morton's curve.
 const ORDER: [(usize, usize); TALL * TALL] = {
@@ -237,7 +70,8 @@ const ORDER: [(usize, usize); TALL * TALL] = {
 };
 
 impl Band<'_> {
-    /// The tile in a row and a column of tiles; `place` is where it stands in its square.
+    /// The tile in a row and a column of tiles; `place` is where it stands in its square, `rays` are its rays where they
+    /// are an array's.
     #[inline(always)]
     fn tile<L: Lanes>(
         &self,
@@ -245,21 +79,19 @@ impl Band<'_> {
         memory: &mut Memory,
         (row, column): (usize, usize),
         place: (usize, usize),
+        rays: Option<TileRays<'_>>,
         out: &mut Out<'_>,
     ) {
         let grid = &self.plan.grid;
         let rows = (grid.rows - row * TILE).min(TILE);
         let columns = (grid.columns - column * TILE).min(TILE);
-        let mut rays = memory.tile_rays.take();
-        let mut off = Some(0.0);
-        if self.plan.is_fitted {
-            let rays = rays.get_or_insert_with(|| Box::new(TileRays::NONE));
-            let first = [row * TILE, column * TILE];
-            off = rays.load(l, self.plan.rays, grid, first, [rows, columns]);
-        }
+        let off = match &rays {
+            Some(rays) => rays.distance(l, grid, [row * TILE, column * TILE], [rows, columns]),
+            None => Some(0.0),
+        };
         let mut work = Work {
             plan: self.plan,
-            rays: rays.as_deref().filter(|_| self.plan.is_fitted),
+            rays,
             off: off.unwrap_or(f64::INFINITY),
             row: row * TILE,
             column: column * TILE,
@@ -277,7 +109,6 @@ impl Band<'_> {
         for row in 0..rows {
             work.complete(l, memory, row, columns, is_filled, out);
         }
-        memory.tile_rays = rays;
     }
 }
 
@@ -296,7 +127,7 @@ struct Sight<'a> {
 struct Work<'a> {
     plan: &'a Plan<'a>,
     /// Its rays where they are an array's.
-    rays: Option<&'a TileRays>,
+    rays: Option<TileRays<'a>>,
     /// What they are off the grid, in pixels.
     off: f64,
     row: usize,
@@ -486,7 +317,7 @@ impl Work<'_> {
             let across = l.mul64(x, l.splat64(grid.right[order[k]]));
             l.add64(l.add64(toward[k], across), l.splat64(up[order[k]]))
         });
-        let (origin, direction) = if let Some(rays) = self.rays {
+        let (origin, direction) = if let Some(rays) = &self.rays {
             let half = 2 * row + half;
             (
                 vector!(k => rays.origin(l, half, order[k])),

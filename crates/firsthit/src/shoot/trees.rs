@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::fit::TileRays;
+use super::fit::SquareRays;
 use super::hits::Square;
 use super::journey::{AnyHit, FirstHit, Journey, Leg, Quest};
 use crate::accel::{
@@ -47,7 +47,7 @@ pub(super) struct Memory {
     wave: Wave,
     /// Made when there is a picture, and when its rays are an array's.
     pub(super) square: Option<Square>,
-    pub(super) tile_rays: Option<Box<TileRays>>,
+    pub(super) square_rays: Option<SquareRays>,
 }
 
 impl Memory {
@@ -59,7 +59,7 @@ impl Memory {
             sheaves: Vec::new(),
             wave: Wave::new(),
             square: None,
-            tile_rays: None,
+            square_rays: None,
         };
         MEMORY.take().unwrap_or_else(new)
     }
@@ -169,7 +169,7 @@ impl<T: Take> Batch<'_, T> {
         for number in 0..sheaves {
             let first = number * RAYS;
             let length = (count - first).min(RAYS);
-            self.rays.fill(self.first + first, &mut eight[..length]);
+            self.rays.read(self.first + first, &mut eight[..length]);
             for (lane, ray) in eight.iter().enumerate() {
                 memory.sheaves[number].put(lane, ray);
             }

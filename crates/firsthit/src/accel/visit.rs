@@ -1,0 +1,443 @@
+//! A tile and one leaf of a tree: which of its triangles are met by which pixels?
+//!
+//! The sides of a triangle's edges are linear in the pixel's place (see `tile.rs`); those of sixteen triangles are set
+//! up at once. Then triangles that hold a few samples have a lane each, and larger ones are gone through row by row,
+//! with a lane for each pixel.
+
+use super::frame::{Frame, HALF};
+use super::meshlet::Meshlet;
+use super::ray::U;
+use super::tile::{Arbiter, TILE, Tile, Winner};
+use crate::simd::{Aligned, LANES, Lanes};
+
+/// A leaf and a tile.
+pub(super) struct Visit<'a, A> {
+    pub(super) frame: &'a Frame,
+    pub(super) leaf: &'a Meshlet,
+    pub(super) object: u32,
+    pub(super) slot: u32,
+    pub(super) tile: &'a mut Tile,
+    pub(super) arbiter: &'a mut A,
+    pub(super) known: &'a mut Known,
+    /// The rows with a new hit.
+    pub(super) changed: u16,
+}
+
+/// Sides of the three edges for sixteen triangles, each linear in the place of a sample relative to the
+/// triangle's first: `constant + column * across + row * down`.
+#[repr(C, align(64))]
+#[derive(Debug, Default)]
+struct Edges {
+    constant: [[f32; LANES]; 3],
+    across: [[f32; LANES]; 3],
+    down: [[f32; LANES]; 3],
+}
+
+/// What else is known of the triangles, in arrays to take single ones from. Only what a leaf has written is its own.
+#[repr(C, align(64))]
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    edges: Edges,
+    bound: [f32; LANES],
+    /// The corners' depths.
+    depths: [[f32; LANES]; 3],
+    nearest: [f32; LANES],
+    farthest: [f32; LANES],
+    first_column: [f32; LANES],
+    last_column: [f32; LANES],
+    first_row: [f32; LANES],
+    last_row: [f32; LANES],
+}
+
+impl<A: Arbiter> Visit<'_, A> {
+    /// All of the leaf is at depths from `entry` on.
+    #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "straight-line lane code; functions would hand on twenty registers"
+    )]
+    pub(super) fn run<L: Lanes>(&mut self, l: L, entry: f32, limit: f32) {
+        let frame = self.frame;
+        let [x, y, z] = frame.transformed(l, self.leaf);
+        let [a, b, c] = &self.leaf.corners;
+        let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
+        let blur = l.splat(frame.depth_error);
+        let nearest = l.sub(l.min(l.min(az, bz), cz), blur);
+        let farthest = l.add(l.max(l.max(az, bz), cz), blur);
+        let mut alive = self.leaf.filled
+            & l.le(nearest, l.splat(limit))
+            & l.le(l.splat(frame.start_depth), farthest);
+
+        // Which samples the triangle's bounding box holds.
+        let last = |count: usize| l.splat(count as f32 - 1.0);
+        let (last_column, last_row) = (last(self.tile.columns), last(self.tile.rows));
+        let mut columns = [l.splat(0.0), last_column];
+        let mut rows = [l.splat(0.0), last_row];
+        let is_behind = frame.is_perspective && entry <= 4.0 * frame.depth_error;
+        if !is_behind {
+            let (px, py, pad) = if frame.is_perspective {
+                let inverse = l.div(l.splat(1.0), z);
+                let pad = (frame.error + 30.0 * frame.depth_error) / entry;
+                (l.mul(x, inverse), l.mul(y, inverse), pad)
+            } else {
+                (x, y, frame.error)
+            };
+            let pad = 1.1 * pad + 1e-4;
+            let (less, more) = (l.splat(HALF - pad), l.splat(HALF + pad));
+            let (pa, pb, pc) = (l.permute(px, a), l.permute(px, b), l.permute(px, c));
+            let (qa, qb, qc) = (l.permute(py, a), l.permute(py, b), l.permute(py, c));
+            columns[0] = l.max(columns[0], l.ceil(l.add(l.min(l.min(pa, pb), pc), less)));
+            columns[1] = l.min(columns[1], l.floor(l.add(l.max(l.max(pa, pb), pc), more)));
+            rows[0] = l.max(rows[0], l.ceil(l.add(l.min(l.min(qa, qb), qc), less)));
+            rows[1] = l.min(rows[1], l.floor(l.add(l.max(l.max(qa, qb), qc), more)));
+            alive &= l.le(columns[0], columns[1]) & l.le(rows[0], rows[1]);
+        }
+        if alive == 0 {
+            return;
+        }
+
+        // The corners relative to the first of those samples.
+        let one = l.splat(1.0);
+        let half = l.splat(HALF);
+        let first_x = l.sub(columns[0], half);
+        let first_y = l.sub(rows[0], half);
+        let (ah, bh, ch) = if frame.is_perspective {
+            (az, bz, cz)
+        } else {
+            (one, one, one)
+        };
+        let ax = l.neg_mul_add(first_x, ah, l.permute(x, a));
+        let bx = l.neg_mul_add(first_x, bh, l.permute(x, b));
+        let cx = l.neg_mul_add(first_x, ch, l.permute(x, c));
+        let ay = l.neg_mul_add(first_y, ah, l.permute(y, a));
+        let by = l.neg_mul_add(first_y, bh, l.permute(y, b));
+        let cy = l.neg_mul_add(first_y, ch, l.permute(y, c));
+        let width = l.sub(columns[1], columns[0]);
+        let height = l.sub(rows[1], rows[0]);
+        let bound = {
+            let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
+            let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
+            let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
+            let size = l.mul_add(l.max(width, height), h, l.max(x, y));
+            l.mul(
+                l.mul_add(l.splat(frame.relative), size, l.splat(frame.absolute)),
+                size,
+            )
+        };
+        let constants = [
+            l.mul_sub(cx, by, l.mul(cy, bx)),
+            l.mul_sub(ax, cy, l.mul(ay, cx)),
+            l.mul_sub(bx, ay, l.mul(by, ax)),
+        ];
+        let across = [
+            l.mul_sub(cy, bh, l.mul(ch, by)),
+            l.mul_sub(ay, ch, l.mul(ah, cy)),
+            l.mul_sub(by, ah, l.mul(bh, ay)),
+        ];
+        let down = [
+            l.mul_sub(ch, bx, l.mul(cx, bh)),
+            l.mul_sub(ah, cx, l.mul(ax, ch)),
+            l.mul_sub(bh, ax, l.mul(bx, ah)),
+        ];
+        l.store(columns[0], &mut self.known.first_column);
+        l.store(rows[0], &mut self.known.first_row);
+        l.store(nearest, &mut self.known.nearest);
+        l.store(farthest, &mut self.known.farthest);
+
+        let small = alive & l.le(width, one) & l.le(height, one);
+        if small != 0 {
+            let parts = Parts {
+                constants,
+                across,
+                down,
+                bound,
+                depths: [az, bz, cz],
+                nearest,
+                farthest,
+                width,
+                height,
+            };
+            self.small(l, &parts, small);
+        }
+        let mut large = alive & !small;
+        if large != 0 {
+            for k in 0..3 {
+                l.store(constants[k], &mut self.known.edges.constant[k]);
+                l.store(across[k], &mut self.known.edges.across[k]);
+                l.store(down[k], &mut self.known.edges.down[k]);
+            }
+            l.store(az, &mut self.known.depths[0]);
+            l.store(bz, &mut self.known.depths[1]);
+            l.store(cz, &mut self.known.depths[2]);
+            l.store(bound, &mut self.known.bound);
+            l.store(columns[1], &mut self.known.last_column);
+            l.store(rows[1], &mut self.known.last_row);
+        }
+        while large != 0 {
+            let lane = large.trailing_zeros() as usize;
+            large &= large - 1;
+            self.large(l, lane);
+        }
+    }
+
+    /// Triangles that hold up to two by two samples: a lane for each triangle.
+    #[inline(always)]
+    fn small<L: Lanes>(&mut self, l: L, parts: &Parts<L>, small: u16) {
+        for down in 0..2_u8 {
+            for across in 0..2_u8 {
+                let (row, column) = (l.splat(f32::from(down)), l.splat(f32::from(across)));
+                let here = small & l.le(column, parts.width) & l.le(row, parts.height);
+                if here == 0 {
+                    continue;
+                }
+                macro_rules! side {
+                    ($k:literal) => {{
+                        let along = l.mul_add(parts.across[$k], column, parts.constants[$k]);
+                        l.mul_add(parts.down[$k], row, along)
+                    }};
+                }
+                let verdict = Verdict::new(
+                    l,
+                    [side!(0), side!(1), side!(2)],
+                    parts.bound,
+                    parts.depths,
+                    [parts.nearest, parts.farthest],
+                    self.frame.depth_error,
+                    here,
+                );
+                let Some(verdict) = verdict else {
+                    continue;
+                };
+                let mut lows = Aligned([0.0; LANES]);
+                let mut highs = lows;
+                l.store(verdict.low, &mut lows.0);
+                l.store(verdict.high, &mut highs.0);
+                let mut possible = verdict.possible;
+                while possible != 0 {
+                    let lane = possible.trailing_zeros() as usize;
+                    possible &= possible - 1;
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "small whole numbers"
+                    )]
+                    let (row, column) = (
+                        (self.known.first_row[lane] as usize + usize::from(down)) % TILE,
+                        (self.known.first_column[lane] as usize + usize::from(across)) % TILE,
+                    );
+                    let is_certain = verdict.certain >> lane & 1 == 1;
+                    let depths = (lows.0[lane], highs.0[lane]);
+                    self.meet(row, column, lane, depths, is_certain);
+                }
+            }
+        }
+    }
+
+    /// One triangle, row by row: a lane for each pixel.
+    #[inline(always)]
+    fn large<L: Lanes>(&mut self, l: L, lane: usize) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "small whole numbers"
+        )]
+        let whole = |x: f32| x as usize % TILE;
+        let known = &*self.known;
+        let [first, last] = [
+            whole(known.first_column[lane]),
+            whole(known.last_column[lane]),
+        ];
+        let columns = (u16::MAX >> (TILE - 1 - last)) & (u16::MAX << first);
+        let place = l.sub(l.load(&COLUMNS.0), l.splat(known.first_column[lane]));
+        let edges = &known.edges;
+        macro_rules! along {
+            ($k:literal) => {{
+                let (across, constant) = (edges.across[$k][lane], edges.constant[$k][lane]);
+                l.mul_add(l.splat(across), place, l.splat(constant))
+            }};
+        }
+        let along = [along!(0), along!(1), along!(2)];
+        let bound = l.splat(known.bound[lane]);
+        let depths = [
+            l.splat(known.depths[0][lane]),
+            l.splat(known.depths[1][lane]),
+            l.splat(known.depths[2][lane]),
+        ];
+        let nearest = known.nearest[lane];
+        let ends = [l.splat(nearest), l.splat(known.farthest[lane])];
+        let (first_row, down) = (
+            known.first_row[lane],
+            [
+                edges.down[0][lane],
+                edges.down[1][lane],
+                edges.down[2][lane],
+            ],
+        );
+        for row in whole(first_row)..=whole(known.last_row[lane]) {
+            if nearest > self.tile.farthest[row] {
+                continue;
+            }
+            let steps = row as f32 - first_row;
+            let sides = [
+                l.add(along[0], l.splat(steps * down[0])),
+                l.add(along[1], l.splat(steps * down[1])),
+                l.add(along[2], l.splat(steps * down[2])),
+            ];
+            let verdict = Verdict::new(
+                l,
+                sides,
+                bound,
+                depths,
+                ends,
+                self.frame.depth_error,
+                columns,
+            );
+            if let Some(verdict) = verdict {
+                self.meet_row(l, row, lane, &verdict);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn meet_row<L: Lanes>(&mut self, l: L, row: usize, lane: usize, verdict: &Verdict<L>) {
+        let (low, high) = (l.load(&self.tile.low[row]), l.load(&self.tile.high[row]));
+        let possible = verdict.possible
+            & l.le(verdict.low, high)
+            & l.le(l.splat(self.frame.start_depth), verdict.high);
+        if possible == 0 {
+            return;
+        }
+        let wins = possible
+            & verdict.certain
+            & l.lt(verdict.high, low)
+            & l.lt(l.splat(self.frame.start_depth), verdict.low);
+        let winner = self.winner(lane);
+        if wins != 0 {
+            l.store(l.select(wins, verdict.low, low), &mut self.tile.low[row]);
+            l.store(l.select(wins, verdict.high, high), &mut self.tile.high[row]);
+            let slots = &mut self.tile.slots[row];
+            let slot = l.splat(f32::from_bits(winner.slot));
+            l.store(l.select(wins, slot, l.load(slots)), slots);
+            let objects = &mut self.tile.objects[row];
+            let object = l.splat(f32::from_bits(winner.object));
+            l.store(l.select(wins, object, l.load(objects)), objects);
+            self.changed |= 1 << row;
+        }
+        let mut open = possible & !wins;
+        while open != 0 {
+            let column = open.trailing_zeros() as usize;
+            open &= open - 1;
+            self.settle(row, column, winner);
+        }
+    }
+
+    /// A candidate for one pixel.
+    #[inline(always)]
+    fn meet(
+        &mut self,
+        row: usize,
+        column: usize,
+        lane: usize,
+        (low, high): (f32, f32),
+        is_certain: bool,
+    ) {
+        let start = self.frame.start_depth;
+        if low > self.tile.high[row][column] || high < start {
+            return;
+        }
+        let winner = self.winner(lane);
+        if is_certain && high < self.tile.low[row][column] && low > start {
+            self.tile.set(row, column, winner, low, high);
+            self.changed |= 1 << row;
+        } else {
+            self.settle(row, column, winner);
+        }
+    }
+
+    #[inline(always)]
+    fn winner(&self, lane: usize) -> Winner {
+        #[expect(clippy::cast_possible_truncation, reason = "one of sixteen")]
+        let lane = lane as u32;
+        Winner {
+            object: self.object,
+            slot: self.slot + lane,
+        }
+    }
+
+    /// Lets float64 decide about a pixel.
+    #[cold]
+    #[inline(never)]
+    fn settle(&mut self, row: usize, column: usize, new: Winner) {
+        let old = self.tile.winner(row, column);
+        let Some((winner, depth)) = self.arbiter.settle(row, column, old, new) else {
+            return;
+        };
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "the rounding is allowed for"
+        )]
+        let depth = depth as f32;
+        let error = self.frame.depth_error + depth.abs() * (4.0 * U);
+        self.tile
+            .set(row, column, winner, depth - error, depth + error);
+        self.changed |= 1 << row;
+    }
+}
+
+static COLUMNS: Aligned<[f32; TILE]> = Aligned([
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+]);
+
+/// A leaf's triangles in lanes.
+struct Parts<L: Lanes> {
+    constants: [L::Floats; 3],
+    across: [L::Floats; 3],
+    down: [L::Floats; 3],
+    bound: L::Floats,
+    depths: [L::Floats; 3],
+    nearest: L::Floats,
+    farthest: L::Floats,
+    width: L::Floats,
+    height: L::Floats,
+}
+
+/// What the sides of the edges say; as in `filter.rs`.
+struct Verdict<L: Lanes> {
+    possible: u16,
+    certain: u16,
+    low: L::Floats,
+    high: L::Floats,
+}
+
+impl<L: Lanes> Verdict<L> {
+    /// `None` when nothing is possible among `here`.
+    #[inline(always)]
+    fn new(
+        l: L,
+        [u, v, w]: [L::Floats; 3],
+        bound: L::Floats,
+        [az, bz, cz]: [L::Floats; 3],
+        [nearest, farthest]: [L::Floats; 2],
+        depth_error: f32,
+        here: u16,
+    ) -> Option<Self> {
+        let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
+        let minus = l.sub(l.splat(0.0), bound);
+        let possible = here & !(l.lt(least, minus) & l.lt(bound, most));
+        if possible == 0 {
+            return None;
+        }
+        let certain = l.lt(bound, least) | l.lt(most, minus);
+        let sum = l.add(l.add(u, v), w);
+        let depth = l.div(l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz))), sum);
+        let spread = l.sub(farthest, nearest);
+        let weights = l.div(l.mul(l.mul(l.splat(6.1), bound), spread), l.abs(sum));
+        let around = l.add(weights, l.splat(depth_error));
+        Some(Self {
+            possible,
+            certain,
+            low: l.select(certain, l.max(l.sub(depth, around), nearest), nearest),
+            high: l.select(certain, l.min(l.add(depth, around), farthest), farthest),
+        })
+    }
+}

@@ -1,0 +1,190 @@
+//! What a picture's tiles need to know of the scene: which objects they can do, and where each may be seen.
+
+use std::ops::Range;
+
+use super::fit;
+use super::hits::SIDE;
+use crate::accel::{MeshTree, TILE};
+use crate::geometry::{DVec3, PixelGrid, Rays};
+use crate::scene::{Object, Scene};
+use crate::shape::{Mesh, Shape};
+
+/// From so many pixels on, results go past the caches.
+const LARGE: usize = 1 << 17;
+
+/// Tiles down a band, where there are many bands.
+pub(super) const TALL: usize = SIDE / TILE;
+
+/// A scene made ready for a grid of pixels.
+pub(super) struct Plan<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) rays: &'a dyn Rays,
+    pub(super) grid: PixelGrid,
+    /// Whether the rays are an array's, and only near the grid.
+    pub(super) is_fitted: bool,
+    /// What tiles can do, the nearest first.
+    pub(super) meshes: Vec<Placed>,
+    /// Whether an object is in there, and whether all are.
+    pub(super) is_tiled: Vec<bool>,
+    pub(super) all_tiled: bool,
+    /// Rows of tiles in a band.
+    pub(super) tiles_down: usize,
+    /// Whether the results are more than the caches hold.
+    pub(super) is_large: bool,
+}
+
+/// An object, and the tiles that it may be seen in.
+pub(super) struct Placed {
+    pub(super) object: u32,
+    pub(super) rows: Range<usize>,
+    pub(super) columns: Range<usize>,
+    depth: f64,
+}
+
+impl<'a> Plan<'a> {
+    /// `None` when rays one by one are the better way.
+    pub(super) fn new(scene: &'a Scene, rays: &'a dyn Rays) -> Option<Self> {
+        let (grid, is_fitted) = match rays.grid() {
+            Some(grid) => (grid, false),
+            None => (fit::grid(rays)?, true),
+        };
+        if !is_moderate(&grid) {
+            return None;
+        }
+        let mut is_tiled = vec![false; scene.objects().len()];
+        let mut meshes = Vec::new();
+        for (index, object) in (0..).zip(scene.objects()) {
+            if scene.is_covered(index) {
+                is_tiled[index as usize] = true;
+            } else if tileable(scene, index).is_some() {
+                is_tiled[index as usize] = true;
+                meshes.extend(placed(&grid, index, object));
+            }
+        }
+        meshes.sort_by(|a: &Placed, b| a.depth.total_cmp(&b.depth));
+        // Enough bands for all threads; fewer, and one of them would be waited for.
+        let many = 8 * rayon::current_num_threads();
+        let tiles_down = if grid.rows >= many * TALL * TILE {
+            TALL
+        } else {
+            1
+        };
+        let all_tiled = !is_tiled.contains(&false);
+        is_tiled.contains(&true).then_some(Self {
+            scene,
+            rays,
+            grid,
+            is_fitted,
+            meshes,
+            is_tiled,
+            all_tiled,
+            tiles_down,
+            is_large: grid.rows * grid.columns >= LARGE,
+        })
+    }
+
+    /// How many pixels a band has, but for the last one.
+    pub(super) fn band(&self) -> usize {
+        self.tiles_down * TILE * self.grid.columns
+    }
+}
+
+/// The mesh and the tree of an object whose triangles are all there is to it.
+pub(super) fn tileable(scene: &Scene, index: u32) -> Option<(&Mesh, &MeshTree)> {
+    let object = &scene.objects()[index as usize];
+    match (object.shape(), scene.mesh_tree(index as usize)) {
+        (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
+            Some((mesh, tree))
+        }
+        _ => None,
+    }
+}
+
+/// Whether no direction needs other units (see [`Moderate`]).
+fn is_moderate(grid: &PixelGrid) -> bool {
+    let toward = grid.toward.length();
+    let range = 1e-80..1e80;
+    range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80
+}
+
+/// Where an object may be seen; `None` for nowhere.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast of a float saturates"
+)]
+fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
+    let aim = grid.toward.normalize();
+    let focal = grid.toward.length();
+    let [low, high] = seen(grid, object, aim)?;
+    // Far more than rounding.
+    let slack = 1e-9 * (high.abs().max(low.abs()).z + grid.position.abs().max_element());
+    let whole = Placed {
+        object: index,
+        rows: 0..grid.rows.div_ceil(TILE),
+        columns: 0..grid.columns.div_ceil(TILE),
+        depth: low.z,
+    };
+    let skew = [
+        (grid.right, aim),
+        (grid.upwards, aim),
+        (grid.right, grid.upwards),
+    ];
+    if skew.iter().any(|(a, b)| a.dot(*b).abs() > 1e-6) {
+        return Some(whole);
+    }
+    if high.z < -slack {
+        return None;
+    }
+    // Written so that a NaN leads to all of the picture.
+    let is_in_front = low.z > slack || grid.parallel.is_some();
+    if !(is_in_front && low.is_finite() && high.is_finite()) {
+        return Some(whole);
+    }
+    let tiles = |low: f64, high: f64, size: f64, count: usize| {
+        let pixel = size / count as f64;
+        let blur = if grid.parallel.is_some() {
+            slack
+        } else {
+            slack * focal / low.max(slack)
+        };
+        let pad = 1.0 + blur / pixel;
+        let tile = |x: f64| (x / pixel + 0.5 * count as f64) / TILE as f64;
+        let first = (tile(low) - pad).floor().max(0.0) as usize;
+        first..((tile(high) + pad).ceil().max(0.0) as usize).min(count.div_ceil(TILE))
+    };
+    let columns = tiles(low.x, high.x, grid.width, grid.columns);
+    let rows = tiles(-high.y, -low.y, grid.height, grid.rows);
+    (!columns.is_empty() && !rows.is_empty()).then_some(Placed {
+        rows,
+        columns,
+        ..whole
+    })
+}
+
+/// The box around an object as the grid sees it: to the right and upwards on the viewplane, and the depth.
+fn seen(grid: &PixelGrid, object: &Object, aim: DVec3) -> Option<[DVec3; 2]> {
+    let bounds = object.mesh()?.bounds();
+    let focal = grid.toward.length();
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for corner in bounds.corners() {
+        let world = object
+            .transform()
+            .world_from_object()
+            .transform_point3(corner);
+        let relative = world - grid.position;
+        let depth = relative.dot(aim);
+        let share = if grid.parallel.is_some() {
+            1.0
+        } else {
+            focal / depth
+        };
+        let seen = DVec3::new(
+            share * relative.dot(grid.right),
+            share * relative.dot(grid.upwards),
+            depth,
+        );
+        (low, high) = (low.min(seen), high.max(seen));
+    }
+    Some([low, high])
+}
