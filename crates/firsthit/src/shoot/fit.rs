@@ -9,15 +9,16 @@ use crate::accel::TILE;
 use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
 use crate::simd::{Lanes, WIDE};
 
-/// The grid that `rays` are on, as far as those in the corners tell; `None` for any other rays.
-pub(super) fn grid(rays: &dyn Rays) -> Option<PixelGrid> {
-    let columns = columns(rays)?;
-    let rows = rays.len() / columns;
-    if rows < TILE || rows * columns != rays.len() {
+/// The grid that `rays` are on from one on, as far as those in the corners tell; `None` for any other rays. Those before
+/// are of a row that began earlier; at the end there may be a part of a row too.
+pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
+    let (start, columns) = columns(rays)?;
+    let rows = (rays.len() - start) / columns;
+    if rows < TILE {
         return None;
     }
     let corner = |row: usize, column: usize| {
-        let ray = rays.ray(row * (rows - 1) * columns + column * (columns - 1));
+        let ray = rays.ray(start + row * (rows - 1) * columns + column * (columns - 1));
         ray.is_valid().then_some(ray)
     };
     let corners = [corner(0, 0)?, corner(0, 1)?, corner(1, 0)?, corner(1, 1)?];
@@ -52,9 +53,14 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<PixelGrid> {
         && grid.right.cross(grid.upwards).dot(grid.toward).abs() > 1e-3 * grid.toward.length();
     let on_grid = |k: usize| {
         let (row, column) = (k % 5 * (rows - 1) / 4, k / 5 * (columns - 1) / 4);
-        is_near(&grid, row, column, &rays.ray(row * columns + column))
+        is_near(
+            &grid,
+            row,
+            column,
+            &rays.ray(start + row * columns + column),
+        )
     };
-    (is_sound && (0..25).all(on_grid)).then_some(grid)
+    (is_sound && (0..25).all(on_grid)).then_some((start, grid))
 }
 
 /// Whether a ray goes through the grid's pixel, roughly; for all of a tile see [`TileRays::load`].
@@ -77,8 +83,8 @@ fn viewplane([first, right, below, last]: [DVec3; 4]) -> Option<[DVec3; 3]> {
     is_ahead.then_some([first, lengths.x * right, lengths.y * below])
 }
 
-/// How many rays there are in a row, if there are rows: the next one begins with a leap.
-fn columns(rays: &dyn Rays) -> Option<usize> {
+/// Where the first whole row begins, and how many rays there are in a row, if there are rows: each begins with a leap.
+fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
     /// Of a row's steps, none is so many times longer than the one before.
     const LEAP: f64 = 5.0;
     let count = rays.len();
@@ -94,13 +100,20 @@ fn columns(rays: &dyn Rays) -> Option<usize> {
             ray.direction.normalize()
         }
     };
+    let mut leap = None;
     let mut last = place(second);
     let mut step = (last - place(first)).length();
     for k in 2..count {
         let next = place(rays.ray(k));
         let length = (next - last).length();
         if length > LEAP * step {
-            return (k >= TILE).then_some(k);
+            let Some(first) = leap else {
+                leap = Some(k);
+                last = next;
+                continue;
+            };
+            let columns = k - first;
+            return (columns >= TILE && first <= columns).then_some((first % columns, columns));
         }
         (last, step) = (next, length);
         // Written so that a NaN fails.
@@ -314,7 +327,8 @@ mod tests {
     /// All rays go through the grid's points.
     fn assert_fits(rays: &[Ray], columns: usize) {
         let rays = rays.to_vec();
-        let grid = grid(&rays).unwrap();
+        let (start, grid) = grid(&rays).unwrap();
+        assert_eq!(start, 0);
         assert_eq!((grid.columns, grid.rows), (columns, rays.len() / columns));
         for (k, ray) in rays.iter().enumerate() {
             assert!(is_near(&grid, k / columns, k % columns, ray), "{k}");
@@ -333,6 +347,9 @@ mod tests {
             assert_fits(&rays.iter().map(change).collect::<Vec<_>>(), 70);
             let left = rays.chunks(70).flat_map(|row| &row[..20]).copied();
             assert_fits(&left.collect::<Vec<_>>(), 20);
+            let (start, part) = grid(&rays[30..2500].to_vec()).unwrap();
+            assert_eq!((start, part.columns, part.rows), (40, 70, 34));
+            assert!(is_near(&part, 2, 3, &rays[70 + 2 * 70 + 3]));
         }
     }
 

@@ -30,6 +30,15 @@ impl Hits {
         fit(&mut self.barycentric, count)
     }
 
+    pub(super) fn out(&mut self) -> Out<'_> {
+        Out {
+            t: &mut self.t,
+            object: &mut self.object,
+            primitive: &mut self.primitive,
+            barycentric: &mut self.barycentric,
+        }
+    }
+
     /// How many rays there were.
     pub fn len(&self) -> usize {
         self.t.len()
@@ -89,18 +98,7 @@ impl Default for Square {
 
 impl Square {
     pub(super) fn out(&mut self) -> Out<'_> {
-        let Hits {
-            t,
-            object,
-            primitive,
-            barycentric,
-        } = &mut self.0;
-        Out {
-            t,
-            object,
-            primitive,
-            barycentric,
-        }
+        self.0.out()
     }
 }
 
@@ -113,6 +111,27 @@ pub(super) struct Out<'a> {
 }
 
 impl Out<'_> {
+    /// Those before an index, and those from it on.
+    pub(super) fn split_at(self, index: usize) -> (Self, Self) {
+        let (t, later_t) = self.t.split_at_mut(index);
+        let (object, later_object) = self.object.split_at_mut(index);
+        let (primitive, later_primitive) = self.primitive.split_at_mut(index);
+        let (barycentric, later_barycentric) = self.barycentric.split_at_mut(index);
+        let before = Self {
+            t,
+            object,
+            primitive,
+            barycentric,
+        };
+        let after = Self {
+            t: later_t,
+            object: later_object,
+            primitive: later_primitive,
+            barycentric: later_barycentric,
+        };
+        (before, after)
+    }
+
     /// Takes a square's hits, whose first column is `left`, into a band as wide as `columns`; past the caches if there
     /// are many.
     #[inline(always)]

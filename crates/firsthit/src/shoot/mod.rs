@@ -109,16 +109,60 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
 }
 
 fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch) -> Result<()> {
-    let count = rays.len();
-    let plan = Plan::new(scene, rays);
-    hits.fit(count)?;
-    // A band of tiles at a time, or a number of rays.
-    let chunk = plan.as_ref().map_or(BATCH, Plan::band).max(1);
-    hits.t
-        .par_chunks_mut(chunk)
-        .zip(hits.object.par_chunks_mut(chunk))
-        .zip(hits.primitive.par_chunks_mut(chunk))
-        .zip(hits.barycentric.par_chunks_mut(chunk))
+    hits.fit(rays.len())?;
+    let (first, grid) = match rays.grid() {
+        Some(grid) => (0, Some(grid)),
+        None => fit::grid(rays).map_or((0, None), |(first, grid)| (first, Some(grid))),
+    };
+    let is_fitted = rays.grid().is_none();
+    // An array may begin and end within a row of pixels.
+    let later = From { rays, first };
+    let plan = grid.and_then(|grid| Plan::new(scene, &later, grid, is_fitted));
+    let (before, hits) = hits.out().split_at(if plan.is_some() { first } else { 0 });
+    let (tiled, after) = hits.split_at(plan.as_ref().map_or(0, Plan::pixels));
+    let rest = first + tiled.t.len();
+    shoot_array(scene, &From { rays, first: 0 }, before, watch)?;
+    if let Some(plan) = &plan {
+        each_chunk(tiled, plan.band(), watch, |index, out| {
+            simd::run(scene.instruction_set(), tiles::Band { plan, index, out });
+        })?;
+    }
+    let first = if plan.is_some() { rest } else { 0 };
+    shoot_array(scene, &From { rays, first }, after, watch)
+}
+
+/// Rays one by one, in waves.
+fn shoot_array(scene: &Scene, rays: &dyn Rays, out: Out<'_>, watch: &dyn Watch) -> Result<()> {
+    each_chunk(out, BATCH, watch, |index, out| {
+        let batch = Batch {
+            scene,
+            rays,
+            first: index * BATCH,
+            count: out.t.len(),
+            take: out,
+        };
+        simd::run(scene.instruction_set(), batch);
+    })
+}
+
+/// Fills hits, so many at a time, by all threads of the current rayon pool.
+fn each_chunk(
+    out: Out<'_>,
+    size: usize,
+    watch: &dyn Watch,
+    fill: impl Fn(usize, Out<'_>) + Sync,
+) -> Result<()> {
+    let size = size.max(1);
+    let Out {
+        t,
+        object,
+        primitive,
+        barycentric,
+    } = out;
+    t.par_chunks_mut(size)
+        .zip(object.par_chunks_mut(size))
+        .zip(primitive.par_chunks_mut(size))
+        .zip(barycentric.par_chunks_mut(size))
         .enumerate()
         .try_for_each(|(index, (((t, object), primitive), barycentric))| {
             if watch.is_stopped() {
@@ -131,22 +175,30 @@ fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch
                 primitive,
                 barycentric,
             };
-            if let Some(plan) = &plan {
-                simd::run(scene.instruction_set(), tiles::Band { plan, index, out });
-            } else {
-                let first = index * chunk;
-                let batch = Batch {
-                    scene,
-                    rays,
-                    first,
-                    count: out.t.len(),
-                    take: out,
-                };
-                simd::run(scene.instruction_set(), batch);
-            }
+            fill(index, out);
             watch.advance(count);
             Ok(())
         })
+}
+
+/// The rays from one on.
+struct From<'a> {
+    rays: &'a dyn Rays,
+    first: usize,
+}
+
+impl Rays for From<'_> {
+    fn len(&self) -> usize {
+        self.rays.len() - self.first
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self.rays.ray(self.first + index)
+    }
+
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        self.rays.read(self.first + first, rays);
+    }
 }
 
 impl Take for Out<'_> {

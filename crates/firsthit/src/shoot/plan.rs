@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::fit;
 use super::hits::SIDE;
 use crate::accel::{MeshTree, TILE};
 use crate::geometry::{DVec3, PixelGrid, Rays};
@@ -43,11 +42,12 @@ pub(super) struct Placed {
 
 impl<'a> Plan<'a> {
     /// `None` when rays one by one are the better way.
-    pub(super) fn new(scene: &'a Scene, rays: &'a dyn Rays) -> Option<Self> {
-        let (grid, is_fitted) = match rays.grid() {
-            Some(grid) => (grid, false),
-            None => (fit::grid(rays)?, true),
-        };
+    pub(super) fn new(
+        scene: &'a Scene,
+        rays: &'a dyn Rays,
+        grid: PixelGrid,
+        is_fitted: bool,
+    ) -> Option<Self> {
         if !is_moderate(&grid) {
             return None;
         }
@@ -81,6 +81,11 @@ impl<'a> Plan<'a> {
             tiles_down,
             is_large: grid.rows * grid.columns >= LARGE,
         })
+    }
+
+    /// How many pixels there are.
+    pub(super) fn pixels(&self) -> usize {
+        self.grid.rows * self.grid.columns
     }
 
     /// How many pixels a band has, but for the last one.
