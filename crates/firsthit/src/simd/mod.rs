@@ -47,3 +47,167 @@ pub(crate) fn run<K: Kernel>(set: InstructionSet, kernel: K) -> K::Output {
         _ => kernel.run(portable::Portable),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A: [f32; LANES] = [
+        1.0, -2.0, 3.5, 0.0, -0.0, 8.0, -16.0, 0.25, 5.0, 6.0, -7.0, 9.0, 2.0, 2.5, -2.5, 100.0,
+    ];
+    const B: [f32; LANES] = [
+        2.0, -2.0, 0.5, -0.0, 0.0, -8.0, 4.0, 0.5, 5.0, -1.0, 7.0, 3.0, 1.0, 4.0, -0.5, 10.0,
+    ];
+    const PLACES: [u8; LANES] = [3, 0, 15, 8, 7, 1, 1, 2, 14, 13, 12, 9, 4, 5, 6, 10];
+
+    /// What every operation gives, as bits, one after the other. The numbers are small, so that fused or not is one.
+    struct Everything {
+        a: [f32; LANES],
+        b: [f32; LANES],
+    }
+
+    impl Kernel for Everything {
+        type Output = Vec<u64>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Vec<u64> {
+            let mut out = Vec::new();
+            let (a, b) = (l.load(&self.a), l.load(&self.b));
+            let mask = l.lt(a, b);
+            let singles = [
+                l.add(a, b),
+                l.sub(a, b),
+                l.mul(a, b),
+                l.div(a, l.splat(3.0)),
+                l.min(a, b),
+                l.max(a, b),
+                l.abs(a),
+                l.floor(a),
+                l.ceil(a),
+                l.mul_add(a, b, l.splat(2.0)),
+                l.neg_mul_add(a, b, l.splat(2.0)),
+                l.mul_sub(a, b, l.splat(2.0)),
+                l.permute(a, &PLACES),
+                l.select(mask, a, b),
+            ];
+            for single in singles {
+                let mut lanes = [0.0; LANES];
+                l.store(single, &mut lanes);
+                out.extend(lanes.map(|x| u64::from(x.to_bits())));
+            }
+            let mut front = [0.0; LANES];
+            l.compress(mask, a, &mut front);
+            let front = &front[..mask.count_ones() as usize];
+            out.extend(front.iter().map(|x| u64::from(x.to_bits())));
+            out.extend([mask, l.le(a, b), l.same(a, b)].map(u64::from));
+            out.extend([l.largest(a), l.smallest(a)].map(|x| u64::from(x.to_bits())));
+            self.doubles(l, &mut out);
+            out
+        }
+    }
+
+    impl Everything {
+        #[inline(always)]
+        fn doubles<L: Lanes>(&self, l: L, out: &mut Vec<u64>) {
+            let half = |x: &[f32; LANES]| l.load_widened(&x.as_chunks().0[0]);
+            let (a, b) = (half(&self.a), half(&self.b));
+            let mask = l.lt64(a, b);
+            let [low, high] = l.interleave64(a, b);
+            let doubles = [
+                l.add64(a, b),
+                l.sub64(a, b),
+                l.mul64(a, b),
+                l.div64(a, l.splat64(3.0)),
+                l.sqrt64(l.abs64(a)),
+                l.max64(a, b),
+                // The product needs more digits than there are.
+                l.fused_mul_sub64(l.splat64(1.1), l.splat64(1.3), l.splat64(1.1 * 1.3)),
+                l.select64(mask, a, b),
+                low,
+                high,
+            ];
+            for double in doubles {
+                let mut lanes = [0.0; WIDE];
+                l.store64(double, &mut lanes);
+                out.extend(lanes.map(f64::to_bits));
+            }
+            let mut narrow = [0.0; WIDE];
+            l.store_narrowed(l.div64(a, l.splat64(3.0)), &mut narrow);
+            out.extend(narrow.map(|x| u64::from(x.to_bits())));
+            out.extend([mask, l.le64(a, b)].map(u64::from));
+        }
+    }
+
+    #[test]
+    fn all_instruction_sets_do_what_plain_rust_does() {
+        let nan = |k: usize, x: f32| if k % 5 == 2 { f32::NAN } else { x };
+        let with_nan = std::array::from_fn(|k| nan(k, A[k]));
+        for (a, b) in [(A, B), (B, A)] {
+            let plain = run(InstructionSet::Portable, Everything { a, b });
+            for set in InstructionSet::ALL
+                .into_iter()
+                .filter(|set| set.is_available())
+            {
+                assert_eq!(run(set, Everything { a, b }), plain, "{set:?}");
+            }
+        }
+        // Of NaN only what comparisons, minima and maxima make of it is promised.
+        let plain = run(InstructionSet::Portable, Comparisons(with_nan));
+        for set in InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available())
+        {
+            assert_eq!(run(set, Comparisons(with_nan)), plain, "{set:?}");
+        }
+    }
+
+    /// Masks of numbers some of which are NaN.
+    struct Comparisons([f32; LANES]);
+
+    impl Kernel for Comparisons {
+        type Output = [u16; 6];
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> [u16; 6] {
+            let (a, b) = (l.load(&self.0), l.load(&B));
+            [
+                l.lt(a, b),
+                l.le(a, b),
+                l.same(l.min(a, b), b),
+                l.same(l.max(a, b), b),
+                l.lt(l.min(b, a), b),
+                l.le(b, l.max(b, a)),
+            ]
+        }
+    }
+
+    /// Whatever the alignment and the length.
+    #[test]
+    fn streams_copy() {
+        struct Copy<'a>(&'a [i32], &'a mut [i32]);
+        impl Kernel for Copy<'_> {
+            type Output = ();
+
+            #[inline(always)]
+            fn run<L: Lanes>(self, l: L) {
+                l.stream(self.0, self.1);
+                l.end_streams();
+            }
+        }
+        let from: Vec<i32> = (0..200).collect();
+        for set in InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available())
+        {
+            for start in 0..20 {
+                for length in [0, 1, 15, 16, 17, 40, 100] {
+                    let mut to = vec![-1; 200];
+                    run(set, Copy(&from[..length], &mut to[start..start + length]));
+                    assert_eq!(to[start..start + length], from[..length], "{set:?}");
+                    assert!(to[..start].iter().all(|&x| x == -1));
+                    assert!(to[start + length..].iter().all(|&x| x == -1));
+                }
+            }
+        }
+    }
+}
