@@ -115,16 +115,17 @@ impl Frame {
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
         let blur = 4e-15 * (bundle.largest * space.scale + far + reach);
-        // A pixel at the largest depth of the tree, and one on the viewplane.
-        let far_pixel = if bundle.is_perspective {
-            2.0 * sum(rows[2]) * reach
+        // What rays are off: at the largest depth of the tree; of parallel ones in any direction, depth included.
+        let [x, y, depth] = rows.map(unsheared);
+        let (off, off_along) = if bundle.is_perspective {
+            let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
+            (bundle.off * farthest, 0.0)
         } else {
-            1.0
+            let pixel = sum(columns[0]).max(sum(columns[1]));
+            (bundle.off, bundle.off * pixel)
         };
-        let pixel = sum(columns[0]).max(sum(columns[1]));
-        let error = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur)
-            + bundle.off * far_pixel;
-        let along = 40.0 * u * reach + 4.0 * blur + bundle.off * pixel;
+        let error = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur) + off;
+        let along = 40.0 * u * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
         // What a wrong depth moves on the picture.
         let sideways = if bundle.is_perspective {
@@ -151,7 +152,6 @@ impl Frame {
         if !is_fine {
             return None;
         }
-        let [x, y, depth] = rows.map(unsheared);
         let reach_of_pixels = f64::from(HALF) + 0.02;
         let plane = |side: DVec3, sign: f64| {
             let normal = if bundle.is_perspective {

@@ -227,8 +227,9 @@ impl TileRays<'_> {
         let mut all = [0.0; WIDE];
         l.store64(farthest, &mut all);
         let pixel = (grid.width / grid.columns as f64).min(grid.height / grid.rows as f64);
-        // Twice: rows and columns need not be at a right angle.
-        let off = 2.0 * all.into_iter().fold(0.0, f64::max).sqrt() / pixel;
+        // Rows and columns need not be at a right angle.
+        let sine = grid.right.cross(grid.upwards).length();
+        let off = 1.01 * all.into_iter().fold(0.0, f64::max).sqrt() / (pixel * sine);
         (off < FARTHEST).then_some(off)
     }
 
