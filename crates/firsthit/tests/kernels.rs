@@ -457,6 +457,70 @@ fn aimed(scene: &Scene, count: usize, numbers: &mut Numbers, path: &Path) -> usi
     rays.len()
 }
 
+/// So far away that float64 cannot bring the ray near, yet the judge says it hits.
+#[test]
+fn rays_from_very_far_away() {
+    let points = [
+        [
+            0.704_673_351_557_588_5,
+            0.792_725_582_506_619_3,
+            0.755_299_526_949_494_4,
+        ],
+        [
+            0.679_977_945_382_368_2,
+            -0.938_001_182_180_339_8,
+            -0.532_272_798_429_086_3,
+        ],
+        [
+            -0.661_067_254_926_570_4,
+            -0.101_627_778_287_902_04,
+            -0.723_386_593_737_791,
+        ],
+    ];
+    let points = points.map(DVec3::from);
+    let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
+    let aimed = Ray::new(
+        DVec3::new(-1e17, 5_049_715_062_860_227.0, -2_542_603_579_874_058.5),
+        DVec3::new(1.0, -0.050_497_150_628_602_27, 0.025_426_035_798_740_587),
+    );
+    let mut rays = vec![aimed];
+    let mut numbers = Numbers::new(77);
+    for k in 0..2000 {
+        let way = 10.0_f64.powi(14 + k % 20) * numbers.point();
+        rays.push(Ray::new(points[0] - way, way));
+        rays.push(Ray::new(0.3 * points[1] - way, way.normalize()).up_to(way.length() * 2.0));
+    }
+    assert!(judged(&scene, &rays) > 0);
+}
+
+/// Parallel rays that all but run along the grid they start on, and not quite on it.
+#[test]
+fn arrays_of_grazing_parallel_rays() {
+    let mut triangles = Vec::new();
+    let mut points = Vec::new();
+    for i in 0..60 {
+        for j in 0..12 {
+            let corner = DVec3::new(180.0 + 2.0 * f64::from(i), 6.0 * f64::from(j), -10.0);
+            let first = u32::try_from(points.len()).unwrap();
+            points.extend([corner, corner + 2.0 * DVec3::X, corner + 6.0 * DVec3::Y]);
+            points.push(corner + DVec3::new(2.0, 6.0, 0.0));
+            triangles.extend([[0, 1, 2], [1, 3, 2]].map(|t| t.map(|k| first + k)));
+        }
+    }
+    let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+    let mut hits = 0;
+    for (jitter, slope) in [(0.0, 0.05), (0.004, 0.05), (0.0001, 0.3), (0.004, 1.0)] {
+        let mut rays = Vec::new();
+        for k in 0..64 * 64 {
+            let (i, j) = (f64::from(k % 64), f64::from(k / 64));
+            let z = if k % 2 == 0 { jitter } else { -jitter };
+            rays.push(Ray::new(DVec3::new(i, j, z), DVec3::new(1.0, 0.0, -slope)));
+        }
+        hits += judged(&scene, &rays);
+    }
+    assert!(hits > 3_000, "{hits}");
+}
+
 #[test]
 fn closed_meshes_do_not_leak() {
     let shot = leaks(4_000);

@@ -122,9 +122,10 @@ impl Frame {
             (bundle.off * farthest, 0.0)
         } else {
             let pixel = sum(columns[0]).max(sum(columns[1]));
-            (bundle.off, bundle.off * pixel)
+            (bundle.off, 3.0 * bundle.off * pixel)
         };
-        let error = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur) + off;
+        let rounding = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur);
+        let error = rounding + off;
         let along = 40.0 * u * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
         // What a wrong depth moves on the picture.
@@ -141,7 +142,7 @@ impl Frame {
         } else {
             1.0
         };
-        let is_sharp = error + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
+        let is_sharp = rounding + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
         // Written so that a NaN fails.
         let is_fine = fine
             && is_sharp

@@ -258,8 +258,7 @@ impl Sheaf {
         let mut moved = zero;
         let far = !l.le64(largest, number(FAR));
         if far != 0 {
-            (start, moved) = nearer(l, far, &start, &direction);
-            blur = l.add64(blur, l.mul64(number(1e-15), l.add64(largest, moved)));
+            (start, moved, blur) = nearer(l, far, &start, &direction, blur);
             largest = largest_of(l, &start);
         }
         // Written so that a NaN fails. The ray passes the tree, or leaves it behind.
@@ -373,15 +372,16 @@ fn largest_of<L: Lanes>(l: L, v: &[L::Doubles; 3]) -> L::Doubles {
 }
 
 /// The starts of the rays that are `far` moved to two units before the point nearest to the middle of the tree,
-/// and by how much.
+/// by how much, and the blur after that.
 #[inline(always)]
 fn nearer<L: Lanes>(
     l: L,
     far: u8,
     start: &[L::Doubles; 3],
     direction: &[L::Doubles; 3],
-) -> ([L::Doubles; 3], L::Doubles) {
-    let zero = l.splat64(0.0);
+    blur: L::Doubles,
+) -> ([L::Doubles; 3], L::Doubles, L::Doubles) {
+    let (zero, one) = (l.splat64(0.0), l.splat64(1.0));
     let (mut dot, mut squares) = (zero, zero);
     for axis in 0..3 {
         dot = l.add64(dot, l.mul64(start[axis], direction[axis]));
@@ -390,12 +390,21 @@ fn nearer<L: Lanes>(
     let nearest = l.sub64(zero, l.div64(dot, squares));
     let moved = l.max64(l.sub64(nearest, l.splat64(2.0)), zero);
     let moved = l.select64(far, moved, zero);
+    let way = l.add64(largest_of(l, start), moved);
+    let blur = l.select64(far, l.add64(blur, l.mul64(l.splat64(1e-15), way)), blur);
+    // From so far away float64 does not tell where a ray passes the tree: it may meet each of its triangles.
+    let lost = far & !l.le64(blur, one);
     let mut out = *start;
     for axis in 0..3 {
         let sum = l.add64(start[axis], l.mul64(moved, direction[axis]));
+        let sum = l.select64(lost, zero, sum);
         out[axis] = l.select64(far, sum, start[axis]);
     }
-    (out, moved)
+    (
+        out,
+        l.select64(lost, zero, moved),
+        l.select64(lost, l.splat64(f64::INFINITY), blur),
+    )
 }
 
 /// One over a component of the direction, finite: along an axis where the ray moves by less than all

@@ -67,12 +67,14 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
 fn is_near(grid: &PixelGrid, row: usize, column: usize, ray: &Ray) -> bool {
     let normal = grid.right.cross(grid.upwards);
     let length = grid.toward.dot(normal) / ray.direction.dot(normal);
-    let crossing = match grid.parallel {
-        Some(_) => ray.origin - grid.position,
-        None => length * ray.direction,
+    let (crossing, is_alike) = match grid.parallel {
+        Some(parallel) => (ray.origin - grid.position, ray.direction == parallel),
+        None => (length * ray.direction, ray.origin == grid.position),
     };
     let pixel = grid.width / grid.columns as f64;
-    (crossing - grid.point(row, column)).length() < FARTHEST * pixel
+    is_alike
+        && ray.t_max == f64::INFINITY
+        && (crossing - grid.point(row, column)).length() < FARTHEST * pixel
 }
 
 /// The ends of four rays from an eye that make a parallelogram (but for the last): the first has the length it has.
@@ -87,6 +89,8 @@ fn viewplane([first, right, below, last]: [DVec3; 4]) -> Option<[DVec3; 3]> {
 fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
     /// Of a row's steps, none is so many times longer than the one before.
     const LEAP: f64 = 5.0;
+    /// Longer rows are not looked for.
+    const LONGEST: usize = 1 << 16;
     let count = rays.len();
     if count < TILE {
         return None;
@@ -103,7 +107,7 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
     let mut leap = None;
     let mut last = place(second);
     let mut step = (last - place(first)).length();
-    for k in 2..count {
+    for k in 2..count.min(2 * LONGEST) {
         let next = place(rays.ray(k));
         let length = (next - last).length();
         if length > LEAP * step {
@@ -149,10 +153,16 @@ impl Default for SquareRays {
 }
 
 impl SquareRays {
-    /// Takes the rays from a row and a column of the grid on.
+    /// Takes the rays from a row and a column of the grid on, so many rows at most.
     #[inline(always)]
-    pub(super) fn load(&mut self, rays: &dyn Rays, grid: &PixelGrid, [row, column]: [usize; 2]) {
-        let rows = (grid.rows - row).min(SIDE);
+    pub(super) fn load(
+        &mut self,
+        rays: &dyn Rays,
+        grid: &PixelGrid,
+        [row, column]: [usize; 2],
+        rows: usize,
+    ) {
+        let rows = (grid.rows - row).min(rows).min(SIDE);
         let columns = (grid.columns - column).min(SIDE);
         self.has_ends.fill(false);
         let mut row_of_rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); SIDE];
@@ -227,8 +237,12 @@ impl TileRays<'_> {
         let mut all = [0.0; WIDE];
         l.store64(farthest, &mut all);
         let pixel = (grid.width / grid.columns as f64).min(grid.height / grid.rows as f64);
-        // Rows and columns need not be at a right angle.
-        let sine = grid.right.cross(grid.upwards).length();
+        // Rows and columns need not be at a right angle, nor parallel rays at one to the grid.
+        let normal = grid.right.cross(grid.upwards);
+        let sine = match grid.parallel {
+            Some(parallel) => normal.dot(parallel.normalize()).abs(),
+            None => normal.length(),
+        };
         let off = 1.01 * all.into_iter().fold(0.0, f64::max).sqrt() / (pixel * sine);
         (off < FARTHEST).then_some(off)
     }
@@ -375,6 +389,8 @@ mod tests {
             Ray::new(ray.origin, ray.direction + bend * DVec3::Y)
         };
         assert_eq!(grid(&rays.iter().map(bent).collect::<Vec<_>>()), None);
+        let ending = rays.iter().map(|ray| ray.up_to(100.0));
+        assert_eq!(grid(&ending.collect::<Vec<_>>()), None);
         let scattered = |k: usize| rays[k * 37 % rays.len()];
         assert_eq!(
             grid(&(0..rays.len()).map(scattered).collect::<Vec<_>>()),

@@ -110,11 +110,13 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
 
 fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch) -> Result<()> {
     hits.fit(rays.len())?;
-    let (first, grid) = match rays.grid() {
+    let fits = |grid: &PixelGrid| grid.rows.checked_mul(grid.columns) == Some(rays.len());
+    let own = rays.grid().filter(fits);
+    let is_fitted = own.is_none();
+    let (first, grid) = match own {
         Some(grid) => (0, Some(grid)),
         None => fit::grid(rays).map_or((0, None), |(first, grid)| (first, Some(grid))),
     };
-    let is_fitted = rays.grid().is_none();
     // An array may begin and end within a row of pixels.
     let later = From { rays, first };
     let plan = grid.and_then(|grid| Plan::new(scene, &later, grid, is_fitted));

@@ -122,20 +122,24 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     let aim = grid.toward.normalize();
     let focal = grid.toward.length();
     let [low, high] = seen(grid, object, aim)?;
+    // An array's grid need not be quite at right angles.
+    let skew = [
+        grid.right.dot(aim),
+        grid.upwards.dot(aim),
+        grid.right.dot(grid.upwards),
+    ];
+    let skew = skew.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     // Far more than rounding.
-    let slack = 1e-9 * (high.abs().max(low.abs()).z + grid.position.abs().max_element());
+    let largest = high.abs().max(low.abs());
+    let slack =
+        1e-9 * (largest.z + grid.position.abs().max_element()) + 8.0 * skew * largest.max_element();
     let whole = Placed {
         object: index,
         rows: 0..grid.rows.div_ceil(TILE),
         columns: 0..grid.columns.div_ceil(TILE),
         depth: low.z,
     };
-    let skew = [
-        (grid.right, aim),
-        (grid.upwards, aim),
-        (grid.right, grid.upwards),
-    ];
-    if skew.iter().any(|(a, b)| a.dot(*b).abs() > 1e-6) {
+    if skew > 1e-6 {
         return Some(whole);
     }
     if high.z < -slack {

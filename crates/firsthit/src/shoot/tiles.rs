@@ -33,17 +33,20 @@ impl Kernel for Band<'_> {
         let first = self.index * self.plan.tiles_down;
         let [down, across] =
             [self.plan.grid.rows, self.plan.grid.columns].map(|n| n.div_ceil(TILE));
-        let mut rays = memory.square_rays.take().filter(|_| self.plan.is_fitted);
+        let mut rays = memory.square_rays.take();
         for left in (0..across).step_by(TALL) {
             if self.plan.is_fitted {
                 let rays = rays.get_or_insert_default();
-                rays.load(self.plan.rays, &self.plan.grid, [first * TILE, left * TILE]);
+                let place = [first * TILE, left * TILE];
+                let rows = self.plan.tiles_down * TILE;
+                rays.load(self.plan.rays, &self.plan.grid, place, rows);
             }
             // Neighbours one after the other: what the one has brought into the cache the next one needs.
             for (dx, dy) in ORDER {
                 let tile = (first + dy, left + dx);
                 if dy < self.plan.tiles_down && tile.0 < down && tile.1 < across {
-                    let rays = rays.as_ref().map(|rays| rays.tile((dy, dx)));
+                    let rays = rays.as_ref().filter(|_| self.plan.is_fitted);
+                    let rays = rays.map(|rays| rays.tile((dy, dx)));
                     self.tile(l, &mut memory, tile, (dy, dx), rays, &mut square.out());
                 }
             }
