@@ -486,7 +486,7 @@ fn rays_from_very_far_away() {
     let mut rays = vec![aimed];
     let mut numbers = Numbers::new(77);
     for k in 0..2000 {
-        let way = 10.0_f64.powi(14 + k % 20) * numbers.point();
+        let way = 1e14 * (1_u64 << (3 * (k % 20))) as f64 * numbers.point();
         rays.push(Ray::new(points[0] - way, way));
         rays.push(Ray::new(0.3 * points[1] - way, way.normalize()).up_to(way.length() * 2.0));
     }
