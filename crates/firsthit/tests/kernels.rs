@@ -533,7 +533,7 @@ fn closed_meshes_do_not_leak() {
 fn soak_of_leaks() {
     let mut shot = 0;
     while shot < soak_rays() {
-        let rays = leaks(1_000_000);
+        let rays = leaks(100_000);
         if rays == 0 {
             return;
         }
