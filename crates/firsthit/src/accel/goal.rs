@@ -5,7 +5,7 @@
 use super::filter::Candidates;
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
-use super::sheaf::Sheaf;
+use super::packet::Packet;
 use crate::shape::triangle::{Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Aligned, LANES, Lanes};
@@ -26,7 +26,7 @@ pub(crate) trait Question: Goal {
     type Answer: Copy;
     /// The answer where nothing is met.
     const NOTHING: Self::Answer;
-    /// Before the first leaf; with the ray's limits, see [`Sheaf::limits`].
+    /// Before the first leaf; with the ray's limits, see [`Packet::limits`].
     fn new(limits: (f32, f32)) -> Self;
     /// After the last one.
     fn answer(&self, place: &Place<'_>) -> Self::Answer;
@@ -34,12 +34,12 @@ pub(crate) trait Question: Goal {
     fn from_crossing(crossing: Option<Crossing>) -> Self::Answer;
 }
 
-/// What a traversal works with: a ray of a sheaf, and a mesh with its tree.
+/// What a traversal works with: a ray of a packet, and a mesh with its tree.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<'a> {
     pub(super) tree: &'a MeshTree,
     pub(super) mesh: &'a Mesh,
-    pub(super) sheaf: &'a Sheaf,
+    pub(super) packet: &'a Packet,
     pub(super) lane: usize,
 }
 
@@ -48,7 +48,7 @@ impl Place<'_> {
     #[inline(always)]
     fn decide(&self, leaf: &Meshlet, lane: usize) -> Option<TriangleHit> {
         let corners = self.tree.corners(self.mesh, leaf, lane);
-        let ray = self.sheaf.ray(self.lane);
+        let ray = self.packet.ray(self.lane);
         let hit = Shear::new(&ray).intersect_ahead(corners)?;
         (hit.t > 0.0 && hit.t <= ray.t_max).then_some(hit)
     }
@@ -114,8 +114,8 @@ impl First {
             Some(old) if !is_first(old) => old,
             _ => new,
         };
-        let low = place.sheaf.depth_below(place.lane, crossing.t);
-        let high = place.sheaf.depth_above(place.lane, crossing.t);
+        let low = place.packet.depth_below(place.lane, crossing.t);
+        let high = place.packet.depth_above(place.lane, crossing.t);
         self.best = Best::Decided {
             crossing,
             low,
@@ -266,7 +266,7 @@ impl<V: FnMut(u32, f64) -> f64> Goal for Each<V> {
                 self.limit = -1.0;
                 return;
             }
-            self.limit = place.sheaf.depth_above(place.lane, self.t_max);
+            self.limit = place.packet.depth_above(place.lane, self.t_max);
         }
     }
 

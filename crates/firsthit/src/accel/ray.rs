@@ -13,7 +13,7 @@ use crate::simd::Lanes;
 
 pub(super) const U: f32 = f32::EPSILON / 2.0;
 
-/// One of the rays of a [`Sheaf`](super::sheaf::Sheaf).
+/// One of the rays of a [`Packet`](super::packet::Packet).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TreeRay {
     /// The axis along which the direction is longest comes last.

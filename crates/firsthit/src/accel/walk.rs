@@ -7,7 +7,7 @@
 use super::filter::filter;
 use super::goal::{Each, Goal, Place, Question};
 use super::mesh_tree::MeshTree;
-use super::sheaf::Sheaf;
+use super::packet::Packet;
 use super::visit::Known;
 use super::wide::LEAF;
 use crate::geometry::Ray;
@@ -19,7 +19,7 @@ use crate::simd::{Aligned, LANES, Lanes};
 pub(crate) struct Scratch {
     pub(super) stack: Stack,
     pub(super) known: Box<Known>,
-    sheaf: Box<Sheaf>,
+    packet: Box<Packet>,
 }
 
 impl Scratch {
@@ -28,7 +28,7 @@ impl Scratch {
         Self {
             stack: Stack::new(),
             known: Box::default(),
-            sheaf: Box::default(),
+            packet: Box::default(),
         }
     }
 }
@@ -101,19 +101,19 @@ pub(crate) fn ask<L: Lanes, Q: Question>(
     (tree, mesh): (&MeshTree, &Mesh),
     ray: &Ray,
 ) -> Q::Answer {
-    let Scratch { stack, sheaf, .. } = scratch;
-    sheaf.put(0, ray);
-    sheaf.prepare(l, tree, 1);
-    if sheaf.alive == 0 {
+    let Scratch { stack, packet, .. } = scratch;
+    packet.put(0, ray);
+    packet.prepare(l, tree, 1);
+    if packet.alive == 0 {
         return Q::NOTHING;
     }
     let place = Place {
         tree,
         mesh,
-        sheaf,
+        packet,
         lane: 0,
     };
-    let mut goal = Q::new(sheaf.limits(0));
+    let mut goal = Q::new(packet.limits(0));
     traverse(l, stack, &place, &mut goal);
     goal.answer(&place)
 }
@@ -143,15 +143,15 @@ pub(crate) fn each<L: Lanes>(
         }
         return;
     }
-    let Scratch { stack, sheaf, .. } = scratch;
-    sheaf.put(0, ray);
-    sheaf.prepare(l, tree, 1);
-    if sheaf.alive != 0 {
-        (each.limit, _) = sheaf.limits(0);
+    let Scratch { stack, packet, .. } = scratch;
+    packet.put(0, ray);
+    packet.prepare(l, tree, 1);
+    if packet.alive != 0 {
+        (each.limit, _) = packet.limits(0);
         let place = Place {
             tree,
             mesh,
-            sheaf,
+            packet,
             lane: 0,
         };
         traverse(l, stack, &place, &mut each);
@@ -166,7 +166,7 @@ pub(super) fn traverse<L: Lanes, G: Goal>(
     goal: &mut G,
 ) {
     let tree = place.tree;
-    let ray = place.sheaf.tree_ray(place.lane);
+    let ray = place.packet.tree_ray(place.lane);
     stack.clear();
     let mut index = 0_u32;
     loop {

@@ -3,12 +3,11 @@
 //! A single ray waits: for the next node from memory, for its boxes, for the guess where the way leads. Here a
 //! round takes each of sixteen rays a step further, and all steps of a kind come one after the other, without a
 //! branch in between that depends on what was met. So while one ray waits the others are at work, and what a
-//! ray needs in the next round is asked for in this one. (Benthin, Wald, Woop, Ernst and Mark, "Combining Single
-//! and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", 2012, find that single
-//! rays are latency; Boulos, Wald and Benthin, "Adaptive Ray Packet Reordering", 2008, and others gather rays
-//! that are at the same place. These need not be.)
+//! ray needs in the next round is asked for in this one. (An interleaved traversal of single rays: unlike packets, and
+//! unlike Boulos, Wald and Benthin, "Adaptive Ray Packet Reordering", 2008, where rays are gathered that are at the same
+//! place, the rays need have nothing in common.)
 //!
-//! What is still to be visited is kept in two arrays, depths and children. The next one is the nearest of the
+//! What is still to be visited is a work list of two arrays, depths and children. The next one is the nearest of the
 //! last sixteen: one comparison finds it, nothing is ever sorted, and where it is too far, so are all sixteen.
 
 use std::array::from_fn;
@@ -16,18 +15,18 @@ use std::array::from_fn;
 use super::filter::filter;
 use super::goal::{Place, Question};
 use super::mesh_tree::MeshTree;
-use super::sheaf::{RAYS, Sheaf};
+use super::packet::{Packet, RAYS};
 use super::walk::{Stack, traverse};
 use super::wide::LEAF;
 use crate::shape::Mesh;
 use crate::simd::{LANES, Lanes};
 
-/// A sheaf of rays that is [prepared](Sheaf::prepare) for the tree of a mesh.
+/// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
 #[derive(Clone, Copy)]
 pub(crate) struct Search<'a> {
     pub(crate) tree: &'a MeshTree,
     pub(crate) mesh: &'a Mesh,
-    pub(crate) sheaf: &'a Sheaf,
+    pub(crate) packet: &'a Packet,
 }
 
 /// Who wants to know what came of the searches.
@@ -39,17 +38,17 @@ pub(crate) trait Answers<A> {
 /// Memory for waves, to be used again.
 #[derive(Debug)]
 pub(crate) struct Wave {
-    heaps: Box<[Heap; LANES]>,
-    /// For rays that have more to visit than a heap holds.
+    lists: Box<[WorkList; LANES]>,
+    /// For rays that have more to visit than a work list holds.
     stack: Stack,
 }
 
 impl Wave {
     /// With its memory.
     pub(crate) fn new() -> Self {
-        let heaps = vec![Heap::EMPTY; LANES].into_boxed_slice();
+        let lists = vec![WorkList::EMPTY; LANES].into_boxed_slice();
         Self {
-            heaps: heaps.try_into().expect("it has that length"),
+            lists: lists.try_into().expect("it has that length"),
             stack: Stack::new(),
         }
     }
@@ -58,20 +57,20 @@ impl Wave {
 /// What a ray has still to visit.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-struct Heap {
+struct WorkList {
     /// The first sixteen are nobody's: a look at the last sixteen may reach below the first.
-    depths: [f32; HEAP + LANES],
+    depths: [f32; CAPACITY + LANES],
     /// Nodes and leaves, as bits.
-    children: [f32; HEAP + LANES],
+    children: [f32; CAPACITY + LANES],
 }
 
 /// How many there can be; from half of it on the last one is the next, so that hardly anything comes to more.
-const HEAP: usize = 256;
+const CAPACITY: usize = 256;
 
-impl Heap {
+impl WorkList {
     const EMPTY: Self = Self {
-        depths: [f32::INFINITY; HEAP + LANES],
-        children: [0.0; HEAP + LANES],
+        depths: [f32::INFINITY; CAPACITY + LANES],
+        children: [0.0; CAPACITY + LANES],
     };
 }
 
@@ -83,7 +82,7 @@ struct Slot<'a, Q> {
     question: Q,
     /// What to visit next.
     next: u32,
-    /// How many are in the heap.
+    /// How many are in the work list.
     height: usize,
 }
 
@@ -104,7 +103,7 @@ pub(crate) fn wave<'a, L: Lanes, Q: Question>(
         left: 0,
     };
     let mut slots: [Slot<'a, Q>; LANES] = from_fn(|_| Slot::new(any, 0, 0));
-    let Wave { heaps, stack } = wave;
+    let Wave { lists, stack } = wave;
     let mut nodes = 0_u16;
     let mut leaves = 0_u16;
     let mut free = u16::MAX;
@@ -125,7 +124,7 @@ pub(crate) fn wave<'a, L: Lanes, Q: Question>(
         while nodes != 0 {
             let k = nodes.trailing_zeros() as usize % LANES;
             nodes &= nodes - 1;
-            slots[k].open(l, &mut heaps[k], stack);
+            slots[k].open(l, &mut lists[k], stack);
         }
         while leaves != 0 {
             let k = leaves.trailing_zeros() as usize % LANES;
@@ -138,7 +137,7 @@ pub(crate) fn wave<'a, L: Lanes, Q: Question>(
             left &= left - 1;
             let slot = &mut slots[k];
             // In numbers, not branches: nobody could foresee them.
-            let goes_on = u16::from(slot.step(l, &mut heaps[k]));
+            let goes_on = u16::from(slot.step(l, &mut lists[k]));
             let is_leaf = u16::from(slot.next & LEAF != 0);
             free |= (1 - goes_on) << k;
             leaves |= (goes_on & is_leaf) << k;
@@ -168,7 +167,7 @@ impl Queue<'_, '_> {
     #[inline(always)]
     fn take(&mut self) -> Option<(usize, usize)> {
         while self.left == 0 {
-            self.left = self.searches.get(self.next)?.sheaf.alive;
+            self.left = self.searches.get(self.next)?.packet.alive;
             self.next += 1;
         }
         let lane = self.left.trailing_zeros() as usize % RAYS;
@@ -180,31 +179,31 @@ impl Queue<'_, '_> {
 impl<'a, Q: Question> Slot<'a, Q> {
     #[inline(always)]
     fn new(search: Search<'a>, number: usize, lane: usize) -> Self {
-        let Search { tree, mesh, sheaf } = search;
+        let Search { tree, mesh, packet } = search;
         Self {
             place: Place {
                 tree,
                 mesh,
-                sheaf,
+                packet,
                 lane,
             },
             search: number,
-            question: Q::new(sheaf.limits(lane)),
+            question: Q::new(packet.limits(lane)),
             next: 0,
             height: 0,
         }
     }
 
-    /// Puts the children that the ray meets into the heap.
+    /// Puts the children that the ray meets into the work list.
     #[inline(always)]
-    fn open<L: Lanes>(&mut self, l: L, heap: &mut Heap, stack: &mut Stack) {
+    fn open<L: Lanes>(&mut self, l: L, list: &mut WorkList, stack: &mut Stack) {
         let node = &self.place.tree.nodes[self.next as usize];
-        let Place { sheaf, lane, .. } = self.place;
-        let (met, entry) = sheaf.tree_ray(lane).boxes(l, node, self.question.limit());
+        let Place { packet, lane, .. } = self.place;
+        let (met, entry) = packet.tree_ray(lane).boxes(l, node, self.question.limit());
         let above = LANES + self.height;
         let (Some(depths), Some(children)) = (
-            heap.depths[above..].first_chunk_mut(),
-            heap.children[above..].first_chunk_mut(),
+            list.depths[above..].first_chunk_mut(),
+            list.children[above..].first_chunk_mut(),
         ) else {
             return self.start_again(l, stack);
         };
@@ -219,7 +218,7 @@ impl<'a, Q: Question> Slot<'a, Q> {
     #[cold]
     #[inline(never)]
     fn start_again<L: Lanes>(&mut self, l: L, stack: &mut Stack) {
-        self.question = Q::new(self.place.sheaf.limits(self.place.lane));
+        self.question = Q::new(self.place.packet.limits(self.place.lane));
         traverse(l, stack, &self.place, &mut self.question);
         self.height = 0;
     }
@@ -228,7 +227,7 @@ impl<'a, Q: Question> Slot<'a, Q> {
     fn visit<L: Lanes>(&mut self, l: L) {
         let index = self.next & !LEAF;
         let leaf = &self.place.tree.leaves[index as usize];
-        let ray = self.place.sheaf.tree_ray(self.place.lane);
+        let ray = self.place.packet.tree_ray(self.place.lane);
         if let Some(candidates) = filter(l, &ray, leaf, self.question.limit()) {
             self.question.meet(l, &self.place, index, &candidates);
         }
@@ -236,7 +235,7 @@ impl<'a, Q: Question> Slot<'a, Q> {
 
     /// Takes what is to be visited next; `false` when there is nothing any more.
     #[inline(always)]
-    fn step<L: Lanes>(&mut self, l: L, heap: &mut Heap) -> bool {
+    fn step<L: Lanes>(&mut self, l: L, list: &mut WorkList) -> bool {
         let limit = self.question.limit();
         loop {
             if self.height == 0 || limit < 0.0 {
@@ -244,20 +243,20 @@ impl<'a, Q: Question> Slot<'a, Q> {
             }
             let last = LANES - 1 + self.height;
             let mut at = last;
-            if Q::ORDERED && self.height < HEAP / 2 {
-                let depths = l.load(window(&heap.depths, self.height));
+            if Q::ORDERED && self.height < CAPACITY / 2 {
+                let depths = l.load(window(&list.depths, self.height));
                 let nearest = l.smallest(depths);
                 if nearest > limit {
                     self.height = self.height.saturating_sub(LANES);
                     continue;
                 }
-                // Of equal ones the last, which is the deepest in the tree.
+                // Of equal ones the last that was put there, as a stack would have it.
                 let lane = l.le(depths, l.splat(nearest)).leading_zeros() as usize;
                 at = last - lane % LANES;
-                heap.depths[at] = heap.depths[last];
+                list.depths[at] = list.depths[last];
             }
-            let next = heap.children[at].to_bits();
-            heap.children[at] = heap.children[last];
+            let next = list.children[at].to_bits();
+            list.children[at] = list.children[last];
             self.height -= 1;
             self.next = next;
             let tree = self.place.tree;
@@ -269,7 +268,7 @@ impl<'a, Q: Question> Slot<'a, Q> {
 
 /// The sixteen below the height.
 #[inline(always)]
-fn window(values: &[f32; HEAP + LANES], height: usize) -> &[f32; LANES] {
-    let from = height.min(HEAP);
+fn window(values: &[f32; CAPACITY + LANES], height: usize) -> &[f32; LANES] {
+    let from = height.min(CAPACITY);
     values[from..].first_chunk().expect("sixteen are below all")
 }

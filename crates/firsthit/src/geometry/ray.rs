@@ -55,7 +55,8 @@ pub trait Rays: Sync {
     /// The ray `index`, below [`Rays::len`].
     fn ray(&self, index: usize) -> Ray;
 
-    /// Fills `rays` with those from `first` on: many at once are sooner had than one by one.
+    /// Fills `rays` with those from `first` on, at most up to [`Rays::len`]: what [`Rays::ray`] gives, sooner than one by
+    /// one.
     fn read(&self, first: usize, rays: &mut [Ray]) {
         for (index, ray) in (first..).zip(rays) {
             *ray = self.ray(index);

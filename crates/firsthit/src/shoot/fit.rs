@@ -9,8 +9,8 @@ use crate::accel::TILE;
 use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
 use crate::simd::{Lanes, WIDE};
 
-/// The grid that `rays` are on from one on, as far as those in the corners tell; `None` for any other rays. Those before
-/// are of a row that began earlier; at the end there may be a part of a row too.
+/// The grid of the whole rows in `rays`, and the ray that those begin with, as far as the corners and a few others tell;
+/// `None` for any other rays. Before and behind there may be a part of a row.
 pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
     let (start, columns) = columns(rays)?;
     let rows = (rays.len() - start) / columns;
@@ -63,7 +63,7 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
     (is_sound && (0..25).all(on_grid)).then_some((start, grid))
 }
 
-/// Whether a ray goes through the grid's pixel, roughly; for all of a tile see [`TileRays::load`].
+/// Whether a ray goes through the grid's pixel, roughly; for all of a tile see [`TileRays::distance`].
 fn is_near(grid: &PixelGrid, row: usize, column: usize, ray: &Ray) -> bool {
     let normal = grid.right.cross(grid.upwards);
     let length = grid.toward.dot(normal) / ray.direction.dot(normal);

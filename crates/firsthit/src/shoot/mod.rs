@@ -117,23 +117,26 @@ fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch
         Some(grid) => (0, Some(grid)),
         None => fit::grid(rays).map_or((0, None), |(first, grid)| (first, Some(grid))),
     };
-    // An array may begin and end within a row of pixels.
-    let later = From { rays, first };
-    let plan = grid.and_then(|grid| Plan::new(scene, &later, grid, is_fitted));
-    let (before, hits) = hits.out().split_at(if plan.is_some() { first } else { 0 });
-    let (tiled, after) = hits.split_at(plan.as_ref().map_or(0, Plan::pixels));
-    let rest = first + tiled.t.len();
-    shoot_array(scene, &From { rays, first: 0 }, before, watch)?;
-    if let Some(plan) = &plan {
-        each_chunk(tiled, plan.band(), watch, |index, out| {
-            simd::run(scene.instruction_set(), tiles::Band { plan, index, out });
-        })?;
-    }
-    let first = if plan.is_some() { rest } else { 0 };
-    shoot_array(scene, &From { rays, first }, after, watch)
+    let pixels = Later { rays, first };
+    let plan = grid.and_then(|grid| Plan::new(scene, &pixels, grid, is_fitted));
+    // An array may begin and end within a row of pixels; without a plan, all is before.
+    let (before, later) = hits.out().split_at(match &plan {
+        Some(_) => first,
+        None => rays.len(),
+    });
+    shoot_array(scene, rays, before, watch)?;
+    let Some(plan) = &plan else {
+        return Ok(());
+    };
+    let (tiled, after) = later.split_at(plan.pixels());
+    each_chunk(tiled, plan.band(), watch, |index, out| {
+        simd::run(scene.instruction_set(), tiles::Band { plan, index, out });
+    })?;
+    let first = first + plan.pixels();
+    shoot_array(scene, &Later { rays, first }, after, watch)
 }
 
-/// Rays one by one, in waves.
+/// Rays that need have nothing in common, in waves.
 fn shoot_array(scene: &Scene, rays: &dyn Rays, out: Out<'_>, watch: &dyn Watch) -> Result<()> {
     each_chunk(out, BATCH, watch, |index, out| {
         let batch = Batch {
@@ -184,12 +187,12 @@ fn each_chunk(
 }
 
 /// The rays from one on.
-struct From<'a> {
+struct Later<'a> {
     rays: &'a dyn Rays,
     first: usize,
 }
 
-impl Rays for From<'_> {
+impl Rays for Later<'_> {
     fn len(&self) -> usize {
         self.rays.len() - self.first
     }

@@ -96,7 +96,7 @@ impl<'a> Plan<'a> {
 
 /// The mesh and the tree of an object whose triangles are all there is to it.
 pub(super) fn tileable(scene: &Scene, index: u32) -> Option<(&Mesh, &MeshTree)> {
-    let object = &scene.objects()[index as usize];
+    let object = scene.objects().get(index as usize)?;
     match (object.shape(), scene.mesh_tree(index as usize)) {
         (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
             Some((mesh, tree))

@@ -8,7 +8,7 @@ use super::plan::{Plan, TALL, tileable};
 use super::trees::{self, Memory};
 use crate::accel::{
     Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill,
-    largest_axis, verdict,
+    largest_axis, turned, verdict,
 };
 use crate::geometry::{DVec3, Hit, PixelGrid};
 use crate::scene::Object;
@@ -352,24 +352,13 @@ impl Work<'_> {
         };
         let place = object.transform().world_from_object().translation;
         let matrix = &object.transform().object_from_world().matrix3;
-        macro_rules! turned {
-            ($v:ident, $k:ident) => {{
-                let $k = axes[$k];
-                let part = [
-                    l.mul64(l.splat64(matrix.x_axis[$k]), $v[0]),
-                    l.mul64(l.splat64(matrix.y_axis[$k]), $v[1]),
-                    l.mul64(l.splat64(matrix.z_axis[$k]), $v[2]),
-                ];
-                l.add64(l.add64(part[0], part[1]), part[2])
-            }};
-        }
         if is_at_home {
             return Pencil { origin, direction };
         }
         let moved = vector!(k => l.sub64(origin[k], l.splat64(place[k])));
         Pencil {
-            origin: vector!(k => turned!(moved, k)),
-            direction: vector!(k => turned!(direction, k)),
+            origin: vector!(k => turned(l, matrix, axes[k], &moved)),
+            direction: vector!(k => turned(l, matrix, axes[k], &direction)),
         }
     }
 

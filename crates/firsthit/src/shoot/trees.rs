@@ -5,12 +5,13 @@ use std::cell::Cell;
 use super::fit::SquareRays;
 use super::hits::Square;
 use super::journey::{AnyHit, FirstHit, Journey, Leg, Quest};
+use super::plan;
 use crate::accel::{
-    self, Answers, MeshTree, Question, RAYS, Scratch, Search, Sheaf, WalkStack, Wave,
+    self, Answers, MeshTree, Packet, Question, RAYS, Scratch, Search, WalkStack, Wave,
 };
 use crate::geometry::{DVec3, Hit, Ray, Rays};
 use crate::scene::{Object, Scene};
-use crate::shape::{Mesh, Shape};
+use crate::shape::Mesh;
 use crate::simd::{self, Kernel, Lanes};
 
 /// The trees propose, float64 decides.
@@ -43,7 +44,7 @@ pub(super) struct Memory {
     pub(super) scratch: Scratch,
     /// One for each ray of a batch.
     walk_stacks: Vec<WalkStack>,
-    sheaves: Vec<Sheaf>,
+    packets: Vec<Packet>,
     wave: Wave,
     /// Made when there is a picture, and when its rays are an array's.
     pub(super) square: Option<Square>,
@@ -56,7 +57,7 @@ impl Memory {
         let new = || Self {
             scratch: Scratch::new(),
             walk_stacks: vec![WalkStack::new(); BATCH],
-            sheaves: Vec::new(),
+            packets: Vec::new(),
             wave: Wave::new(),
             square: None,
             square_rays: None,
@@ -129,24 +130,12 @@ impl<T: Take> Kernel for Batch<'_, T> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let mut memory = Memory::take();
-        match the_mesh(self.scene) {
-            Some((object, tree, mesh)) => self.through_mesh(l, &mut memory, object, (tree, mesh)),
-            None => self.through_scene(l, &mut memory),
+        debug_assert!(self.count <= BATCH, "there are as many stacks as that");
+        match (self.scene.objects(), plan::tileable(self.scene, 0)) {
+            ([object], Some(mesh)) => self.through_mesh(l, &mut memory, object, mesh),
+            _ => self.through_scene(l, &mut memory),
         }
         memory.give_back();
-    }
-}
-
-/// The mesh that is all there is to a scene, and its object.
-fn the_mesh(scene: &Scene) -> Option<(&Object, &MeshTree, &Mesh)> {
-    let [object] = scene.objects() else {
-        return None;
-    };
-    match (object.shape(), scene.mesh_tree(0)) {
-        (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
-            Some((object, tree, mesh))
-        }
-        _ => None,
     }
 }
 
@@ -158,30 +147,30 @@ impl<T: Take> Batch<'_, T> {
         l: L,
         memory: &mut Memory,
         object: &Object,
-        (tree, mesh): (&MeshTree, &Mesh),
+        (mesh, tree): (&Mesh, &MeshTree),
     ) {
-        let count = self.count.min(BATCH);
-        let sheaves = count.div_ceil(RAYS);
-        if memory.sheaves.len() < sheaves {
-            memory.sheaves.resize(sheaves, Sheaf::default());
+        let count = self.count;
+        let packets = count.div_ceil(RAYS);
+        if memory.packets.len() < packets {
+            memory.packets.resize(packets, Packet::default());
         }
         let mut eight = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
-        for number in 0..sheaves {
+        for number in 0..packets {
             let first = number * RAYS;
             let length = (count - first).min(RAYS);
             self.rays.read(self.first + first, &mut eight[..length]);
             for (lane, ray) in eight.iter().enumerate() {
-                memory.sheaves[number].put(lane, ray);
+                memory.packets[number].put(lane, ray);
             }
         }
-        for number in 0..sheaves {
-            let sheaf = &mut memory.sheaves[number];
+        for number in 0..packets {
+            let packet = &mut memory.packets[number];
             let first = number * RAYS;
             let length = (count - first).min(RAYS);
-            let plain = sheaf.enter(l, object.transform());
-            sheaf.prepare(l, tree, length);
-            sheaf.alive &= plain;
-            let alive = sheaf.alive;
+            let plain = packet.enter(l, object.transform());
+            packet.prepare(l, tree, length);
+            packet.alive &= plain;
+            let alive = packet.alive;
             for lane in 0..length {
                 if plain >> lane & 1 == 0 {
                     let ray = self.rays.ray(self.first + first + lane);
@@ -195,12 +184,12 @@ impl<T: Take> Batch<'_, T> {
             }
         }
         let Memory {
-            sheaves: all, wave, ..
+            packets: all, wave, ..
         } = memory;
-        let sheaves = &all[..sheaves];
-        let mut searches = Vec::with_capacity(sheaves.len());
-        for sheaf in sheaves {
-            searches.push(Search { tree, mesh, sheaf });
+        let packets = &all[..packets];
+        let mut searches = Vec::with_capacity(packets.len());
+        for packet in packets {
+            searches.push(Search { tree, mesh, packet });
         }
         let mut ends = Ends(self.take);
         accel::wave::<L, <T::Quest as Quest>::Question>(l, wave, &searches, &mut ends);
@@ -210,7 +199,7 @@ impl<T: Take> Batch<'_, T> {
     #[inline(always)]
     fn through_scene<L: Lanes>(mut self, l: L, memory: &mut Memory) {
         let scene = self.scene;
-        let count = self.count.min(BATCH);
+        let count = self.count;
         let mut journeys: Vec<Journey<'_, T::Quest>> = Vec::with_capacity(count);
         for index in 0..count {
             let ray = self.rays.ray(self.first + index);
@@ -266,25 +255,25 @@ fn go_together<'a, L: Lanes, Q: Quest>(
     let mut firsts = Vec::with_capacity(legs.len());
     for same in legs.chunk_by(|(_, a), (_, b)| a.object == b.object) {
         for chunk in same.chunks(RAYS) {
-            if memory.sheaves.len() == firsts.len() {
-                memory.sheaves.push(Sheaf::default());
+            if memory.packets.len() == firsts.len() {
+                memory.packets.push(Packet::default());
             }
-            let sheaf = &mut memory.sheaves[firsts.len()];
+            let packet = &mut memory.packets[firsts.len()];
             for (lane, (_, leg)) in chunk.iter().enumerate() {
-                sheaf.put(lane, &leg.ray);
+                packet.put(lane, &leg.ray);
             }
             firsts.push((count, chunk.len()));
             count += chunk.len();
         }
     }
-    for (sheaf, &(first, length)) in memory.sheaves.iter_mut().zip(&firsts) {
-        sheaf.prepare(l, legs[first].1.tree, length);
+    for (packet, &(first, length)) in memory.packets.iter_mut().zip(&firsts) {
+        packet.prepare(l, legs[first].1.tree, length);
     }
-    let search = |(sheaf, &(first, _)): (_, &(usize, usize))| {
+    let search = |(packet, &(first, _)): (_, &(usize, usize))| {
         let Leg { tree, mesh, .. } = legs[first].1;
-        Search { tree, mesh, sheaf }
+        Search { tree, mesh, packet }
     };
-    let searches: Vec<Search<'_>> = memory.sheaves.iter().zip(&firsts).map(search).collect();
+    let searches: Vec<Search<'_>> = memory.packets.iter().zip(&firsts).map(search).collect();
     let mut answers = Arrivals {
         legs,
         firsts: &firsts,

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use bytemuck::Pod;
 
 use super::portable::compress;
-use super::{Kernel, LANES, Lanes, WIDE};
+use super::{Kernel, LANES, Lanes, WIDE, x86};
 
 /// Proof that this machine has AVX2 and fused multiply-add.
 #[derive(Debug, Clone, Copy)]
@@ -371,29 +371,11 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn prefetch<T>(self, what: &T) {
-        x86!(for line in 0..size_of::<T>().div_ceil(64) {
-            _mm_prefetch::<_MM_HINT_T0>(
-                std::ptr::from_ref(what)
-                    .cast::<i8>()
-                    .wrapping_add(64 * line),
-            );
-        });
+        x86::prefetch(what);
     }
     #[inline(always)]
     fn prefetch_either<T, U>(self, is_other: bool, index: u32, whats: &[T], others: &[U]) {
-        let (start, size) = if is_other {
-            (others.as_ptr().cast::<i8>(), size_of::<U>())
-        } else {
-            (whats.as_ptr().cast::<i8>(), size_of::<T>())
-        };
-        let start = start.wrapping_add(size * index as usize);
-        x86!(
-            for line in 0..size_of::<T>().max(size_of::<U>()).div_ceil(64) {
-                // Behind the smaller one, its own first line again.
-                let offset = if 64 * line < size { 64 * line } else { 0 };
-                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset));
-            }
-        );
+        x86::prefetch_either(is_other, index, whats, others);
     }
     #[inline(always)]
     fn stream<T: Pod>(self, from: &[T], to: &mut [T]) {
@@ -417,6 +399,6 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn end_streams(self) {
-        x86!(_mm_sfence());
+        x86::end_streams();
     }
 }

@@ -23,6 +23,8 @@ mod lanes;
 mod pages;
 mod portable;
 mod set;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub(crate) use lanes::{Aligned, LANES, Lanes, WIDE};
 pub(crate) use pages::prefer_large_pages;

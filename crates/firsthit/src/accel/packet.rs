@@ -7,10 +7,10 @@
 
 use super::mesh_tree::MeshTree;
 use super::ray::{TreeRay, U};
-use crate::geometry::{DVec3, Ray, Transform};
+use crate::geometry::{DMat3, DVec3, Ray, Transform};
 use crate::simd::{Lanes, WIDE};
 
-/// How many rays are in a sheaf.
+/// How many rays are in a packet.
 pub(crate) const RAYS: usize = WIDE;
 
 /// Starts beyond this are moved. The tree is in the cube from -1 to 1.
@@ -19,7 +19,7 @@ const FAR: f64 = 8.0;
 /// Eight rays in the space of a mesh.
 #[derive(Debug, Clone, Default)]
 #[repr(C, align(64))]
-pub(crate) struct Sheaf {
+pub(crate) struct Packet {
     origin: [[f64; WIDE]; 3],
     direction: [[f64; WIDE]; 3],
     t_max: [f64; WIDE],
@@ -48,7 +48,7 @@ pub(crate) struct Sheaf {
     pub(crate) alive: u8,
 }
 
-/// A lane of each of three vectors' components, by the axes of a ray: `x`, `y` and `z` as in `TreeRay::axes`.
+/// Between the axes of space and those of each ray, `TreeRay::axes`.
 struct Axes {
     /// The rays whose direction is longest along x, and along y; of all others it is along z.
     first: u8,
@@ -105,7 +105,7 @@ impl<L: Lanes> Rounding<L> {
     }
 }
 
-impl Sheaf {
+impl Packet {
     /// Puts a ray into a lane.
     #[inline(always)]
     pub(crate) fn put(&mut self, lane: usize, ray: &Ray) {
@@ -170,16 +170,7 @@ impl Sheaf {
                 & l.le64(l.abs64(v[1]), number(f64::MAX))
                 & l.le64(l.abs64(v[2]), number(f64::MAX))
         };
-        macro_rules! load {
-            ($from:expr) => {
-                [
-                    l.load64(&$from[0]),
-                    l.load64(&$from[1]),
-                    l.load64(&$from[2]),
-                ]
-            };
-        }
-        let (origin, direction) = (load!(self.origin), load!(self.direction));
+        let (origin, direction) = (vector(l, &self.origin), vector(l, &self.direction));
         let length = largest_of(l, &direction);
         let plain = l.lt64(number(0.0), l.load64(&self.t_max))
             & l.lt64(number(1e-99), length)
@@ -192,17 +183,6 @@ impl Sheaf {
         // Operation for operation what `Transform::ray_in_object` does.
         let place = transform.world_from_object().translation;
         let matrix = &transform.object_from_world().matrix3;
-        macro_rules! turned {
-            ($v:ident, $axis:ident) => {
-                l.add64(
-                    l.add64(
-                        l.mul64(number(matrix.x_axis[$axis]), $v[0]),
-                        l.mul64(number(matrix.y_axis[$axis]), $v[1]),
-                    ),
-                    l.mul64(number(matrix.z_axis[$axis]), $v[2]),
-                )
-            };
-        }
         let moved = [
             l.sub64(origin[0], number(place.x)),
             l.sub64(origin[1], number(place.y)),
@@ -210,8 +190,8 @@ impl Sheaf {
         ];
         let mut inside = [[number(0.0); 3]; 2];
         for axis in 0..3 {
-            inside[0][axis] = turned!(moved, axis);
-            inside[1][axis] = turned!(direction, axis);
+            inside[0][axis] = turned(l, matrix, axis, &moved);
+            inside[1][axis] = turned(l, matrix, axis, &direction);
             l.store64(inside[0][axis], &mut self.origin[axis]);
             l.store64(inside[1][axis], &mut self.direction[axis]);
         }
@@ -222,18 +202,9 @@ impl Sheaf {
     /// Makes the first `count` rays ready for `tree`. They are [valid](Ray::is_valid).
     #[inline(always)]
     pub(crate) fn prepare<L: Lanes>(&mut self, l: L, tree: &MeshTree, count: usize) {
-        macro_rules! load {
-            ($from:expr) => {
-                [
-                    l.load64(&$from[0]),
-                    l.load64(&$from[1]),
-                    l.load64(&$from[2]),
-                ]
-            };
-        }
         let number = |x: f64| l.splat64(x);
         let (zero, one) = (number(0.0), number(1.0));
-        let (origin, d) = (load!(self.origin), load!(self.direction));
+        let (origin, d) = (vector(l, &self.origin), vector(l, &self.direction));
         let axes = Axes::new(l, &d);
         let [across, upwards, along] = axes.turned(l, d);
         let sign = l.select64(l.lt64(along, zero), number(-1.0), one);
@@ -362,8 +333,27 @@ static AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 /// The lowest bits.
 #[inline(always)]
-pub(crate) fn lowest(count: usize) -> u8 {
+fn lowest(count: usize) -> u8 {
     u8::try_from((1_u16 << count.min(WIDE)) - 1).unwrap_or(u8::MAX)
+}
+
+#[inline(always)]
+fn vector<L: Lanes>(l: L, from: &[[f64; WIDE]; 3]) -> [L::Doubles; 3] {
+    [l.load64(&from[0]), l.load64(&from[1]), l.load64(&from[2])]
+}
+
+/// A component of `matrix * v`, in the order of operations that glam has.
+#[inline(always)]
+pub(crate) fn turned<L: Lanes>(
+    l: L,
+    matrix: &DMat3,
+    axis: usize,
+    v: &[L::Doubles; 3],
+) -> L::Doubles {
+    let x = l.mul64(l.splat64(matrix.x_axis[axis]), v[0]);
+    let y = l.mul64(l.splat64(matrix.y_axis[axis]), v[1]);
+    let z = l.mul64(l.splat64(matrix.z_axis[axis]), v[2]);
+    l.add64(l.add64(x, y), z)
 }
 
 #[inline(always)]

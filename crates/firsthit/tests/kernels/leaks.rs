@@ -1,0 +1,136 @@
+//! Closed meshes have no holes: rays from inside at corners and edges.
+
+use std::path::{Path, PathBuf};
+
+use firsthit::shape::triangle::Shear;
+use firsthit::shoot::{occluded_all, shoot_all};
+use firsthit::{DVec3, Object, Ray, Scene};
+
+use super::support::{Numbers, mesh, refdata};
+use super::{sets, soak_rays};
+
+/// Aims at each mesh that is closed, from a point inside, where it is, far away and in other sizes: at corners and
+/// at edges, so many rays each. Returns how many rays there were.
+fn leaks(rays_each: usize) -> usize {
+    let Some(folder) = refdata() else {
+        return 0;
+    };
+    let mut numbers = Numbers::new(7);
+    let mut shot = 0;
+    for path in ["generated", "real"]
+        .iter()
+        .flat_map(|name| files(&folder.join(name)))
+    {
+        let Ok(model) = firsthit::io::load(&path, &firsthit::io::LoadSettings::default()) else {
+            continue;
+        };
+        for own in model.objects.iter().filter_map(Object::mesh) {
+            if own.triangles().len() > 200_000 || !is_closed(own.triangles()) {
+                continue;
+            }
+            let size = own.bounds().size().max_element();
+            for (scale, sizes) in [(1.0, 0.0), (1.0, 1e5), (1e-4, 0.0), (1e8, 0.0)] {
+                let offset = sizes * size * DVec3::new(1.0, -0.7, 0.3);
+                let moved = |k: u32| scale * own.positions().get(k) + offset;
+                let count = u32::try_from(own.positions().len()).unwrap();
+                let points: Vec<DVec3> = (0..count).map(moved).collect();
+                let mesh = mesh(&points, own.triangles().to_vec());
+                let scene = Scene::new(vec![Object::new(mesh)]).unwrap();
+                shot += aimed(&scene, rays_each, &mut numbers, &path);
+            }
+        }
+    }
+    shot
+}
+
+/// Shoots from inside the one closed mesh of a scene at its corners and edges, with every instruction set.
+fn aimed(scene: &Scene, count: usize, numbers: &mut Numbers, path: &Path) -> usize {
+    let mesh = scene.objects()[0].mesh().unwrap();
+    let Some(inside) = point_inside(scene) else {
+        return 0;
+    };
+    let mut rays = Vec::with_capacity(count);
+    for k in 0..count {
+        let [a, b, _] = mesh.corners(k / 2 % mesh.triangles().len());
+        let target = if k % 2 == 0 {
+            a
+        } else {
+            a.lerp(b, numbers.unit())
+        };
+        if target != inside {
+            rays.push(Ray::new(inside, target - inside));
+        }
+    }
+    for set in sets() {
+        let scene = scene.clone().with_instruction_set(set);
+        let hits = shoot_all(&scene, &rays, &()).unwrap();
+        let any = occluded_all(&scene, &rays, &()).unwrap();
+        let missed = (0..rays.len()).find(|&k| hits.get(k).is_miss() || !any[k]);
+        let missed = missed.map(|k| rays[k]);
+        assert_eq!(missed, None, "{} {set:?}", path.display());
+    }
+    rays.len()
+}
+
+#[test]
+fn closed_meshes_do_not_leak() {
+    let shot = leaks(4_000);
+    assert!(shot == 0 || shot > 100_000, "{shot}");
+}
+
+/// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
+#[test]
+#[ignore = "takes hours: make soak"]
+fn soak_of_leaks() {
+    let mut shot = 0;
+    while shot < soak_rays() {
+        let rays = leaks(100_000);
+        if rays == 0 {
+            return;
+        }
+        shot += rays;
+        println!("{shot} rays at corners and edges, each with every instruction set");
+    }
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(self::files(&path));
+        } else {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+/// A point that the only object, a closed mesh, is met from an odd number of times.
+fn point_inside(scene: &Scene) -> Option<DVec3> {
+    let mesh = scene.objects()[0].mesh()?;
+    let mut numbers = Numbers::new(9);
+    let (low, size) = (mesh.bounds().low, mesh.bounds().size());
+    (0..50).find_map(|_| {
+        let point = low + size * (0.5 + 0.5 * numbers.point());
+        let is_odd = |direction: DVec3| {
+            let shear = Shear::new(&Ray::new(point, direction));
+            let met = (0..mesh.triangles().len())
+                .filter_map(|triangle| mesh.intersect_triangle(triangle, &shear));
+            met.filter(|hit| hit.t > 0.0).count() % 2 == 1
+        };
+        (0..3).all(|_| is_odd(numbers.point())).then_some(point)
+    })
+}
+
+/// Whether every edge is met by two triangles, once in each direction.
+fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let mut edges = std::collections::HashMap::new();
+    for &[a, b, c] in triangles {
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            *edges.entry((p.min(q), p.max(q))).or_insert(0) += if p < q { 1 } else { -1 };
+        }
+    }
+    !triangles.is_empty() && edges.values().all(|&sum| sum == 0)
+}

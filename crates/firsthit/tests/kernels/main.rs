@@ -1,0 +1,285 @@
+//! Every kernel on every instruction set of this machine, against brute force, bit for bit.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+mod leaks;
+mod pixels;
+#[path = "../support/mod.rs"]
+mod support;
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit, occluded_all, shoot_all};
+use firsthit::{DAffine3, DVec3, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Transform};
+use rayon::ThreadPoolBuilder;
+use support::{Numbers, bumpy_sphere, mesh};
+
+fn sets() -> impl Iterator<Item = InstructionSet> {
+    InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+}
+
+fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
+    (
+        hit.t.to_bits(),
+        hit.object,
+        hit.primitive,
+        hit.barycentric.to_array().map(f64::to_bits),
+    )
+}
+
+/// Shoots `rays` with every instruction set and compares with the judge; returns how many hit.
+fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
+    let judge: Vec<Hit> = (0..rays.len())
+        .map(|k| first_hit::<BruteForce>(scene, &rays.ray(k)))
+        .collect();
+    for set in sets() {
+        let scene = scene.clone().with_instruction_set(set);
+        let hits = shoot_all(&scene, rays, &()).unwrap();
+        let any = occluded_all(&scene, rays, &()).unwrap();
+        for (k, judge) in judge.iter().enumerate() {
+            let (ray, hit) = (rays.ray(k), hits.get(k));
+            let what = || format!("{set:?} {k} {ray:?}: {hit:?}, the judge says {judge:?}");
+            assert_eq!(bits(&hit), bits(judge), "{}", what());
+            assert_eq!(any[k], !judge.is_miss(), "any hit: {}", what());
+            if k % 64 == 0 {
+                assert_eq!(any_hit(&scene, &ray), !judge.is_miss(), "{}", what());
+                let alone = first_hit::<Trees>(&scene, &ray);
+                assert_eq!(bits(&alone), bits(judge), "alone: {}", what());
+            }
+        }
+    }
+    judge.iter().filter(|hit| !hit.is_miss()).count()
+}
+
+/// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners and edges.
+fn soup(count: usize, numbers: &mut Numbers) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut points: Vec<DVec3> = (0..4).map(|_| numbers.point()).collect();
+    let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
+    for k in 0..count {
+        let first = points.len() as u32;
+        let centre = numbers.point();
+        let size = [1.0, 0.3, 0.05, 1e-3][k % 4];
+        points.extend((0..3).map(|_| centre + size * numbers.point()));
+        match k % 8 {
+            5 => points[first as usize + 2] = points[first as usize] * (1.0 + 1e-12),
+            6 => points[first as usize + 1] = points[first as usize],
+            7 => triangles.push(triangles[numbers.below(triangles.len())]),
+            _ => {}
+        }
+        let shared = numbers.below(points.len()) as u32;
+        triangles.push([first, first + 1, first + 2]);
+        triangles.push([first, first + 1, shared]);
+    }
+    (points, triangles)
+}
+
+/// Random rays, at corners and edges, along the axes through corners, in the planes of triangles, from corners,
+/// with ends, and some that make no sense.
+fn rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
+    let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+    (0..count)
+        .map(|k| {
+            let [a, b, c] = [0; 3].map(|_| points[numbers.below(points.len())]);
+            let origin = middle + 3.0 * scale * numbers.point();
+            let axis = DVec3::AXES[k / 8 % 3] * [1.0, -1.0][k / 24 % 2];
+            match k % 8 {
+                0 => Ray::new(origin, numbers.point()),
+                1 => Ray::new(origin, a - origin),
+                2 => Ray::new(origin, a.lerp(b, numbers.unit()) - origin),
+                3 => Ray::new(a - 2.0 * scale * axis, axis),
+                4 => Ray::new(a, numbers.point()).up_to(scale * numbers.unit()),
+                5 => Ray::new(a.lerp(b, 3.0), b.lerp(c, numbers.unit()) - a),
+                6 => Ray::new(origin, 1e-30 * (a - origin) / scale).up_to(1e30 * scale),
+                _ if k % 80 == 7 => Ray::new(origin, DVec3::splat(f64::NAN)),
+                _ if k % 80 == 15 => Ray::new(origin * f64::INFINITY, axis),
+                _ if k % 80 == 23 => Ray::new(origin, DVec3::ZERO),
+                _ => Ray::new(
+                    middle + 1e6 * scale * numbers.point(),
+                    axis + 1e-9 * numbers.point(),
+                ),
+            }
+        })
+        .collect()
+}
+
+const PLACES: [(f64, f64); 8] = [
+    (1.0, 0.0),
+    (1e-6, 0.0),
+    (1e6, 0.0),
+    (1.0, 1e5),
+    (1.0, -1e7),
+    (1e-3, 1e2),
+    (1e8, 3.0),
+    (1e-4, 1e1),
+];
+
+fn placed(points: &[DVec3], scale: f64, offset: f64) -> Vec<DVec3> {
+    let place = |p: &DVec3| scale * *p + DVec3::new(offset, -offset, 0.5 * offset);
+    points.iter().map(place).collect()
+}
+
+/// Rounds of soups of every scale at every place; `rays_each` rays for each.
+fn soups(rounds: u64, rays_each: usize) -> usize {
+    let mut shot = 0;
+    for round in 0..rounds {
+        let mut numbers = Numbers::new(round + 1);
+        let (scale, offset) = PLACES[round as usize % PLACES.len()];
+        let (mut points, triangles) = soup([3, 12, 60][round as usize / 8 % 3], &mut numbers);
+        if round % 2 == 0 {
+            // As most files are.
+            points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
+        }
+        let points = placed(&points, scale, offset);
+        let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+        let rays = rays(&points, scale, rays_each, &mut numbers);
+        judged(&scene, &rays);
+        shot += rays.len();
+    }
+    shot
+}
+
+#[test]
+fn soups_of_every_scale_and_place() {
+    assert!(soups(48, 4000) > 100_000);
+}
+
+fn soak_rays() -> usize {
+    std::env::var("FIRSTHIT_SOAK").map_or(1_000_000, |text| text.parse().unwrap())
+}
+
+/// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
+#[test]
+#[ignore = "takes hours: make soak"]
+fn soak() {
+    let mut shot = 0;
+    let mut round = 0;
+    while shot < soak_rays() {
+        round += 48;
+        shot += soups(round, 4000);
+        println!("{shot} rays");
+    }
+}
+
+/// So far away that float64 cannot bring the ray near, yet the judge says it hits.
+#[test]
+fn rays_from_very_far_away() {
+    let points = [
+        [
+            0.704_673_351_557_588_5,
+            0.792_725_582_506_619_3,
+            0.755_299_526_949_494_4,
+        ],
+        [
+            0.679_977_945_382_368_2,
+            -0.938_001_182_180_339_8,
+            -0.532_272_798_429_086_3,
+        ],
+        [
+            -0.661_067_254_926_570_4,
+            -0.101_627_778_287_902_04,
+            -0.723_386_593_737_791,
+        ],
+    ];
+    let points = points.map(DVec3::from);
+    let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
+    let aimed = Ray::new(
+        DVec3::new(-1e17, 5_049_715_062_860_227.0, -2_542_603_579_874_058.5),
+        DVec3::new(1.0, -0.050_497_150_628_602_27, 0.025_426_035_798_740_587),
+    );
+    let mut rays = vec![aimed];
+    let mut numbers = Numbers::new(77);
+    for k in 0..2000 {
+        let way = 1e14 * (1_u64 << (3 * (k % 20))) as f64 * numbers.point();
+        rays.push(Ray::new(points[0] - way, way));
+        rays.push(Ray::new(0.3 * points[1] - way, way.normalize()).up_to(way.length() * 2.0));
+    }
+    assert!(judged(&scene, &rays) > 0);
+}
+
+fn hash(hits: &Hits) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    for k in 0..hits.len() {
+        bits(&hits.get(k)).hash(&mut hasher);
+    }
+    hasher.finish()
+}
+
+#[test]
+fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
+    let (points, triangles) = bumpy_sphere(60, 7);
+    let objects = vec![Object::new(mesh(&points, triangles))];
+    let mut numbers = Numbers::new(1);
+    let batch = rays(&points, 1.0, 5000, &mut numbers);
+    let camera = pixels::cameras(DVec3::ZERO, 1.5, &mut numbers)[0];
+    let mut hashes = Vec::new();
+    for set in sets() {
+        for threads in [1, 2, 3, 7] {
+            let pool = ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            hashes.push(pool.install(|| {
+                let scene = Scene::new(objects.clone())
+                    .unwrap()
+                    .with_instruction_set(set);
+                [
+                    hash(&shoot_all(&scene, &batch, &()).unwrap()),
+                    hash(&shoot_all(&scene, &camera, &()).unwrap()),
+                ]
+            }));
+        }
+    }
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+}
+
+/// Closed meshes of the reference data, from a point near the middle: a ray at every corner and at every edge's
+/// middle, and on from there, all of which meet the mesh.
+#[test]
+fn identical_and_degenerate_triangles_do_no_harm() {
+    let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]; 20_000]))]).unwrap();
+    let ray = Ray::new(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z);
+    let hits = shoot_all(&scene, &vec![ray; 3], &()).unwrap();
+    assert_eq!((hits.t[2], hits.primitive[2]), (1.0, 0));
+
+    let mut degenerate = vec![[0, 0, 1]; 1_000_000];
+    degenerate.push([0, 1, 2]);
+    let scene = Scene::new(vec![Object::new(mesh(&points, degenerate))]).unwrap();
+    let hits = shoot_all(&scene, &vec![ray; 3], &()).unwrap();
+    assert_eq!((hits.t[2], hits.primitive[2]), (1.0, 1_000_000));
+}
+
+/// Copies are asked once, and what looks like one is not taken for one.
+#[test]
+fn of_copies_in_one_place_the_lowest_is_met() {
+    let mut numbers = Numbers::new(9);
+    let (points, triangles) = bumpy_sphere(6, 4);
+    // Each triangle five times, as itself, turned over, and beginning with another corner.
+    let repeated = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [a, b, c], [a, c, b], [a, b, c]];
+    let twenty = triangles.iter().flat_map(repeated);
+    let many: Vec<[u32; 3]> = twenty.cycle().take(20 * triangles.len()).collect();
+    let ball = Object::new(mesh(&points, triangles));
+    let again = Object::new(mesh(&points, many));
+    let moved = Transform::new(DAffine3::from_translation(1e-9 * DVec3::X)).unwrap();
+    let objects = vec![
+        again.clone().placed(moved),
+        ball.clone(),
+        again,
+        ball.clone(),
+        ball.clone().placed(moved),
+        ball,
+    ];
+    let scene = Scene::new(objects).unwrap();
+    let mut hits = judged(&scene, &rays(&points, 1.0, 400, &mut numbers));
+    for camera in &pixels::cameras(DVec3::ZERO, 1.5, &mut numbers)[..3] {
+        hits += judged(&scene, camera);
+    }
+    assert!(hits > 1_000, "{hits}");
+}

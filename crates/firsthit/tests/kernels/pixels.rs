@@ -1,0 +1,238 @@
+//! Cameras, and arrays of what might be a camera's rays.
+
+use std::sync::Arc;
+
+use firsthit::{
+    Camera, DAffine3, DMat3, DVec3, Object, Plane, Projection, Ray, RayStart, Scene, Sphere,
+    Transform, View,
+};
+
+use super::support::{Numbers, bumpy_sphere, mesh};
+use super::{PLACES, judged, placed, rays, soup};
+
+pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
+    let mut cameras = Vec::new();
+    for k in 0..8 {
+        let position = middle + size * [2.0, 0.4, 8.0, 1.0][k % 4] * numbers.point();
+        let projection = [Projection::Perspective, Projection::Orthographic][k / 4 % 2];
+        let ray_start = [RayStart::Eye, RayStart::Viewplane][k % 2];
+        let focal_length = size * [0.5, 0.01, 1.0][k % 3];
+        let wide = match projection {
+            Projection::Perspective => focal_length * [1.0, 3.0][k % 2],
+            Projection::Orthographic => 2.0 * size,
+        };
+        let view = View {
+            position,
+            aim: middle + 0.3 * size * numbers.point() - position,
+            up: numbers.point(),
+            focal_length,
+            width: wide,
+            height: 0.8 * wide,
+            rows: [33, 16, 50][k % 3],
+            columns: [45, 31, 64][k % 3],
+            projection,
+            ray_start,
+        };
+        cameras.push(Camera::new(view).unwrap());
+    }
+    // Straight along an axis: slopes are exactly zero.
+    let view = View {
+        position: middle + 2.0 * size * DVec3::Z,
+        focal_length: size,
+        width: size,
+        height: size,
+        rows: 32,
+        columns: 32,
+        ..View::default()
+    };
+    cameras.push(Camera::new(view).unwrap());
+    cameras
+}
+
+#[test]
+fn cameras_on_soups() {
+    let mut hits = 0;
+    for round in 0..16 {
+        let mut numbers = Numbers::new(100 + round);
+        let (scale, offset) = PLACES[round as usize % PLACES.len()];
+        let (points, triangles) = soup([12, 60][round as usize / 8], &mut numbers);
+        let points = placed(&points, scale, offset);
+        let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+        for camera in cameras(
+            placed(&[DVec3::ZERO], scale, offset)[0],
+            scale,
+            &mut numbers,
+        ) {
+            hits += judged(&scene, &camera);
+        }
+    }
+    assert!(hits > 20_000, "{hits}");
+}
+
+/// A camera's rays in an array, as others make them: rounded, of any length, of a part of the picture, bent, and with
+/// rays among them that are nobody's pixel.
+fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {
+    let columns = if kind == 3 {
+        16..camera.columns()
+    } else {
+        0..camera.columns()
+    };
+    let mut rays = Vec::new();
+    for row in 0..camera.rows() {
+        for column in columns.clone() {
+            let mut ray = camera.ray(row, column);
+            match kind {
+                1 => {
+                    ray.origin = ray.origin.as_vec3().as_dvec3();
+                    ray.direction = ray.direction.as_vec3().as_dvec3();
+                }
+                2 => ray.direction *= 0.1 + 3.0 * numbers.unit(),
+                4 => ray.direction += 1e-3 * ray.direction.x * ray.direction.y * DVec3::Y,
+                5 => ray.direction += 1e-9 * numbers.point(),
+                _ => {}
+            }
+            rays.push(ray);
+        }
+    }
+    if kind == 0 {
+        // Only a part, which begins and ends within a row.
+        rays.truncate(rays.len() - camera.columns() / 3);
+        rays.drain(..camera.columns() / 2);
+    }
+    if kind == 6 {
+        let count = rays.len();
+        rays[count / 2].direction = DVec3::NAN;
+        rays[count / 3].t_max = 1.0;
+        rays[count / 5].direction *= 1e-200;
+        rays[count / 7] = Ray::new(DVec3::ONE, DVec3::X);
+    }
+    rays
+}
+
+#[test]
+fn arrays_of_a_cameras_rays() {
+    let mut hits = 0;
+    for round in 0..16 {
+        let mut numbers = Numbers::new(900 + round);
+        let (scale, offset) = PLACES[round as usize % PLACES.len()];
+        let (points, triangles) = soup(30, &mut numbers);
+        let points = placed(&points, scale, offset);
+        let mut objects = vec![Object::new(mesh(&points, triangles))];
+        if round % 4 == 3 {
+            let turn = DAffine3::from_rotation_y(0.7);
+            let turned = objects[0].clone().placed(Transform::new(turn).unwrap());
+            objects.push(turned);
+            objects.push(Object::new(Sphere::new(DVec3::ZERO, 0.1 * scale).unwrap()));
+        }
+        let scene = Scene::new(objects).unwrap();
+        let middle = placed(&[DVec3::ZERO], scale, offset)[0];
+        for (k, camera) in cameras(middle, scale, &mut numbers).iter().enumerate() {
+            let rays = pixels(camera, (k + round as usize) % 7, &mut numbers);
+            hits += judged(&scene, &rays);
+        }
+    }
+    assert!(hits > 20_000, "{hits}");
+}
+
+#[test]
+fn cameras_on_instances_transforms_and_other_shapes() {
+    let mut numbers = Numbers::new(5);
+    let (points, triangles) = bumpy_sphere(6, 4);
+    let shared = mesh(&points, triangles);
+    let mut objects = vec![Object::new(Sphere::new(DVec3::ZERO, 0.7).unwrap())];
+    for k in 0..24 {
+        let matrix = DMat3::from_cols(numbers.point(), numbers.point(), numbers.point());
+        let placed = DAffine3::from_mat3_translation(0.5 * matrix, 2.0 * numbers.point());
+        let placed = Transform::new(placed).unwrap();
+        objects.push(Object::new(Arc::clone(&shared)).placed(placed));
+        if k == 12 {
+            // Twice in the same place: the lower one wins every tie.
+            objects.push(objects[3].clone());
+        }
+    }
+    objects.push(Object::new(Plane::new(-2.0 * DVec3::Z, DVec3::Z).unwrap()));
+    let mixed = Scene::new(objects.clone()).unwrap();
+    let meshes = Scene::new(objects[1..26].to_vec()).unwrap();
+    let mut hits = 0;
+    for camera in cameras(DVec3::ZERO, 1.5, &mut numbers) {
+        hits += judged(&mixed, &camera) + judged(&meshes, &camera);
+    }
+    let one = Scene::new(vec![objects[1].clone()]).unwrap();
+    let rays = rays(&points, 1.0, 3000, &mut numbers);
+    hits += judged(&mixed, &rays) + judged(&meshes, &rays) + judged(&one, &rays);
+    assert!(hits > 5_000, "{hits}");
+}
+
+/// Every ray through a corner where six triangles meet, all at the same `t`.
+#[test]
+fn a_grid_looked_at_through_its_corners() {
+    const SIDE: u32 = 33;
+    let at = |k: u32| DVec3::new(f64::from(k % SIDE), f64::from(k / SIDE), 0.0);
+    let points: Vec<DVec3> = (0..SIDE * SIDE).map(at).collect();
+    let mut triangles = Vec::new();
+    for k in (0..SIDE * (SIDE - 1)).filter(|k| k % SIDE + 1 < SIDE) {
+        triangles.extend([[k, k + 1, k + SIDE], [k + 1, k + SIDE + 1, k + SIDE]]);
+    }
+    let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+    let side = f64::from(SIDE);
+    let view = View {
+        position: DVec3::new(0.5 * (side - 1.0), 0.5 * (side - 1.0), 4.0),
+        focal_length: 4.0,
+        width: side,
+        height: side,
+        rows: SIDE as usize,
+        columns: SIDE as usize,
+        projection: Projection::Orthographic,
+        ray_start: RayStart::Eye,
+        ..View::default()
+    };
+    let camera = Camera::new(view).unwrap();
+    assert_eq!(judged(&scene, &camera), camera.pixels());
+    let perspective = View {
+        projection: Projection::Perspective,
+        ..view
+    };
+    let camera = Camera::new(perspective).unwrap();
+    assert_eq!(judged(&scene, &camera), camera.pixels());
+}
+
+/// Parallel rays that all but run along the grid they start on, and not quite on it.
+#[test]
+fn arrays_of_grazing_parallel_rays() {
+    let mut triangles = Vec::new();
+    let mut points = Vec::new();
+    for i in 0..60 {
+        for j in 0..12 {
+            let corner = DVec3::new(180.0 + 2.0 * f64::from(i), 6.0 * f64::from(j), -10.0);
+            let first = u32::try_from(points.len()).unwrap();
+            points.extend([corner, corner + 2.0 * DVec3::X, corner + 6.0 * DVec3::Y]);
+            points.push(corner + DVec3::new(2.0, 6.0, 0.0));
+            triangles.extend([[0, 1, 2], [1, 3, 2]].map(|t| t.map(|k| first + k)));
+        }
+    }
+    let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+    let mut hits = 0;
+    for (jitter, slope) in [(0.0, 0.05), (0.004, 0.05), (0.0001, 0.3), (0.004, 1.0)] {
+        let mut rays = Vec::new();
+        for k in 0..64 * 64 {
+            let (i, j) = (f64::from(k % 64), f64::from(k / 64));
+            let z = if k % 2 == 0 { jitter } else { -jitter };
+            rays.push(Ray::new(DVec3::new(i, j, z), DVec3::new(1.0, 0.0, -slope)));
+        }
+        hits += judged(&scene, &rays);
+    }
+    assert!(hits > 3_000, "{hits}");
+}
+
+/// Rays that go a long way, a little aslant their grid: where an object is seen is not where it would be straight ahead.
+#[test]
+fn arrays_a_little_aslant() {
+    let points = [[-1.0, 70.0, 0.0], [12.0, -5.0, 0.0], [12.0, 70.0, 0.0]].map(DVec3::from);
+    let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
+    let ray = |k: usize| {
+        let start = DVec3::new((k % 64) as f64, (k / 64) as f64, 1e8);
+        Ray::new(start, DVec3::new(-5e-7, 0.0, -1.0))
+    };
+    let all: Vec<Ray> = (0..64 * 64).map(ray).collect();
+    assert!(judged(&scene, &all) > 100);
+}
