@@ -8,15 +8,19 @@
 //! - where one side is below -B and another above B, the judge finds the same signs and rejects;
 //! - where all are beyond B on the same side, the judge finds the same signs and accepts.
 //!
-//! `X` needs to hold only where the verdict is used: there the ray is inside the triangle, the judge's or
-//! this one, so no coordinate is larger than the triangle's extent across the ray, which is at most its
-//! extent along an axis twice, and E. What is relative to the start is then no larger than the corners' depths and
-//! that extent: `near`. `E` in units of `u near`: two differences 2; the same along the ray, times a slope of at
-//! most 1; the slope itself 1; product and difference 2 where they are not fused: in all 7. To that comes the
-//! ray's `blur`, three times. The judge's own rounding is 2^-29 of that.
+//! The first verdict needs a `B` for rays that the judge has inside the triangle: there no coordinate is larger than the
+//! triangle's extent across the ray, which is at most its extent along an axis twice, and E. The second needs one for
+//! any ray: what looks like a tiny inside may be the rounding of a triangle without any, far from the ray. But the ray
+//! passes the leaf's box, so no coordinate is larger than the leaf's extent along an axis twice, and what the test
+//! of the box allows for.
+//!
+//! What is relative to the start is no larger than the corners' depths and that extent: `near`. `E` in units of `u
+//! near`: two differences 2; the same along the ray, times a slope of at most 1; the slope itself 1; product and
+//! difference 2 where they are not fused: in all 7. To that comes the ray's `blur`, three times. The judge's own
+//! rounding is 2^-29 of that.
 
 use super::meshlet::Meshlet;
-use super::ray::{TreeRay, U};
+use super::ray::{MARGIN, TreeRay, U};
 use crate::simd::Lanes;
 
 /// What float32 knows about a leaf's triangles.
@@ -53,11 +57,17 @@ pub(super) fn filter<L: Lanes>(
     let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
     let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
     let deep = l.max(l.abs(nearest), l.abs(farthest));
-    let near = l.add(deep, l.splat(3.0 * leaf.size));
-    let error = l.mul_add(near, l.splat(9.0 * U), l.splat(3.0 * ray.blur));
-    let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * leaf.size));
-    let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
-    let bound = l.mul(share, size);
+    let blur = l.splat(3.0 * ray.blur);
+    macro_rules! bound {
+        ($extent:expr, $more:expr) => {{
+            let near = l.add(deep, l.splat(3.0 * $extent));
+            let error = l.mul_add(near, l.splat(9.0 * U), blur);
+            let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * $extent + $more));
+            let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
+            l.mul(share, size)
+        }};
+    }
+    let bound = bound!(leaf.size, 0.0);
 
     let (ax, bx, cx) = (l.permute(x, a), l.permute(x, b), l.permute(x, c));
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
@@ -67,17 +77,19 @@ pub(super) fn filter<L: Lanes>(
     let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
     let (minus, plus) = (l.sub(l.splat(0.0), bound), bound);
     let outside = l.lt(least, minus) & l.lt(plus, most);
-    let slack = l.mul_add(deep, l.splat(24.0 * U), l.splat(3.0 * ray.blur));
-    let spread = l.mul(l.sub(farthest, nearest), l.splat(6.1));
+    let slack = l.mul_add(deep, l.splat(24.0 * U), blur);
+    let spread = l.mul(l.sub(farthest, nearest), l.splat(2.1));
     let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
     let between = l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
     let possible = leaf.filled & !outside & between;
     if possible == 0 {
         return None;
     }
+    let plus = bound!(leaf.extent, 2.0 * MARGIN);
+    let minus = l.sub(l.splat(0.0), plus);
     let certain = l.lt(plus, least) | l.lt(most, minus);
-    // The corners' depths in the mean of the sides. The weights are off by 6 B / |sum| in all, and what they
-    // weigh differs by no more than the spread.
+    // The corners' depths in the mean of the sides: where each side is off by B, it is off by B / |sum| times what each
+    // corner's depth is from the mean, and these come to no more than twice the spread.
     let over = l.div(l.splat(1.0), l.add(l.add(u, v), w));
     let depth = l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz)));
     let depth = l.mul(depth, over);

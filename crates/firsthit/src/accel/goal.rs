@@ -28,6 +28,14 @@ pub(crate) trait Question: Goal {
     const NOTHING: Self::Answer;
     /// Before the first leaf; with the ray's limits, see [`Packet::limits`].
     fn new(limits: (f32, f32)) -> Self;
+    /// Takes note of a single candidate, the triangle in a lane of a leaf, between two depths.
+    fn meet_one(
+        &mut self,
+        place: &Place<'_>,
+        triangle: (u32, usize),
+        depths: (f32, f32),
+        is_certain: bool,
+    );
     /// After the last one.
     fn answer(&self, place: &Place<'_>) -> Self::Answer;
     /// Without a tree.
@@ -139,6 +147,34 @@ impl Question for First {
     }
 
     #[inline(always)]
+    fn meet_one(
+        &mut self,
+        place: &Place<'_>,
+        (leaf, lane): (u32, usize),
+        (low, high): (f32, f32),
+        is_certain: bool,
+    ) {
+        let (best_low, best_high) = match self.best {
+            Best::None => (self.within, f32::INFINITY),
+            Best::Pending { low, high, .. } | Best::Decided { low, high, .. } => (low, high),
+        };
+        if low > best_high {
+            return;
+        }
+        if is_certain && low > 0.0 && high < best_low {
+            self.best = Best::Pending {
+                leaf,
+                lane,
+                low,
+                high,
+            };
+            self.limit = self.limit.min(high);
+        } else {
+            self.compare(place, leaf, lane);
+        }
+    }
+
+    #[inline(always)]
     fn answer(&self, place: &Place<'_>) -> Self::Answer {
         self.best.decided(place)
     }
@@ -158,28 +194,15 @@ impl Goal for First {
         l.store(candidates.high, &mut highs.0);
         let mut possible = candidates.possible;
         while possible != 0 {
-            let lane = possible.trailing_zeros() as usize;
+            let lane = possible.trailing_zeros() as usize % LANES;
             possible &= possible - 1;
-            let (low, high) = (lows.0[lane], highs.0[lane]);
-            let (best_low, best_high) = match self.best {
-                Best::None => (self.within, f32::INFINITY),
-                Best::Pending { low, high, .. } | Best::Decided { low, high, .. } => (low, high),
-            };
-            if low > best_high {
-                continue;
-            }
             let is_certain = candidates.certain >> lane & 1 == 1;
-            if is_certain && low > 0.0 && high < best_low {
-                self.best = Best::Pending {
-                    leaf,
-                    lane,
-                    low,
-                    high,
-                };
-                self.limit = self.limit.min(high);
-            } else {
-                self.compare(place, leaf, lane);
-            }
+            self.meet_one(
+                place,
+                (leaf, lane),
+                (lows.0[lane], highs.0[lane]),
+                is_certain,
+            );
         }
     }
 
@@ -205,6 +228,22 @@ impl Question for Any {
             is_found: false,
             limit,
             within,
+        }
+    }
+
+    #[inline(always)]
+    fn meet_one(
+        &mut self,
+        place: &Place<'_>,
+        (leaf, lane): (u32, usize),
+        (low, high): (f32, f32),
+        is_certain: bool,
+    ) {
+        let leaf = &place.tree.leaves[leaf as usize];
+        let is_inside = is_certain && low > 0.0 && high < self.within;
+        if is_inside || place.decide(leaf, lane).is_some() {
+            self.is_found = true;
+            self.limit = -1.0;
         }
     }
 

@@ -14,6 +14,8 @@ pub(super) struct Meshlet {
     pub(super) first: u32,
     /// How far a triangle extends along an axis at most.
     pub(super) size: f32,
+    /// How far all of them together do.
+    pub(super) extent: f32,
     /// Which triangles there are, a bit each.
     pub(super) filled: u16,
 }
@@ -39,6 +41,7 @@ impl Meshlet {
             corners: [[0; LANES]; 3],
             first,
             size: 0.0,
+            extent: 0.0,
             filled: 0,
         };
         for (k, triangle) in triangles.enumerate().take(LANES) {
@@ -56,8 +59,14 @@ impl Meshlet {
                 leaf.vertices[axis][k] = coordinate;
             }
         }
+        let extents = leaf
+            .vertices
+            .each_ref()
+            .map(|along| most(along) - least(along));
+        leaf.extent = most(&extents);
         // Larger than any rounding of the differences.
         leaf.size *= 1.000_001;
+        leaf.extent *= 1.000_001;
         leaf
     }
 
@@ -87,6 +96,14 @@ fn extent([a, b, c]: [[f32; 3]; 3]) -> f32 {
     (0..3)
         .map(|k| a[k].max(b[k]).max(c[k]) - a[k].min(b[k]).min(c[k]))
         .fold(0.0, f32::max)
+}
+
+fn least(values: &[f32]) -> f32 {
+    values.iter().copied().fold(f32::INFINITY, f32::min)
+}
+
+fn most(values: &[f32]) -> f32 {
+    values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
 }
 
 /// The different vertices of a leaf's triangles, in the order they come.

@@ -8,6 +8,7 @@
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
 )]
 
+mod beam;
 mod bins;
 mod build;
 mod bvh;
@@ -18,6 +19,7 @@ mod mesh_tree;
 mod meshlet;
 mod packet;
 mod ray;
+mod search;
 mod tile;
 mod verdict;
 mod visit;
@@ -32,7 +34,7 @@ pub(crate) use frame::{Bundle, Frame, largest_axis};
 pub(crate) use goal::{Any, First, Question};
 pub use mesh_tree::MeshTree;
 pub(crate) use packet::{Packet, RAYS, turned};
+pub(crate) use search::{Answers, Search, Searcher};
 pub(crate) use tile::{Arbiter, TILE, Tile, Winner, fill};
 pub(crate) use verdict::{Corners, Pencil, axes, verdict};
 pub(crate) use walk::{Scratch, ask, each};
-pub(crate) use wave::{Answers, Search, Wave, wave};

@@ -1,4 +1,4 @@
-//! Eight rays made ready for a [`MeshTree`] at once, a lane each. What comes out is described in `ray.rs`.
+//! Sixteen rays made ready for a [`MeshTree`], eight at a time, a lane each. What comes out is described in `ray.rs`.
 
 #![expect(
     clippy::needless_range_loop,
@@ -8,44 +8,44 @@
 use super::mesh_tree::MeshTree;
 use super::ray::{TreeRay, U};
 use crate::geometry::{DMat3, DVec3, Ray, Transform};
-use crate::simd::{Lanes, WIDE};
+use crate::simd::{LANES, Lanes, WIDE};
 
 /// How many rays are in a packet.
-pub(crate) const RAYS: usize = WIDE;
+pub(crate) const RAYS: usize = LANES;
 
 /// Starts beyond this are moved. The tree is in the cube from -1 to 1.
 const FAR: f64 = 8.0;
 
-/// Eight rays in the space of a mesh.
+/// Sixteen rays in the space of a mesh; float64 takes them in two halves.
 #[derive(Debug, Clone, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Packet {
-    origin: [[f64; WIDE]; 3],
-    direction: [[f64; WIDE]; 3],
-    t_max: [f64; WIDE],
+    origin: [[f64; RAYS]; 3],
+    direction: [[f64; RAYS]; 3],
+    t_max: [f64; RAYS],
     /// Depth in a unit of `t`.
-    depth_per_t: [f64; WIDE],
+    depth_per_t: [f64; RAYS],
     /// The depth that the start was moved by.
-    moved: [f64; WIDE],
+    moved: [f64; RAYS],
 
     // See `TreeRay`.
-    start: [[[f32; WIDE]; 2]; 3],
-    slope: [[f32; WIDE]; 2],
-    forwards: [f32; WIDE],
-    blur: [f32; WIDE],
-    inverse: [[f32; WIDE]; 3],
-    ends: [[[f32; WIDE]; 2]; 3],
+    pub(super) start: [[[f32; RAYS]; 2]; 3],
+    pub(super) slope: [[f32; RAYS]; 2],
+    pub(super) forwards: [f32; RAYS],
+    pub(super) blur: [f32; RAYS],
+    inverse: [[f32; RAYS]; 3],
+    ends: [[[f32; RAYS]; 2]; 3],
 
     /// What a float32 depth is off by at most, and twice as much again.
-    depth_error: [f32; WIDE],
+    depth_error: [f32; RAYS],
     /// The depth beyond which nothing matters, as `t_max` says.
-    limit: [f32; WIDE],
+    pub(super) limit: [f32; RAYS],
     /// The depth up to which a hit is within `t_max` for certain.
-    within: [f32; WIDE],
+    within: [f32; RAYS],
     /// The rays whose direction is longest along y, and along z.
-    is_along: [u8; 2],
+    is_along: [u16; 2],
     /// The rays that may meet something.
-    pub(crate) alive: u8,
+    pub(crate) alive: u16,
 }
 
 /// Between the axes of space and those of each ray, `TreeRay::axes`.
@@ -109,7 +109,7 @@ impl Packet {
     /// Puts a ray into a lane.
     #[inline(always)]
     pub(crate) fn put(&mut self, lane: usize, ray: &Ray) {
-        let lane = lane % WIDE;
+        let lane = lane % RAYS;
         for axis in 0..3 {
             self.origin[axis][lane] = ray.origin[axis];
             self.direction[axis][lane] = ray.direction[axis];
@@ -120,8 +120,8 @@ impl Packet {
     /// The ray in a lane.
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize) -> Ray {
-        let lane = lane % WIDE;
-        let vector = |v: &[[f64; WIDE]; 3]| DVec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        let lane = lane % RAYS;
+        let vector = |v: &[[f64; RAYS]; 3]| DVec3::new(v[0][lane], v[1][lane], v[2][lane]);
         Ray {
             origin: vector(&self.origin),
             direction: vector(&self.direction),
@@ -129,13 +129,22 @@ impl Packet {
         }
     }
 
+    /// `TreeRay::axes` of some rays, if they have them in common.
+    #[inline(always)]
+    pub(super) fn common_axes(&self, rays: u16) -> Option<[usize; 3]> {
+        let [y, z] = self.is_along.map(|along| along & rays);
+        let along = usize::from(y != 0) + 2 * usize::from(z != 0);
+        let all = (y == 0 || y == rays) && (z == 0 || z == rays);
+        all.then_some(AXES[along])
+    }
+
     /// The same as the tree sees it.
     #[inline(always)]
     pub(super) fn tree_ray(&self, lane: usize) -> TreeRay {
-        let lane = lane % WIDE;
+        let lane = lane % RAYS;
         let [y, z] = self.is_along.map(|mask| usize::from(mask >> lane & 1));
         let z = y + 2 * z;
-        let pair = |v: &[[f32; WIDE]; 2]| [v[0][lane], v[1][lane]];
+        let pair = |v: &[[f32; RAYS]; 2]| [v[0][lane], v[1][lane]];
         TreeRay {
             axes: AXES[z],
             start: [
@@ -162,7 +171,15 @@ impl Packet {
     /// Takes world rays into an object's space, and says which of them are as nearly all are: valid in both, and with
     /// a direction that can be squared. What becomes of others is of no use.
     #[inline(always)]
-    pub(crate) fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u8 {
+    pub(crate) fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u16 {
+        u16::from_le_bytes([
+            self.enter_half(l, transform, 0),
+            self.enter_half(l, transform, 1),
+        ])
+    }
+
+    #[inline(always)]
+    fn enter_half<L: Lanes>(&mut self, l: L, transform: &Transform, half: usize) -> u8 {
         let number = |x: f64| l.splat64(x);
         let finite = |v: &[L::Doubles; 3]| {
             // Written so that a NaN fails.
@@ -170,9 +187,12 @@ impl Packet {
                 & l.le64(l.abs64(v[1]), number(f64::MAX))
                 & l.le64(l.abs64(v[2]), number(f64::MAX))
         };
-        let (origin, direction) = (vector(l, &self.origin), vector(l, &self.direction));
+        let (origin, direction) = (
+            vector(l, &self.origin, half),
+            vector(l, &self.direction, half),
+        );
         let length = largest_of(l, &direction);
-        let plain = l.lt64(number(0.0), l.load64(&self.t_max))
+        let plain = l.lt64(number(0.0), l.load64(of(&self.t_max, half)))
             & l.lt64(number(1e-99), length)
             & l.lt64(length, number(1e99))
             & finite(&direction)
@@ -192,8 +212,8 @@ impl Packet {
         for axis in 0..3 {
             inside[0][axis] = turned(l, matrix, axis, &moved);
             inside[1][axis] = turned(l, matrix, axis, &direction);
-            l.store64(inside[0][axis], &mut self.origin[axis]);
-            l.store64(inside[1][axis], &mut self.direction[axis]);
+            l.store64(inside[0][axis], of_mut(&mut self.origin[axis], half));
+            l.store64(inside[1][axis], of_mut(&mut self.direction[axis], half));
         }
         let length = largest_of(l, &inside[1]);
         plain & finite(&inside[0]) & finite(&inside[1]) & l.lt64(number(0.0), length)
@@ -202,9 +222,25 @@ impl Packet {
     /// Makes the first `count` rays ready for `tree`. They are [valid](Ray::is_valid).
     #[inline(always)]
     pub(crate) fn prepare<L: Lanes>(&mut self, l: L, tree: &MeshTree, count: usize) {
+        let first = self.prepare_half(l, tree, 0);
+        // One ray alone is common.
+        let second = if count > WIDE {
+            self.prepare_half(l, tree, 1)
+        } else {
+            0
+        };
+        self.alive = u16::from_le_bytes([first, second]) & lowest(count);
+    }
+
+    /// Returns which of eight may meet something.
+    #[inline(always)]
+    fn prepare_half<L: Lanes>(&mut self, l: L, tree: &MeshTree, half: usize) -> u8 {
         let number = |x: f64| l.splat64(x);
         let (zero, one) = (number(0.0), number(1.0));
-        let (origin, d) = (vector(l, &self.origin), vector(l, &self.direction));
+        let (origin, d) = (
+            vector(l, &self.origin, half),
+            vector(l, &self.direction, half),
+        );
         let axes = Axes::new(l, &d);
         let [across, upwards, along] = axes.turned(l, d);
         let sign = l.select64(l.lt64(along, zero), number(-1.0), one);
@@ -234,25 +270,33 @@ impl Packet {
         }
         // Written so that a NaN fails. The ray passes the tree, or leaves it behind.
         let near = l.le64(largest, number(FAR));
-        self.alive = near & lowest(count);
 
         let reach = l.add64(l.mul64(largest, number(1.000_001)), one);
         let rounding = Rounding { reach, blur };
-        self.set_ends(l, &start, &direction, &rounding);
+        self.set_ends(l, half, &start, &direction, &rounding);
         let start = axes.turned(l, start);
         for axis in 0..3 {
             let [high, low] = &mut self.start[axis];
+            let high = of_mut(high, half);
             l.store_narrowed(start[axis], high);
-            l.store_narrowed(l.sub64(start[axis], l.load_widened(high)), low);
+            let rest = l.sub64(start[axis], l.load_widened(high));
+            l.store_narrowed(rest, of_mut(low, half));
         }
-        l.store_narrowed(slope[0], &mut self.slope[0]);
-        l.store_narrowed(slope[1], &mut self.slope[1]);
-        l.store_narrowed(sign, &mut self.forwards);
-        l.store_narrowed(blur, &mut self.blur);
-        self.is_along = [axes.second, !(axes.first | axes.second)];
-        l.store64(l.mul64(l.abs64(along), scale), &mut self.depth_per_t);
-        l.store64(moved, &mut self.moved);
-        self.set_limits(l, &rounding);
+        l.store_narrowed(slope[0], of_mut(&mut self.slope[0], half));
+        l.store_narrowed(slope[1], of_mut(&mut self.slope[1], half));
+        l.store_narrowed(sign, of_mut(&mut self.forwards, half));
+        l.store_narrowed(blur, of_mut(&mut self.blur, half));
+        let third = !(axes.first | axes.second);
+        for (is_along, here) in self.is_along.iter_mut().zip([axes.second, third]) {
+            let mut halves = is_along.to_le_bytes();
+            halves[half] = here;
+            *is_along = u16::from_le_bytes(halves);
+        }
+        let depth_per_t = l.mul64(l.abs64(along), scale);
+        l.store64(depth_per_t, of_mut(&mut self.depth_per_t, half));
+        l.store64(moved, of_mut(&mut self.moved, half));
+        self.set_limits(l, half, &rounding);
+        near
     }
 
     /// What a node's test works with.
@@ -260,6 +304,7 @@ impl Packet {
     fn set_ends<L: Lanes>(
         &mut self,
         l: L,
+        half: usize,
         start: &[L::Doubles; 3],
         direction: &[L::Doubles; 3],
         rounding: &Rounding<L>,
@@ -274,48 +319,57 @@ impl Packet {
             let over = reciprocal(l, direction[axis], back);
             let wider = l.select64(back, l.sub64(zero, margin), margin);
             let minus = l.sub64(zero, over);
-            l.store_narrowed(over, &mut self.inverse[axis]);
+            l.store_narrowed(over, of_mut(&mut self.inverse[axis], half));
             let [first, last] = &mut self.ends[axis];
-            l.store_narrowed(l.mul64(l.add64(start[axis], wider), minus), first);
-            l.store_narrowed(l.mul64(l.sub64(start[axis], wider), minus), last);
+            l.store_narrowed(
+                l.mul64(l.add64(start[axis], wider), minus),
+                of_mut(first, half),
+            );
+            l.store_narrowed(
+                l.mul64(l.sub64(start[axis], wider), minus),
+                of_mut(last, half),
+            );
         }
     }
 
     /// What `t_max` comes to in depths.
     #[inline(always)]
-    fn set_limits<L: Lanes>(&mut self, l: L, rounding: &Rounding<L>) {
+    fn set_limits<L: Lanes>(&mut self, l: L, half: usize, rounding: &Rounding<L>) {
         let blur = l.mul64(l.splat64(3.0), rounding.blur);
         let error = l.add64(rounding.units(l, 24.0), blur);
-        l.store_narrowed(error, &mut self.depth_error);
-        let depth = l.mul64(l.load64(&self.t_max), l.load64(&self.depth_per_t));
-        let depth = l.sub64(depth, l.load64(&self.moved));
+        l.store_narrowed(error, of_mut(&mut self.depth_error, half));
+        let depth = l.mul64(
+            l.load64(of(&self.t_max, half)),
+            l.load64(of(&self.depth_per_t, half)),
+        );
+        let depth = l.sub64(depth, l.load64(of(&self.moved, half)));
         let share = l.mul64(l.abs64(depth), l.splat64(f64::from(4.0 * U)));
         let slack = l.add64(share, error);
         // Infinity less a part of infinity is NaN.
         let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
         let within = l.select64(is_finite, l.sub64(depth, slack), depth);
-        l.store_narrowed(l.add64(depth, slack), &mut self.limit);
-        l.store_narrowed(within, &mut self.within);
+        l.store_narrowed(l.add64(depth, slack), of_mut(&mut self.limit, half));
+        l.store_narrowed(within, of_mut(&mut self.within, half));
     }
 
     /// The depth beyond which nothing matters to a ray, and up to which a hit counts for certain.
     #[inline(always)]
     pub(super) fn limits(&self, lane: usize) -> (f32, f32) {
-        (self.limit[lane % WIDE], self.within[lane % WIDE])
+        (self.limit[lane % RAYS], self.within[lane % RAYS])
     }
 
     /// A depth that is not smaller than that of `t`, nor is that of a hit there as the filter sees it.
     #[inline(always)]
     pub(super) fn depth_above(&self, lane: usize, t: f64) -> f32 {
         let depth = self.depth(lane, t);
-        depth + depth.abs() * (4.0 * U) + self.depth_error[lane % WIDE]
+        depth + depth.abs() * (4.0 * U) + self.depth_error[lane % RAYS]
     }
 
     /// A depth that is not larger than that of `t`, a finite one.
     #[inline(always)]
     pub(super) fn depth_below(&self, lane: usize, t: f64) -> f32 {
         let depth = self.depth(lane, t);
-        depth - depth.abs() * (4.0 * U) - self.depth_error[lane % WIDE]
+        depth - depth.abs() * (4.0 * U) - self.depth_error[lane % RAYS]
     }
 
     #[inline(always)]
@@ -324,7 +378,7 @@ impl Packet {
         reason = "the rounding is allowed for"
     )]
     fn depth(&self, lane: usize, t: f64) -> f32 {
-        (t * self.depth_per_t[lane % WIDE] - self.moved[lane % WIDE]) as f32
+        (t * self.depth_per_t[lane % RAYS] - self.moved[lane % RAYS]) as f32
     }
 }
 
@@ -333,13 +387,28 @@ static AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 /// The lowest bits.
 #[inline(always)]
-fn lowest(count: usize) -> u8 {
-    u8::try_from((1_u16 << count.min(WIDE)) - 1).unwrap_or(u8::MAX)
+fn lowest(count: usize) -> u16 {
+    u16::try_from((1_u32 << count.min(RAYS)) - 1).unwrap_or(u16::MAX)
+}
+
+/// A half of sixteen.
+#[inline(always)]
+fn of<T>(all: &[T; RAYS], half: usize) -> &[T; WIDE] {
+    &all.as_chunks().0[half % 2]
 }
 
 #[inline(always)]
-fn vector<L: Lanes>(l: L, from: &[[f64; WIDE]; 3]) -> [L::Doubles; 3] {
-    [l.load64(&from[0]), l.load64(&from[1]), l.load64(&from[2])]
+fn of_mut<T>(all: &mut [T; RAYS], half: usize) -> &mut [T; WIDE] {
+    &mut all.as_chunks_mut().0[half % 2]
+}
+
+#[inline(always)]
+fn vector<L: Lanes>(l: L, from: &[[f64; RAYS]; 3], half: usize) -> [L::Doubles; 3] {
+    [
+        l.load64(of(&from[0], half)),
+        l.load64(of(&from[1], half)),
+        l.load64(of(&from[2], half)),
+    ]
 }
 
 /// A component of `matrix * v`, in the order of operations that glam has.

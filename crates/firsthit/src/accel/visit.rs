@@ -431,7 +431,7 @@ impl<L: Lanes> Verdict<L> {
         let sum = l.add(l.add(u, v), w);
         let depth = l.div(l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz))), sum);
         let spread = l.sub(farthest, nearest);
-        let weights = l.div(l.mul(l.mul(l.splat(6.1), bound), spread), l.abs(sum));
+        let weights = l.div(l.mul(l.mul(l.splat(2.1), bound), spread), l.abs(sum));
         let around = l.add(weights, l.splat(depth_error));
         Some(Self {
             possible,

@@ -14,30 +14,15 @@ use std::array::from_fn;
 
 use super::filter::filter;
 use super::goal::{Place, Question};
-use super::mesh_tree::MeshTree;
-use super::packet::{Packet, RAYS};
+use super::packet::RAYS;
+use super::search::{Answers, Search};
 use super::walk::{Stack, traverse};
 use super::wide::LEAF;
-use crate::shape::Mesh;
 use crate::simd::{LANES, Lanes};
-
-/// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
-#[derive(Clone, Copy)]
-pub(crate) struct Search<'a> {
-    pub(crate) tree: &'a MeshTree,
-    pub(crate) mesh: &'a Mesh,
-    pub(crate) packet: &'a Packet,
-}
-
-/// Who wants to know what came of the searches.
-pub(crate) trait Answers<A> {
-    /// The answer for a ray of a search, by their numbers.
-    fn take(&mut self, search: usize, lane: usize, answer: A);
-}
 
 /// Memory for waves, to be used again.
 #[derive(Debug)]
-pub(crate) struct Wave {
+pub(super) struct Wave {
     lists: Box<[WorkList; LANES]>,
     /// For rays that have more to visit than a work list holds.
     stack: Stack,
@@ -45,7 +30,7 @@ pub(crate) struct Wave {
 
 impl Wave {
     /// With its memory.
-    pub(crate) fn new() -> Self {
+    pub(super) fn new() -> Self {
         let lists = vec![WorkList::EMPTY; LANES].into_boxed_slice();
         Self {
             lists: lists.try_into().expect("it has that length"),
@@ -86,9 +71,9 @@ struct Slot<'a, Q> {
     height: usize,
 }
 
-/// Answers each ray of `searches` that may meet something.
+/// Answers each ray of `searches` that is still open.
 #[inline(always)]
-pub(crate) fn wave<'a, L: Lanes, Q: Question>(
+pub(super) fn wave<'a, L: Lanes, Q: Question>(
     l: L,
     wave: &mut Wave,
     searches: &[Search<'a>],
@@ -159,7 +144,7 @@ struct Queue<'a, 'b> {
     /// The number of the search after the one being taken from.
     next: usize,
     /// What is left of that.
-    left: u8,
+    left: u16,
 }
 
 impl Queue<'_, '_> {
@@ -167,7 +152,7 @@ impl Queue<'_, '_> {
     #[inline(always)]
     fn take(&mut self) -> Option<(usize, usize)> {
         while self.left == 0 {
-            self.left = self.searches.get(self.next)?.packet.alive;
+            self.left = self.searches.get(self.next)?.open;
             self.next += 1;
         }
         let lane = self.left.trailing_zeros() as usize % RAYS;
@@ -179,7 +164,9 @@ impl Queue<'_, '_> {
 impl<'a, Q: Question> Slot<'a, Q> {
     #[inline(always)]
     fn new(search: Search<'a>, number: usize, lane: usize) -> Self {
-        let Search { tree, mesh, packet } = search;
+        let Search {
+            tree, mesh, packet, ..
+        } = search;
         Self {
             place: Place {
                 tree,

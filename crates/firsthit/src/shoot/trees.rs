@@ -7,7 +7,7 @@ use super::hits::Square;
 use super::journey::{AnyHit, FirstHit, Journey, Leg, Quest};
 use super::plan;
 use crate::accel::{
-    self, Answers, MeshTree, Packet, Question, RAYS, Scratch, Search, WalkStack, Wave,
+    self, Answers, MeshTree, Packet, Question, RAYS, Scratch, Search, Searcher, WalkStack,
 };
 use crate::geometry::{DVec3, Hit, Ray, Rays};
 use crate::scene::{Object, Scene};
@@ -45,7 +45,7 @@ pub(super) struct Memory {
     /// One for each ray of a batch.
     walk_stacks: Vec<WalkStack>,
     packets: Vec<Packet>,
-    wave: Wave,
+    searcher: Searcher,
     /// Made when there is a picture, and when its rays are an array's.
     pub(super) square: Option<Square>,
     pub(super) square_rays: Option<SquareRays>,
@@ -58,7 +58,7 @@ impl Memory {
             scratch: Scratch::new(),
             walk_stacks: vec![WalkStack::new(); BATCH],
             packets: Vec::new(),
-            wave: Wave::new(),
+            searcher: Searcher::new(),
             square: None,
             square_rays: None,
         };
@@ -154,12 +154,12 @@ impl<T: Take> Batch<'_, T> {
         if memory.packets.len() < packets {
             memory.packets.resize(packets, Packet::default());
         }
-        let mut eight = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
+        let mut sixteen = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
         for number in 0..packets {
             let first = number * RAYS;
             let length = (count - first).min(RAYS);
-            self.rays.read(self.first + first, &mut eight[..length]);
-            for (lane, ray) in eight.iter().enumerate() {
+            self.rays.read(self.first + first, &mut sixteen[..length]);
+            for (lane, ray) in sixteen.iter().enumerate() {
                 memory.packets[number].put(lane, ray);
             }
         }
@@ -184,15 +184,17 @@ impl<T: Take> Batch<'_, T> {
             }
         }
         let Memory {
-            packets: all, wave, ..
+            packets: all,
+            searcher,
+            ..
         } = memory;
         let packets = &all[..packets];
         let mut searches = Vec::with_capacity(packets.len());
         for packet in packets {
-            searches.push(Search { tree, mesh, packet });
+            searches.push(Search::new(tree, mesh, packet));
         }
         let mut ends = Ends(self.take);
-        accel::wave::<L, <T::Quest as Quest>::Question>(l, wave, &searches, &mut ends);
+        searcher.run::<L, <T::Quest as Quest>::Question>(l, &mut searches, &mut ends);
     }
 
     /// From object to object.
@@ -271,15 +273,17 @@ fn go_together<'a, L: Lanes, Q: Quest>(
     }
     let search = |(packet, &(first, _)): (_, &(usize, usize))| {
         let Leg { tree, mesh, .. } = legs[first].1;
-        Search { tree, mesh, packet }
+        Search::new(tree, mesh, packet)
     };
-    let searches: Vec<Search<'_>> = memory.packets.iter().zip(&firsts).map(search).collect();
+    let mut searches: Vec<Search<'_>> = memory.packets.iter().zip(&firsts).map(search).collect();
     let mut answers = Arrivals {
         legs,
         firsts: &firsts,
         journeys,
     };
-    accel::wave::<L, Q::Question>(l, &mut memory.wave, &searches, &mut answers);
+    memory
+        .searcher
+        .run::<L, Q::Question>(l, &mut searches, &mut answers);
 }
 
 /// Where the answers go.

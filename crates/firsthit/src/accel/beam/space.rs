@@ -1,0 +1,198 @@
+//! The space around a beam, and which boxes are in it.
+//!
+//! Points are counted from the beam's reference, the planes from there on along its axis z: at a depth d all rays
+//! are between `start low + d * slope low` and `start high + d * slope high`, along x and along y. The reference
+//! is as far back as the rearmost ray, so d is not negative where a ray may meet something.
+//!
+//! What rounding comes to, in units of u (see `ray.rs`), beside the blurs of the rays' starts. Let W be how far a start
+//! is from the reference at most, along x and y sheared to the reference's depth. A start then is off by 13 W: two
+//! differences along each of two axes 6, a slope of at most 1 with what its product and difference round 7. A sheared
+//! coordinate X of a vertex at the depth D that is P from the reference: the differences with the reference P and D, that
+//! with the start P + W, slope, product and difference 2 D + X, and the start. Where a ray passes a triangle, X is at most
+//! the size of that (sheared, along x or y), and P at most X + W + D: in all less than 9 (D + 3 size) + 20 W.
+//! Against planes P and D are below the reach, and W below twice that: 40 for all.
+
+use super::super::packet::RAYS;
+use super::super::ray::U;
+use super::super::search::Search;
+use super::super::wide::Node;
+use crate::simd::{Aligned, Lanes};
+
+/// Fewer rays are as well off alone.
+const FEWEST: u32 = 4;
+
+/// The space that the rays of a packet are in.
+pub(super) struct Beam {
+    /// Which of the packet's rays are in it.
+    pub(super) rays: u16,
+    /// As `TreeRay::axes`.
+    pub(super) axes: [usize; 3],
+    pub(super) forwards: f32,
+    /// Along those axes.
+    pub(super) reference: [f32; 3],
+    /// The smallest and the largest start, less and more for rounding, and slope, along x and along y.
+    pub(super) starts: [[f32; 2]; 2],
+    pub(super) slopes: [[f32; 2]; 2],
+    /// Where each ray is at the reference's depth.
+    pub(super) start: [Aligned<[f32; RAYS]>; 2],
+    /// The depth at which it starts.
+    pub(super) behind: Aligned<[f32; RAYS]>,
+    /// What a box may be off the planes.
+    pub(super) margin: f32,
+    /// What a sheared coordinate is off whatever the depth.
+    pub(super) error: f32,
+    /// What a depth is off whatever it is.
+    pub(super) depth_error: f32,
+    /// Across both: the direction in the plane of x and y, what rays are along its normal, and by how much that
+    /// changes with the depth at most.
+    across: [f32; 2],
+    between: [f32; 2],
+    spread: f32,
+}
+
+impl Beam {
+    /// `None` when the rays do not go the same way at all.
+    #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one derivation, each line of which needs those before"
+    )]
+    pub(super) fn new<L: Lanes>(l: L, search: &Search<'_>, rays: u16) -> Option<Self> {
+        let packet = search.packet;
+        if rays.count_ones() < FEWEST {
+            return None;
+        }
+        let first = rays.trailing_zeros() as usize % RAYS;
+        let axes = packet.common_axes(rays)?;
+        let forwards = packet.forwards[first];
+        let signs = l.load(&packet.forwards);
+        if rays & !l.same(signs, l.splat(forwards)) != 0 {
+            return None;
+        }
+        let (least, most) = (f32::NEG_INFINITY, f32::INFINITY);
+        // The smallest and the largest among the rays'.
+        macro_rules! ends {
+            ($values:expr) => {{
+                let values = $values;
+                [
+                    l.smallest(l.select(rays, values, l.splat(most))),
+                    l.largest(l.select(rays, values, l.splat(least))),
+                ]
+            }};
+        }
+        let [x, y, z] = &packet.start;
+        let (zx, zy, zz) = (l.load(&x[0]), l.load(&y[0]), l.load(&z[0]));
+        let [rear, _] = ends!(l.mul(signs, zz));
+        let reference = [x[0][first], y[0][first], forwards * rear];
+        let [_, largest] = ends!(l.max(l.max(l.abs(zx), l.abs(zy)), l.abs(zz)));
+        let [_, blur] = ends!(l.load(&packet.blur));
+        let margin = 40.0 * U * (1.0 + largest) + 4.0 * blur;
+        // Written so that a NaN fails.
+        let is_fine = margin < 1e-2;
+        if !is_fine {
+            return None;
+        }
+        macro_rules! from_reference {
+            ($high:expr, $part:expr, $k:literal) => {
+                l.add(l.sub($high, l.splat(reference[$k])), l.load(&$part[1]))
+            };
+        }
+        let behind = l.mul(signs, from_reference!(zz, z, 2));
+        let (sx, sy) = (l.load(&packet.slope[0]), l.load(&packet.slope[1]));
+        let ax = l.neg_mul_add(sx, behind, from_reference!(zx, x, 0));
+        let ay = l.neg_mul_add(sy, behind, from_reference!(zy, y, 1));
+        let (starts, slopes) = ([ends!(ax), ends!(ay)], [ends!(sx), ends!(sy)]);
+        let [_, width] = ends!(l.max(l.max(l.abs(ax), l.abs(ay)), behind));
+        let middle = |[low, high]: [f32; 2]| 0.5 * (low + high);
+        let across = [middle(slopes[0]), middle(slopes[1])];
+        macro_rules! normal {
+            ($x:expr, $y:expr) => {
+                l.neg_mul_add($y, l.splat(across[0]), l.mul($x, l.splat(across[1])))
+            };
+        }
+        let between = ends!(normal!(ax, ay));
+        let [_, spread] = ends!(l.abs(normal!(sx, sy)));
+        let wider = |[low, high]: [f32; 2], by: f32| [low - by, high + by];
+        let mut out = Self {
+            rays,
+            axes,
+            forwards,
+            reference,
+            starts: [wider(starts[0], margin), wider(starts[1], margin)],
+            slopes,
+            start: [Aligned([0.0; RAYS]); 2],
+            behind: Aligned([0.0; RAYS]),
+            margin,
+            error: 20.0 * U * width + 3.0 * blur,
+            depth_error: 24.0 * U * width + 3.0 * blur,
+            across,
+            between: wider(between, 2.0 * margin),
+            spread: spread + 8.0 * U,
+        };
+        l.store(ax, &mut out.start[0].0);
+        l.store(ay, &mut out.start[1].0);
+        l.store(behind, &mut out.behind.0);
+        Some(out)
+    }
+
+    /// The depth beyond which nothing matters to any ray.
+    #[inline(always)]
+    pub(super) fn limit<L: Lanes>(&self, l: L, limits: &[f32; RAYS]) -> f32 {
+        let limits = l.load(limits);
+        let matters = l.le(l.splat(0.0), limits);
+        let depths = l.add(limits, l.load(&self.behind.0));
+        self.margin + l.largest(l.select(matters, depths, l.splat(-2.0 - 3.0 * self.margin)))
+    }
+
+    /// Which of a node's boxes the beam may meet at depths up to `limit`, and from which depth on.
+    #[inline(always)]
+    pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
+        let [x, y, z] = self.axes;
+        macro_rules! plane {
+            ($axis:ident, $k:literal, $side:expr) => {
+                l.sub(
+                    l.load(&node.planes[(2 * $axis + $side) % 6]),
+                    l.splat(self.reference[$k]),
+                )
+            };
+        }
+        let is_back = usize::from(self.forwards < 0.0);
+        let sign = l.splat(self.forwards);
+        let near = l.mul(plane!(z, 2, is_back), sign);
+        let far = l.mul(plane!(z, 2, 1 - is_back), sign);
+        let (low_x, high_x) = (plane!(x, 0, 0), plane!(x, 0, 1));
+        let (low_y, high_y) = (plane!(y, 1, 0), plane!(y, 1, 1));
+        let mut met = l.le(near, l.splat(limit)) & l.le(l.splat(-self.margin), far);
+        // Of each box the corner that is farthest towards a plane's inside.
+        macro_rules! inside {
+            ($k:literal, $low:ident, $high:ident) => {{
+                let [start, end] = self.starts[$k];
+                let [least, most] = self.slopes[$k];
+                let depth = if least > 0.0 { near } else { far };
+                met &= l.le(l.splat(start), l.neg_mul_add(l.splat(least), depth, $high));
+                let depth = if most > 0.0 { far } else { near };
+                met &= l.le(l.neg_mul_add(l.splat(most), depth, $low), l.splat(end));
+            }};
+        }
+        inside!(0, low_x, high_x);
+        inside!(1, low_y, high_y);
+        let [along_x, along_y] = self.across;
+        let (less_x, more_x) = if along_y > 0.0 {
+            (low_x, high_x)
+        } else {
+            (high_x, low_x)
+        };
+        let (less_y, more_y) = if along_x > 0.0 {
+            (high_y, low_y)
+        } else {
+            (low_y, high_y)
+        };
+        let (along_x, along_y) = (l.splat(along_x), l.splat(along_y));
+        let wide = l.mul(l.splat(self.spread), far);
+        let most = l.neg_mul_add(along_x, more_y, l.mul_add(along_y, more_x, wide));
+        let least = l.sub(l.mul_sub(along_y, less_x, l.mul(along_x, less_y)), wide);
+        let [low, high] = self.between;
+        met &= l.le(l.splat(low), most) & l.le(least, l.splat(high));
+        (met, l.max(near, l.splat(0.0)))
+    }
+}

@@ -1,0 +1,71 @@
+//! Many rays through the trees of meshes: together those that have the same way, the others each on its own.
+
+use super::beam::{Patience, beam};
+use super::goal::Question;
+use super::mesh_tree::MeshTree;
+use super::packet::Packet;
+use super::walk::Stack;
+use super::wave::{Wave, wave};
+use crate::shape::Mesh;
+use crate::simd::Lanes;
+
+/// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
+#[derive(Clone, Copy)]
+pub(crate) struct Search<'a> {
+    pub(super) tree: &'a MeshTree,
+    pub(super) mesh: &'a Mesh,
+    pub(super) packet: &'a Packet,
+    /// The rays that wait for an answer.
+    pub(super) open: u16,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(tree: &'a MeshTree, mesh: &'a Mesh, packet: &'a Packet) -> Self {
+        Self {
+            tree,
+            mesh,
+            packet,
+            open: packet.alive,
+        }
+    }
+}
+
+/// Who wants to know what came of the searches.
+pub(crate) trait Answers<A> {
+    /// The answer for a ray of a search, by their numbers.
+    fn take(&mut self, search: usize, lane: usize, answer: A);
+}
+
+/// Memory for searches, to be used again.
+#[derive(Debug)]
+pub(crate) struct Searcher {
+    stack: Stack,
+    wave: Wave,
+}
+
+impl Searcher {
+    /// With its memory.
+    pub(crate) fn new() -> Self {
+        Self {
+            stack: Stack::new(),
+            wave: Wave::new(),
+        }
+    }
+
+    /// Answers each ray of `searches` that may meet something.
+    #[inline(always)]
+    pub(crate) fn run<L: Lanes, Q: Question>(
+        &mut self,
+        l: L,
+        searches: &mut [Search<'_>],
+        answers: &mut impl Answers<Q::Answer>,
+    ) {
+        let mut patience = Patience::new();
+        for (number, search) in searches.iter_mut().enumerate() {
+            if patience.tries() {
+                patience.learn(beam::<L, Q>(l, &mut self.stack, number, search, answers));
+            }
+        }
+        wave::<L, Q>(l, &mut self.wave, searches, answers);
+    }
+}
