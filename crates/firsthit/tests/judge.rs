@@ -472,3 +472,44 @@ fn a_scene_with_other_objects_shares_what_did_not_change() {
     // The mesh's tree is there once, beside the two small ones over the objects.
     assert!(two.tree_bytes() < one.tree_bytes() + 1000);
 }
+
+/// Vertices that move, a little and beyond all recognition, together and apart.
+#[test]
+fn a_mesh_whose_vertices_moved_is_met_where_it_is_now() {
+    let (points, triangles) = bumpy_sphere(24, 12);
+    let mut last = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
+    for step in 0..6 {
+        let mut numbers = Numbers::new(step);
+        let (far, wild) = [
+            (0.0, 0.01),
+            (1e6, 0.02),
+            (0.0, 0.1),
+            (5.0, 3.0),
+            (0.0, 0.0),
+            (1e-3, 1e-9),
+        ][step as usize];
+        let points: Vec<DVec3> = points
+            .iter()
+            .map(|p| *p + DVec3::splat(far) + wild * numbers.point())
+            .collect();
+        let moved = Object::new(mesh(&points, triangles.clone()));
+        last = last.with_objects(vec![moved.clone()]).unwrap();
+        let anew = scene(vec![moved]);
+        for ray in rays(&points, 400, step) {
+            assert_eq!(bits(&agree(&last, &ray)), bits(&agree(&anew, &ray)));
+        }
+    }
+    // Triangles that were in one place, and are no more.
+    let together =
+        [0.0, 0.0].map(|z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(DVec3::from));
+    let apart = [0.0, 1.0].map(|z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(DVec3::from));
+    let object = |points: [[DVec3; 3]; 2]| {
+        let triangles = (0..60).map(|k| if k % 2 == 0 { [0, 1, 2] } else { [3, 4, 5] });
+        Object::new(mesh(&points.concat(), triangles.collect()))
+    };
+    let scene = scene(vec![object(together)])
+        .with_objects(vec![object(apart)])
+        .unwrap();
+    let hit = agree(&scene, &Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::NEG_Z));
+    assert_eq!((hit.t, hit.primitive), (4.0, 1));
+}

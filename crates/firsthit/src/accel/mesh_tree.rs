@@ -25,6 +25,8 @@ pub struct MeshTree {
     pub(super) leaves: Vec<Meshlet>,
     /// The triangles' indices, those of a leaf side by side.
     pub(super) order: Vec<u32>,
+    /// What a ray through the mesh's box costs, as it was [built](Self::build); see `refit.rs`.
+    pub(super) cost: f64,
 }
 
 /// How the tree's space lies in the mesh's.
@@ -42,7 +44,7 @@ pub(super) struct Space {
 const LARGEST: f64 = 1e90;
 
 impl Space {
-    fn new(mesh: &Mesh) -> Option<Self> {
+    pub(super) fn new(mesh: &Mesh) -> Option<Self> {
         let bounds = mesh.bounds();
         let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
         let half = 0.5 * bounds.size().max_element();
@@ -65,6 +67,29 @@ impl Space {
             scale,
             unscale: 1.0 / scale,
         })
+    }
+
+    /// The vertices of `mesh`.
+    pub(super) fn points(&self, mesh: &Mesh) -> Vec<[f32; 3]> {
+        (0..count(mesh.positions().len()))
+            .into_par_iter()
+            .with_min_len(build::CHUNK)
+            .map(|k| self.point(mesh.positions().get(k)))
+            .collect()
+    }
+
+    /// Whether `points` are the vertices of `mesh` to the last bit (which zero it is can show in a hit's weights).
+    pub(super) fn is_exact(&self, mesh: &Mesh, points: &[[f32; 3]]) -> bool {
+        let is_same = |(k, point): (usize, &[f32; 3])| {
+            let position = mesh.positions().get(count(k));
+            let restored = self.restored(*point);
+            restored.to_array().map(f64::to_bits) == position.to_array().map(f64::to_bits)
+        };
+        points
+            .par_iter()
+            .with_min_len(build::CHUNK)
+            .enumerate()
+            .all(is_same)
     }
 
     #[expect(
@@ -109,13 +134,10 @@ impl MeshTree {
                 nodes: Vec::new(),
                 leaves: Vec::new(),
                 order: (0..count(mesh.triangles().len())).collect(),
+                cost: 0.0,
             };
         };
-        let points: Vec<[f32; 3]> = (0..count(mesh.positions().len()))
-            .into_par_iter()
-            .with_min_len(build::CHUNK)
-            .map(|k| space.point(mesh.positions().get(k)))
-            .collect();
+        let points = space.points(mesh);
         let triangles = mesh.triangles();
         let item = |index: u32| {
             let corners = triangles[index as usize].map(|vertex| points[vertex as usize]);
@@ -135,24 +157,16 @@ impl MeshTree {
             Meshlet::new(corners, first, &points)
         };
         let leaves = ranges.par_iter().with_min_len(1024).map(leaf).collect();
-        let is_same = |(k, point): (usize, &[f32; 3])| {
-            let position = mesh.positions().get(count(k));
-            let restored = space.restored(*point);
-            restored.to_array().map(f64::to_bits) == position.to_array().map(f64::to_bits)
-        };
-        // (Bits: which zero it is can show in a hit's weights.)
-        let is_exact = points
-            .par_iter()
-            .with_min_len(build::CHUNK)
-            .enumerate()
-            .all(is_same);
-        Self {
+        let mut tree = Self {
+            is_exact: space.is_exact(mesh, &points),
             space,
-            is_exact,
             nodes,
             leaves,
             order,
-        }
+            cost: 0.0,
+        };
+        tree.cost = tree.expected_cost();
+        tree
     }
 
     /// What the tree takes in memory.

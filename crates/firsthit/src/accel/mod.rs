@@ -19,6 +19,7 @@ mod mesh_tree;
 mod meshlet;
 mod packet;
 mod ray;
+mod refit;
 mod search;
 mod tile;
 mod verdict;

@@ -60,22 +60,18 @@ impl Scene {
     /// [`Error::Limit`] for more objects than an identifier can name, and those of
     /// [`InstructionSet::current`].
     pub fn new(objects: Vec<Object>) -> Result<Self> {
-        Self::build(objects, HashMap::new())
+        Self::build(objects, None)
     }
 
     /// A scene of other objects, with the same lights. What did not change is shared: the tree over a mesh
-    /// that this scene has too is not built again.
+    /// that this scene has too is not built again. Where an object's mesh has the triangles that the object in its
+    /// place has in this scene, with other vertices, the tree is fitted to these, if it is still a good one.
     ///
     /// # Errors
     ///
     /// Those of [`Scene::new`].
     pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
-        let known = self.objects.iter().zip(&self.trees);
-        let known = known.filter_map(|(object, tree)| match (object.shape(), tree) {
-            (Shape::Mesh(mesh), Some(tree)) => Some((Arc::as_ptr(mesh), Arc::clone(tree))),
-            _ => None,
-        });
-        let scene = Self::build(objects, known.collect())?;
+        let scene = Self::build(objects, Some(self))?;
         let has_own_lights = self.has_own_lights;
         Ok(Self {
             has_own_lights,
@@ -83,7 +79,7 @@ impl Scene {
         })
     }
 
-    fn build(objects: Vec<Object>, known: HashMap<*const Mesh, Arc<MeshTree>>) -> Result<Self> {
+    fn build(objects: Vec<Object>, before: Option<&Self>) -> Result<Self> {
         let count = i32::try_from(objects.len())
             .ok()
             .and_then(|count| u32::try_from(count).ok());
@@ -95,7 +91,7 @@ impl Scene {
                 limit,
             });
         };
-        let trees = mesh_trees(&objects, known)?;
+        let trees = mesh_trees(&objects, before)?;
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
         let covered = covered::covered(&objects, &bounds);
         let is_loose = |k: u32| {
@@ -361,28 +357,47 @@ const LARGEST_SLACK: f64 = 1e-8;
 /// two nodes, and its place in the order.
 const TREE_BYTES: usize = 128;
 
-/// A tree for each mesh, however many objects share it; `built` are those there are already.
-fn mesh_trees(
-    objects: &[Object],
-    mut built: HashMap<*const Mesh, Arc<MeshTree>>,
-) -> Result<Vec<Option<Arc<MeshTree>>>> {
-    let mut tree = |mesh: &Arc<Mesh>| {
+/// A tree for each mesh, however many objects share it; what the scene before knows is used again.
+fn mesh_trees(objects: &[Object], before: Option<&Scene>) -> Result<Vec<Option<Arc<MeshTree>>>> {
+    let known = before
+        .into_iter()
+        .flat_map(|scene| scene.objects.iter().zip(&scene.trees));
+    let known = known.filter_map(|(object, tree)| Some((mesh(object)?, tree.as_ref()?)));
+    let mut built: HashMap<*const Mesh, Arc<MeshTree>> = known
+        .map(|(mesh, tree)| (Arc::as_ptr(mesh), Arc::clone(tree)))
+        .collect();
+    let mut tree = |k: usize, mesh: &Arc<Mesh>| {
         if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
             return Ok(Arc::clone(built));
         }
         let triangles = mesh.triangles().len();
         memory::check("the tree over a mesh", triangles.saturating_mul(TREE_BYTES))?;
-        let tree = Arc::new(MeshTree::build(mesh));
+        let fitted = before.and_then(|scene| scene.fitted(k, mesh));
+        let tree = Arc::new(fitted.unwrap_or_else(|| MeshTree::build(mesh)));
         built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
         Ok(tree)
     };
+    let objects = objects.iter().enumerate();
     objects
-        .iter()
-        .map(|object| match object.shape() {
-            Shape::Mesh(mesh) => tree(mesh).map(Some),
-            _ => Ok(None),
-        })
+        .map(|(k, object)| mesh(object).map(|mesh| tree(k, mesh)).transpose())
         .collect()
+}
+
+fn mesh(object: &Object) -> Option<&Arc<Mesh>> {
+    match object.shape() {
+        Shape::Mesh(mesh) => Some(mesh),
+        _ => None,
+    }
+}
+
+impl Scene {
+    /// The tree of an object's mesh for one that differs from it in its vertices only.
+    fn fitted(&self, object: usize, moved: &Mesh) -> Option<MeshTree> {
+        let mesh = mesh(self.objects.get(object)?)?;
+        let tree = self.trees[object].as_ref();
+        let tree = tree.filter(|_| mesh.triangles() == moved.triangles())?;
+        tree.refit(moved)
+    }
 }
 
 fn is_unbounded(bounds: &Bounds) -> bool {
