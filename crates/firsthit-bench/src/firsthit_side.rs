@@ -1,8 +1,10 @@
 //! Everything the bench asks of firsthit, in one place: its public functions as a user would call them.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use firsthit::io::LoadSettings;
+use firsthit::shape::{Mesh, Positions};
 use firsthit::shoot::{BruteForce, first_hit, occluded_all, shoot_all_into};
 use firsthit::{Hit, Hits, Object, Ray, Rays, Scene};
 
@@ -16,6 +18,26 @@ pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
 /// Builds the trees.
 pub(crate) fn build(objects: &[Object]) -> Result<Scene, String> {
     Scene::new(objects.to_vec()).map_err(|error| error.to_string())
+}
+
+/// The same objects, with the vertices of their meshes moved a little.
+pub(crate) fn moved(objects: &[Object]) -> Result<Vec<Object>, String> {
+    let moved = |object: &Object| {
+        let Some(mesh) = object.mesh() else {
+            return Ok(object.clone());
+        };
+        let positions = match &**mesh.positions() {
+            Positions::Single(points) => {
+                Positions::Single(points.iter().map(|p| p.map(|x| 1.001 * x)).collect())
+            }
+            Positions::Double(points) => {
+                Positions::Double(points.iter().map(|p| p.map(|x| 1.001 * x)).collect())
+            }
+        };
+        let mesh = Mesh::new(positions, mesh.triangles().to_vec()).map_err(|e| e.to_string())?;
+        Ok(Object::new(Arc::new(mesh)).placed(*object.transform()))
+    };
+    objects.iter().map(moved).collect()
 }
 
 /// The first hits of all rays, of a camera or from an array, into memory that is used again.

@@ -78,8 +78,8 @@ impl<'a> Report<'a> {
     pub(crate) fn tree(&mut self, scene: &BenchScene, trees: &Trees<'_>) {
         let triangles = Scene::triangles(&trees.firsthit);
         let mut line = format!(
-            "\n{}: {triangles} triangles; build ns/triangle: firsthit {:.0}",
-            scene.name, trees.firsthit_build.min
+            "\n{}: {triangles} triangles; build ns/triangle: firsthit {:.0} (refit {:.0})",
+            scene.name, trees.firsthit_build.min, trees.firsthit_refit.min
         );
         if let Some(embree) = &trees.embree {
             let speed = embree.build.min / trees.firsthit_build.min;

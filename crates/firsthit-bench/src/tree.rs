@@ -15,6 +15,8 @@ pub(crate) struct Trees<'a> {
     pub(crate) embree: Option<EmbreeTrees<'a>>,
     /// Nanoseconds for each triangle.
     pub(crate) firsthit_build: Timing,
+    /// The same for the tree of the same triangles with their vertices moved a little.
+    pub(crate) firsthit_refit: Timing,
     pub(crate) firsthit_bytes: f64,
     /// How many times faster two threads build.
     pub(crate) speedup: f64,
@@ -51,8 +53,14 @@ pub(crate) fn measure<'a>(
     let triangles = firsthit.triangles() as f64;
     let rounds = settings.rounds.min(MOST_ROUNDS);
     let mut ours = || drop(firsthit_side::build(&scene.objects));
+    let moved = firsthit_side::moved(&scene.objects)?;
+    let mut refit = || drop(firsthit.with_objects(moved.clone()));
     let mut theirs = || drop(device.map(|device| device.scene(&scene.triangles, false)));
-    let times = measure::in_turns(rounds, triangles as usize, &mut [&mut ours, &mut theirs]);
+    let times = measure::in_turns(
+        rounds,
+        triangles as usize,
+        &mut [&mut ours, &mut theirs, &mut refit],
+    );
     let speedup = measure::speedup(rounds, pool, &|| {
         drop(firsthit_side::build(&scene.objects));
     });
@@ -75,6 +83,7 @@ pub(crate) fn measure<'a>(
         firsthit,
         embree,
         firsthit_build: times[0],
+        firsthit_refit: times[2],
         speedup,
     })
 }

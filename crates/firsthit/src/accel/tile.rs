@@ -114,8 +114,9 @@ impl Tile {
         self.farthest[row] = l.largest(l.load(&self.high[row]));
     }
 
+    /// The depth beyond which nothing matters to any pixel.
     #[inline(always)]
-    fn limit<L: Lanes>(&self, l: L) -> f32 {
+    pub(crate) fn limit<L: Lanes>(&self, l: L) -> f32 {
         l.largest(l.load(&self.farthest))
     }
 }

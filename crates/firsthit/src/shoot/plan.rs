@@ -37,7 +37,8 @@ pub(super) struct Placed {
     pub(super) object: u32,
     pub(super) rows: Range<usize>,
     pub(super) columns: Range<usize>,
-    depth: f64,
+    /// The depth from which on it may be met, in units of the viewplane's.
+    pub(super) entry: f64,
 }
 
 impl<'a> Plan<'a> {
@@ -61,7 +62,7 @@ impl<'a> Plan<'a> {
                 meshes.extend(placed(&grid, index, object));
             }
         }
-        meshes.sort_by(|a: &Placed, b| a.depth.total_cmp(&b.depth));
+        meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
         // Enough bands for all threads; fewer, and one of them would be waited for.
         let many = 8 * rayon::current_num_threads();
         let tiles_down = if grid.rows >= many * TALL * TILE {
@@ -81,6 +82,18 @@ impl<'a> Plan<'a> {
             tiles_down,
             is_large: grid.rows * grid.columns >= LARGE,
         })
+    }
+
+    /// Lists which of `meshes` may be seen in the square of tiles from a row and a column of them on.
+    pub(super) fn list_near(&self, row: usize, column: usize, near: &mut Vec<u32>) {
+        near.clear();
+        for (index, placed) in (0..).zip(&self.meshes) {
+            let overlaps =
+                |tiles: &Range<usize>, first| tiles.start < first + TALL && first < tiles.end;
+            if overlaps(&placed.rows, row) && overlaps(&placed.columns, column) {
+                near.push(index);
+            }
+        }
     }
 
     /// How many pixels there are.
@@ -133,13 +146,15 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     let largest = high.abs().max(low.abs());
     let slack =
         1e-9 * (largest.z + grid.position.abs().max_element()) + 8.0 * skew * largest.max_element();
+    let entry = (low.z - slack) / focal;
+    let is_known = skew <= 1e-6 && entry.is_finite();
     let whole = Placed {
         object: index,
         rows: 0..grid.rows.div_ceil(TILE),
         columns: 0..grid.columns.div_ceil(TILE),
-        depth: low.z,
+        entry: if is_known { entry } else { f64::NEG_INFINITY },
     };
-    if skew > 1e-6 {
+    if !is_known {
         return Some(whole);
     }
     if high.z < -slack {

@@ -34,7 +34,9 @@ impl Kernel for Band<'_> {
         let [down, across] =
             [self.plan.grid.rows, self.plan.grid.columns].map(|n| n.div_ceil(TILE));
         let mut rays = memory.square_rays.take();
+        let mut near = Vec::new();
         for left in (0..across).step_by(TALL) {
+            self.plan.list_near(first, left, &mut near);
             if self.plan.is_fitted {
                 let rays = rays.get_or_insert_default();
                 let place = [first * TILE, left * TILE];
@@ -47,7 +49,14 @@ impl Kernel for Band<'_> {
                 if dy < self.plan.tiles_down && tile.0 < down && tile.1 < across {
                     let rays = rays.as_ref().filter(|_| self.plan.is_fitted);
                     let rays = rays.map(|rays| rays.tile((dy, dx)));
-                    self.tile(l, &mut memory, tile, (dy, dx), rays, &mut square.out());
+                    self.tile(
+                        l,
+                        (&mut memory, &near),
+                        tile,
+                        (dy, dx),
+                        rays,
+                        &mut square.out(),
+                    );
                 }
             }
             let columns = self.plan.grid.columns;
@@ -73,13 +82,13 @@ const ORDER: [(usize, usize); TALL * TALL] = {
 };
 
 impl Band<'_> {
-    /// The tile in a row and a column of tiles; `place` is where it stands in its square, `rays` are its rays where they
-    /// are an array's.
+    /// The tile in a row and a column of tiles; `place` is where it stands in its square, `near` is the
+    /// square's [list](Plan::list_near), `rays` are its rays where they are an array's.
     #[inline(always)]
     fn tile<L: Lanes>(
         &self,
         l: L,
-        memory: &mut Memory,
+        (memory, near): (&mut Memory, &[u32]),
         (row, column): (usize, usize),
         place: (usize, usize),
         rays: Option<TileRays<'_>>,
@@ -105,7 +114,7 @@ impl Band<'_> {
             *x = grid.x(work.column + k);
         }
         let mut pixels = Tile::new(rows, columns);
-        let is_filled = off.is_some() && work.fill(l, memory, row, column, &mut pixels);
+        let is_filled = off.is_some() && work.fill(l, (memory, near), row, column, &mut pixels);
         if is_filled {
             work.develop(l, &pixels, [rows, columns], out);
         }
@@ -147,14 +156,19 @@ impl Work<'_> {
     fn fill<L: Lanes>(
         &mut self,
         l: L,
-        memory: &mut Memory,
+        (memory, near): (&mut Memory, &[u32]),
         band: usize,
         tile: usize,
         pixels: &mut Tile,
     ) -> bool {
         let plan = self.plan;
-        for placed in &plan.meshes {
+        for &index in near {
+            let placed = &plan.meshes[index as usize];
             if !(placed.rows.contains(&band) && placed.columns.contains(&tile)) {
+                continue;
+            }
+            // What all pixels meet already is nearer.
+            if placed.entry > 1.000_001 * f64::from(pixels.limit(l)) {
                 continue;
             }
             let Some((_, tree)) = tileable(plan.scene, placed.object) else {
