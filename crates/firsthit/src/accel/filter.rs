@@ -14,10 +14,10 @@
 //! passes the leaf's box, so no coordinate is larger than the leaf's extent along an axis twice, and what the test
 //! of the box allows for.
 //!
-//! What is relative to the start is no larger than the corners' depths and that extent: `near`. `E` in units of `u
-//! near`: two differences 2; the same along the ray, times a slope of at most 1; the slope itself 1; product and
-//! difference 2 where they are not fused: in all 7. To that comes the ray's `blur`, three times. The judge's own
-//! rounding is 2^-29 of that.
+//! `E`, in units of u, of a vertex at the depth D that is P from the start across the axis of the depth: two differences
+//! 2 P; two along the ray, times a slope of at most 1, 2 D; the slope itself D; product and difference, where they are not
+//! fused, D + X. As P is at most X + D, and X twice an extent, that is 6 D and 6 extents. To that comes the
+//! ray's `blur`, three times. The judge's own rounding is 2^-29 of that.
 
 use super::meshlet::Meshlet;
 use super::ray::{MARGIN, TreeRay, U};
@@ -60,8 +60,8 @@ pub(super) fn filter<L: Lanes>(
     let blur = l.splat(3.0 * ray.blur);
     macro_rules! bound {
         ($extent:expr, $more:expr) => {{
-            let near = l.add(deep, l.splat(3.0 * $extent));
-            let error = l.mul_add(near, l.splat(9.0 * U), blur);
+            let fixed = l.splat(6.5 * U * $extent + 3.0 * ray.blur);
+            let error = l.mul_add(deep, l.splat(6.5 * U), fixed);
             let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * $extent + $more));
             let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
             l.mul(share, size)

@@ -107,8 +107,8 @@ impl Beam {
         macro_rules! bound {
             ($size:expr) => {{
                 let size = $size;
-                let near = l.mul_add(size, l.splat(3.0), deep);
-                let error = l.mul_add(near, l.splat(9.0 * U), l.splat(self.error));
+                let fixed = l.mul_add(size, l.splat(3.5 * U), l.splat(self.error));
+                let error = l.mul_add(deep, l.splat(5.5 * U), fixed);
                 let size = l.mul_add(error, l.splat(4.2), l.mul(size, l.splat(1.01)));
                 let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
                 l.mul(share, size)

@@ -8,8 +8,8 @@
 //! is from the reference at most, along x and y sheared to the reference's depth. A start then is off by 13 W: two
 //! differences along each of two axes 6, a slope of at most 1 with what its product and difference round 7. A sheared
 //! coordinate X of a vertex at the depth D that is P from the reference: the differences with the reference P and D, that
-//! with the start P + W, slope, product and difference 2 D + X, and the start. Where a ray passes a triangle, X is at most
-//! the size of that (sheared, along x or y), and P at most X + W + D: in all less than 9 (D + 3 size) + 20 W.
+//! with the start P + W, slope, product and difference 2 D + X, and the start. P is at most X + W + D, and where a ray
+//! passes a triangle, X is at most the size of that (sheared, along x or y): in all 5 D + 3 X + 16 W.
 //! Against planes P and D are below the reach, and W below twice that: 40 for all.
 
 use super::super::packet::RAYS;
