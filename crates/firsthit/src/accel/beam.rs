@@ -132,20 +132,13 @@ impl Beam {
                     }
                 }
             }
+            let Some((_, next)) = stack.pop_within(limit) else {
+                return true;
+            };
             if budget == 0 {
                 return false;
             }
-            loop {
-                let Some(key) = stack.pop() else {
-                    return true;
-                };
-                if f32::from_bits((key >> 32) as u32) <= limit {
-                    #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
-                    let next = key as u32;
-                    index = next;
-                    break;
-                }
-            }
+            index = next;
         }
     }
 

@@ -85,9 +85,8 @@ pub(super) fn filter<L: Lanes>(
     if possible == 0 {
         return None;
     }
-    let plus = bound!(leaf.extent, 2.0 * MARGIN);
-    let minus = l.sub(l.splat(0.0), plus);
-    let certain = l.lt(plus, least) | l.lt(most, minus);
+    let sure = bound!(leaf.extent, 2.0 * MARGIN);
+    let certain = l.lt(sure, least) | l.lt(most, l.sub(l.splat(0.0), sure));
     // The corners' depths in the mean of the sides: where each side is off by B, it is off by B / |sum| times what each
     // corner's depth is from the mean, and these come to no more than twice the spread.
     let over = l.div(l.splat(1.0), l.add(l.add(u, v), w));

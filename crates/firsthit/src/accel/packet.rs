@@ -6,7 +6,7 @@
 )]
 
 use super::mesh_tree::MeshTree;
-use super::ray::{TreeRay, U};
+use super::ray::{MARGIN, TreeRay, U};
 use crate::geometry::{DMat3, DVec3, Ray, Transform};
 use crate::simd::{LANES, Lanes, WIDE};
 
@@ -15,6 +15,8 @@ pub(crate) const RAYS: usize = LANES;
 
 /// Starts beyond this are moved. The tree is in the cube from -1 to 1.
 const FAR: f64 = 8.0;
+// What the test of a box allows for, which has a reach of at most `FAR + 1`.
+const _: () = assert!(14.0 * (FAR + 1.0) * (U as f64) < MARGIN as f64);
 
 /// Sixteen rays in the space of a mesh; float64 takes them in two halves.
 #[derive(Debug, Clone, Default)]

@@ -13,7 +13,8 @@ use crate::simd::Lanes;
 
 pub(super) const U: f32 = f32::EPSILON / 2.0;
 
-/// The test of a box lets rays pass that are farther from it than their blur by this much at most.
+/// The test of a box lets rays pass that are farther from it than their blur twice by this much at most: 12 times
+/// the reach, and its own rounding.
 pub(super) const MARGIN: f32 = 150.0 * U;
 
 /// One of the rays of a [`Packet`](super::packet::Packet).

@@ -164,18 +164,10 @@ pub(crate) fn fill<L: Lanes>(
                 limit = tile.limit(l);
             }
         }
-        loop {
-            let Some(key) = stack.pop() else {
-                return;
-            };
-            entry = f32::from_bits((key >> 32) as u32);
-            if entry <= limit {
-                #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
-                let next = key as u32;
-                index = next;
-                break;
-            }
-        }
+        let Some(next) = stack.pop_within(limit) else {
+            return;
+        };
+        (entry, index) = next;
     }
 }
 

@@ -64,6 +64,7 @@ impl Stack {
 
     #[inline(always)]
     pub(super) fn push(&mut self, key: u64) {
+        debug_assert!(self.height < STACK, "a tree is not that deep");
         self.entries[self.height % STACK] = key;
         self.height += 1;
     }
@@ -71,6 +72,7 @@ impl Stack {
     /// Puts `key` among those from `base` on, the smallest on top.
     #[inline(always)]
     pub(super) fn insert(&mut self, base: usize, key: u64) {
+        debug_assert!(self.height < STACK, "a tree is not that deep");
         let mut at = self.height;
         while at > base && self.entries[(at - 1) % STACK] < key {
             self.entries[at % STACK] = self.entries[(at - 1) % STACK];
@@ -80,10 +82,18 @@ impl Stack {
         self.height += 1;
     }
 
+    /// The next that is at a depth of at most `limit`: the depth, and what is there.
     #[inline(always)]
-    pub(super) fn pop(&mut self) -> Option<u64> {
-        self.height = self.height.checked_sub(1)?;
-        Some(self.entries[self.height % STACK])
+    pub(super) fn pop_within(&mut self, limit: f32) -> Option<(f32, u32)> {
+        loop {
+            self.height = self.height.checked_sub(1)?;
+            let key = self.entries[self.height % STACK];
+            let depth = f32::from_bits((key >> 32) as u32);
+            if depth <= limit {
+                #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
+                return Some((depth, key as u32));
+            }
+        }
     }
 
     #[inline(always)]
@@ -200,17 +210,10 @@ pub(super) fn traverse<L: Lanes, G: Goal>(
                 goal.meet(l, place, index & !LEAF, &candidates);
             }
         }
-        loop {
-            let Some(key) = stack.pop() else {
-                return;
-            };
-            if f32::from_bits((key >> 32) as u32) <= goal.limit() {
-                #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
-                let next = key as u32;
-                index = next;
-                break;
-            }
-        }
+        let Some((_, next)) = stack.pop_within(goal.limit()) else {
+            return;
+        };
+        index = next;
         if let Some(next) = stack.top() {
             prefetch(l, tree, next);
         }

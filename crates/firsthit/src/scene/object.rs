@@ -130,7 +130,7 @@ impl Object {
 
     /// What the rounding on the way to the object and back can come to, as a share of the coordinates: what
     /// the tree over the objects needs as its slack.
-    pub(super) fn slack(&self) -> f64 {
+    pub(crate) fn slack(&self) -> f64 {
         16.0 * self.transform.rounding()
     }
 

@@ -8,6 +8,9 @@ use crate::geometry::{DVec3, PixelGrid, Rays};
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Shape};
 
+/// What rounding in an object's transform may come to, as a share of coordinates, for its box to be of use.
+const LARGEST_SLACK: f64 = 1e-10;
+
 /// From so many pixels on, results go past the caches.
 const LARGE: usize = 1 << 17;
 
@@ -146,8 +149,12 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     let largest = high.abs().max(low.abs());
     let slack =
         1e-9 * (largest.z + grid.position.abs().max_element()) + 8.0 * skew * largest.max_element();
-    let entry = (low.z - slack) / focal;
-    let is_known = skew <= 1e-6 && entry.is_finite();
+    // What a skewed grid moves depths by grows with how far aside a point is, at its own depth.
+    let aside = largest.x.max(largest.y);
+    let reach = largest.z + aside.max(aside * largest.z / focal);
+    let entry = (low.z - slack - 8.0 * skew * reach) / focal;
+    let is_sharp = skew <= 1e-6 && object.slack() < LARGEST_SLACK;
+    let is_known = is_sharp && entry.is_finite();
     let whole = Placed {
         object: index,
         rows: 0..grid.rows.div_ceil(TILE),
@@ -208,6 +215,10 @@ fn seen(grid: &PixelGrid, object: &Object, aim: DVec3) -> Option<[DVec3; 2]> {
             share * relative.dot(grid.upwards),
             depth,
         );
+        if !depth.is_finite() {
+            // Which neither `min` nor `max` would keep.
+            return Some([DVec3::NAN; 2]);
+        }
         (low, high) = (low.min(seen), high.max(seen));
     }
     Some([low, high])

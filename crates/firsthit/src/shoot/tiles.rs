@@ -167,9 +167,9 @@ impl Work<'_> {
             if !(placed.rows.contains(&band) && placed.columns.contains(&tile)) {
                 continue;
             }
-            // What all pixels meet already is nearer.
+            // What all pixels meet already is nearer, than those that come later too.
             if placed.entry > 1.000_001 * f64::from(pixels.limit(l)) {
-                continue;
+                break;
             }
             let Some((_, tree)) = tileable(plan.scene, placed.object) else {
                 continue;

@@ -10,7 +10,8 @@
 //! coordinate X of a vertex at the depth D that is P from the reference: the differences with the reference P and D, that
 //! with the start P + W, slope, product and difference 2 D + X, and the start. P is at most X + W + D, and where a ray
 //! passes a triangle, X is at most the size of that (sheared, along x or y): in all 5 D + 3 X + 16 W.
-//! Against planes P and D are below the reach, and W below twice that: 40 for all.
+//! Against planes all of this is in units of the reach, with which 40 covers it: the starts' differences are below
+//! twice the reach each, so a start is off by 20 at most, and a vertex by 6.
 
 use super::super::packet::RAYS;
 use super::super::ray::U;
@@ -102,7 +103,7 @@ impl Beam {
         let ax = l.neg_mul_add(sx, behind, from_reference!(zx, x, 0));
         let ay = l.neg_mul_add(sy, behind, from_reference!(zy, y, 1));
         let (starts, slopes) = ([ends!(ax), ends!(ay)], [ends!(sx), ends!(sy)]);
-        let [_, width] = ends!(l.max(l.max(l.abs(ax), l.abs(ay)), behind));
+        let [_, width] = ends!(l.max(l.max(l.abs(ax), l.abs(ay)), l.abs(behind)));
         let middle = |[low, high]: [f32; 2]| 0.5 * (low + high);
         let across = [middle(slopes[0]), middle(slopes[1])];
         macro_rules! normal {
