@@ -11,44 +11,13 @@ mod support;
 
 use std::sync::Arc;
 
-use firsthit::shoot::{BruteForce, Trees, first_hit, shoot_all};
+use firsthit::shoot::{Trees, first_hit, shoot_all};
 use firsthit::{
-    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Plane, Ray, Scene, Sphere,
+    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Plane, Ray, Sphere,
     Transform, occluded, shoot,
 };
 use robust::{Coord3D, orient3d};
-use support::{Numbers, bumpy_sphere, mesh};
-
-fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
-    (
-        hit.t.to_bits(),
-        hit.object,
-        hit.primitive,
-        hit.barycentric.to_array().map(f64::to_bits),
-    )
-}
-
-fn agree(scene: &Scene, ray: &Ray) -> Hit {
-    let (fast, judge) = (
-        first_hit::<Trees>(scene, ray),
-        first_hit::<BruteForce>(scene, ray),
-    );
-    assert_eq!(
-        bits(&fast),
-        bits(&judge),
-        "{ray:?}: {fast:?}, the judge says {judge:?}"
-    );
-    assert_eq!(
-        occluded(scene, ray.origin, ray.direction, ray.t_max),
-        !judge.is_miss(),
-        "{ray:?}"
-    );
-    judge
-}
-
-fn scene(objects: Vec<Object>) -> Scene {
-    Scene::new(objects).unwrap()
-}
+use support::{Numbers, agree, bits, bumpy_sphere, mesh, rays, scene};
 
 /// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners.
 fn soup(count: usize, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
@@ -69,25 +38,6 @@ fn soup(count: usize, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         triangles.push([first, first + 1, first + 2]);
     }
     (points, triangles)
-}
-
-/// Random rays, rays at corners and edges, rays along the axes through corners.
-fn rays(points: &[DVec3], count: usize, seed: u64) -> Vec<Ray> {
-    let mut numbers = Numbers::new(seed);
-    (0..count)
-        .map(|k| {
-            let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
-            let origin = 3.0 * numbers.point();
-            let axis = [DVec3::X, DVec3::NEG_Y, DVec3::Z][k / 5 % 3];
-            match k % 5 {
-                0 => Ray::new(origin, numbers.point()),
-                1 => Ray::new(origin, a - origin),
-                2 => Ray::new(origin, a.lerp(b, numbers.unit()) - origin),
-                3 => Ray::new(a - 2.0 * axis, axis),
-                _ => Ray::new(a, numbers.point()).up_to(numbers.unit()),
-            }
-        })
-        .collect()
 }
 
 #[test]
@@ -455,61 +405,4 @@ fn batches_of_every_size_and_any_number_of_threads_give_the_same() {
             }
         }
     }
-}
-
-#[test]
-fn a_scene_with_other_objects_shares_what_did_not_change() {
-    let (points, triangles) = bumpy_sphere(20, 8);
-    let shared = Object::new(mesh(&points, triangles));
-    let one = scene(vec![shared.clone()]);
-    let moved = Transform::translation(DVec3::new(3.0, 0.0, 0.0)).unwrap();
-    let two = one
-        .with_objects(vec![shared.clone(), shared.clone().placed(moved)])
-        .unwrap();
-    assert_eq!(two.triangles(), 2 * one.triangles());
-    let hit = agree(&two, &Ray::new(DVec3::new(3.0, 0.1, 9.0), DVec3::NEG_Z));
-    assert_eq!(hit.object, 1);
-    // The mesh's tree is there once, beside the two small ones over the objects.
-    assert!(two.tree_bytes() < one.tree_bytes() + 1000);
-}
-
-/// Vertices that move, a little and beyond all recognition, together and apart.
-#[test]
-fn a_mesh_whose_vertices_moved_is_met_where_it_is_now() {
-    let (points, triangles) = bumpy_sphere(24, 12);
-    let mut last = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
-    for step in 0..6 {
-        let mut numbers = Numbers::new(step);
-        let (far, wild) = [
-            (0.0, 0.01),
-            (1e6, 0.02),
-            (0.0, 0.1),
-            (5.0, 3.0),
-            (0.0, 0.0),
-            (1e-3, 1e-9),
-        ][step as usize];
-        let points: Vec<DVec3> = points
-            .iter()
-            .map(|p| *p + DVec3::splat(far) + wild * numbers.point())
-            .collect();
-        let moved = Object::new(mesh(&points, triangles.clone()));
-        last = last.with_objects(vec![moved.clone()]).unwrap();
-        let anew = scene(vec![moved]);
-        for ray in rays(&points, 400, step) {
-            assert_eq!(bits(&agree(&last, &ray)), bits(&agree(&anew, &ray)));
-        }
-    }
-    // Triangles that were in one place, and are no more.
-    let together =
-        [0.0, 0.0].map(|z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(DVec3::from));
-    let apart = [0.0, 1.0].map(|z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(DVec3::from));
-    let object = |points: [[DVec3; 3]; 2]| {
-        let triangles = (0..60).map(|k| if k % 2 == 0 { [0, 1, 2] } else { [3, 4, 5] });
-        Object::new(mesh(&points.concat(), triangles.collect()))
-    };
-    let scene = scene(vec![object(together)])
-        .with_objects(vec![object(apart)])
-        .unwrap();
-    let hit = agree(&scene, &Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::NEG_Z));
-    assert_eq!((hit.t, hit.primitive), (4.0, 1));
 }

@@ -12,25 +12,10 @@ use std::sync::Arc;
 
 use firsthit::shoot::{BruteForce, Trees, first_hit};
 use firsthit::{
-    Bounds, Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Ray, Scene, Shape,
+    Bounds, Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Object, Ray, Scene, Shape,
     Sphere, Transform, shoot,
 };
-use support::{Numbers, bumpy_sphere, mesh};
-
-fn scene(objects: Vec<Object>) -> Scene {
-    Scene::new(objects).unwrap()
-}
-
-fn agree(scene: &Scene, ray: &Ray) -> Hit {
-    let judge = first_hit::<BruteForce>(scene, ray);
-    let fast = first_hit::<Trees>(scene, ray);
-    assert_eq!(
-        (fast.t, fast.object, fast.primitive),
-        (judge.t, judge.object, judge.primitive),
-        "{ray:?}"
-    );
-    judge
-}
+use support::{Numbers, agree, bumpy_sphere, mesh, scene};
 
 fn turn(numbers: &mut Numbers) -> DMat3 {
     let axis = numbers.point().normalize();

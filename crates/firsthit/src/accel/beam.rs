@@ -9,7 +9,7 @@
 mod leaf;
 mod space;
 
-use super::goal::{Place, Question};
+use super::goal::Question;
 use super::packet::RAYS;
 use super::search::{Answers, Search};
 use super::walk::Stack;
@@ -60,8 +60,7 @@ pub(super) fn beam<L: Lanes, Q: Question>(
     search: &mut Search<'_>,
     answers: &mut impl Answers<Q::Answer>,
 ) -> bool {
-    let rays = search.open;
-    let Some(beam) = Beam::new(l, search, rays) else {
+    let Some(beam) = Beam::new(l, search) else {
         return false;
     };
     let packet = search.packet;
@@ -70,22 +69,12 @@ pub(super) fn beam<L: Lanes, Q: Question>(
         return false;
     }
     for (lane, question) in questions.iter().enumerate() {
-        if rays >> lane & 1 == 1 {
-            answers.take(number, lane, question.answer(&place(search, lane)));
+        if beam.rays >> lane & 1 == 1 {
+            answers.take(number, lane, question.answer(&search.place(lane)));
         }
     }
     search.open = 0;
     true
-}
-
-#[inline(always)]
-fn place<'a>(search: &Search<'a>, lane: usize) -> Place<'a> {
-    Place {
-        tree: search.tree,
-        mesh: search.mesh,
-        packet: search.packet,
-        lane,
-    }
 }
 
 impl Beam {

@@ -1,7 +1,7 @@
 //! Many rays through the trees of meshes: together those that have the same way, the others each on its own.
 
 use super::beam::{Patience, beam};
-use super::goal::Question;
+use super::goal::{Place, Question};
 use super::mesh_tree::MeshTree;
 use super::packet::Packet;
 use super::walk::Stack;
@@ -26,6 +26,17 @@ impl<'a> Search<'a> {
             mesh,
             packet,
             open: packet.alive,
+        }
+    }
+
+    /// One of its rays.
+    #[inline(always)]
+    pub(super) fn place(&self, lane: usize) -> Place<'a> {
+        Place {
+            tree: self.tree,
+            mesh: self.mesh,
+            packet: self.packet,
+            lane,
         }
     }
 }

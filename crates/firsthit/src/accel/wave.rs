@@ -164,18 +164,10 @@ impl Queue<'_, '_> {
 impl<'a, Q: Question> Slot<'a, Q> {
     #[inline(always)]
     fn new(search: Search<'a>, number: usize, lane: usize) -> Self {
-        let Search {
-            tree, mesh, packet, ..
-        } = search;
         Self {
-            place: Place {
-                tree,
-                mesh,
-                packet,
-                lane,
-            },
+            place: search.place(lane),
             search: number,
-            question: Q::new(packet.limits(lane)),
+            question: Q::new(search.packet.limits(lane)),
             next: 0,
             height: 0,
         }

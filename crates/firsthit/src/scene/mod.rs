@@ -362,7 +362,7 @@ fn mesh_trees(objects: &[Object], before: Option<&Scene>) -> Result<Vec<Option<A
     let known = before
         .into_iter()
         .flat_map(|scene| scene.objects.iter().zip(&scene.trees));
-    let known = known.filter_map(|(object, tree)| Some((mesh(object)?, tree.as_ref()?)));
+    let known = known.filter_map(|(object, tree)| Some((object.mesh()?, tree.as_ref()?)));
     let mut built: HashMap<*const Mesh, Arc<MeshTree>> = known
         .map(|(mesh, tree)| (Arc::as_ptr(mesh), Arc::clone(tree)))
         .collect();
@@ -379,21 +379,14 @@ fn mesh_trees(objects: &[Object], before: Option<&Scene>) -> Result<Vec<Option<A
     };
     let objects = objects.iter().enumerate();
     objects
-        .map(|(k, object)| mesh(object).map(|mesh| tree(k, mesh)).transpose())
+        .map(|(k, object)| object.mesh().map(|mesh| tree(k, mesh)).transpose())
         .collect()
-}
-
-fn mesh(object: &Object) -> Option<&Arc<Mesh>> {
-    match object.shape() {
-        Shape::Mesh(mesh) => Some(mesh),
-        _ => None,
-    }
 }
 
 impl Scene {
     /// The tree of an object's mesh for one that differs from it in its vertices only.
     fn fitted(&self, object: usize, moved: &Mesh) -> Option<MeshTree> {
-        let mesh = mesh(self.objects.get(object)?)?;
+        let mesh = self.objects.get(object)?.mesh()?;
         let tree = self.trees[object].as_ref();
         let tree = tree.filter(|_| mesh.triangles() == moved.triangles())?;
         tree.refit(moved)

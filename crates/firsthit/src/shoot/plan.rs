@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use super::hits::SIDE;
-use crate::accel::{MeshTree, TILE};
+use crate::accel::{Bundle, MeshTree, TILE};
 use crate::geometry::{DVec3, PixelGrid, Rays};
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Shape};
 
 /// What rounding in an object's transform may come to, as a share of coordinates, for its box to be of use.
-const LARGEST_SLACK: f64 = 1e-10;
+const MOST_ROUNDING: f64 = 1e-10;
 
 /// From so many pixels on, results go past the caches.
 const LARGE: usize = 1 << 17;
@@ -153,7 +153,7 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     let aside = largest.x.max(largest.y);
     let reach = largest.z + aside.max(aside * largest.z / focal);
     let entry = (low.z - slack - 8.0 * skew * reach) / focal;
-    let is_sharp = skew <= 1e-6 && object.slack() < LARGEST_SLACK;
+    let is_sharp = skew <= 1e-6 && object.slack() < MOST_ROUNDING;
     let is_known = is_sharp && entry.is_finite();
     let whole = Placed {
         object: index,
@@ -222,4 +222,44 @@ fn seen(grid: &PixelGrid, object: &Object, aim: DVec3) -> Option<[DVec3; 2]> {
         (low, high) = (low.min(seen), high.max(seen));
     }
     Some([low, high])
+}
+
+/// The rays of the tile from a row and a column of pixels on, in an object's space; they are off the grid by so many
+/// pixels at most.
+pub(super) fn bundle(
+    grid: &PixelGrid,
+    object: &Object,
+    off: f64,
+    [row, column]: [usize; 2],
+) -> Bundle {
+    let half = 0.5 * (TILE as f64);
+    let middle = |size: f64, count: usize, first: usize| {
+        -size / 2.0 + size / count as f64 * (first as f64 + half)
+    };
+    let x = middle(grid.width, grid.columns, column);
+    let y = -middle(grid.height, grid.rows, row);
+    let aside = x * grid.right + y * grid.upwards;
+    let map = object.transform().object_from_world();
+    let place = object.transform().world_from_object().translation;
+    let turned = |v: DVec3| map.transform_vector3(v);
+    let (start, centre) = if grid.parallel.is_some() {
+        (grid.position + aside, grid.toward)
+    } else {
+        (grid.position, grid.toward + aside)
+    };
+    let matrix = map.matrix3;
+    let largest =
+        [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.abs().max_element());
+    let growth: f64 = largest.iter().sum();
+    Bundle {
+        eye: turned(start - place),
+        centre: turned(centre),
+        across: turned(grid.width / grid.columns as f64 * grid.right),
+        down: turned(-grid.height / grid.rows as f64 * grid.upwards),
+        is_perspective: grid.parallel.is_none(),
+        start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
+        off,
+        largest: growth
+            * (start.abs().max_element() + place.abs().max_element() + centre.abs().max_element()),
+    }
 }

@@ -4,13 +4,13 @@ use super::fit::TileRays;
 use super::hits::{Out, RowOfHits, SIDE};
 use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
-use super::plan::{Plan, TALL, tileable};
+use super::plan::{Plan, TALL, bundle, tileable};
 use super::trees::{self, Memory};
 use crate::accel::{
-    Arbiter, Bundle, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill,
-    largest_axis, turned, verdict,
+    Arbiter, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill, largest_axis,
+    turned, verdict,
 };
-use crate::geometry::{DVec3, Hit, PixelGrid};
+use crate::geometry::Hit;
 use crate::scene::Object;
 use crate::shape::{Crossing, Mesh, triangle::Shear};
 use crate::simd::{Kernel, LANES, Lanes, WIDE};
@@ -465,39 +465,5 @@ impl Arbiter for Work<'_> {
             _ => (new, challenger),
         };
         Some((winner, self.depth(row, column, hit.t)))
-    }
-}
-
-/// A tile's rays in an object's space.
-fn bundle(grid: &PixelGrid, object: &Object, off: f64, [row, column]: [usize; 2]) -> Bundle {
-    let half = 0.5 * (TILE as f64);
-    let middle = |size: f64, count: usize, first: usize| {
-        -size / 2.0 + size / count as f64 * (first as f64 + half)
-    };
-    let x = middle(grid.width, grid.columns, column);
-    let y = -middle(grid.height, grid.rows, row);
-    let aside = x * grid.right + y * grid.upwards;
-    let map = object.transform().object_from_world();
-    let place = object.transform().world_from_object().translation;
-    let turned = |v: DVec3| map.transform_vector3(v);
-    let (start, centre) = if grid.parallel.is_some() {
-        (grid.position + aside, grid.toward)
-    } else {
-        (grid.position, grid.toward + aside)
-    };
-    let matrix = map.matrix3;
-    let largest =
-        [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.abs().max_element());
-    let growth: f64 = largest.iter().sum();
-    Bundle {
-        eye: turned(start - place),
-        centre: turned(centre),
-        across: turned(grid.width / grid.columns as f64 * grid.right),
-        down: turned(-grid.height / grid.rows as f64 * grid.upwards),
-        is_perspective: grid.parallel.is_none(),
-        start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
-        off,
-        largest: growth
-            * (start.abs().max_element() + place.abs().max_element() + centre.abs().max_element()),
     }
 }

@@ -17,21 +17,12 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit, occluded_all, shoot_all};
 use firsthit::{DAffine3, DVec3, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Transform};
 use rayon::ThreadPoolBuilder;
-use support::{Numbers, bumpy_sphere, mesh};
+use support::{Numbers, bits, bumpy_sphere, mesh};
 
 fn sets() -> impl Iterator<Item = InstructionSet> {
     InstructionSet::ALL
         .into_iter()
         .filter(|set| set.is_available())
-}
-
-fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
-    (
-        hit.t.to_bits(),
-        hit.object,
-        hit.primitive,
-        hit.barycentric.to_array().map(f64::to_bits),
-    )
 }
 
 /// Shoots `rays` with every instruction set and compares with the judge; returns how many hit.

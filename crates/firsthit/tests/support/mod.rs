@@ -1,14 +1,21 @@
-//! What several tests share: reproducible numbers, closed meshes, the reference data.
+//! What several tests share: reproducible numbers, closed meshes, the reference data, and what the judge says.
 #![allow(
     dead_code,
     unreachable_pub,
     reason = "each test includes it, and none uses all of it"
 )]
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use firsthit::{DVec3, Mesh, Positions};
+use firsthit::shoot::{BruteForce, Trees, first_hit};
+use firsthit::{DVec3, Hit, Mesh, Object, Positions, Ray, Scene, occluded};
 
 /// Reproducible numbers (a linear congruential generator of Knuth's).
 pub struct Numbers(u64);
@@ -95,4 +102,56 @@ pub fn refdata() -> Option<PathBuf> {
     }
     eprintln!("skipped: ../shared/refdata is not here");
     None
+}
+
+pub fn scene(objects: Vec<Object>) -> Scene {
+    Scene::new(objects).unwrap()
+}
+
+/// What two hits must have in common.
+pub fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
+    (
+        hit.t.to_bits(),
+        hit.object,
+        hit.primitive,
+        hit.barycentric.to_array().map(f64::to_bits),
+    )
+}
+
+/// The hit that trees and brute force agree about.
+pub fn agree(scene: &Scene, ray: &Ray) -> Hit {
+    let (fast, judge) = (
+        first_hit::<Trees>(scene, ray),
+        first_hit::<BruteForce>(scene, ray),
+    );
+    assert_eq!(
+        bits(&fast),
+        bits(&judge),
+        "{ray:?}: {fast:?}, the judge says {judge:?}"
+    );
+    assert_eq!(
+        occluded(scene, ray.origin, ray.direction, ray.t_max),
+        !judge.is_miss(),
+        "{ray:?}"
+    );
+    judge
+}
+
+/// Random rays, rays at corners and edges, rays along the axes through corners.
+pub fn rays(points: &[DVec3], count: usize, seed: u64) -> Vec<Ray> {
+    let mut numbers = Numbers::new(seed);
+    (0..count)
+        .map(|k| {
+            let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
+            let origin = 3.0 * numbers.point();
+            let axis = [DVec3::X, DVec3::NEG_Y, DVec3::Z][k / 5 % 3];
+            match k % 5 {
+                0 => Ray::new(origin, numbers.point()),
+                1 => Ray::new(origin, a - origin),
+                2 => Ray::new(origin, a.lerp(b, numbers.unit()) - origin),
+                3 => Ray::new(a - 2.0 * axis, axis),
+                _ => Ray::new(a, numbers.point()).up_to(numbers.unit()),
+            }
+        })
+        .collect()
 }

@@ -7,7 +7,6 @@ use super::super::meshlet::Meshlet;
 use super::super::packet::RAYS;
 use super::super::ray::U;
 use super::super::search::Search;
-use super::place;
 use super::space::Beam;
 use crate::simd::{Aligned, LANES, Lanes};
 
@@ -194,7 +193,7 @@ impl Beam {
             let is_certain = certain >> lane & 1 == 1;
             let question = &mut questions[lane];
             let depths = (lows.0[lane], highs.0[lane]);
-            question.meet_one(&place(search, lane), (index, triangle), depths, is_certain);
+            question.meet_one(&search.place(lane), (index, triangle), depths, is_certain);
             is_less |= question.limit() < limits[lane];
             limits[lane] = question.limit();
         }

@@ -58,8 +58,8 @@ impl Beam {
         clippy::too_many_lines,
         reason = "one derivation, each line of which needs those before"
     )]
-    pub(super) fn new<L: Lanes>(l: L, search: &Search<'_>, rays: u16) -> Option<Self> {
-        let packet = search.packet;
+    pub(super) fn new<L: Lanes>(l: L, search: &Search<'_>) -> Option<Self> {
+        let (packet, rays) = (search.packet, search.open);
         if rays.count_ones() < FEWEST {
             return None;
         }

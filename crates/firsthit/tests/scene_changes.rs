@@ -1,0 +1,70 @@
+//! Scenes made from others: what is used again gives the same answers.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod support;
+
+use firsthit::{DVec3, Object, Ray, Transform};
+use support::{Numbers, agree, bits, bumpy_sphere, mesh, rays, scene};
+
+#[test]
+fn a_scene_with_other_objects_shares_what_did_not_change() {
+    let (points, triangles) = bumpy_sphere(20, 8);
+    let shared = Object::new(mesh(&points, triangles));
+    let one = scene(vec![shared.clone()]);
+    let moved = Transform::translation(DVec3::new(3.0, 0.0, 0.0)).unwrap();
+    let two = one
+        .with_objects(vec![shared.clone(), shared.clone().placed(moved)])
+        .unwrap();
+    assert_eq!(two.triangles(), 2 * one.triangles());
+    let hit = agree(&two, &Ray::new(DVec3::new(3.0, 0.1, 9.0), DVec3::NEG_Z));
+    assert_eq!(hit.object, 1);
+    // The mesh's tree is there once, beside the two small ones over the objects.
+    assert!(two.tree_bytes() < one.tree_bytes() + 1000);
+}
+
+/// Vertices that move, a little and beyond all recognition, together and apart.
+#[test]
+fn a_mesh_whose_vertices_moved_is_met_where_it_is_now() {
+    let (points, triangles) = bumpy_sphere(24, 12);
+    let mut last = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
+    let bytes = last.tree_bytes();
+    let steps = [
+        (0.0, 0.01),
+        (1e6, 0.02),
+        (0.0, 0.1),
+        (5.0, 3.0),
+        (0.0, 0.0),
+        (1e-3, 1e-9),
+    ];
+    for (step, (far, wild)) in (0..).zip(steps) {
+        let mut numbers = Numbers::new(step);
+        let points: Vec<DVec3> = points
+            .iter()
+            .map(|p| *p + DVec3::splat(far) + wild * numbers.point())
+            .collect();
+        let moved = Object::new(mesh(&points, triangles.clone()));
+        last = last.with_objects(vec![moved.clone()]).unwrap();
+        let anew = scene(vec![moved]);
+        // Its own tree in the first three; one built for these points has another size.
+        if step < 3 {
+            assert_eq!(last.tree_bytes(), bytes, "step {step}");
+            assert_ne!(anew.tree_bytes(), bytes, "step {step}");
+        }
+        for ray in rays(&points, 400, step) {
+            assert_eq!(bits(&agree(&last, &ray)), bits(&agree(&anew, &ray)));
+        }
+    }
+    // Triangles that were in one place, and are no more.
+    let together =
+        [0.0, 0.0].map(|z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(DVec3::from));
+    let apart = [0.0, 1.0].map(|z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(DVec3::from));
+    let object = |points: [[DVec3; 3]; 2]| {
+        let triangles = (0..60).map(|k| if k % 2 == 0 { [0, 1, 2] } else { [3, 4, 5] });
+        Object::new(mesh(&points.concat(), triangles.collect()))
+    };
+    let scene = scene(vec![object(together)])
+        .with_objects(vec![object(apart)])
+        .unwrap();
+    let hit = agree(&scene, &Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::NEG_Z));
+    assert_eq!((hit.t, hit.primitive), (4.0, 1));
+}
