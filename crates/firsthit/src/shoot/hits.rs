@@ -1,6 +1,8 @@
 //! What many rays met.
 
-use bytemuck::Zeroable;
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
 
 use crate::accel::TILE;
 use crate::error::Result;
@@ -80,13 +82,30 @@ fn fit<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()> {
 pub(super) const SIDE: usize = 4 * TILE;
 
 /// The hits of a square of tiles, small enough for the cache next to the registers: a tile's are written there,
-/// and from there in long rows, which memory takes far faster.
+/// and from there in long rows, which memory takes far faster. Past the caches it takes whole lines only: in front
+/// of a row stands what the square to the left has kept of its last one.
 #[derive(Debug)]
 pub(super) struct Square(Hits);
 
+/// What memory takes at once, in bytes.
+const LINE: usize = 64;
+
+/// Elements that may be kept: a line of the smallest.
+const KEPT: usize = LINE / size_of::<i32>();
+
+impl Square {
+    /// From a row to the next.
+    pub(super) const STRIDE: usize = KEPT + SIDE;
+
+    /// Where a pixel's hit is.
+    pub(super) const fn place(row: usize, column: usize) -> usize {
+        row * Self::STRIDE + KEPT + column
+    }
+}
+
 impl Default for Square {
     fn default() -> Self {
-        let count = SIDE * SIDE;
+        let count = SIDE * Self::STRIDE;
         Self(Hits {
             t: vec![0.0; count],
             object: vec![0; count],
@@ -133,26 +152,26 @@ impl Out<'_> {
     }
 
     /// Takes a square's hits, whose first column is `left`, into a band as wide as `columns`; past the caches if there
-    /// are many.
+    /// are many. Squares come from the left to the right.
     #[inline(always)]
     pub(super) fn take<L: Lanes>(
         &mut self,
         l: L,
-        square: &Square,
+        square: &mut Square,
         left: usize,
         columns: usize,
         is_large: bool,
     ) {
-        let width = (columns - left).min(SIDE);
-        let hits = &square.0;
+        let right = (left + SIDE).min(columns);
+        let hits = &mut square.0;
         macro_rules! copy {
             ($field:ident, $row:ident) => {
-                let to = &mut self.$field[$row * columns + left..][..width];
-                let from = &hits.$field[$row * SIDE..][..width];
+                let to = &mut self.$field[$row * columns..][..columns];
+                let from = &mut hits.$field[$row * Square::STRIDE..][..Square::STRIDE];
                 if is_large {
-                    l.stream(from, to);
+                    stream(l, from, to, left..right);
                 } else {
-                    to.copy_from_slice(from);
+                    to[left..right].copy_from_slice(&from[KEPT..][..right - left]);
                 }
             };
         }
@@ -181,6 +200,20 @@ impl Out<'_> {
             barycentric: self.barycentric[index],
         }
     }
+}
+
+/// Takes a square's row to `columns` of a picture's, past the caches: the whole lines, with what was kept before;
+/// what is left of the last one is kept.
+#[inline(always)]
+fn stream<L: Lanes, T: Pod>(l: L, from: &mut [T], to: &mut [T], columns: Range<usize>) {
+    let Range { start, end } = columns;
+    let beyond = |column: usize| (&raw const to[column]).addr() % LINE / size_of::<T>();
+    let before = if start == 0 { 0 } else { beyond(start) };
+    let after = if end == to.len() { 0 } else { beyond(end) };
+    let last = KEPT + end - start;
+    let lines = &from[KEPT - before..last - after];
+    l.stream(lines, &mut to[start - before..end - after]);
+    from.copy_within(last - after..last, KEPT - after);
 }
 
 /// The hits of a tile's row, on their way to memory: there, a few bytes at a time would be slow.

@@ -1,7 +1,7 @@
 //! A camera's rays, tile by tile: float32 finds who wins each pixel, float64 says where it is met.
 
 use super::fit::TileRays;
-use super::hits::{Out, RowOfHits, SIDE};
+use super::hits::{Out, RowOfHits, Square};
 use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
 use super::plan::{Plan, TALL, bundle, tileable};
@@ -61,7 +61,7 @@ impl Kernel for Band<'_> {
             }
             let columns = self.plan.grid.columns;
             self.out
-                .take(l, &square, left * TILE, columns, self.plan.is_large);
+                .take(l, &mut square, left * TILE, columns, self.plan.is_large);
         }
         l.end_streams();
         memory.square = Some(square);
@@ -107,7 +107,7 @@ impl Band<'_> {
             off: off.unwrap_or(f64::INFINITY),
             row: row * TILE,
             column: column * TILE,
-            first: (place.0 * SIDE + place.1) * TILE,
+            first: Square::place(place.0 * TILE, place.1 * TILE),
             x: [[0.0; WIDE]; 2],
         };
         for (k, x) in work.x.as_flattened_mut().iter_mut().enumerate() {
@@ -195,7 +195,7 @@ impl Work<'_> {
     /// Where in the square's results a row begins.
     #[inline(always)]
     fn at(&self, row: usize) -> usize {
-        self.first + row * SIDE
+        self.first + row * Square::STRIDE
     }
 
     fn sight(&self, index: u32) -> Option<Sight<'_>> {

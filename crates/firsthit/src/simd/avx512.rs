@@ -249,7 +249,10 @@ impl Lanes for Avx512 {
                 }
             }};
         }
-        part!(0, head);
+        // Even a store of nothing has its line fetched.
+        if head > 0 {
+            part!(0, head);
+        }
         for line in 0..lines {
             let at = head + 64 * line;
             // SAFETY: the 64 bytes are in both, and those that are written begin at a multiple of 64.
@@ -259,7 +262,9 @@ impl Lanes for Avx512 {
             }
         }
         let at = head + 64 * lines;
-        part!(at, length - at);
+        if at < length {
+            part!(at, length - at);
+        }
     }
     #[inline(always)]
     fn end_streams(self) {
