@@ -41,19 +41,20 @@ pub(crate) enum Corners {
 type Box3<T> = Aligned<[[T; 3]; 3]>;
 
 impl Corners {
-    /// Those of the triangles in `slots` (as bits), in the lanes of `wanted`; of others anything.
+    /// Those of the triangles in `slots` (as bits), in the lanes of `wanted`; of others anything. The triangles' indices
+    /// (as bits) go into the same lanes of `triangles`.
     #[inline(always)]
     pub(crate) fn new<L: Lanes>(
         l: L,
         (tree, mesh): (&MeshTree, &Mesh),
         axes: [usize; 3],
-        slots: &[f32; LANES],
-        wanted: u16,
+        (slots, wanted): (&[f32; LANES], u16),
+        triangles: &mut [f32; LANES],
     ) -> Self {
         if tree.is_exact {
-            Self::scaled(l, tree, axes, slots, wanted)
+            Self::scaled(l, tree, axes, (slots, wanted), triangles)
         } else {
-            Self::whole(tree, mesh, axes, slots, wanted)
+            Self::whole(tree, mesh, axes, (slots, wanted), triangles)
         }
     }
 
@@ -63,16 +64,19 @@ impl Corners {
         l: L,
         tree: &MeshTree,
         axes: [usize; 3],
-        slots: &[f32; LANES],
-        wanted: u16,
+        (slots, wanted): (&[f32; LANES], u16),
+        triangles: &mut [f32; LANES],
     ) -> Self {
         let all = l.load(slots);
+        let mut indices = l.load(triangles);
         let mut corners = [[l.splat(0.0); 3]; 3];
         let mut left = wanted;
         while left != 0 {
             let slot = slots[left.trailing_zeros() as usize % LANES];
             let here = l.same(all, l.splat(slot));
             left &= !here;
+            let index = f32::from_bits(tree.triangle_in(slot.to_bits()));
+            indices = l.select(here, l.splat(index), indices);
             let slot = slot.to_bits() as usize;
             let leaf = &tree.leaves[slot / LANES];
             for corner in 0..3 {
@@ -84,6 +88,7 @@ impl Corners {
                 }
             }
         }
+        l.store(indices, triangles);
         let mut out = Aligned([[[0.0; LANES]; 3]; 3]);
         for corner in 0..3 {
             for axis in 0..3 {
@@ -100,15 +105,17 @@ impl Corners {
         tree: &MeshTree,
         mesh: &Mesh,
         axes: [usize; 3],
-        slots: &[f32; LANES],
-        wanted: u16,
+        (slots, wanted): (&[f32; LANES], u16),
+        triangles: &mut [f32; LANES],
     ) -> Self {
         let mut out = Aligned([[[[0.0; WIDE]; 2]; 3]; 3]);
         let mut left = wanted;
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
-            let corners: [DVec3; 3] = tree.corners_in(mesh, slots[lane].to_bits());
+            let slot = slots[lane].to_bits();
+            triangles[lane] = f32::from_bits(tree.triangle_in(slot));
+            let corners: [DVec3; 3] = tree.corners_in(mesh, slot);
             for (out, corner) in out.0.iter_mut().zip(corners) {
                 for (out, axis) in out.iter_mut().zip(axes) {
                     out[lane / WIDE][lane % WIDE] = corner[axis % 3];

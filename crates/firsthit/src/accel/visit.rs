@@ -161,6 +161,9 @@ impl<A: Arbiter> Visit<'_, A> {
         }
         let mut large = alive & !small;
         if large != 0 {
+            large &= !all_beside(l, [constants, across, down], [width, height], bound);
+        }
+        if large != 0 {
             for k in 0..3 {
                 l.store(constants[k], &mut self.known.edges.constant[k]);
                 l.store(across[k], &mut self.known.edges.across[k]);
@@ -235,6 +238,10 @@ impl<A: Arbiter> Visit<'_, A> {
 
     /// One triangle, row by row: a lane for each pixel.
     #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "straight-line lane code; functions would hand on twenty registers"
+    )]
     fn large<L: Lanes>(&mut self, l: L, lane: usize) {
         #[expect(
             clippy::cast_possible_truncation,
@@ -273,10 +280,26 @@ impl<A: Arbiter> Visit<'_, A> {
                 edges.down[2][lane],
             ],
         );
-        for row in whole(first_row)..=whole(known.last_row[lane]) {
-            if nearest > self.tile.farthest[row] {
-                continue;
+        let [top, bottom] = [whole(first_row), whole(known.last_row[lane])];
+        let mut rows = (u16::MAX >> (TILE - 1 - bottom)) & (u16::MAX << top);
+        rows &= l.le(l.splat(nearest), l.load(&self.tile.farthest));
+        if bottom - top >= TALL {
+            let width = known.last_column[lane] - known.first_column[lane];
+            let place = l.sub(l.load(&COLUMNS.0), l.splat(first_row));
+            macro_rules! end {
+                ($k:literal, $choose:ident) => {{
+                    let along = (edges.across[$k][lane] * width).$choose(0.0);
+                    let end = l.splat(edges.constant[$k][lane] + along);
+                    l.mul_add(l.splat(down[$k]), place, end)
+                }};
             }
+            let most = l.min(l.min(end!(0, max), end!(1, max)), end!(2, max));
+            let least = l.max(l.max(end!(0, min), end!(1, min)), end!(2, min));
+            rows &= !(l.lt(most, l.sub(l.splat(0.0), bound)) & l.lt(bound, least));
+        }
+        while rows != 0 {
+            let row = rows.trailing_zeros() as usize % TILE;
+            rows &= rows - 1;
             let steps = row as f32 - first_row;
             let sides = [
                 l.add(along[0], l.splat(steps * down[0])),
@@ -383,6 +406,31 @@ impl<A: Arbiter> Visit<'_, A> {
         self.changed |= 1 << row;
     }
 }
+
+/// Which triangles have all samples of their bounding boxes beyond one of their edges. (A side is linear: the corners
+/// of the box tell.)
+#[inline(always)]
+fn all_beside<L: Lanes>(
+    l: L,
+    [constants, across, down]: [[L::Floats; 3]; 3],
+    [width, height]: [L::Floats; 2],
+    bound: L::Floats,
+) -> u16 {
+    let zero = l.splat(0.0);
+    macro_rules! end {
+        ($k:literal, $choose:ident) => {{
+            let along = l.$choose(l.mul(across[$k], width), zero);
+            let down = l.$choose(l.mul(down[$k], height), zero);
+            l.add(l.add(constants[$k], along), down)
+        }};
+    }
+    let most = l.min(l.min(end!(0, max), end!(1, max)), end!(2, max));
+    let least = l.max(l.max(end!(0, min), end!(1, min)), end!(2, min));
+    l.lt(most, l.sub(zero, bound)) & l.lt(bound, least)
+}
+
+/// From so many rows on, more than one, they are looked through all at once before each on its own.
+const TALL: usize = 5;
 
 static COLUMNS: Aligned<[f32; TILE]> = Aligned([
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,

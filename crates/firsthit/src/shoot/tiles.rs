@@ -261,14 +261,16 @@ impl Work<'_> {
         hits: &mut RowOfHits,
     ) {
         let axes = axes(sight.z);
-        let corners = Corners::new(l, (sight.tree, sight.mesh), axes, slots, here);
-        let mut left = here;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize % LANES;
-            left &= left - 1;
-            hits.object[lane] = sight.index.cast_signed();
-            hits.primitive[lane] = sight.tree.triangle_in(slots[lane].to_bits()).cast_signed();
-        }
+        let object = l.splat(f32::from_bits(sight.index));
+        let objects = bytemuck::cast_mut(&mut hits.object);
+        l.store(l.select(here, object, l.load(objects)), objects);
+        let corners = Corners::new(
+            l,
+            (sight.tree, sight.mesh),
+            axes,
+            (slots, here),
+            bytemuck::cast_mut(&mut hits.primitive),
+        );
         for half in 0..2 {
             let [low, high] = here.to_le_bytes();
             let lanes = if half == 0 { low } else { high };
