@@ -147,6 +147,7 @@ pub(crate) fn fill<L: Lanes>(
             let mut visit = Visit {
                 frame,
                 leaf,
+                first: tree.order.get(leaf.first as usize),
                 object,
                 slot,
                 tile,

@@ -14,6 +14,8 @@ use crate::simd::{Aligned, LANES, Lanes};
 pub(super) struct Visit<'a, A> {
     pub(super) frame: &'a Frame,
     pub(super) leaf: &'a Meshlet,
+    /// The triangle in the leaf's first lane by its index.
+    pub(super) first: Option<&'a u32>,
     pub(super) object: u32,
     pub(super) slot: u32,
     pub(super) tile: &'a mut Tile,
@@ -94,6 +96,10 @@ impl<A: Arbiter> Visit<'_, A> {
         }
         if alive == 0 {
             return;
+        }
+        // Who wins is asked for its index in the end.
+        if let Some(first) = self.first {
+            l.prefetch(first);
         }
 
         // The corners relative to the first of those samples.
