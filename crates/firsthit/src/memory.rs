@@ -36,6 +36,13 @@ pub(crate) fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>> {
     Ok(vec)
 }
 
+/// An empty vector with room for `count` elements, in large pages where that is worth it.
+pub(crate) fn room<T>(count: usize) -> Vec<T> {
+    let mut vec = Vec::with_capacity(count);
+    simd::prefer_large_pages(vec.spare_capacity_mut());
+    vec
+}
+
 /// A vector of `count` times `value`, or an error instead of an abort when memory is short.
 pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
     let mut vec = Vec::new();

@@ -10,6 +10,7 @@ use super::Bvh;
 use super::bins::{self, Box32, Item, Split, around};
 use super::bvh::Node;
 use crate::geometry::{Bounds, DVec3};
+use crate::memory;
 
 /// From this depth on ranges are halved: geometry can make the heuristic peel off one box at a time.
 pub(super) const SAH_DEPTH: u32 = 64;
@@ -59,12 +60,14 @@ impl Kind for Boxes {
 pub(super) fn binary(items: &mut [Item], kind: &impl Kind) -> Binary {
     let all = around(items);
     let Subtree { root, nodes } = subtree(items, all, [0, 0], kind);
+    let mut order = memory::room(items.len());
+    order.extend(items.iter().map(Item::index));
     Binary {
         nodes: std::iter::once(root)
             .chain(nodes)
             .map(|node| shift(node, 1))
             .collect(),
-        order: items.iter().map(Item::index).collect(),
+        order,
     }
 }
 

@@ -11,6 +11,7 @@ use super::build::{self, Binary};
 use super::meshlet::Meshlet;
 use super::wide::{self, Node};
 use crate::geometry::DVec3;
+use crate::memory;
 use crate::shape::{Mesh, Positions};
 use crate::simd::LANES;
 
@@ -71,11 +72,13 @@ impl Space {
 
     /// The vertices of `mesh`.
     pub(super) fn points(&self, mesh: &Mesh) -> Vec<[f32; 3]> {
+        let mut points = memory::room(mesh.positions().len());
         (0..count(mesh.positions().len()))
             .into_par_iter()
             .with_min_len(build::CHUNK)
             .map(|k| self.point(mesh.positions().get(k)))
-            .collect()
+            .collect_into_vec(&mut points);
+        points
     }
 
     /// Whether `points` are the vertices of `mesh` to the last bit (which zero it is can show in a hit's weights).
@@ -143,11 +146,12 @@ impl MeshTree {
             let corners = triangles[index as usize].map(|vertex| points[vertex as usize]);
             Item::new(Box32::of(corners), index)
         };
-        let mut items: Vec<Item> = (0..count(triangles.len()))
+        let mut items = memory::room(triangles.len());
+        (0..count(triangles.len()))
             .into_par_iter()
             .with_min_len(build::CHUNK)
             .map(item)
-            .collect();
+            .collect_into_vec(&mut items);
         let Binary { nodes, order } = build::binary(&mut items, &Triangles(mesh));
         drop(items);
         let wide::Wide { nodes, ranges } = wide::collapse(&nodes);
@@ -156,7 +160,12 @@ impl MeshTree {
             let corners = of_leaf.iter().map(|&index| triangles[index as usize]);
             Meshlet::new(corners, first, &points)
         };
-        let leaves = ranges.par_iter().with_min_len(1024).map(leaf).collect();
+        let mut leaves = memory::room(ranges.len());
+        ranges
+            .par_iter()
+            .with_min_len(1024)
+            .map(leaf)
+            .collect_into_vec(&mut leaves);
         let mut tree = Self {
             is_exact: space.is_exact(mesh, &points),
             space,

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::mesh_tree::{MeshTree, Space};
 use super::meshlet::Meshlet;
 use super::wide::{LEAF, Node};
+use crate::memory;
 use crate::shape::Mesh;
 use crate::simd::LANES;
 
@@ -37,12 +38,12 @@ impl MeshTree {
                 .map(|&index| mesh.triangles()[index as usize]);
             Meshlet::new(corners, leaf.first, &points)
         };
-        let leaves: Vec<Meshlet> = self
-            .leaves
+        let mut leaves = memory::room(self.leaves.len());
+        self.leaves
             .par_iter()
             .with_min_len(1024)
             .map(leaf)
-            .collect();
+            .collect_into_vec(&mut leaves);
         let mut nodes = self.nodes.clone();
         // Children stand behind their parents.
         for k in (0..nodes.len()).rev() {

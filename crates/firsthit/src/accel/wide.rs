@@ -5,6 +5,7 @@
 //! there. (They weigh costs; with leaves as large as these, the largest surface does as well.)
 
 use super::build::BinaryNode;
+use crate::memory;
 use crate::simd::LANES;
 
 /// How many children a node has at most.
@@ -72,9 +73,9 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
         }
         wide.nodes[at] = node;
     }
-    wide.nodes.shrink_to_fit();
-    wide.ranges.shrink_to_fit();
-    wide
+    let mut nodes = memory::room(wide.nodes.len());
+    nodes.append(&mut wide.nodes);
+    Wide { nodes, ..wide }
 }
 
 /// The children of the wide node in place of a binary one: itself if it is a leaf.
