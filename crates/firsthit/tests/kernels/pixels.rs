@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use firsthit::shoot::{Trees, first_hit, shoot_all};
 use firsthit::{
     Camera, DAffine3, DMat3, DVec3, Object, Plane, Projection, Ray, RayStart, Scene, Sphere,
     Transform, View,
 };
 
-use super::support::{Numbers, bumpy_sphere, mesh};
-use super::{PLACES, judged, placed, rays, soup};
+use super::support::{Numbers, bits, bumpy_sphere, mesh};
+use super::{PLACES, judged, placed, rays, sets, soup};
 
 pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
     let mut cameras = Vec::new();
@@ -235,4 +236,36 @@ fn arrays_a_little_aslant() {
     };
     let all: Vec<Ray> = (0..64 * 64).map(ray).collect();
     assert!(judged(&scene, &all) > 100);
+}
+
+/// Large pictures go to memory past the caches, in lines that know nothing of tiles and rows.
+#[test]
+fn large_pictures_of_any_width() {
+    let (points, triangles) = bumpy_sphere(20, 4);
+    let one = Object::new(mesh(&points, triangles));
+    for set in sets() {
+        let scene = Scene::new(vec![one.clone()]).unwrap();
+        let scene = scene.with_instruction_set(set);
+        for [rows, columns] in [[225, 613], [1031, 129], [2049, 64], [131, 1003]] {
+            let (height, width) = (rows as f64 / 500.0, columns as f64 / 500.0);
+            let view = View {
+                position: 4.0 * DVec3::Z,
+                focal_length: 1.5,
+                width,
+                height,
+                rows,
+                columns,
+                ..View::default()
+            };
+            let camera = Camera::new(view).unwrap();
+            let hits = shoot_all(&scene, &camera, &()).unwrap();
+            let met = (0..hits.len()).filter(|&k| hits.t[k].is_finite()).count();
+            assert!(met > 9_000 && met < hits.len(), "{met}");
+            for index in 0..hits.len() {
+                let ray = camera.ray(index / columns, index % columns);
+                let (got, wanted) = (hits.get(index), first_hit::<Trees>(&scene, &ray));
+                assert_eq!(bits(&got), bits(&wanted), "{set:?} {columns} {index}");
+            }
+        }
+    }
 }
