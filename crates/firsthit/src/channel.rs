@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::geometry::{Color, Hit, Ray, Rays};
+use crate::geometry::{Color, DVec3, Hit, Ray, Rays};
 use crate::image::{Channel, Data, Description, Picture, Unit};
 use crate::memory::{filled, zeroed};
 use crate::scene::Scene;
@@ -272,20 +272,28 @@ impl Kind {
     }
 }
 
+/// How many pixels are shaded at a time.
+pub(crate) const SHADED: usize = 1024;
+
 fn colors(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
     let mut values = zeroed::<f32>(shots.rays.len().saturating_mul(3))?;
     values
-        .par_chunks_mut(3)
-        .with_min_len(256)
+        .par_chunks_mut(3 * SHADED)
         .enumerate()
-        .try_for_each(|(k, out)| {
+        .try_for_each(|(chunk, out)| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
-            let ray = shots.rays.ray(k);
-            let hit = shots.hits.get(k);
-            out.copy_from_slice(&single(shade.shade(hit.t, ray.origin, ray.direction, &hit)));
-            watch.advance(1);
+            let (first, count) = (chunk * SHADED, out.len() / 3);
+            let mut rays = vec![Ray::new(DVec3::ZERO, DVec3::ZERO); count];
+            shots.rays.read(first, &mut rays);
+            let hits = shots.hits.part(first..first + count);
+            let mut colors = vec![Color::ZERO; count];
+            shade.shade_all(&rays, &hits, &mut colors);
+            for (color, out) in colors.into_iter().zip(out.chunks_mut(3)) {
+                out.copy_from_slice(&single(color));
+            }
+            watch.advance(count as u64);
             Ok(())
         })?;
     Ok(Data::Float32(values))

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::camera::{Camera, View};
-use crate::channel::{Kind, Shots, single};
+use crate::channel::{Kind, SHADED, Shots, single};
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DMat3, Ray};
 use crate::image::{CameraRecord, Channel, Data, Frame, Intrinsics, Origin, Pose};
@@ -11,7 +11,7 @@ use crate::memory::filled;
 use crate::sampling::offset;
 use crate::scene::{Light, Scene};
 use crate::shade::Shade;
-use crate::shoot::{Hits, shoot, shoot_all};
+use crate::shoot::{Hits, shoot_all};
 use crate::watch::Watch;
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
@@ -86,22 +86,40 @@ fn antialiased(
     watch: &dyn Watch,
 ) -> Result<Channel> {
     let mut colors = filled(camera.pixels().saturating_mul(3), 0.0_f32)?;
-    let see = |pixel: usize, k: u32| {
-        let ray = sample_ray(camera, pixel, k, samples);
-        let hit = shoot(scene, ray.origin, ray.direction);
-        shade.shade(hit.t, ray.origin, ray.direction, &hit)
-    };
+    // Pixels whose points make one batch: these go nearly the same way.
+    let pixels = (SHADED / samples as usize).max(1);
     colors
-        .par_chunks_mut(3)
-        .with_min_len(64)
+        .par_chunks_mut(3 * pixels)
         .enumerate()
-        .try_for_each(|(pixel, out)| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
+        .try_for_each(|(chunk, out)| {
+            let first = chunk * pixels;
+            let mut sums = vec![Color::ZERO; out.len() / 3];
+            let points = sums.len() * samples as usize;
+            // In parts: of one pixel there may be any number of points.
+            for start in (0..points).step_by(SHADED) {
+                if watch.is_stopped() {
+                    return Err(Error::Interrupted);
+                }
+                let part = start..points.min(start + SHADED);
+                #[expect(clippy::cast_possible_truncation, reason = "less than samples")]
+                let of_point =
+                    |point: usize| (point / samples as usize, (point % samples as usize) as u32);
+                let ray = |point: usize| {
+                    let (pixel, k) = of_point(point);
+                    sample_ray(camera, first + pixel, k, samples)
+                };
+                let rays: Vec<Ray> = part.clone().map(ray).collect();
+                let hits = shoot_all(scene, &rays, &())?;
+                let mut seen = vec![Color::ZERO; rays.len()];
+                shade.shade_all(&rays, &hits, &mut seen);
+                for (point, color) in part.zip(seen) {
+                    sums[of_point(point).0] += color;
+                }
+                watch.advance(rays.len() as u64);
             }
-            let sum: Color = (0..samples).map(|k| see(pixel, k)).sum();
-            out.copy_from_slice(&single(sum / f64::from(samples)));
-            watch.advance(u64::from(samples));
+            for (sum, out) in sums.into_iter().zip(out.chunks_mut(3)) {
+                out.copy_from_slice(&single(sum / f64::from(samples)));
+            }
             Ok(())
         })?;
     Ok(kind.channel(Data::Float32(colors)))

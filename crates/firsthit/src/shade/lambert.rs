@@ -1,8 +1,9 @@
 //! Matte surfaces: the light that falls on them, by the cosine of its angle (Lambert, "Photometria", 1760).
 
+use super::Shot;
 use crate::geometry::{Color, DVec3, Hit, Ray, unit};
 use crate::scene::{Light, Scene};
-use crate::shoot::occluded;
+use crate::shoot::{any_hit, occluded_all};
 
 /// The settings of the Lambert shader. Surfaces are lit on both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,41 +23,51 @@ impl Default for Lambert {
     }
 }
 
-pub(super) fn shade(settings: &Lambert, scene: &Scene, ray: &Ray, hit: &Hit) -> Color {
-    let Some(color) = scene.color(hit) else {
-        return Color::ZERO;
-    };
-    if scene.is_unlit(hit) {
-        return color;
-    }
-    let geometric = scene.normal(ray, hit);
-    if !geometric.is_finite() {
-        return color * settings.ambient;
-    }
-    let smooth = scene.shading_normal(hit, geometric);
-    let side = if scene.is_front(ray, geometric) {
-        1.0
-    } else {
-        -1.0
-    };
-    let point = Lit {
-        position: ray.at(hit.t),
-        geometric: side * geometric,
-        smooth: side * smooth,
-    };
-    let start = off_the_surface(ray, &point);
-    let mut light = settings.ambient;
-    for source in scene.lights() {
-        let Some(arriving) = Arriving::new(source, &point) else {
-            continue;
-        };
-        let shadowed =
-            settings.shadows && occluded(scene, start, arriving.towards, arriving.distance);
-        if !shadowed {
-            light += arriving.light;
+/// All shadow rays towards a light are shot together: those of neighbours go nearly the same way.
+pub(super) fn shade(settings: &Lambert, scene: &Scene, shots: &[Shot], colors: &mut [Color]) {
+    let mut lit = Vec::with_capacity(shots.len());
+    for (k, (ray, hit)) in shots.iter().enumerate() {
+        match Lit::new(settings, scene, ray, hit) {
+            Ok(point) => lit.push((k, point)),
+            Err(color) => colors[k] = color,
         }
     }
-    color * light
+    let mut shadow_rays = Vec::with_capacity(lit.len());
+    let mut arriving = Vec::with_capacity(lit.len());
+    for source in scene.lights() {
+        shadow_rays.clear();
+        arriving.clear();
+        for (index, (_, point)) in lit.iter().enumerate() {
+            if let Some(Arriving {
+                towards,
+                distance,
+                light,
+            }) = Arriving::new(source, point)
+            {
+                shadow_rays.push(Ray::new(point.start, towards).up_to(distance));
+                arriving.push((index, light));
+            }
+        }
+        let mut shadows = Vec::new();
+        if settings.shadows {
+            shadows = all_blocked(scene, &shadow_rays);
+        }
+        for (k, &(index, light)) in arriving.iter().enumerate() {
+            if shadows.get(k) != Some(&true) {
+                lit[index].1.light += light;
+            }
+        }
+    }
+    for (k, point) in lit {
+        colors[k] = point.color * point.light;
+    }
+}
+
+fn all_blocked(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
+    match occluded_all(scene, rays, &()) {
+        Ok(blocked) => blocked,
+        Err(_) => rays.iter().map(|ray| any_hit(scene, ray)).collect(),
+    }
 }
 
 /// A point of a surface with its normals on the side that is seen.
@@ -64,6 +75,41 @@ struct Lit {
     position: DVec3,
     geometric: DVec3,
     smooth: DVec3,
+    /// Where its shadow rays start.
+    start: DVec3,
+    /// The surface's colour.
+    color: Color,
+    /// The light that is known to arrive.
+    light: Color,
+}
+
+impl Lit {
+    /// Where a ray meets a surface; or the colour, where no light changes it.
+    fn new(settings: &Lambert, scene: &Scene, ray: &Ray, hit: &Hit) -> Result<Self, Color> {
+        let color = scene.color(hit).ok_or(Color::ZERO)?;
+        if scene.is_unlit(hit) {
+            return Err(color);
+        }
+        let geometric = scene.normal(ray, hit);
+        if !geometric.is_finite() {
+            return Err(color * settings.ambient);
+        }
+        let smooth = scene.shading_normal(hit, geometric);
+        let side = if scene.is_front(ray, geometric) {
+            1.0
+        } else {
+            -1.0
+        };
+        let (position, geometric) = (ray.at(hit.t), side * geometric);
+        Ok(Self {
+            position,
+            geometric,
+            smooth: side * smooth,
+            start: off_the_surface(ray, position, geometric),
+            color,
+            light: settings.ambient,
+        })
+    }
 }
 
 /// Light on its way to a point.
@@ -122,9 +168,9 @@ fn within_cone(cosine: f64, inner_angle: f64, outer_angle: f64) -> f64 {
 /// Where shadow rays start: off the surface by more than the rounding of the point on it, so that they do
 /// not meet the surface they start from. (The idea is that of Wächter and Binder, "A Fast and Robust
 /// Method for Avoiding Self-Intersection", Ray Tracing Gems (2019), chapter 6.)
-fn off_the_surface(ray: &Ray, point: &Lit) -> DVec3 {
+fn off_the_surface(ray: &Ray, position: DVec3, normal: DVec3) -> DVec3 {
     // The point carries the rounding of the largest coordinate on the way to it. In float64 a millionth of
     // a millionth of it is both far above that and far below anything to be seen.
-    let largest = point.position.abs().max(ray.origin.abs()).max_element();
-    point.position + 1e-12 * largest.max(1e-300) * point.geometric
+    let largest = position.abs().max(ray.origin.abs()).max_element();
+    position + 1e-12 * largest.max(1e-300) * normal
 }

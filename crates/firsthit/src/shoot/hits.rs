@@ -41,6 +41,16 @@ impl Hits {
         }
     }
 
+    /// Those of some of the rays.
+    pub(crate) fn part(&self, rays: Range<usize>) -> Self {
+        Self {
+            t: self.t[rays.clone()].to_vec(),
+            object: self.object[rays.clone()].to_vec(),
+            primitive: self.primitive[rays.clone()].to_vec(),
+            barycentric: self.barycentric[rays].to_vec(),
+        }
+    }
+
     /// How many rays there were.
     pub fn len(&self) -> usize {
         self.t.len()
