@@ -300,6 +300,40 @@ fn antialiased_colours_are_means_and_leave_all_else_alone() {
     ));
 }
 
+/// A shader that gets many pixels at once comes to the colours that it gives one by one.
+#[test]
+fn shading_together_and_one_by_one_is_the_same() {
+    let lights = vec![
+        Light::Directional {
+            direction: DVec3::new(0.3, -1.0, -0.5),
+            color: Color::splat(0.6),
+        },
+        Light::Point {
+            position: DVec3::new(1.0, 3.0, 2.0),
+            intensity: Color::new(3.0, 2.0, 1.0),
+        },
+    ];
+    let scene = example::scene().unwrap().with_lights(lights);
+    let camera = example::camera(60, 80).unwrap();
+    let kinds = [kind("color").unwrap()];
+    for name in Shader::NAMES {
+        let shading = Shading {
+            scene: &scene,
+            shader: Shader::named(name).unwrap(),
+            background: example::background(),
+        };
+        let one_by_one = |t: f64, p: DVec3, u_r: DVec3, o: &Hit| shading.shade(t, p, u_r, o);
+        for samples in [1, 5] {
+            let together = render(&scene, &camera, &shading, &kinds, samples, &()).unwrap();
+            let single = render(&scene, &camera, &one_by_one, &kinds, samples, &()).unwrap();
+            assert_eq!(colors(&together), colors(&single), "{name} {samples}");
+            let mut different = colors(&together);
+            different.dedup();
+            assert!(different.len() > 500, "{name} {}", different.len());
+        }
+    }
+}
+
 #[test]
 fn the_same_picture_with_1_2_and_7_threads() {
     let camera = example::camera(40, 64).unwrap();
