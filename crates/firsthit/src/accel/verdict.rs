@@ -31,8 +31,9 @@ pub(crate) fn axes(z: usize) -> [usize; 3] {
     reason = "it lives for a row, on the stack"
 )]
 pub(crate) enum Corners {
-    /// In units of the tree's space: what they are multiplied with, and what is added to that.
-    Scaled(Box3<[f32; LANES]>, f64, [f64; 3]),
+    /// In units of the tree's space: what they are multiplied with, and where the tree's origin is, if not in that of
+    /// the mesh.
+    Scaled(Box3<[f32; LANES]>, f64, Option<[f64; 3]>),
     /// As they are, in two halves.
     Whole(Box3<[[f64; WIDE]; 2]>),
 }
@@ -96,7 +97,8 @@ impl Corners {
             }
         }
         let origin = axes.map(|axis| tree.space.origin[axis % 3]);
-        Self::Scaled(out, tree.space.unscale, origin)
+        let is_elsewhere = tree.space.origin != DVec3::ZERO;
+        Self::Scaled(out, tree.space.unscale, is_elsewhere.then_some(origin))
     }
 
     /// From the mesh, one by one.
@@ -125,32 +127,39 @@ impl Corners {
         Self::Whole(out)
     }
 
-    /// Eight of them, in float64.
+    /// Eight of them in float64, relative to where rays start.
     #[inline(always)]
-    fn half<L: Lanes>(&self, l: L, half: usize) -> [[L::Doubles; 3]; 3] {
+    fn half<L: Lanes>(&self, l: L, half: usize, start: &[L::Doubles; 3]) -> [[L::Doubles; 3]; 3] {
+        let mut out = [*start; 3];
         match self {
+            // The unit is a power of two, so products are exact, and fused or not the differences are the same.
             Self::Scaled(corners, unscale, origin) => {
                 let unscale = l.splat64(*unscale);
-                let mut out = [[unscale; 3]; 3];
                 for corner in 0..3 {
                     for axis in 0..3 {
-                        let lanes = &corners.0[corner][axis].as_chunks().0[half % 2];
-                        let lanes = l.mul64(l.load_widened(lanes), unscale);
-                        out[corner][axis] = l.add64(lanes, l.splat64(origin[axis]));
+                        let lanes =
+                            l.load_widened(&corners.0[corner][axis].as_chunks().0[half % 2]);
+                        out[corner][axis] = match origin {
+                            None => l.fused_mul_sub64(lanes, unscale, start[axis]),
+                            Some(origin) => {
+                                let minus = l.splat64(-origin[axis]);
+                                let place = l.fused_mul_sub64(lanes, unscale, minus);
+                                l.sub64(place, start[axis])
+                            }
+                        };
                     }
                 }
-                out
             }
             Self::Whole(corners) => {
-                let mut out = [[l.splat64(0.0); 3]; 3];
                 for corner in 0..3 {
                     for axis in 0..3 {
-                        out[corner][axis] = l.load64(&corners.0[corner][axis][half % 2]);
+                        let place = l.load64(&corners.0[corner][axis][half % 2]);
+                        out[corner][axis] = l.sub64(place, start[axis]);
                     }
                 }
-                out
             }
         }
+        out
     }
 }
 
@@ -174,12 +183,10 @@ pub(crate) fn verdict<L: Lanes>(
     };
     let slope = [l.div64(d[0], d[2]), l.div64(d[1], d[2])];
     let scale = l.div64(l.splat64(1.0), d[2]);
-    let corners = corners.half(l, half);
+    let corners = corners.half(l, half, &rays.origin);
     macro_rules! sheared {
         ($corner:literal) => {{
-            let across = l.sub64(corners[$corner][0], rays.origin[0]);
-            let upwards = l.sub64(corners[$corner][1], rays.origin[1]);
-            let along = l.sub64(corners[$corner][2], rays.origin[2]);
+            let [across, upwards, along] = corners[$corner];
             [
                 l.sub64(across, l.mul64(slope[0], along)),
                 l.sub64(upwards, l.mul64(slope[1], along)),
