@@ -272,8 +272,8 @@ impl Kind {
     }
 }
 
-/// How many pixels are shaded at a time.
-pub(crate) const SHADED: usize = 1024;
+/// How many pixels are shaded at a time: many enough for their shadow rays to go together, few enough for slow shaders.
+pub(crate) const SHADED: usize = 256;
 
 fn colors(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
     let mut values = zeroed::<f32>(shots.rays.len().saturating_mul(3))?;

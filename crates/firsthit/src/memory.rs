@@ -1,4 +1,4 @@
-//! Whether there is memory, asked before it is needed.
+//! Whether there is memory, asked before it is needed; and what comes in large pages.
 
 use bytemuck::Zeroable;
 
@@ -36,11 +36,19 @@ pub(crate) fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>> {
     Ok(vec)
 }
 
-/// An empty vector with room for `count` elements, in large pages where that is worth it.
+/// An empty vector with room for `count` elements, in large pages where that is worth it. Unlike the others here it
+/// is for what has been asked for before: the process ends where there is no memory.
 pub(crate) fn room<T>(count: usize) -> Vec<T> {
     let mut vec = Vec::with_capacity(count);
     simd::prefer_large_pages(vec.spare_capacity_mut());
     vec
+}
+
+/// A copy in such [room].
+pub(crate) fn copy<T: Copy>(values: &[T]) -> Vec<T> {
+    let mut copy = room(values.len());
+    copy.extend_from_slice(values);
+    copy
 }
 
 /// A vector of `count` times `value`, or an error instead of an abort when memory is short.

@@ -314,7 +314,7 @@ fn shading_together_and_one_by_one_is_the_same() {
         },
     ];
     let scene = example::scene().unwrap().with_lights(lights);
-    let camera = example::camera(60, 80).unwrap();
+    let camera = example::camera(30, 40).unwrap();
     let kinds = [kind("color").unwrap()];
     for name in Shader::NAMES {
         let shading = Shading {
@@ -323,13 +323,13 @@ fn shading_together_and_one_by_one_is_the_same() {
             background: example::background(),
         };
         let one_by_one = |t: f64, p: DVec3, u_r: DVec3, o: &Hit| shading.shade(t, p, u_r, o);
-        for samples in [1, 5] {
+        for samples in [1, 5, 300] {
             let together = render(&scene, &camera, &shading, &kinds, samples, &()).unwrap();
             let single = render(&scene, &camera, &one_by_one, &kinds, samples, &()).unwrap();
             assert_eq!(colors(&together), colors(&single), "{name} {samples}");
             let mut different = colors(&together);
             different.dedup();
-            assert!(different.len() > 500, "{name} {}", different.len());
+            assert!(different.len() > 100, "{name} {}", different.len());
         }
     }
 }

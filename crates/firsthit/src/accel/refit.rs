@@ -44,7 +44,7 @@ impl MeshTree {
             .with_min_len(1024)
             .map(leaf)
             .collect_into_vec(&mut leaves);
-        let mut nodes = self.nodes.clone();
+        let mut nodes = memory::copy(&self.nodes);
         // Children stand behind their parents.
         for k in (0..nodes.len()).rev() {
             for child in 0..LANES {
@@ -58,7 +58,7 @@ impl MeshTree {
             space,
             nodes,
             leaves,
-            order: self.order.clone(),
+            order: memory::copy(&self.order),
             cost: self.cost,
         };
         (tree.expected_cost() <= WORST * self.cost).then_some(tree)

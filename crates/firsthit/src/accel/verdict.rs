@@ -74,7 +74,8 @@ impl Corners {
         let mut left = wanted;
         while left != 0 {
             let slot = slots[left.trailing_zeros() as usize % LANES];
-            let here = l.same(all, l.splat(slot));
+            // Other lanes may be those of another tree, with the same number.
+            let here = wanted & l.same(all, l.splat(slot));
             left &= !here;
             let index = f32::from_bits(tree.triangle_in(slot.to_bits()));
             indices = l.select(here, l.splat(index), indices);

@@ -14,7 +14,7 @@ use crate::simd::{Aligned, LANES, Lanes};
 pub(super) struct Visit<'a, A> {
     pub(super) frame: &'a Frame,
     pub(super) leaf: &'a Meshlet,
-    /// The triangle in the leaf's first lane by its index.
+    /// Where the index of the leaf's first triangle stands, to be asked for ahead of time.
     pub(super) first: Option<&'a u32>,
     pub(super) object: u32,
     pub(super) slot: u32,
@@ -289,7 +289,7 @@ impl<A: Arbiter> Visit<'_, A> {
         let [top, bottom] = [whole(first_row), whole(known.last_row[lane])];
         let mut rows = (u16::MAX >> (TILE - 1 - bottom)) & (u16::MAX << top);
         rows &= l.le(l.splat(nearest), l.load(&self.tile.farthest));
-        if bottom - top >= TALL {
+        if bottom - top + 1 >= TOGETHER {
             let width = known.last_column[lane] - known.first_column[lane];
             let place = l.sub(l.load(&COLUMNS.0), l.splat(first_row));
             macro_rules! end {
@@ -435,8 +435,8 @@ fn all_beside<L: Lanes>(
     l.lt(most, l.sub(zero, bound)) & l.lt(bound, least)
 }
 
-/// From so many rows on, more than one, they are looked through all at once before each on its own.
-const TALL: usize = 5;
+/// Where a triangle has so many rows, it is first told of all at once which ones it may be in.
+const TOGETHER: usize = 6;
 
 static COLUMNS: Aligned<[f32; TILE]> = Aligned([
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,

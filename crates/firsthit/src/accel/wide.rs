@@ -73,8 +73,7 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
         }
         wide.nodes[at] = node;
     }
-    let mut nodes = memory::room(wide.nodes.len());
-    nodes.append(&mut wide.nodes);
+    let nodes = memory::copy(&wide.nodes);
     Wide { nodes, ..wide }
 }
 

@@ -64,6 +64,9 @@ pub(super) fn shade(settings: &Lambert, scene: &Scene, shots: &[Shot], colors: &
 }
 
 fn all_blocked(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
+    if let [ray] = rays {
+        return vec![any_hit(scene, ray)];
+    }
     match occluded_all(scene, rays, &()) {
         Ok(blocked) => blocked,
         Err(_) => rays.iter().map(|ray| any_hit(scene, ray)).collect(),

@@ -26,7 +26,8 @@ pub trait Shade: Sync {
     fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color;
 
     /// [`shade`](Self::shade) for many rays and what they met: a colour for each. A shader that shoots rays of its own
-    /// is faster when it shoots them together; whoever makes pictures asks for about a thousand pixels at a time.
+    /// is faster when it shoots them together; whoever makes pictures asks for a few hundred pixels at a time. There are
+    /// as many rays as hits and colours.
     fn shade_all(&self, rays: &[Ray], hits: &Hits, colors: &mut [Color]) {
         for (k, (ray, color)) in rays.iter().zip(colors).enumerate() {
             let hit = hits.get(k);

@@ -238,6 +238,40 @@ fn arrays_a_little_aslant() {
     assert!(judged(&scene, &all) > 100);
 }
 
+/// Two trees whose leaves have the same numbers, side by side in a tile: each has its own triangles.
+#[test]
+fn meshes_with_other_orders_side_by_side() {
+    let (points, triangles) = bumpy_sphere(12, 3);
+    let single = |p: &DVec3| p.as_vec3().as_dvec3();
+    let points: Vec<DVec3> = points.iter().map(single).collect();
+    let backwards: Vec<[u32; 3]> = triangles.iter().rev().copied().collect();
+    let beside: Vec<DVec3> = points.iter().map(|p| *p + 2.0 * DVec3::X).collect();
+    let beside: Vec<DVec3> = beside.iter().map(single).collect();
+    let objects = vec![
+        Object::new(mesh(&points, triangles)),
+        Object::new(mesh(&beside, backwards)),
+    ];
+    let scene = Scene::new(objects).unwrap();
+    let mut hits = 0;
+    for columns in [40, 64, 150] {
+        let view = View {
+            position: DVec3::new(1.0, 0.1, 6.0),
+            focal_length: 1.0,
+            width: 1.0,
+            height: 0.5,
+            rows: columns / 2,
+            columns,
+            ..View::default()
+        };
+        let camera = Camera::new(view).unwrap();
+        let rays: Vec<Ray> = (0..columns * columns / 2)
+            .map(|k| camera.ray(k / columns, k % columns))
+            .collect();
+        hits += judged(&scene, &camera) + judged(&scene, &rays);
+    }
+    assert!(hits > 5_000, "{hits}");
+}
+
 /// Large pictures go to memory past the caches, in lines that know nothing of tiles and rows.
 #[test]
 fn large_pictures_of_any_width() {
