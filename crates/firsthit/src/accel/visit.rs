@@ -299,9 +299,9 @@ impl<A: Arbiter> Visit<'_, A> {
                     l.mul_add(l.splat(down[$k]), place, end)
                 }};
             }
-            let most = l.min(l.min(end!(0, max), end!(1, max)), end!(2, max));
-            let least = l.max(l.max(end!(0, min), end!(1, min)), end!(2, min));
-            rows &= !(l.lt(most, l.sub(l.splat(0.0), bound)) & l.lt(bound, least));
+            let most = [end!(0, max), end!(1, max), end!(2, max)];
+            let least = [end!(0, min), end!(1, min), end!(2, min)];
+            rows &= !beside(l, most, least, bound);
         }
         while rows != 0 {
             let row = rows.trailing_zeros() as usize % TILE;
@@ -430,9 +430,18 @@ fn all_beside<L: Lanes>(
             l.add(l.add(constants[$k], along), down)
         }};
     }
-    let most = l.min(l.min(end!(0, max), end!(1, max)), end!(2, max));
-    let least = l.max(l.max(end!(0, min), end!(1, min)), end!(2, min));
-    l.lt(most, l.sub(zero, bound)) & l.lt(bound, least)
+    let most = [end!(0, max), end!(1, max), end!(2, max)];
+    let least = [end!(0, min), end!(1, min), end!(2, min)];
+    beside(l, most, least, bound)
+}
+
+/// Where all of a range of samples is past the triangle, `most` and `least` being the sides' ends in it: one side is
+/// below all bounds everywhere, and one above.
+#[inline(always)]
+fn beside<L: Lanes>(l: L, most: [L::Floats; 3], least: [L::Floats; 3], bound: L::Floats) -> u16 {
+    let below = l.min(l.min(most[0], most[1]), most[2]);
+    let above = l.max(l.max(least[0], least[1]), least[2]);
+    l.lt(below, l.sub(l.splat(0.0), bound)) & l.lt(bound, above)
 }
 
 /// Where a triangle has so many rows, it is first told of all at once which ones it may be in.
