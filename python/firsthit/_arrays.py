@@ -11,8 +11,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-#: How many rays go to the native half at a time: what it makes beside the result stays below 64 MB.
-CHUNK = 1 << 17
+#: How many rays go to the native half at a time where they are copied for it: what is made beside the result stays
+#: below 64 MB.
+CHUNK = 1 << 19
 
 
 def vector(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:
@@ -80,6 +81,11 @@ def threads_or_all(threads: int | None) -> int:
     if not 1 <= whole <= 1024:
         raise ValueError(f"threads must be from 1 to 1024, or None for all cores, got {whole}")
     return whole
+
+
+def is_flat(view: npt.NDArray[Any]) -> bool:
+    """Tell whether `flat` need not copy the whole of an array."""
+    return view.dtype == np.float64 and view.flags.c_contiguous
 
 
 def chunks(length: int) -> Iterator[slice]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, flat, numbers, threads_or_all, vector
+from ._arrays import chunks, flat, is_flat, numbers, threads_or_all, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._hits import Hits
@@ -290,7 +290,7 @@ class Scene:
         rays = _rays(origins, directions, t_max)
         native, shape = self._native(), rays[2].shape
         length = int(np.prod(shape))
-        parts = list(chunks(length))
+        parts = _parts(rays, length)
         if len(parts) == 1:
             return Hits._of_rays(self, rays, _firsthit.shoot(native, _part(rays, parts[0]), use))
         out: tuple[npt.NDArray[Any], ...] = (
@@ -340,7 +340,7 @@ class Scene:
         rays = _rays(origins, directions, t_max)
         shape = rays[2].shape
         found = np.empty(int(np.prod(shape)), np.bool_)
-        for part in chunks(len(found)):
+        for part in _parts(rays, len(found)):
             found[part] = _firsthit.occluded(self._native(), _part(rays, part), use)
         return found.reshape(shape)
 
@@ -392,10 +392,22 @@ def _rays(origins: Any, directions: Any, t_max: npt.ArrayLike) -> Rays:
     return np.broadcast_to(starts, to), np.broadcast_to(ways, to), np.broadcast_to(limits, shape)
 
 
+def _parts(rays: Rays, length: int) -> list[slice]:
+    """Return what goes to the native half at a time: all, where nothing of it is copied."""
+    origins, directions, limits = rays
+    one_go = is_flat(origins) and is_flat(directions) and (is_flat(limits) or _is_one(limits))
+    return [slice(0, length)] if one_go else list(chunks(length))
+
+
+def _is_one(limits: npt.NDArray[Any]) -> bool:
+    """Tell whether all limits are one number."""
+    return limits.strides == (0,) * limits.ndim and limits.size > 0
+
+
 def _part(rays: Rays, part: slice) -> tuple[npt.NDArray[np.float64], ...]:
     origins, directions, limits = rays
-    everywhere = limits.strides == (0,) * limits.ndim and limits.size > 0
-    limit = limits.reshape(-1)[:1].astype(np.float64) if everywhere else flat(limits, part, 0)
+    one = _is_one(limits)
+    limit = limits.reshape(-1)[:1].astype(np.float64) if one else flat(limits, part, 0)
     return flat(origins, part, 1), flat(directions, part, 1), limit
 
 

@@ -62,12 +62,13 @@ pub(crate) type HitsOut<'py> = (
 
 pub(crate) fn hits_out(py: Python<'_>, hits: Hits) -> PyResult<HitsOut<'_>> {
     let count = hits.len();
-    let barycentric: Vec<f64> = hits.barycentric.iter().flat_map(DVec2::to_array).collect();
+    // The same memory under another name.
+    let barycentric: Vec<[f64; 2]> = bytemuck::allocation::cast_vec(hits.barycentric);
     Ok((
         PyArray1::from_vec(py, hits.t),
         PyArray1::from_vec(py, hits.object),
         PyArray1::from_vec(py, hits.primitive),
-        PyArray1::from_vec(py, barycentric).reshape([count, 2])?,
+        PyArray1::from_vec(py, barycentric.into_flattened()).reshape([count, 2])?,
     ))
 }
 
