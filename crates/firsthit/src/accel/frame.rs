@@ -186,7 +186,7 @@ impl Frame {
             error: error as f32,
             depth_error: depth_error as f32,
             absolute: (4.3 * (error + 24.0 * sideways)) as f32,
-            relative: ((16.0 + 6.0 * skew) * u) as f32,
+            relative: ((32.0 + 6.0 * skew) * u) as f32,
         })
     }
 

@@ -15,7 +15,13 @@ use super::wide::{LEAF, Node};
 use crate::simd::{Aligned, LANES, Lanes};
 
 /// Pixels across and down a tile.
-pub(crate) const TILE: usize = LANES;
+pub(crate) const TILE: usize = BLOCK * BLOCK;
+
+/// Pixels across and down a block, of which a tile has as many across and down: blocks of a tile and pixels of a block
+/// have a lane each, from the left to the right and then down.
+pub(crate) const BLOCK: usize = 4;
+
+const _: () = assert!(BLOCK * BLOCK == LANES);
 
 /// A triangle in one of the objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,16 +52,28 @@ pub(crate) trait Arbiter {
     ) -> Option<(Winner, f64)>;
 }
 
-/// The first hits of a tile's pixels so far. Depths are in units of the viewplane's.
+/// The block of a tile's pixel, and its lane there.
+pub(crate) const fn place(row: usize, column: usize) -> (usize, usize) {
+    let block = row / BLOCK * BLOCK + column / BLOCK;
+    (block, row % BLOCK * BLOCK + column % BLOCK)
+}
+
+/// The row and the column of a pixel in its tile.
+pub(crate) const fn pixel(block: usize, lane: usize) -> (usize, usize) {
+    let row = block / BLOCK * BLOCK + lane / BLOCK;
+    (row % TILE, (block % BLOCK * BLOCK + lane % BLOCK) % TILE)
+}
+
+/// The first hits of a tile's pixels so far, block by block. Depths are in units of the viewplane's.
 #[repr(C, align(64))]
 pub(crate) struct Tile {
     /// Depths between which the hit is; above all depths where there is none yet.
-    pub(super) low: [[f32; TILE]; TILE],
-    pub(super) high: [[f32; TILE]; TILE],
-    /// The largest `high` of each row.
-    pub(super) farthest: [f32; TILE],
-    pub(super) slots: [[f32; TILE]; TILE],
-    pub(super) objects: [[f32; TILE]; TILE],
+    pub(super) low: [[f32; LANES]; LANES],
+    pub(super) high: [[f32; LANES]; LANES],
+    /// The largest `high` of each block.
+    pub(super) farthest: [f32; LANES],
+    pub(super) slots: [[f32; LANES]; LANES],
+    pub(super) objects: [[f32; LANES]; LANES],
     pub(super) rows: usize,
     pub(super) columns: usize,
 }
@@ -65,53 +83,57 @@ impl Tile {
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let nobody = f32::from_bits(u32::MAX);
         let mut tile = Self {
-            low: [[f32::INFINITY; TILE]; TILE],
-            high: [[f32::INFINITY; TILE]; TILE],
-            farthest: [f32::INFINITY; TILE],
-            slots: [[nobody; TILE]; TILE],
-            objects: [[nobody; TILE]; TILE],
+            low: [[f32::INFINITY; LANES]; LANES],
+            high: [[f32::INFINITY; LANES]; LANES],
+            farthest: [f32::INFINITY; LANES],
+            slots: [[nobody; LANES]; LANES],
+            objects: [[nobody; LANES]; LANES],
             rows,
             columns,
         };
-        for (row, farthest) in tile.farthest.iter_mut().enumerate() {
-            if row >= rows {
-                *farthest = f32::NEG_INFINITY;
-            }
-        }
-        // What is outside the picture is in front of everything.
-        for (row, high) in tile.high.iter_mut().enumerate() {
-            for (column, high) in high.iter_mut().enumerate() {
-                if row >= rows || column >= columns {
-                    *high = f32::NEG_INFINITY;
-                }
-            }
+        if (rows, columns) != (TILE, TILE) {
+            tile.cut();
         }
         tile
     }
 
-    /// Who won a pixel.
-    pub(crate) fn winner(&self, row: usize, column: usize) -> Winner {
-        Winner {
-            object: self.objects[row][column].to_bits(),
-            slot: self.slots[row][column].to_bits(),
+    /// What is outside the picture is in front of everything.
+    fn cut(&mut self) {
+        for (block, high) in self.high.iter_mut().enumerate() {
+            for (lane, high) in high.iter_mut().enumerate() {
+                let (row, column) = pixel(block, lane);
+                if row >= self.rows || column >= self.columns {
+                    *high = f32::NEG_INFINITY;
+                }
+            }
+            self.farthest[block] = high.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         }
     }
 
-    /// The winners' slots, and their objects, of a row; as bits.
-    pub(crate) fn row(&self, row: usize) -> (&[f32; TILE], &[f32; TILE]) {
-        (&self.slots[row], &self.objects[row])
+    /// Who won the pixel of a lane in a block.
+    pub(super) fn winner(&self, block: usize, lane: usize) -> Winner {
+        Winner {
+            object: self.objects[block][lane].to_bits(),
+            slot: self.slots[block][lane].to_bits(),
+        }
     }
 
-    pub(super) fn set(&mut self, row: usize, column: usize, winner: Winner, low: f32, high: f32) {
-        self.low[row][column] = low;
-        self.high[row][column] = high;
-        self.slots[row][column] = f32::from_bits(winner.slot);
-        self.objects[row][column] = f32::from_bits(winner.object);
+    /// The winners' slots, and their objects, of a block; as bits.
+    pub(crate) fn block(&self, block: usize) -> (&[f32; LANES], &[f32; LANES]) {
+        (&self.slots[block], &self.objects[block])
     }
 
     #[inline(always)]
-    fn update_row<L: Lanes>(&mut self, l: L, row: usize) {
-        self.farthest[row] = l.largest(l.load(&self.high[row]));
+    pub(super) fn set(&mut self, block: usize, lane: usize, winner: Winner, low: f32, high: f32) {
+        self.low[block][lane] = low;
+        self.high[block][lane] = high;
+        self.slots[block][lane] = f32::from_bits(winner.slot);
+        self.objects[block][lane] = f32::from_bits(winner.object);
+    }
+
+    #[inline(always)]
+    fn update_block<L: Lanes>(&mut self, l: L, block: usize) {
+        self.farthest[block] = l.largest(l.load(&self.high[block]));
     }
 
     /// The depth beyond which nothing matters to any pixel.
@@ -159,7 +181,7 @@ pub(crate) fn fill<L: Lanes>(
             let mut changed = visit.changed;
             if changed != 0 {
                 while changed != 0 {
-                    tile.update_row(l, changed.trailing_zeros() as usize % TILE);
+                    tile.update_block(l, changed.trailing_zeros() as usize % LANES);
                     changed &= changed - 1;
                 }
                 limit = tile.limit(l);

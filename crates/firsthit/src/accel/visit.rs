@@ -1,13 +1,13 @@
 //! A tile and one leaf of a tree: which of its triangles are met by which pixels?
 //!
 //! The sides of a triangle's edges are linear in the pixel's place (see `tile.rs`); those of sixteen triangles are set
-//! up at once. Then triangles that hold a few samples have a lane each, and larger ones are gone through row by row,
+//! up at once. Then triangles that hold a few samples have a lane each, and larger ones are gone through block by block,
 //! with a lane for each pixel.
 
 use super::frame::{Frame, HALF};
 use super::meshlet::Meshlet;
 use super::ray::U;
-use super::tile::{Arbiter, TILE, Tile, Winner};
+use super::tile::{Arbiter, BLOCK, TILE, Tile, Winner, pixel, place};
 use crate::simd::{Aligned, LANES, Lanes};
 
 /// A leaf and a tile.
@@ -21,7 +21,7 @@ pub(super) struct Visit<'a, A> {
     pub(super) tile: &'a mut Tile,
     pub(super) arbiter: &'a mut A,
     pub(super) known: &'a mut Known,
-    /// The rows with a new hit.
+    /// The blocks with a new hit.
     pub(super) changed: u16,
 }
 
@@ -120,16 +120,18 @@ impl<A: Arbiter> Visit<'_, A> {
         let cy = l.neg_mul_add(first_y, ch, l.permute(y, c));
         let width = l.sub(columns[1], columns[0]);
         let height = l.sub(rows[1], rows[0]);
-        let bound = {
-            let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
-            let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
-            let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
-            let size = l.mul_add(l.max(width, height), h, l.max(x, y));
-            l.mul(
-                l.mul_add(l.splat(frame.relative), size, l.splat(frame.absolute)),
-                size,
-            )
-        };
+        let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
+        let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
+        let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
+        // What sides are off at samples that many pixels from the triangle's first one.
+        macro_rules! bound_within {
+            ($reach:expr) => {{
+                let size = l.mul_add($reach, h, l.max(x, y));
+                let share = l.mul_add(l.splat(frame.relative), size, l.splat(frame.absolute));
+                l.mul(share, size)
+            }};
+        }
+        let bound = bound_within!(l.max(width, height));
         let constants = [
             l.mul_sub(cx, by, l.mul(cy, bx)),
             l.mul_sub(ax, cy, l.mul(ay, cx)),
@@ -170,6 +172,8 @@ impl<A: Arbiter> Visit<'_, A> {
             large &= !all_beside(l, [constants, across, down], [width, height], bound);
         }
         if large != 0 {
+            // Blocks begin before the triangle and end behind it.
+            let bound = bound_within!(l.add(l.max(width, height), l.splat(EDGE)));
             for k in 0..3 {
                 l.store(constants[k], &mut self.known.edges.constant[k]);
                 l.store(across[k], &mut self.known.edges.across[k]);
@@ -230,106 +234,106 @@ impl<A: Arbiter> Visit<'_, A> {
                         clippy::cast_sign_loss,
                         reason = "small whole numbers"
                     )]
-                    let (row, column) = (
+                    let place = place(
                         (self.known.first_row[lane] as usize + usize::from(down)) % TILE,
                         (self.known.first_column[lane] as usize + usize::from(across)) % TILE,
                     );
                     let is_certain = verdict.certain >> lane & 1 == 1;
                     let depths = (lows.0[lane], highs.0[lane]);
-                    self.meet(row, column, lane, depths, is_certain);
+                    self.meet(place, lane, depths, is_certain);
                 }
             }
         }
     }
 
-    /// One triangle, row by row: a lane for each pixel.
+    /// One triangle, block by block: a lane for each pixel.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
         reason = "straight-line lane code; functions would hand on twenty registers"
     )]
     fn large<L: Lanes>(&mut self, l: L, lane: usize) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "small whole numbers"
-        )]
-        let whole = |x: f32| x as usize % TILE;
         let known = &*self.known;
-        let [first, last] = [
-            whole(known.first_column[lane]),
-            whole(known.last_column[lane]),
-        ];
-        let columns = (u16::MAX >> (TILE - 1 - last)) & (u16::MAX << first);
-        let place = l.sub(l.load(&COLUMNS.0), l.splat(known.first_column[lane]));
+        let nearest = known.nearest[lane];
+        let mut blocks = known.blocks(lane) & l.le(l.splat(nearest), l.load(&self.tile.farthest));
+        if blocks == 0 {
+            return;
+        }
+        // The sides at the blocks' first pixels, a lane for each block, and what is to be added for the others, a lane
+        // for each pixel.
         let edges = &known.edges;
-        macro_rules! along {
+        let (x, y) = (l.load(&ACROSS.0), l.load(&DOWN.0));
+        let four = l.splat(BLOCK as f32);
+        let block_x = l.mul_sub(four, x, l.splat(known.first_column[lane]));
+        let block_y = l.mul_sub(four, y, l.splat(known.first_row[lane]));
+        macro_rules! first {
             ($k:literal) => {{
-                let (across, constant) = (edges.across[$k][lane], edges.constant[$k][lane]);
-                l.mul_add(l.splat(across), place, l.splat(constant))
+                let along = l.mul_add(
+                    l.splat(edges.down[$k][lane]),
+                    block_y,
+                    l.splat(edges.constant[$k][lane]),
+                );
+                l.mul_add(l.splat(edges.across[$k][lane]), block_x, along)
             }};
         }
-        let along = [along!(0), along!(1), along!(2)];
+        macro_rules! inside {
+            ($k:literal) => {{
+                let along = l.mul(l.splat(edges.down[$k][lane]), y);
+                l.mul_add(l.splat(edges.across[$k][lane]), x, along)
+            }};
+        }
+        macro_rules! end {
+            ($k:literal, $choose:ident) => {{
+                let end = edges.down[$k][lane].$choose(0.0) + edges.across[$k][lane].$choose(0.0);
+                l.splat(EDGE * end)
+            }};
+        }
+        let first = [first!(0), first!(1), first!(2)];
         let bound = l.splat(known.bound[lane]);
+        let most = [
+            l.add(first[0], end!(0, max)),
+            l.add(first[1], end!(1, max)),
+            l.add(first[2], end!(2, max)),
+        ];
+        let least = [
+            l.add(first[0], end!(0, min)),
+            l.add(first[1], end!(1, min)),
+            l.add(first[2], end!(2, min)),
+        ];
+        blocks &= !beside(l, most, least, bound);
+        let inside = [inside!(0), inside!(1), inside!(2)];
+        let mut firsts = Aligned([[0.0; LANES]; 3]);
+        l.store(first[0], &mut firsts.0[0]);
+        l.store(first[1], &mut firsts.0[1]);
+        l.store(first[2], &mut firsts.0[2]);
         let depths = [
             l.splat(known.depths[0][lane]),
             l.splat(known.depths[1][lane]),
             l.splat(known.depths[2][lane]),
         ];
-        let nearest = known.nearest[lane];
         let ends = [l.splat(nearest), l.splat(known.farthest[lane])];
-        let (first_row, down) = (
-            known.first_row[lane],
-            [
-                edges.down[0][lane],
-                edges.down[1][lane],
-                edges.down[2][lane],
-            ],
-        );
-        let [top, bottom] = [whole(first_row), whole(known.last_row[lane])];
-        let mut rows = (u16::MAX >> (TILE - 1 - bottom)) & (u16::MAX << top);
-        rows &= l.le(l.splat(nearest), l.load(&self.tile.farthest));
-        if bottom - top + 1 >= TOGETHER {
-            let width = known.last_column[lane] - known.first_column[lane];
-            let place = l.sub(l.load(&COLUMNS.0), l.splat(first_row));
-            macro_rules! end {
-                ($k:literal, $choose:ident) => {{
-                    let along = (edges.across[$k][lane] * width).$choose(0.0);
-                    let end = l.splat(edges.constant[$k][lane] + along);
-                    l.mul_add(l.splat(down[$k]), place, end)
-                }};
-            }
-            let most = [end!(0, max), end!(1, max), end!(2, max)];
-            let least = [end!(0, min), end!(1, min), end!(2, min)];
-            rows &= !beside(l, most, least, bound);
-        }
-        while rows != 0 {
-            let row = rows.trailing_zeros() as usize % TILE;
-            rows &= rows - 1;
-            let steps = row as f32 - first_row;
+        while blocks != 0 {
+            let block = blocks.trailing_zeros() as usize % LANES;
+            blocks &= blocks - 1;
             let sides = [
-                l.add(along[0], l.splat(steps * down[0])),
-                l.add(along[1], l.splat(steps * down[1])),
-                l.add(along[2], l.splat(steps * down[2])),
+                l.add(inside[0], l.splat(firsts.0[0][block])),
+                l.add(inside[1], l.splat(firsts.0[1][block])),
+                l.add(inside[2], l.splat(firsts.0[2][block])),
             ];
-            let verdict = Verdict::new(
-                l,
-                sides,
-                bound,
-                depths,
-                ends,
-                self.frame.depth_error,
-                columns,
-            );
+            let error = self.frame.depth_error;
+            let verdict = Verdict::new(l, sides, bound, depths, ends, error, u16::MAX);
             if let Some(verdict) = verdict {
-                self.meet_row(l, row, lane, &verdict);
+                self.meet_block(l, block, lane, &verdict);
             }
         }
     }
 
     #[inline(always)]
-    fn meet_row<L: Lanes>(&mut self, l: L, row: usize, lane: usize, verdict: &Verdict<L>) {
-        let (low, high) = (l.load(&self.tile.low[row]), l.load(&self.tile.high[row]));
+    fn meet_block<L: Lanes>(&mut self, l: L, block: usize, lane: usize, verdict: &Verdict<L>) {
+        let (low, high) = (
+            l.load(&self.tile.low[block]),
+            l.load(&self.tile.high[block]),
+        );
         let possible = verdict.possible
             & l.le(verdict.low, high)
             & l.le(l.splat(self.frame.start_depth), verdict.high);
@@ -342,44 +346,46 @@ impl<A: Arbiter> Visit<'_, A> {
             & l.lt(l.splat(self.frame.start_depth), verdict.low);
         let winner = self.winner(lane);
         if wins != 0 {
-            l.store(l.select(wins, verdict.low, low), &mut self.tile.low[row]);
-            l.store(l.select(wins, verdict.high, high), &mut self.tile.high[row]);
-            let slots = &mut self.tile.slots[row];
+            l.store(l.select(wins, verdict.low, low), &mut self.tile.low[block]);
+            l.store(
+                l.select(wins, verdict.high, high),
+                &mut self.tile.high[block],
+            );
+            let slots = &mut self.tile.slots[block];
             let slot = l.splat(f32::from_bits(winner.slot));
             l.store(l.select(wins, slot, l.load(slots)), slots);
-            let objects = &mut self.tile.objects[row];
+            let objects = &mut self.tile.objects[block];
             let object = l.splat(f32::from_bits(winner.object));
             l.store(l.select(wins, object, l.load(objects)), objects);
-            self.changed |= 1 << row;
+            self.changed |= 1 << block;
         }
         let mut open = possible & !wins;
         while open != 0 {
-            let column = open.trailing_zeros() as usize;
+            let pixel = open.trailing_zeros() as usize;
             open &= open - 1;
-            self.settle(row, column, winner);
+            self.settle((block, pixel), winner);
         }
     }
 
-    /// A candidate for one pixel.
+    /// A candidate for one pixel, that of a lane in a block.
     #[inline(always)]
     fn meet(
         &mut self,
-        row: usize,
-        column: usize,
+        (block, pixel): (usize, usize),
         lane: usize,
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
         let start = self.frame.start_depth;
-        if low > self.tile.high[row][column] || high < start {
+        if low > self.tile.high[block][pixel] || high < start {
             return;
         }
         let winner = self.winner(lane);
-        if is_certain && high < self.tile.low[row][column] && low > start {
-            self.tile.set(row, column, winner, low, high);
-            self.changed |= 1 << row;
+        if is_certain && high < self.tile.low[block][pixel] && low > start {
+            self.tile.set(block, pixel, winner, low, high);
+            self.changed |= 1 << block;
         } else {
-            self.settle(row, column, winner);
+            self.settle((block, pixel), winner);
         }
     }
 
@@ -393,11 +399,12 @@ impl<A: Arbiter> Visit<'_, A> {
         }
     }
 
-    /// Lets float64 decide about a pixel.
+    /// Lets float64 decide about a pixel, that of a lane in a block.
     #[cold]
     #[inline(never)]
-    fn settle(&mut self, row: usize, column: usize, new: Winner) {
-        let old = self.tile.winner(row, column);
+    fn settle(&mut self, (block, lane): (usize, usize), new: Winner) {
+        let old = self.tile.winner(block, lane);
+        let (row, column) = pixel(block, lane);
         let Some((winner, depth)) = self.arbiter.settle(row, column, old, new) else {
             return;
         };
@@ -408,8 +415,26 @@ impl<A: Arbiter> Visit<'_, A> {
         let depth = depth as f32;
         let error = self.frame.depth_error + depth.abs() * (4.0 * U);
         self.tile
-            .set(row, column, winner, depth - error, depth + error);
-        self.changed |= 1 << row;
+            .set(block, lane, winner, depth - error, depth + error);
+        self.changed |= 1 << block;
+    }
+}
+
+impl Known {
+    /// The blocks in which a triangle's bounding box has samples.
+    #[inline(always)]
+    fn blocks(&self, lane: usize) -> u16 {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "small whole numbers"
+        )]
+        let block = |x: f32| x as usize / BLOCK % BLOCK;
+        let below = |first: usize| u16::MAX << first;
+        let [left, right] = [self.first_column[lane], self.last_column[lane]].map(block);
+        let [top, bottom] = [self.first_row[lane], self.last_row[lane]].map(block);
+        let columns = (below(left) & !below(right + 1) & 0b1111) * 0b0001_0001_0001_0001;
+        columns & below(BLOCK * top) & (u16::MAX >> (BLOCK * (BLOCK - 1 - bottom)))
     }
 }
 
@@ -444,11 +469,17 @@ fn beside<L: Lanes>(l: L, most: [L::Floats; 3], least: [L::Floats; 3], bound: L:
     l.lt(below, l.sub(l.splat(0.0), bound)) & l.lt(bound, above)
 }
 
-/// Where a triangle has so many rows, it is first told of all at once which ones it may be in.
-const TOGETHER: usize = 6;
+/// From a block's first pixel to its last, along a row.
+const EDGE: f32 = BLOCK as f32 - 1.0;
 
-static COLUMNS: Aligned<[f32; TILE]> = Aligned([
-    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+/// The columns of a block's pixels, and of a tile's blocks.
+static ACROSS: Aligned<[f32; LANES]> = Aligned([
+    0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0,
+]);
+
+/// The rows.
+static DOWN: Aligned<[f32; LANES]> = Aligned([
+    0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0,
 ]);
 
 /// A leaf's triangles in lanes.

@@ -5,7 +5,8 @@
 //! rays themselves.
 
 use super::hits::SIDE;
-use crate::accel::TILE;
+use super::pixels::{HALVES, Pixels};
+use crate::accel::{BLOCK, TILE, place};
 use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
 use crate::simd::{Lanes, WIDE};
 
@@ -129,25 +130,25 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
     None
 }
 
-/// Halves of a tile's rows in a row of a square.
-const ACROSS: usize = SIDE / WIDE;
+/// Tiles across and down a square.
+const TILES: usize = SIDE / TILE;
 
 /// The rays of a square of tiles as they are, in lanes: memory gives long rows far faster than short ones.
 #[derive(Debug)]
 pub(super) struct SquareRays {
-    /// For each row and eight columns, and each axis.
+    /// For each half of a block, tile by tile and row by row, and each axis.
     origin: Vec<[[f64; WIDE]; 3]>,
     direction: Vec<[[f64; WIDE]; 3]>,
     /// The tiles in which a ray ends somewhere, row by row.
-    has_ends: [bool; (SIDE / TILE) * (SIDE / TILE)],
+    has_ends: [bool; TILES * TILES],
 }
 
 impl Default for SquareRays {
     fn default() -> Self {
         Self {
-            origin: vec![[[0.0; WIDE]; 3]; SIDE * ACROSS],
-            direction: vec![[[0.0; WIDE]; 3]; SIDE * ACROSS],
-            has_ends: [false; (SIDE / TILE) * (SIDE / TILE)],
+            origin: vec![[[0.0; WIDE]; 3]; TILES * TILES * HALVES],
+            direction: vec![[[0.0; WIDE]; 3]; TILES * TILES * HALVES],
+            has_ends: [false; TILES * TILES],
         }
     }
 }
@@ -166,20 +167,24 @@ impl SquareRays {
         let columns = (grid.columns - column).min(SIDE);
         self.has_ends.fill(false);
         let mut row_of_rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); SIDE];
-        for down in 0..rows {
-            let first = (row + down) * grid.columns + column;
-            rays.read(first, &mut row_of_rays[..columns]);
-            // Where the square ends early, its last ray again.
+        for down in 0..rows.next_multiple_of(BLOCK) {
+            // Where the square ends within a block, its last row again.
+            if down < rows {
+                let first = (row + down) * grid.columns + column;
+                rays.read(first, &mut row_of_rays[..columns]);
+            }
+            // Likewise its last ray.
             let last = row_of_rays[columns - 1];
             row_of_rays[columns..].fill(last);
             for (across, ray) in row_of_rays.iter().enumerate() {
-                let tile = down / TILE * (SIDE / TILE) + across / TILE;
+                let tile = down / TILE * TILES + across / TILE;
                 self.has_ends[tile] |= ray.t_max != f64::INFINITY;
-                let (half, lane) = (down * ACROSS + across / WIDE, across % WIDE);
+                let (block, lane) = place(down % TILE, across % TILE);
+                let half = tile * HALVES + 2 * block + lane / WIDE;
                 let (origin, direction) = (&mut self.origin[half], &mut self.direction[half]);
                 for axis in 0..3 {
-                    origin[axis][lane] = ray.origin[axis];
-                    direction[axis][lane] = ray.direction[axis];
+                    origin[axis][lane % WIDE] = ray.origin[axis];
+                    direction[axis][lane % WIDE] = ray.direction[axis];
                 }
             }
         }
@@ -187,10 +192,11 @@ impl SquareRays {
 
     /// Those of a tile, by its row and column in the square.
     pub(super) fn tile(&self, (row, column): (usize, usize)) -> TileRays<'_> {
+        let tile = row * TILES + column;
         TileRays {
             square: self,
-            first: row * TILE * ACROSS + column * (TILE / WIDE),
-            has_ends: self.has_ends[row * (SIDE / TILE) + column],
+            first: tile * HALVES,
+            has_ends: self.has_ends[tile],
         }
     }
 }
@@ -209,26 +215,21 @@ const FARTHEST: f64 = 0.01;
 
 impl TileRays<'_> {
     /// How far the rays are off the grid at most, in pixels; `None` when not all of them are like those of a camera.
-    /// The tile is at a row and a column of the grid, and has so many rows and columns.
+    /// The tile has its pixels in so many rows.
     #[inline(always)]
     pub(super) fn distance<L: Lanes>(
         &self,
         l: L,
         grid: &PixelGrid,
-        [row, column]: [usize; 2],
-        [rows, columns]: [usize; 2],
+        pixels: &Pixels,
+        rows: usize,
     ) -> Option<f64> {
         if self.has_ends {
             return None;
         }
         let mut farthest = l.splat64(0.0);
-        for half in 0..2 * rows {
-            let mut x = [0.0; WIDE];
-            for (lane, x) in x.iter_mut().enumerate() {
-                *x = grid.x(column + (WIDE * (half % 2) + lane).min(columns - 1));
-            }
-            let base = grid.toward + grid.y(row + half / 2) * grid.upwards;
-            let (is_plain, squares) = self.squares(l, grid, half, base, l.load64(&x));
+        for half in 0..2 * BLOCK * rows.div_ceil(BLOCK) {
+            let (is_plain, squares) = self.squares(l, grid, pixels, half);
             if is_plain != u8::MAX {
                 return None;
             }
@@ -247,16 +248,14 @@ impl TileRays<'_> {
         (off < FARTHEST).then_some(off)
     }
 
-    /// Which of eight rays are like those of a camera, and the square of how far each is off the grid's points, which
-    /// are `x` to the right of `base`.
+    /// Which of eight rays are like those of a camera, and the square of how far each is off the grid's points.
     #[inline(always)]
     fn squares<L: Lanes>(
         &self,
         l: L,
         grid: &PixelGrid,
+        pixels: &Pixels,
         half: usize,
-        base: DVec3,
-        x: L::Doubles,
     ) -> (u8, L::Doubles) {
         macro_rules! vector {
             ($part:ident) => {
@@ -269,6 +268,7 @@ impl TileRays<'_> {
         }
         let number = |x: f64| l.splat64(x);
         let (o, d) = (vector!(origin), vector!(direction));
+        let (x, y) = (pixels.x(l, half), pixels.y(l, half));
         let normal = grid.right.cross(grid.upwards);
         let across = l.mul64(d[0], number(normal.x));
         let along = l.add64(across, l.mul64(d[1], number(normal.y)));
@@ -279,7 +279,11 @@ impl TileRays<'_> {
         let mut is_plain = l.lt64(number(0.0), length);
         for axis in 0..3 {
             let relative = l.sub64(o[axis], number(grid.position[axis]));
-            let point = l.add64(number(base[axis]), l.mul64(x, number(grid.right[axis])));
+            let across = l.add64(
+                number(grid.toward[axis]),
+                l.mul64(x, number(grid.right[axis])),
+            );
+            let point = l.add64(across, l.mul64(y, number(grid.upwards[axis])));
             let crossing = if let Some(parallel) = grid.parallel {
                 // All from where they start, all the same way.
                 let same = number(parallel[axis]);
@@ -299,21 +303,16 @@ impl TileRays<'_> {
         (is_plain, squares)
     }
 
-    /// Where eight rays start, half a row, along an axis.
+    /// Where eight rays start, half a block, along an axis.
     #[inline(always)]
     pub(super) fn origin<L: Lanes>(&self, l: L, half: usize, axis: usize) -> L::Doubles {
-        l.load64(&self.square.origin[self.place(half)][axis % 3])
+        l.load64(&self.square.origin[self.first + half][axis % 3])
     }
 
     /// Where they go.
     #[inline(always)]
     pub(super) fn direction<L: Lanes>(&self, l: L, half: usize, axis: usize) -> L::Doubles {
-        l.load64(&self.square.direction[self.place(half)][axis % 3])
-    }
-
-    #[inline(always)]
-    fn place(&self, half: usize) -> usize {
-        self.first + half / 2 * ACROSS + half % 2
+        l.load64(&self.square.direction[self.first + half][axis % 3])
     }
 }
 

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::accel::TILE;
+use crate::accel::{BLOCK, TILE};
 use crate::error::Result;
 use crate::geometry::{DVec2, Hit};
 use crate::memory;
-use crate::simd::{Lanes, WIDE};
+use crate::simd::{LANES, Lanes, WIDE};
 
 /// What many rays met, an array for each quantity; see [`Hit`] for their meaning.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -226,30 +226,30 @@ fn stream<L: Lanes, T: Pod>(l: L, from: &mut [T], to: &mut [T], columns: Range<u
     from.copy_within(last - after..last, KEPT - after);
 }
 
-/// The hits of a tile's row, on their way to memory: there, a few bytes at a time would be slow.
+/// The hits of a block, on their way to memory: there, a few bytes at a time would be slow.
 #[repr(align(64))]
-pub(super) struct RowOfHits {
+pub(super) struct BlockOfHits {
     t: [[f64; WIDE]; 2],
-    pub(super) object: [i32; TILE],
-    pub(super) primitive: [i32; TILE],
-    barycentric: [[f64; WIDE]; 4],
+    pub(super) object: [i32; LANES],
+    pub(super) primitive: [i32; LANES],
+    barycentric: [[DVec2; BLOCK]; BLOCK],
 }
 
-impl RowOfHits {
+impl BlockOfHits {
     pub(super) const MISSES: Self = Self {
         t: [[Hit::MISS.t; WIDE]; 2],
-        object: [Hit::MISS.object; TILE],
-        primitive: [Hit::MISS.primitive; TILE],
-        barycentric: [[f64::NAN; WIDE]; 4],
+        object: [Hit::MISS.object; LANES],
+        primitive: [Hit::MISS.primitive; LANES],
+        barycentric: [[DVec2::NAN; BLOCK]; BLOCK],
     };
 
-    pub(super) fn put(&mut self, column: usize, hit: &Hit) {
-        let (column, weights) = (column % TILE, hit.barycentric);
-        self.t.as_flattened_mut()[column] = hit.t;
-        self.object[column] = hit.object;
-        self.primitive[column] = hit.primitive;
-        self.barycentric.as_flattened_mut()[2 * column..][..2]
-            .copy_from_slice(&[weights.x, weights.y]);
+    /// The hit of the pixel in a lane.
+    pub(super) fn put(&mut self, lane: usize, hit: &Hit) {
+        let lane = lane % LANES;
+        self.t.as_flattened_mut()[lane] = hit.t;
+        self.object[lane] = hit.object;
+        self.primitive[lane] = hit.primitive;
+        self.barycentric.as_flattened_mut()[lane] = hit.barycentric;
     }
 
     /// Takes eight hits where the mask says so.
@@ -264,47 +264,51 @@ impl RowOfHits {
         let half = half % 2;
         let old = l.load64(&self.t[half]);
         l.store64(l.select64(mask, t, old), &mut self.t[half]);
-        let mut both = [[0.0; WIDE]; 2];
         let [low, high] = l.interleave64(v, w);
+        let rows: &mut [[f64; WIDE]; BLOCK] = bytemuck::cast_mut(&mut self.barycentric);
         if mask == u8::MAX {
-            l.store64(low, &mut self.barycentric[2 * half]);
-            l.store64(high, &mut self.barycentric[2 * half + 1]);
+            l.store64(low, &mut rows[2 * half]);
+            l.store64(high, &mut rows[2 * half + 1]);
             return;
         }
+        let mut both = [[0.0; WIDE]; 2];
         l.store64(low, &mut both[0]);
         l.store64(high, &mut both[1]);
-        let (both, own) = (both.as_flattened(), self.barycentric.as_flattened_mut());
+        let (both, own) = (both.as_flattened(), rows.as_flattened_mut());
         for k in (0..WIDE).filter(|k| mask >> k & 1 == 1) {
             own[2 * (WIDE * half + k)..][..2].copy_from_slice(&both[2 * k..][..2]);
         }
     }
 
+    /// Writes those of so many rows and columns to a square, from a place on.
     #[inline(always)]
-    pub(super) fn write(&self, at: usize, columns: usize, out: &mut Out<'_>) {
-        if columns == TILE {
+    pub(super) fn write(&self, at: usize, [rows, columns]: [usize; 2], out: &mut Out<'_>) {
+        if [rows, columns] == [BLOCK, BLOCK] {
             // Lengths that the compiler knows.
-            self.copy::<TILE>(at, out);
+            for row in 0..BLOCK {
+                self.copy::<BLOCK>(row, at + row * Square::STRIDE, out);
+            }
         } else {
-            for k in 0..columns {
-                self.copy_one(k, at + k, out);
+            for row in 0..rows {
+                self.copy_some(row, at + row * Square::STRIDE, columns, out);
             }
         }
     }
 
     #[inline(always)]
-    fn copy<const N: usize>(&self, at: usize, out: &mut Out<'_>) {
-        out.t[at..at + N].copy_from_slice(&self.t.as_flattened()[..N]);
-        out.object[at..at + N].copy_from_slice(&self.object[..N]);
-        out.primitive[at..at + N].copy_from_slice(&self.primitive[..N]);
-        let weights: &mut [f64] = bytemuck::cast_slice_mut(&mut out.barycentric[at..at + N]);
-        weights.copy_from_slice(&self.barycentric.as_flattened()[..2 * N]);
+    fn copy<const N: usize>(&self, row: usize, at: usize, out: &mut Out<'_>) {
+        let lane = row * BLOCK;
+        out.t[at..][..N].copy_from_slice(&self.t.as_flattened()[lane..][..N]);
+        out.object[at..][..N].copy_from_slice(&self.object[lane..][..N]);
+        out.primitive[at..][..N].copy_from_slice(&self.primitive[lane..][..N]);
+        out.barycentric[at..][..N].copy_from_slice(&self.barycentric[row][..N]);
     }
 
-    fn copy_one(&self, from: usize, at: usize, out: &mut Out<'_>) {
-        out.t[at] = self.t.as_flattened()[from];
-        out.object[at] = self.object[from];
-        out.primitive[at] = self.primitive[from];
-        let weights = &self.barycentric.as_flattened()[2 * from..];
-        out.barycentric[at] = DVec2::new(weights[0], weights[1]);
+    fn copy_some(&self, row: usize, at: usize, columns: usize, out: &mut Out<'_>) {
+        let lane = row * BLOCK;
+        out.t[at..][..columns].copy_from_slice(&self.t.as_flattened()[lane..][..columns]);
+        out.object[at..][..columns].copy_from_slice(&self.object[lane..][..columns]);
+        out.primitive[at..][..columns].copy_from_slice(&self.primitive[lane..][..columns]);
+        out.barycentric[at..][..columns].copy_from_slice(&self.barycentric[row][..columns]);
     }
 }

@@ -12,6 +12,7 @@ mod hits;
 mod journey;
 mod judge;
 mod object;
+mod pixels;
 mod plan;
 mod tiles;
 mod trees;

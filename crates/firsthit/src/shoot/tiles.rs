@@ -1,14 +1,15 @@
 //! A camera's rays, tile by tile: float32 finds who wins each pixel, float64 says where it is met.
 
 use super::fit::TileRays;
-use super::hits::{Out, RowOfHits, Square};
+use super::hits::{BlockOfHits, Out, Square};
 use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
+use super::pixels::Pixels;
 use super::plan::{Plan, TALL, bundle, tileable};
 use super::trees::{self, Memory};
 use crate::accel::{
-    Arbiter, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill, largest_axis,
-    turned, verdict,
+    Arbiter, BLOCK, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill, largest_axis,
+    pixel, turned, verdict,
 };
 use crate::geometry::Hit;
 use crate::scene::Object;
@@ -97,26 +98,25 @@ impl Band<'_> {
         let grid = &self.plan.grid;
         let rows = (grid.rows - row * TILE).min(TILE);
         let columns = (grid.columns - column * TILE).min(TILE);
+        let first = [row * TILE, column * TILE];
+        let places = Pixels::new(grid, first, [rows, columns]);
         let off = match &rays {
-            Some(rays) => rays.distance(l, grid, [row * TILE, column * TILE], [rows, columns]),
+            Some(rays) => rays.distance(l, grid, &places, rows),
             None => Some(0.0),
         };
         let mut work = Work {
             plan: self.plan,
             rays,
             off: off.unwrap_or(f64::INFINITY),
-            row: row * TILE,
-            column: column * TILE,
+            row: first[0],
+            column: first[1],
             first: Square::place(place.0 * TILE, place.1 * TILE),
-            x: [[0.0; WIDE]; 2],
+            pixels: places,
         };
-        for (k, x) in work.x.as_flattened_mut().iter_mut().enumerate() {
-            *x = grid.x(work.column + k);
-        }
-        let mut pixels = Tile::new(rows, columns);
-        let is_filled = off.is_some() && work.fill(l, (memory, near), row, column, &mut pixels);
+        let mut found = Tile::new(rows, columns);
+        let is_filled = off.is_some() && work.fill(l, (memory, near), row, column, &mut found);
         if is_filled {
-            work.develop(l, &pixels, [rows, columns], out);
+            work.develop(l, &found, [rows, columns], out);
         }
         for row in 0..rows {
             work.complete(l, memory, row, columns, is_filled, out);
@@ -146,8 +146,7 @@ struct Work<'a> {
     column: usize,
     /// Where in its square it begins.
     first: usize,
-    /// Where on the viewplane its columns are.
-    x: [[f64; WIDE]; 2],
+    pixels: Pixels,
 }
 
 impl Work<'_> {
@@ -159,7 +158,7 @@ impl Work<'_> {
         (memory, near): (&mut Memory, &[u32]),
         band: usize,
         tile: usize,
-        pixels: &mut Tile,
+        found: &mut Tile,
     ) -> bool {
         let plan = self.plan;
         for &index in near {
@@ -168,7 +167,7 @@ impl Work<'_> {
                 continue;
             }
             // What all pixels meet already is nearer, than those that come later too.
-            if placed.entry > 1.000_001 * f64::from(pixels.limit(l)) {
+            if placed.entry > 1.000_001 * f64::from(found.limit(l)) {
                 break;
             }
             let Some((_, tree)) = tileable(plan.scene, placed.object) else {
@@ -185,7 +184,7 @@ impl Work<'_> {
                 tree,
                 &frame,
                 placed.object,
-                pixels,
+                found,
                 self,
             );
         }
@@ -223,18 +222,20 @@ impl Work<'_> {
     fn develop<L: Lanes>(
         &self,
         l: L,
-        pixels: &Tile,
+        found: &Tile,
         [rows, columns]: [usize; 2],
         out: &mut Out<'_>,
     ) {
         let mut sight: Option<Sight<'_>> = None;
-        for row in 0..rows {
-            let at = self.at(row);
-            let (slots, objects) = pixels.row(row);
-            let mut hits = RowOfHits::MISSES;
+        for block in 0..LANES {
+            let (row, column) = pixel(block, 0);
+            if row >= rows || column >= columns {
+                continue;
+            }
+            let (slots, objects) = found.block(block);
+            let mut hits = BlockOfHits::MISSES;
             let all = l.load(objects);
-            let mut left = u16::MAX >> (TILE - columns);
-            left &= !l.same(all, l.splat(f32::from_bits(Winner::NONE.object)));
+            let mut left = !l.same(all, l.splat(f32::from_bits(Winner::NONE.object)));
             while left != 0 {
                 let object = objects[left.trailing_zeros() as usize % LANES];
                 let here = left & l.same(all, l.splat(object));
@@ -244,10 +245,11 @@ impl Work<'_> {
                     sight = self.sight(index);
                 }
                 if let Some(sight) = &sight {
-                    self.develop_object(l, sight, (slots, here), row, &mut hits);
+                    self.develop_object(l, sight, (slots, here), block, &mut hits);
                 }
             }
-            hits.write(at, columns, out);
+            let size = [rows - row, columns - column].map(|n| n.min(BLOCK));
+            hits.write(self.at(row) + column, size, out);
         }
     }
 
@@ -257,8 +259,8 @@ impl Work<'_> {
         l: L,
         sight: &Sight<'_>,
         (slots, here): (&[f32; LANES], u16),
-        row: usize,
-        hits: &mut RowOfHits,
+        block: usize,
+        hits: &mut BlockOfHits,
     ) {
         let axes = axes(sight.z);
         let object = l.splat(f32::from_bits(sight.index));
@@ -277,32 +279,33 @@ impl Work<'_> {
             if lanes == 0 {
                 continue;
             }
-            let rays = self.pencil(l, sight, row, half);
+            let rays = self.pencil(l, sight, 2 * block + half);
             let (sound, numbers) = verdict(l, sight.z, &rays, &corners, half);
             hits.put_half(l, half, lanes & sound, numbers);
             let mut open = lanes & !sound;
             while open != 0 {
-                let column = WIDE * half + open.trailing_zeros() as usize;
+                let lane = WIDE * half + open.trailing_zeros() as usize;
                 open &= open - 1;
                 let winner = Winner {
                     object: sight.index,
-                    slot: slots[column % LANES].to_bits(),
+                    slot: slots[lane % LANES].to_bits(),
                 };
+                let (row, column) = pixel(block, lane);
                 let hit = self.decide(row, column, winner).unwrap_or(Hit::MISS);
-                hits.put(column, &hit);
+                hits.put(lane, &hit);
             }
         }
     }
 
-    /// The rays of eight pixels in an object's space: what [`Rays::ray`] and `ray_in_object` give, operation for
+    /// The rays of half a block's pixels in an object's space: what [`Rays::ray`] and `ray_in_object` give, operation for
     /// operation.
     #[inline(always)]
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
-    fn pencil<L: Lanes>(&self, l: L, sight: &Sight<'_>, row: usize, half: usize) -> Pencil<L> {
+    fn pencil<L: Lanes>(&self, l: L, sight: &Sight<'_>, half: usize) -> Pencil<L> {
         let object = sight.object;
         let axes = axes(sight.z);
         let grid = &self.plan.grid;
-        let x = l.load64(&self.x[half % 2]);
+        let (x, y) = (self.pixels.x(l, half), self.pixels.y(l, half));
         // Where the object's space is the world's, its axes are taken in their order from the start.
         let is_at_home = object.transform().is_identity();
         let (order, z) = if is_at_home {
@@ -310,7 +313,6 @@ impl Work<'_> {
         } else {
             ([0, 1, 2], 2)
         };
-        let up = grid.y(self.row + row) * grid.upwards;
         // The lanes of a vector: an expression for each axis.
         macro_rules! vector {
             ($axis:ident => $value:expr) => {
@@ -334,10 +336,10 @@ impl Work<'_> {
         let position = vector!(k => l.splat64(grid.position[order[k]]));
         let point = vector!(k => {
             let across = l.mul64(x, l.splat64(grid.right[order[k]]));
-            l.add64(l.add64(toward[k], across), l.splat64(up[order[k]]))
+            let upwards = l.mul64(y, l.splat64(grid.upwards[order[k]]));
+            l.add64(l.add64(toward[k], across), upwards)
         });
         let (origin, direction) = if let Some(rays) = &self.rays {
-            let half = 2 * row + half;
             (
                 vector!(k => rays.origin(l, half, order[k])),
                 vector!(k => rays.direction(l, half, order[k])),

@@ -1,0 +1,55 @@
+//! A tile's pixels in lanes of float64: half a block at a time, which is two of its rows.
+
+use crate::accel::{BLOCK, pixel};
+use crate::geometry::PixelGrid;
+use crate::simd::{LANES, Lanes, WIDE};
+
+/// Halves of blocks in a tile.
+pub(super) const HALVES: usize = 2 * LANES;
+
+/// Where on the viewplane a tile's pixels are.
+pub(super) struct Pixels {
+    /// For each column of blocks.
+    x: [[f64; WIDE]; BLOCK],
+    /// For each half of a row of blocks.
+    y: [[f64; WIDE]; 2 * BLOCK],
+}
+
+impl Pixels {
+    /// Those of the tile that begins in a row and a column of the grid and has so many; beyond them the last ones stand
+    /// again.
+    pub(super) fn new(
+        grid: &PixelGrid,
+        [row, column]: [usize; 2],
+        [rows, columns]: [usize; 2],
+    ) -> Self {
+        let mut pixels = Self {
+            x: [[0.0; WIDE]; BLOCK],
+            y: [[0.0; WIDE]; 2 * BLOCK],
+        };
+        for (block, x) in pixels.x.iter_mut().enumerate() {
+            for (lane, x) in x.iter_mut().enumerate() {
+                *x = grid.x(column + pixel(block, lane).1.min(columns - 1));
+            }
+        }
+        for (half, y) in pixels.y.iter_mut().enumerate() {
+            let block = half / 2 * BLOCK;
+            for (lane, y) in y.iter_mut().enumerate() {
+                *y = grid.y(row + pixel(block, half % 2 * WIDE + lane).0.min(rows - 1));
+            }
+        }
+        pixels
+    }
+
+    /// To the right of the middle, of half a block.
+    #[inline(always)]
+    pub(super) fn x<L: Lanes>(&self, l: L, half: usize) -> L::Doubles {
+        l.load64(&self.x[half / 2 % BLOCK])
+    }
+
+    /// Above the middle.
+    #[inline(always)]
+    pub(super) fn y<L: Lanes>(&self, l: L, half: usize) -> L::Doubles {
+        l.load64(&self.y[half / (2 * BLOCK) * 2 % (2 * BLOCK) + half % 2])
+    }
+}
