@@ -7,10 +7,12 @@
 //!
 //! In float32 the large part must not swallow the small one: as in Woop's test (`shape/triangle.rs`), points
 //! are first sheared along the axis that the tile looks along, with slopes that are float32 numbers, so that
-//! what is left is small where the tile is. Rounding of a sheared coordinate, in units of `u reach` (see
-//! `ray.rs`): the vertex 1, the two differences 2, twice where the slope brings in the third axis, and the
-//! product and difference 2: 8 in all. It is multiplied with the matrix, whose own rounding is a share of X
-//! and Y but for how skew pixels are.
+//! what is left is small where the tile is. Unlike there, the point itself is sheared and then the eye, sheared in
+//! float64, taken away: however far the eye is, a sheared coordinate is off by no more, in units of u (see `ray.rs`),
+//! than the vertex where float32 does not hold it, 2, and the product and difference, 3, as no coordinate in the tree is
+//! larger than 1; to that come shares of what is left. The depth is counted from the eye, and off by 3 units of
+//! `u reach`. All are multiplied with the matrix: three roundings of products that skew pixels make larger than X and Y,
+//! and which in a depth are no larger than 4 reaches each.
 
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
@@ -46,7 +48,7 @@ pub(crate) struct Bundle {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     axes: [usize; 3],
-    /// The eye in two parts, along those axes.
+    /// The eye in two parts, along those axes, sheared.
     eye: [[f32; 2]; 3],
     slope: [f32; 2],
     /// From sheared coordinates to X, Y and Z.
@@ -124,13 +126,14 @@ impl Frame {
             let pixel = sum(columns[0]).max(sum(columns[1]));
             (bundle.off, 3.0 * bundle.off * pixel)
         };
-        let rounding = sum(rows[0]).max(sum(rows[1])) * (10.0 * u * reach + 2.0 * blur);
+        let rounding = sum(rows[0]).max(sum(rows[1])) * (6.0 * u + 2.0 * blur);
         let error = rounding + off;
+        // Depths between a triangle's corners are rounded too.
         let along = 40.0 * u * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
-        // What a wrong depth moves on the picture.
+        // What a wrong depth of a vertex moves on the picture.
         let sideways = if bundle.is_perspective {
-            depth_error
+            sum(rows[2]) * (16.0 * u * reach + 4.0 * blur)
         } else {
             0.0
         };
@@ -174,7 +177,7 @@ impl Frame {
         let two_parts = |x: f64| [x as f32, (x - f64::from(x as f32)) as f32];
         Some(Self {
             axes,
-            eye: axes.map(|k| two_parts(eye[k])),
+            eye: sheared(eye).to_array().map(two_parts),
             slope,
             rows: rows.map(|row| row.to_array().map(|x| x as f32)),
             planes: [plane(x, 1.0), plane(x, -1.0), plane(y, 1.0), plane(y, -1.0)],
@@ -186,21 +189,22 @@ impl Frame {
             error: error as f32,
             depth_error: depth_error as f32,
             absolute: (4.3 * (error + 24.0 * sideways)) as f32,
-            relative: ((32.0 + 6.0 * skew) * u) as f32,
+            relative: ((32.0 + 24.0 * skew) * u) as f32,
         })
     }
 
     /// The coordinates X, Y and Z of a leaf's vertices.
     #[inline(always)]
     pub(super) fn transformed<L: Lanes>(&self, l: L, leaf: &Meshlet) -> [L::Floats; 3] {
-        let relative = |k: usize| {
+        let vertices = |k: usize| l.load(&leaf.vertices[self.axes[k] % 3]);
+        let from_eye = |k: usize, place: L::Floats| {
             let [high, low] = self.eye[k];
-            let vertices = l.load(&leaf.vertices[self.axes[k] % 3]);
-            l.sub(l.sub(vertices, l.splat(high)), l.splat(low))
+            l.sub(l.sub(place, l.splat(high)), l.splat(low))
         };
-        let z = relative(2);
-        let x = l.neg_mul_add(l.splat(self.slope[0]), z, relative(0));
-        let y = l.neg_mul_add(l.splat(self.slope[1]), z, relative(1));
+        let along = vertices(2);
+        let x = from_eye(0, l.neg_mul_add(l.splat(self.slope[0]), along, vertices(0)));
+        let y = from_eye(1, l.neg_mul_add(l.splat(self.slope[1]), along, vertices(1)));
+        let z = from_eye(2, along);
         let row = |k: usize| {
             let [rx, ry, rz] = self.rows[k];
             l.mul_add(
