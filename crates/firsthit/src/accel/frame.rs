@@ -68,7 +68,8 @@ pub(crate) struct Frame {
     pub(super) error: f32,
     /// What depths are off.
     pub(super) depth_error: f32,
-    /// A side of an edge is off by `(absolute + relative * size) * size`.
+    /// A side of an edge is off by `(absolute + relative * size) * size`, where `size` is how far the corners are from a
+    /// sample along X and Y at most, both together, times Z.
     pub(super) absolute: f32,
     pub(super) relative: f32,
 }
@@ -126,7 +127,8 @@ impl Frame {
             let pixel = sum(columns[0]).max(sum(columns[1]));
             (bundle.off, 3.0 * bundle.off * pixel)
         };
-        let rounding = sum(rows[0]).max(sum(rows[1])) * (6.0 * u + 2.0 * blur);
+        let units = if tree.is_exact { 4.0 } else { 6.0 };
+        let rounding = sum(rows[0]).max(sum(rows[1])) * (units * u + 2.0 * blur);
         let error = rounding + off;
         // Depths between a triangle's corners are rounded too.
         let along = 40.0 * u * reach + 4.0 * blur + off_along;
@@ -188,8 +190,13 @@ impl Frame {
             slid: slid as f32,
             error: error as f32,
             depth_error: depth_error as f32,
-            absolute: (4.3 * (error + 24.0 * sideways)) as f32,
-            relative: ((32.0 + 24.0 * skew) * u) as f32,
+            // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing. A side is a difference
+            // of two products, so it is off by what a coordinate is twice for each of X and Y, and a little for what is
+            // quadratic in that.
+            absolute: (2.15 * (error + 12.0 * sideways)) as f32,
+            // A quarter of what it is in squares of half the size: 26 roundings, and what the matrix' and those of what
+            // is sheared come to.
+            relative: ((8.0 + 12.0 * skew) * u) as f32,
         })
     }
 

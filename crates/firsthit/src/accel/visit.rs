@@ -123,15 +123,15 @@ impl<A: Arbiter> Visit<'_, A> {
         let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
         let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
         let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
-        // What sides are off at samples that many pixels from the triangle's first one.
+        // What sides are off at samples so many pixels from the triangle's first one.
         macro_rules! bound_within {
-            ($reach:expr) => {{
-                let size = l.mul_add($reach, h, l.max(x, y));
+            ($across:expr, $down:expr) => {{
+                let size = l.mul_add(l.add($across, $down), h, l.add(x, y));
                 let share = l.mul_add(l.splat(frame.relative), size, l.splat(frame.absolute));
                 l.mul(share, size)
             }};
         }
-        let bound = bound_within!(l.max(width, height));
+        let bound = bound_within!(width, height);
         let constants = [
             l.mul_sub(cx, by, l.mul(cy, bx)),
             l.mul_sub(ax, cy, l.mul(ay, cx)),
@@ -173,7 +173,8 @@ impl<A: Arbiter> Visit<'_, A> {
         }
         if large != 0 {
             // Blocks begin before the triangle and end behind it.
-            let bound = bound_within!(l.add(l.max(width, height), l.splat(EDGE)));
+            let edge = l.splat(EDGE);
+            let bound = bound_within!(l.add(width, edge), l.add(height, edge));
             for k in 0..3 {
                 l.store(constants[k], &mut self.known.edges.constant[k]);
                 l.store(across[k], &mut self.known.edges.across[k]);
