@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-#: How many rays go to the native half at a time where they are copied for it: what is made beside the result stays
-#: below 64 MB.
+#: How many rays go to the native half at a time where they are copied for it: what is made beside
+#: the result stays below 64 MB.
 CHUNK = 1 << 19
 
 

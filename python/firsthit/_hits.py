@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import chunks, flat
+from ._memory import empty
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,6 +24,16 @@ if TYPE_CHECKING:
         npt.NDArray[np.int32],
         npt.NDArray[np.float64],
     ]
+
+
+def hits_arrays(length: int) -> Arrays:
+    """Return arrays for so many hits; their elements are anything."""
+    return (
+        empty((length,), np.float64),
+        empty((length,), np.int32),
+        empty((length,), np.int32),
+        empty((length, 2), np.float64),
+    )
 
 
 class Hits:

@@ -11,7 +11,7 @@ from . import _firsthit
 from ._arrays import chunks, flat, is_flat, numbers, threads_or_all, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
-from ._hits import Hits
+from ._hits import Hits, hits_arrays
 from ._lights import Light, Sky
 from ._material import Material
 from ._shading import Shading
@@ -285,26 +285,17 @@ class Scene:
                 raise ValueError("directions must be left out with a camera, which has its own")
             if not _is_infinite(t_max):
                 raise ValueError("t_max must be left out with a camera")
-            arrays = _firsthit.shoot_camera(self._native(), origins._native, use)
-            return Hits._of_camera(self, origins, arrays)
+            out = hits_arrays(origins.rows * origins.columns)
+            _firsthit.shoot_camera(self._native(), origins._native, use, out)
+            return Hits._of_camera(self, origins, out)
         rays = _rays(origins, directions, t_max)
-        native, shape = self._native(), rays[2].shape
-        length = int(np.prod(shape))
-        parts = _parts(rays, length)
-        if len(parts) == 1:
-            return Hits._of_rays(self, rays, _firsthit.shoot(native, _part(rays, parts[0]), use))
-        out: tuple[npt.NDArray[Any], ...] = (
-            np.empty(length, np.float64),
-            np.empty(length, np.int32),
-            np.empty(length, np.int32),
-            np.empty((length, 2), np.float64),
-        )
-        for part in parts:
-            made = _firsthit.shoot(native, _part(rays, part), use)
-            for whole, piece in zip(out, made, strict=True):
-                whole[part] = piece
-        t, identifiers, primitive, barycentric = out
-        return Hits._of_rays(self, rays, (t, identifiers, primitive, barycentric))
+        native, length = self._native(), int(np.prod(rays[2].shape))
+        out = hits_arrays(length)
+        for part in _parts(rays, length):
+            t, identifiers, primitive, barycentric = out
+            pieces = t[part], identifiers[part], primitive[part], barycentric[part]
+            _firsthit.shoot(native, _part(rays, part), use, pieces)
+        return Hits._of_rays(self, rays, out)
 
     def occluded(
         self,

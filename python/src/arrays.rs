@@ -1,7 +1,8 @@
 //! Rays and hits in NumPy's memory, as the library sees them.
 
+use firsthit::shoot::HitSlices;
 use firsthit::{DVec2, DVec3, Hits, Ray, Rays};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -52,27 +53,34 @@ impl RayArrays<'_> {
     }
 }
 
-/// `t`, `object`, `primitive` and `barycentric` of hits.
-pub(crate) type HitsOut<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<i32>>,
-    Bound<'py, PyArray1<i32>>,
-    Bound<'py, PyArray2<f64>>,
+/// Where hits go: `t`, `object`, `primitive` and `barycentric`, C-contiguous, of the shapes (n,), (n,), (n,) and (n, 2).
+#[derive(FromPyObject)]
+pub(crate) struct HitsOut<'py>(
+    PyReadwriteArray1<'py, f64>,
+    PyReadwriteArray1<'py, i32>,
+    PyReadwriteArray1<'py, i32>,
+    PyReadwriteArray2<'py, f64>,
 );
 
-pub(crate) fn hits_out(py: Python<'_>, hits: Hits) -> PyResult<HitsOut<'_>> {
-    let count = hits.len();
-    // The same memory under another name.
-    let barycentric: Vec<[f64; 2]> = bytemuck::allocation::cast_vec(hits.barycentric);
-    Ok((
-        PyArray1::from_vec(py, hits.t),
-        PyArray1::from_vec(py, hits.object),
-        PyArray1::from_vec(py, hits.primitive),
-        PyArray1::from_vec(py, barycentric.into_flattened()).reshape([count, 2])?,
-    ))
+impl HitsOut<'_> {
+    /// For so many hits.
+    pub(crate) fn slices(&mut self, count: usize) -> PyResult<HitSlices<'_>> {
+        let weights = self.3.as_slice_mut().map_err(not_contiguous)?;
+        let slices = HitSlices {
+            t: self.0.as_slice_mut().map_err(not_contiguous)?,
+            object: self.1.as_slice_mut().map_err(not_contiguous)?,
+            primitive: self.2.as_slice_mut().map_err(not_contiguous)?,
+            barycentric: bytemuck::cast_slice_mut(weights.as_chunks_mut::<2>().0),
+        };
+        if slices.count() == Some(count) {
+            Ok(slices)
+        } else {
+            Err(PyValueError::new_err("expected an element for each ray"))
+        }
+    }
 }
 
-/// What [`hits_out`] made, back again.
+/// What [`HitsOut`] became, back again.
 #[derive(FromPyObject)]
 pub(crate) struct HitsIn<'py>(
     PyReadonlyArray1<'py, f64>,

@@ -1,13 +1,13 @@
 //! Rays to hits, and what can be asked about them.
 
 use firsthit::channel::{KINDS, Shots, kind};
-use firsthit::shoot::{Hits, Trees, any_hit, first_hit, occluded_all, shoot_all};
+use firsthit::shoot::{Trees, any_hit, first_hit, occluded_all, shoot_all_to};
 use firsthit::{Color, DVec3, Hit, Rays};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{HitsIn, HitsOut, RayArrays, hits_out};
+use crate::arrays::{HitsIn, HitsOut, RayArrays};
 use crate::camera::Camera;
 use crate::errors::raise;
 use crate::frame::array;
@@ -17,45 +17,39 @@ use crate::scene::Scene;
 /// Fewer rays than this are done at once: making threads would take longer.
 const FEW: usize = 512;
 
-/// The first hits of rays in arrays: `t`, `object`, `primitive` and the weights of corners 1 and 2.
+/// The first hits of rays in arrays, written to `out`.
 #[pyfunction]
 pub(crate) fn shoot<'py>(
     py: Python<'py>,
     scene: &Scene,
     rays: RayArrays<'py>,
     threads: usize,
-) -> PyResult<HitsOut<'py>> {
+    mut out: HitsOut<'py>,
+) -> PyResult<()> {
     let rays = rays.slices()?;
-    let hits = if rays.len() < FEW {
-        few(&scene.0, &rays)
-    } else {
-        run(py, threads, |stop| shoot_all(&scene.0, &rays, stop))?
-    };
-    hits_out(py, hits)
-}
-
-fn few(scene: &firsthit::Scene, rays: &impl Rays) -> Hits {
-    let mut hits = Hits::default();
-    for k in 0..rays.len() {
-        let hit = first_hit::<Trees>(scene, &rays.ray(k));
-        hits.t.push(hit.t);
-        hits.object.push(hit.object);
-        hits.primitive.push(hit.primitive);
-        hits.barycentric.push(hit.barycentric);
+    let mut out = out.slices(rays.len())?;
+    if rays.len() < FEW {
+        for k in 0..rays.len() {
+            out.put(k, &first_hit::<Trees>(&scene.0, &rays.ray(k)));
+        }
+        return Ok(());
     }
-    hits
+    run(py, threads, |stop| shoot_all_to(&scene.0, &rays, out, stop))
 }
 
-/// The first hits of a camera's rays through its pixels' centres.
+/// The first hits of a camera's rays through its pixels' centres, written to `out`.
 #[pyfunction]
 pub(crate) fn shoot_camera<'py>(
     py: Python<'py>,
     scene: &Scene,
     camera: &Camera,
     threads: usize,
-) -> PyResult<HitsOut<'py>> {
-    let hits = run(py, threads, |stop| shoot_all(&scene.0, &camera.0, stop))?;
-    hits_out(py, hits)
+    mut out: HitsOut<'py>,
+) -> PyResult<()> {
+    let out = out.slices(camera.0.len())?;
+    run(py, threads, |stop| {
+        shoot_all_to(&scene.0, &camera.0, out, stop)
+    })
 }
 
 /// Whether rays in arrays meet anything.

@@ -192,3 +192,35 @@ def test_foreign_meshes_and_arrays_are_taken():
 def test_meshes_that_make_no_sense_are_refused_by_name(arguments, words):
     with pytest.raises(ValueError, match=words):
         fh.Mesh(*arguments)
+
+
+def many(offset):
+    """Rays down onto the ball, enough for memory that is used again."""
+    origins = np.zeros((1 << 16, 3))
+    origins[:, 2] = 3 + offset
+    return origins
+
+
+def test_hits_that_are_held_stay_what_they_are():
+    scene, down = ball(), np.array([0, 0, -1.0])
+    first = scene.shoot(many(0), down)
+    views = [first.t[100:200], first.primitive[:5], memoryview(first.object), first.barycentric]
+    del first
+    for offset in (1, 2):
+        other = scene.shoot(many(offset), down)
+        np.testing.assert_array_equal(other.t, 2 + offset)
+        misses = scene.shoot(many(offset), -down)
+        assert np.isinf(misses.t).all()
+        assert (misses.object == -1).all()
+    np.testing.assert_array_equal(views[0], 2)
+    assert (np.asarray(views[2]) == 0).all()
+
+
+def test_memory_of_hits_that_nobody_holds_is_used_again():
+    scene, down = ball(), np.array([0, 0, -1.0])
+    hits = scene.shoot(many(0), down)
+    places = {array.ctypes.data for array in (hits.t, hits.object, hits.primitive)}
+    del hits
+    # Object and primitive are alike, and may change places.
+    hits = scene.shoot(many(1), down)
+    assert places == {array.ctypes.data for array in (hits.t, hits.object, hits.primitive)}

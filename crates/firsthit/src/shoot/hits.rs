@@ -32,8 +32,8 @@ impl Hits {
         fit(&mut self.barycentric, count)
     }
 
-    pub(super) fn out(&mut self) -> Out<'_> {
-        Out {
+    pub(super) fn slices(&mut self) -> HitSlices<'_> {
+        HitSlices {
             t: &mut self.t,
             object: &mut self.object,
             primitive: &mut self.primitive,
@@ -126,20 +126,49 @@ impl Default for Square {
 }
 
 impl Square {
-    pub(super) fn out(&mut self) -> Out<'_> {
-        self.0.out()
+    pub(super) fn out(&mut self) -> HitSlices<'_> {
+        self.0.slices()
     }
 }
 
-/// Where hits go.
-pub(super) struct Out<'a> {
-    pub(super) t: &'a mut [f64],
-    pub(super) object: &'a mut [i32],
-    pub(super) primitive: &'a mut [i32],
-    pub(super) barycentric: &'a mut [DVec2],
+/// Where hits go: [`Hits`] in memory of the caller's, all of one length.
+#[derive(Debug)]
+pub struct HitSlices<'a> {
+    /// The rays' parameters, infinity for a miss.
+    pub t: &'a mut [f64],
+    /// The objects' identifiers, -1 for a miss.
+    pub object: &'a mut [i32],
+    /// The primitives' identifiers, -1 for a miss.
+    pub primitive: &'a mut [i32],
+    /// The weights of a triangle's corners 1 and 2, else NaN.
+    pub barycentric: &'a mut [DVec2],
 }
 
-impl Out<'_> {
+impl HitSlices<'_> {
+    /// For how many hits they are; `None` where their lengths differ.
+    pub fn count(&self) -> Option<usize> {
+        let count = self.t.len();
+        let others = [
+            self.object.len(),
+            self.primitive.len(),
+            self.barycentric.len(),
+        ];
+        (others == [count; 3]).then_some(count)
+    }
+
+    /// Writes a hit.
+    ///
+    /// # Panics
+    ///
+    /// When there is no place `index`.
+    #[inline(always)]
+    pub fn put(&mut self, index: usize, hit: &Hit) {
+        self.t[index] = hit.t;
+        self.object[index] = hit.object;
+        self.primitive[index] = hit.primitive;
+        self.barycentric[index] = hit.barycentric;
+    }
+
     /// Those before an index, and those from it on.
     pub(super) fn split_at(self, index: usize) -> (Self, Self) {
         let (t, later_t) = self.t.split_at_mut(index);
@@ -191,14 +220,6 @@ impl Out<'_> {
             copy!(primitive, row);
             copy!(barycentric, row);
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn put(&mut self, index: usize, hit: &Hit) {
-        self.t[index] = hit.t;
-        self.object[index] = hit.object;
-        self.primitive[index] = hit.primitive;
-        self.barycentric[index] = hit.barycentric;
     }
 
     #[inline(always)]
@@ -282,7 +303,7 @@ impl BlockOfHits {
 
     /// Writes those of so many rows and columns to a square, from a place on.
     #[inline(always)]
-    pub(super) fn write(&self, at: usize, [rows, columns]: [usize; 2], out: &mut Out<'_>) {
+    pub(super) fn write(&self, at: usize, [rows, columns]: [usize; 2], out: &mut HitSlices<'_>) {
         if [rows, columns] == [BLOCK, BLOCK] {
             // Lengths that the compiler knows.
             for row in 0..BLOCK {
@@ -296,7 +317,7 @@ impl BlockOfHits {
     }
 
     #[inline(always)]
-    fn copy<const N: usize>(&self, row: usize, at: usize, out: &mut Out<'_>) {
+    fn copy<const N: usize>(&self, row: usize, at: usize, out: &mut HitSlices<'_>) {
         let lane = row * BLOCK;
         out.t[at..][..N].copy_from_slice(&self.t.as_flattened()[lane..][..N]);
         out.object[at..][..N].copy_from_slice(&self.object[lane..][..N]);
@@ -304,7 +325,7 @@ impl BlockOfHits {
         out.barycentric[at..][..N].copy_from_slice(&self.barycentric[row][..N]);
     }
 
-    fn copy_some(&self, row: usize, at: usize, columns: usize, out: &mut Out<'_>) {
+    fn copy_some(&self, row: usize, at: usize, columns: usize, out: &mut HitSlices<'_>) {
         let lane = row * BLOCK;
         out.t[at..][..columns].copy_from_slice(&self.t.as_flattened()[lane..][..columns]);
         out.object[at..][..columns].copy_from_slice(&self.object[lane..][..columns]);

@@ -19,7 +19,7 @@ mod trees;
 
 use rayon::prelude::*;
 
-pub use hits::Hits;
+pub use hits::{HitSlices, Hits};
 pub use judge::BruteForce;
 pub use trees::Trees;
 
@@ -29,7 +29,6 @@ use crate::memory;
 use crate::scene::Scene;
 use crate::simd;
 use crate::watch::Watch;
-use hits::Out;
 use journey::{AnyHit, FirstHit};
 use plan::Plan;
 use trees::{BATCH, Batch, Take};
@@ -85,6 +84,27 @@ pub fn shoot_all_into<R: Rays + ?Sized>(
     hits: &mut Hits,
     watch: &dyn Watch,
 ) -> Result<()> {
+    hits.fit(rays.len())?;
+    shoot_each(scene, &Borrowed(rays), hits.slices(), watch)
+}
+
+/// [`shoot_all`] into memory of the caller's, of which it does not matter what is in there. After an error it is of no
+/// meaning.
+///
+/// # Errors
+///
+/// [`Error::Interrupted`] when `watch` stops it.
+///
+/// # Panics
+///
+/// When `hits` are not for as many as there are rays.
+pub fn shoot_all_to<R: Rays + ?Sized>(
+    scene: &Scene,
+    rays: &R,
+    hits: HitSlices<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
+    assert_eq!(hits.count(), Some(rays.len()), "a place for each ray");
     shoot_each(scene, &Borrowed(rays), hits, watch)
 }
 
@@ -109,8 +129,12 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
     }
 }
 
-fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch) -> Result<()> {
-    hits.fit(rays.len())?;
+fn shoot_each(
+    scene: &Scene,
+    rays: &dyn Rays,
+    hits: HitSlices<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
     let fits = |grid: &PixelGrid| grid.rows.checked_mul(grid.columns) == Some(rays.len());
     let own = rays.grid().filter(fits);
     let is_fitted = own.is_none();
@@ -121,7 +145,7 @@ fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch
     let pixels = Later { rays, first };
     let plan = grid.and_then(|grid| Plan::new(scene, &pixels, grid, is_fitted));
     // An array may begin and end within a row of pixels; without a plan, all is before.
-    let (before, later) = hits.out().split_at(match &plan {
+    let (before, later) = hits.split_at(match &plan {
         Some(_) => first,
         None => rays.len(),
     });
@@ -138,7 +162,12 @@ fn shoot_each(scene: &Scene, rays: &dyn Rays, hits: &mut Hits, watch: &dyn Watch
 }
 
 /// Rays that need have nothing in common, in waves.
-fn shoot_array(scene: &Scene, rays: &dyn Rays, out: Out<'_>, watch: &dyn Watch) -> Result<()> {
+fn shoot_array(
+    scene: &Scene,
+    rays: &dyn Rays,
+    out: HitSlices<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
     each_chunk(out, BATCH, watch, |index, out| {
         let batch = Batch {
             scene,
@@ -153,13 +182,13 @@ fn shoot_array(scene: &Scene, rays: &dyn Rays, out: Out<'_>, watch: &dyn Watch) 
 
 /// Fills hits, so many at a time, by all threads of the current rayon pool.
 fn each_chunk(
-    out: Out<'_>,
+    out: HitSlices<'_>,
     size: usize,
     watch: &dyn Watch,
-    fill: impl Fn(usize, Out<'_>) + Sync,
+    fill: impl Fn(usize, HitSlices<'_>) + Sync,
 ) -> Result<()> {
     let size = size.max(1);
-    let Out {
+    let HitSlices {
         t,
         object,
         primitive,
@@ -175,7 +204,7 @@ fn each_chunk(
                 return Err(Error::Interrupted);
             }
             let count = t.len() as u64;
-            let out = Out {
+            let out = HitSlices {
                 t,
                 object,
                 primitive,
@@ -207,7 +236,7 @@ impl Rays for Later<'_> {
     }
 }
 
-impl Take for Out<'_> {
+impl Take for HitSlices<'_> {
     type Quest = FirstHit;
 
     #[inline(always)]

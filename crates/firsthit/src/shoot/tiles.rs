@@ -1,7 +1,7 @@
 //! A camera's rays, tile by tile: float32 finds who wins each pixel, float64 says where it is met.
 
 use super::fit::TileRays;
-use super::hits::{BlockOfHits, Out, Square};
+use super::hits::{BlockOfHits, HitSlices, Square};
 use super::journey::{FirstHit, Journey, Quest};
 use super::object::Moderate;
 use super::pixels::Pixels;
@@ -21,7 +21,7 @@ pub(super) struct Band<'a> {
     pub(super) plan: &'a Plan<'a>,
     /// Its number, from the top.
     pub(super) index: usize,
-    pub(super) out: Out<'a>,
+    pub(super) out: HitSlices<'a>,
 }
 
 impl Kernel for Band<'_> {
@@ -93,7 +93,7 @@ impl Band<'_> {
         (row, column): (usize, usize),
         place: (usize, usize),
         rays: Option<TileRays<'_>>,
-        out: &mut Out<'_>,
+        out: &mut HitSlices<'_>,
     ) {
         let grid = &self.plan.grid;
         let rows = (grid.rows - row * TILE).min(TILE);
@@ -224,7 +224,7 @@ impl Work<'_> {
         l: L,
         found: &Tile,
         [rows, columns]: [usize; 2],
-        out: &mut Out<'_>,
+        out: &mut HitSlices<'_>,
     ) {
         let mut sight: Option<Sight<'_>> = None;
         for block in 0..LANES {
@@ -389,7 +389,7 @@ impl Work<'_> {
         row: usize,
         columns: usize,
         is_filled: bool,
-        out: &mut Out<'_>,
+        out: &mut HitSlices<'_>,
     ) {
         let plan = self.plan;
         if is_filled && plan.all_tiled {
