@@ -193,9 +193,14 @@ impl Goal for First {
         l.store(candidates.low, &mut lows.0);
         l.store(candidates.high, &mut highs.0);
         let mut possible = candidates.possible;
+        let first = place.tree.leaves[leaf as usize].first as usize;
         while possible != 0 {
             let lane = possible.trailing_zeros() as usize % LANES;
             possible &= possible - 1;
+            // Who wins is asked for its index in the end.
+            if let Some(index) = place.tree.order.get(first + lane) {
+                l.prefetch(index);
+            }
             let is_certain = candidates.certain >> lane & 1 == 1;
             self.meet_one(
                 place,
