@@ -21,6 +21,7 @@ mod packet;
 mod ray;
 mod refit;
 mod search;
+mod sides;
 mod tile;
 mod verdict;
 mod visit;

@@ -28,7 +28,7 @@ pub(crate) fn axes(z: usize) -> [usize; 3] {
 /// The corners of sixteen triangles in lanes, corner by corner and axis by axis, along [`axes`].
 #[expect(
     clippy::large_enum_variant,
-    reason = "it lives for a row, on the stack"
+    reason = "it lives for a block, on the stack"
 )]
 pub(crate) enum Corners {
     /// In units of the tree's space: what they are multiplied with, and where the tree's origin is, if not in that of

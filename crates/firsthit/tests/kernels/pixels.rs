@@ -197,6 +197,57 @@ fn a_grid_looked_at_through_its_corners() {
     assert_eq!(judged(&scene, &camera), camera.pixels());
 }
 
+/// A small part of a large mesh through a long lens: what float32 takes from a coordinate is seen there.
+#[test]
+fn small_triangles_of_a_large_mesh() {
+    const SIDE: u32 = 17;
+    const CELL: f64 = 0.24;
+    let mut hits = 0;
+    for round in 0..12 {
+        let mut numbers = Numbers::new(500 + round);
+        let middle = 900.0 * numbers.point();
+        let [across, upwards, bump] = [0, 1, 2].map(|_| numbers.point().normalize());
+        let mut points: Vec<DVec3> = (0..SIDE * SIDE)
+            .map(|k| {
+                let place = [k % SIDE, k / SIDE].map(|n| f64::from(n) - 0.5 * f64::from(SIDE - 1));
+                let height = numbers.unit();
+                middle + CELL * (place[0] * across + place[1] * upwards + height * bump)
+            })
+            .collect();
+        if round % 2 == 0 {
+            // What the tree holds as it is.
+            points = points.iter().map(|v| v.as_vec3().as_dvec3()).collect();
+        }
+        let mut triangles = Vec::new();
+        for k in (0..SIDE * (SIDE - 1)).filter(|k| k % SIDE + 1 < SIDE) {
+            triangles.extend([[k, k + 1, k + SIDE], [k + 1, k + SIDE + 1, k + SIDE]]);
+        }
+        for corner in [DVec3::splat(-1000.0), DVec3::splat(1000.0)] {
+            let first = u32::try_from(points.len()).unwrap();
+            points.extend([corner, corner + DVec3::X, corner + DVec3::Y]);
+            triangles.push([0, 1, 2].map(|k| first + k));
+        }
+        let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+        let normal = (across.cross(upwards).normalize() + 0.5 * numbers.point()).normalize();
+        let distance = [1200.0, 2000.0, 700.0][round as usize % 3];
+        let wide = 13.0 * CELL;
+        let view = View {
+            position: middle + distance * normal,
+            aim: -normal,
+            up: numbers.point(),
+            focal_length: distance,
+            width: wide,
+            height: wide,
+            rows: 80,
+            columns: 80,
+            projection: [Projection::Perspective, Projection::Orthographic][round as usize / 2 % 2],
+            ray_start: RayStart::Eye,
+        };
+        hits += judged(&scene, &Camera::new(view).unwrap());
+    }
+    assert!(hits > 30_000, "{hits}");
+}
+
 /// Parallel rays that all but run along the grid they start on, and not quite on it.
 #[test]
 fn arrays_of_grazing_parallel_rays() {
