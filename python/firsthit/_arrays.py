@@ -85,7 +85,7 @@ def threads_or_all(threads: int | None) -> int:
 
 def is_flat(view: npt.NDArray[Any]) -> bool:
     """Tell whether `flat` need not copy the whole of an array."""
-    return view.dtype == np.float64 and view.flags.c_contiguous
+    return view.dtype == np.float64 and view.flags.c_contiguous and view.flags.aligned
 
 
 def chunks(length: int) -> Iterator[slice]:
@@ -103,8 +103,12 @@ def flat(view: npt.NDArray[Any], part: slice, trailing: int) -> npt.NDArray[np.f
     leading = view.shape[: view.ndim - trailing]
     rest = view.shape[view.ndim - trailing :]
     if len(leading) == 1:
-        return np.ascontiguousarray(view[part], dtype=np.float64)
+        return _plain(view[part])
     if view.flags.c_contiguous or not leading:
-        return np.ascontiguousarray(view.reshape(-1, *rest)[part], dtype=np.float64)
+        return _plain(view.reshape(-1, *rest)[part])
     index = np.unravel_index(np.arange(part.start, part.stop), leading)
-    return np.ascontiguousarray(view[index], dtype=np.float64)
+    return _plain(view[index])
+
+
+def _plain(view: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    return np.require(view, np.float64, ["C_CONTIGUOUS", "ALIGNED"])

@@ -26,19 +26,35 @@ _lock = threading.Lock()
 
 def empty(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:
     """Return an array whose elements are anything, like `numpy.empty`."""
-    with _lock:
+    # Whoever comes in between, a signal's handler or a process forked meanwhile, does without.
+    if not hasattr(sys, "getrefcount") or not _lock.acquire(blocking=False):
+        return np.empty(shape, dtype)
+    try:
+        # How an array is counted that only a list holds differs between interpreters.
+        alone = _references([np.empty(0)], 0)
         # What was used last is in the cache, if anything is.
         for k in reversed(range(len(_remembered))):
-            array = _remembered[k]
-            # The list, the variable and the call: three references.
-            if array.shape == shape and array.dtype == dtype and sys.getrefcount(array) == 3:
-                _remembered.append(_remembered.pop(k))
+            if _references(_remembered, k) == alone and _is_like(_remembered[k], shape, dtype):
+                array = _remembered.pop(k)
+                _remembered.append(array)
                 return array
-    fresh = np.empty(shape, dtype)
-    if SMALL <= fresh.nbytes <= KEPT:
-        with _lock:
+        fresh = np.empty(shape, dtype)
+        if SMALL <= fresh.nbytes <= KEPT:
             _remembered.append(fresh)
             total = sum(array.nbytes for array in _remembered)
             while total > KEPT:
                 total -= _remembered.pop(0).nbytes
-    return fresh
+        return fresh
+    finally:
+        _lock.release()
+
+
+def _references(arrays: list[npt.NDArray[Any]], k: int) -> int:
+    array = arrays[k]
+    return sys.getrefcount(array)
+
+
+def _is_like(array: npt.NDArray[Any], shape: tuple[int, ...], dtype: type[np.generic]) -> bool:
+    """Tell whether an array is as `numpy.empty` would make it: its owners may have changed it."""
+    flags = array.flags
+    return array.shape == shape and array.dtype == dtype and flags.c_contiguous and flags.writeable

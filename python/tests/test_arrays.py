@@ -224,3 +224,18 @@ def test_memory_of_hits_that_nobody_holds_is_used_again():
     # Object and primitive are alike, and may change places.
     hits = scene.shoot(many(1), down)
     assert places == {array.ctypes.data for array in (hits.t, hits.object, hits.primitive)}
+
+
+def test_an_array_that_was_made_read_only_is_not_used_again():
+    scene, down = ball(), np.array([0, 0, -1.0])
+    hits = scene.shoot(many(0), down)
+    hits.t.base.flags.writeable = False
+    del hits
+    np.testing.assert_array_equal(scene.shoot(many(1), down).t, 3)
+
+
+def test_rays_need_not_be_aligned():
+    raw = np.zeros(1 + 24 * 3, np.uint8)[1:].view(np.float64).reshape(3, 3)
+    assert not raw.flags.aligned
+    raw[:, 2] = 3
+    np.testing.assert_array_equal(ball().shoot(raw, np.array([[0, 0, -1.0]] * 3)).t, 2)

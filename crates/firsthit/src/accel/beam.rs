@@ -51,7 +51,7 @@ impl Patience {
     }
 }
 
-/// Answers the open rays of a search, if they go nearly the same way; `false` when they do not.
+/// Answers the open rays of a search, if they go nearly the same way; `false` when they do not, and some may be open still.
 #[inline(always)]
 pub(super) fn beam<L: Lanes, Q: Question>(
     l: L,

@@ -9,10 +9,12 @@
 //! are first sheared along the axis that the tile looks along, with slopes that are float32 numbers, so that
 //! what is left is small where the tile is. Unlike there, the point itself is sheared and then the eye, sheared in
 //! float64, taken away: however far the eye is, a sheared coordinate is off by no more, in units of u (see `ray.rs`),
-//! than the vertex where float32 does not hold it, 2, and the product and difference, 3, as no coordinate in the tree is
-//! larger than 1; to that come shares of what is left. The depth is counted from the eye, and off by 3 units of
-//! `u reach`. All are multiplied with the matrix: three roundings of products that skew pixels make larger than X and Y,
-//! and which in a depth are no larger than 4 reaches each.
+//! than the vertex where float32 does not hold it, 1, and the product and difference, 3, as no coordinate in the tree is
+//! larger than 1. To that come shares of what is left: two for the eye's parts, and as it is multiplied with the matrix
+//! that of an entry and three of products and sums, which skew pixels make larger than X and Y. What is counted from a
+//! sample is covered by a share of that (`relative`); but X and Y are counted from the tile's middle, from where to a
+//! sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth is counted from the eye, and off by 3 units of
+//! `u reach` and three roundings of no more than 4 reaches each.
 
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
@@ -66,6 +68,8 @@ pub(crate) struct Frame {
     slid: f32,
     /// What X and Y are off.
     pub(super) error: f32,
+    /// What they are off as a share of Z, in perspective.
+    pub(super) share: f32,
     /// What depths are off.
     pub(super) depth_error: f32,
     /// A side of an edge is off by `(absolute + relative * size) * size`, where `size` is how far the corners are from a
@@ -129,7 +133,10 @@ impl Frame {
         };
         let units = if tree.is_exact { 4.0 } else { 6.0 };
         let rounding = sum(rows[0]).max(sum(rows[1])) * (units * u + 2.0 * blur);
-        let error = rounding + off;
+        let pixels = columns[0].abs() + columns[1].abs();
+        let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
+        let share = 45.0 * u * skewness;
+        let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
         // Depths between a triangle's corners are rounded too.
         let along = 40.0 * u * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
@@ -190,10 +197,11 @@ impl Frame {
             slid: slid as f32,
             error: error as f32,
             depth_error: depth_error as f32,
-            // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing. A side is a difference
-            // of two products, so it is off by what a coordinate is twice for each of X and Y, and a little for what is
-            // quadratic in that.
-            absolute: (2.15 * (error + 12.0 * sideways)) as f32,
+            share: share as f32,
+            // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 16 u Z, which
+            // `sideways` is no smaller than, three times are the share. A side is a difference of two products, so it is
+            // off by what a coordinate is twice for each of X and Y, and a little for what is quadratic in that.
+            absolute: (2.15 * (error + (10.0 + 3.0 * skewness) * sideways)) as f32,
             // A quarter of what it is in squares of half the size: 26 roundings, and what the matrix' and those of what
             // is sheared come to.
             relative: ((8.0 + 12.0 * skew) * u) as f32,

@@ -80,7 +80,7 @@ impl<A: Arbiter> Visit<'_, A> {
         if !is_behind {
             let (px, py, pad) = if frame.is_perspective {
                 let inverse = l.div(l.splat(1.0), z);
-                let pad = (frame.error + 30.0 * frame.depth_error) / entry;
+                let pad = (frame.error + 30.0 * frame.depth_error) / entry + frame.share;
                 (l.mul(x, inverse), l.mul(y, inverse), pad)
             } else {
                 (x, y, frame.error)

@@ -248,6 +248,42 @@ fn small_triangles_of_a_large_mesh() {
     assert!(hits > 30_000, "{hits}");
 }
 
+/// Pixels as large as a triangle, whose ray all but meets its edge, far from the middle of the tile.
+#[test]
+fn triangles_smaller_than_a_pixel() {
+    let mut hits = 0;
+    for round in 0..600 {
+        let mut numbers = Numbers::new(3000 + round);
+        let points = [0, 1, 2].map(|_| numbers.point().as_vec3().as_dvec3());
+        let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
+        let pixel = [5.0, 1.0, 0.2][round as usize % 3];
+        let projection =
+            [Projection::Orthographic, Projection::Perspective][round as usize / 3 % 2];
+        let mut view = View {
+            position: 40.0 * numbers.point(),
+            up: numbers.point(),
+            focal_length: 30.0,
+            width: 16.0 * pixel,
+            height: 16.0 * pixel * [1.0, 30.0][round as usize / 6 % 2],
+            rows: 16,
+            columns: 16,
+            projection,
+            ray_start: RayStart::Eye,
+            ..View::default()
+        };
+        view.aim = -view.position + numbers.point();
+        let rays = Camera::new(view).unwrap();
+        // Moved so that the ray of a pixel in the corner meets the point of an edge 30 units away.
+        let along = numbers.unit();
+        let edge = points[0] + along * (points[1] - points[0]);
+        let (row, column) = [(0, 15), (0, 0), (15, 0)][round as usize % 3];
+        let ray = rays.ray(row, column);
+        view.position += edge - (ray.origin + 30.0 * ray.direction);
+        hits += judged(&scene, &Camera::new(view).unwrap());
+    }
+    assert!(hits > 300, "{hits}");
+}
+
 /// Parallel rays that all but run along the grid they start on, and not quite on it.
 #[test]
 fn arrays_of_grazing_parallel_rays() {
