@@ -307,25 +307,17 @@ impl BlockOfHits {
         if [rows, columns] == [BLOCK, BLOCK] {
             // Lengths that the compiler knows.
             for row in 0..BLOCK {
-                self.copy::<BLOCK>(row, at + row * Square::STRIDE, out);
+                self.copy(row, at + row * Square::STRIDE, BLOCK, out);
             }
         } else {
             for row in 0..rows {
-                self.copy_some(row, at + row * Square::STRIDE, columns, out);
+                self.copy(row, at + row * Square::STRIDE, columns, out);
             }
         }
     }
 
     #[inline(always)]
-    fn copy<const N: usize>(&self, row: usize, at: usize, out: &mut HitSlices<'_>) {
-        let lane = row * BLOCK;
-        out.t[at..][..N].copy_from_slice(&self.t.as_flattened()[lane..][..N]);
-        out.object[at..][..N].copy_from_slice(&self.object[lane..][..N]);
-        out.primitive[at..][..N].copy_from_slice(&self.primitive[lane..][..N]);
-        out.barycentric[at..][..N].copy_from_slice(&self.barycentric[row][..N]);
-    }
-
-    fn copy_some(&self, row: usize, at: usize, columns: usize, out: &mut HitSlices<'_>) {
+    fn copy(&self, row: usize, at: usize, columns: usize, out: &mut HitSlices<'_>) {
         let lane = row * BLOCK;
         out.t[at..][..columns].copy_from_slice(&self.t.as_flattened()[lane..][..columns]);
         out.object[at..][..columns].copy_from_slice(&self.object[lane..][..columns]);

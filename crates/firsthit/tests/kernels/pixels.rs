@@ -164,17 +164,21 @@ fn cameras_on_instances_transforms_and_other_shapes() {
     assert!(hits > 5_000, "{hits}");
 }
 
+/// The triangles of a square grid with so many points along a side, two in each cell.
+fn grid(side: u32) -> Vec<[u32; 3]> {
+    (0..side * (side - 1))
+        .filter(|k| k % side + 1 < side)
+        .flat_map(|k| [[k, k + 1, k + side], [k + 1, k + side + 1, k + side]])
+        .collect()
+}
+
 /// Every ray through a corner where six triangles meet, all at the same `t`.
 #[test]
 fn a_grid_looked_at_through_its_corners() {
     const SIDE: u32 = 33;
     let at = |k: u32| DVec3::new(f64::from(k % SIDE), f64::from(k / SIDE), 0.0);
     let points: Vec<DVec3> = (0..SIDE * SIDE).map(at).collect();
-    let mut triangles = Vec::new();
-    for k in (0..SIDE * (SIDE - 1)).filter(|k| k % SIDE + 1 < SIDE) {
-        triangles.extend([[k, k + 1, k + SIDE], [k + 1, k + SIDE + 1, k + SIDE]]);
-    }
-    let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+    let scene = Scene::new(vec![Object::new(mesh(&points, grid(SIDE)))]).unwrap();
     let side = f64::from(SIDE);
     let view = View {
         position: DVec3::new(0.5 * (side - 1.0), 0.5 * (side - 1.0), 4.0),
@@ -218,10 +222,7 @@ fn small_triangles_of_a_large_mesh() {
             // What the tree holds as it is.
             points = points.iter().map(|v| v.as_vec3().as_dvec3()).collect();
         }
-        let mut triangles = Vec::new();
-        for k in (0..SIDE * (SIDE - 1)).filter(|k| k % SIDE + 1 < SIDE) {
-            triangles.extend([[k, k + 1, k + SIDE], [k + 1, k + SIDE + 1, k + SIDE]]);
-        }
+        let mut triangles = grid(SIDE);
         for corner in [DVec3::splat(-1000.0), DVec3::splat(1000.0)] {
             let first = u32::try_from(points.len()).unwrap();
             points.extend([corner, corner + DVec3::X, corner + DVec3::Y]);
