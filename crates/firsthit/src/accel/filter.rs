@@ -18,6 +18,16 @@
 //! 2 P; two along the ray, times a slope of at most 1, 2 D; the slope itself D; product and difference, where they are not
 //! fused, D + X. As P is at most X + D, and X twice an extent, that is 6 D and 6 extents. To that comes the
 //! ray's `blur`, three times. The judge's own rounding is 2^-29 of that.
+//!
+//! Where the ray meets the inside for certain, its depth is the corners' mean with the sides as weights. Two things are off:
+//! - The corners' places, by E along x and y. Then the plane through them passes the ray at a depth that is off by
+//!   the plane's slopes times E, and a slope is at most the triangle's extent across times its spread in depth, over the sum
+//!   of the sides (a triangle in a rectangle has half its area at most): 2 E X spread / sum.
+//! - The sides' own rounding, 3 u X^2 each (two products, and a difference that is no more than X^2). It comes to that over
+//!   the sum times what each corner's depth is from the mean, which is twice the spread for all three: 6 u X^2 spread / sum.
+//!
+//! That sum is the one computed. The exact one of the first is smaller by 9 u X^2 at most: as each side is above
+//! the bound, 4.3 E X + 9.2 u X^2, it is half of that at least, and the difference comes to 2.5 u X^2 spread / sum.
 
 use super::meshlet::Meshlet;
 use super::ray::{MARGIN, TreeRay, U};
@@ -64,10 +74,10 @@ pub(super) fn filter<L: Lanes>(
             let error = l.mul_add(deep, l.splat(6.5 * U), fixed);
             let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * $extent + $more));
             let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
-            l.mul(share, size)
+            (l.mul(share, size), error, size)
         }};
     }
-    let bound = bound!(leaf.size, 0.0);
+    let (bound, error, size) = bound!(leaf.size, 0.0);
 
     let (ax, bx, cx) = (l.permute(x, a), l.permute(x, b), l.permute(x, c));
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
@@ -78,21 +88,20 @@ pub(super) fn filter<L: Lanes>(
     let (minus, plus) = (l.sub(l.splat(0.0), bound), bound);
     let outside = l.lt(least, minus) & l.lt(plus, most);
     let slack = l.mul_add(deep, l.splat(24.0 * U), blur);
-    let spread = l.mul(l.sub(farthest, nearest), l.splat(2.1));
+    let spread = l.sub(farthest, nearest);
     let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
     let between = l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
     let possible = leaf.filled & !outside & between;
     if possible == 0 {
         return None;
     }
-    let sure = bound!(leaf.extent, 2.0 * MARGIN);
+    let (sure, ..) = bound!(leaf.extent, 2.0 * MARGIN);
     let certain = l.lt(sure, least) | l.lt(most, l.sub(l.splat(0.0), sure));
-    // The corners' depths in the mean of the sides: where each side is off by B, it is off by B / |sum| times what each
-    // corner's depth is from the mean, and these come to no more than twice the spread.
     let over = l.div(l.splat(1.0), l.add(l.add(u, v), w));
     let depth = l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz)));
     let depth = l.mul(depth, over);
-    let weights = l.mul(l.mul(bound, spread), l.abs(over));
+    let weights = l.mul_add(error, l.splat(2.1), l.mul(size, l.splat(9.0 * U)));
+    let weights = l.mul(l.mul(weights, size), l.mul(spread, l.abs(over)));
     let around = l.add(weights, slack);
     // Where the sides say too little, the triangle's own depths.
     let low = l.select(certain, l.max(l.sub(depth, around), nearest), nearest);

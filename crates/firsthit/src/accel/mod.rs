@@ -15,6 +15,7 @@ mod bvh;
 mod filter;
 mod frame;
 mod goal;
+mod masked;
 mod mesh_tree;
 mod meshlet;
 mod packet;

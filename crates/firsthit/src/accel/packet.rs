@@ -35,8 +35,8 @@ pub(crate) struct Packet {
     pub(super) slope: [[f32; RAYS]; 2],
     pub(super) forwards: [f32; RAYS],
     pub(super) blur: [f32; RAYS],
-    inverse: [[f32; RAYS]; 3],
-    ends: [[[f32; RAYS]; 2]; 3],
+    pub(super) inverse: [[f32; RAYS]; 3],
+    pub(super) ends: [[[f32; RAYS]; 2]; 3],
 
     /// What a float32 depth is off by at most, and twice as much again.
     depth_error: [f32; RAYS],

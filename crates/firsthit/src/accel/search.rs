@@ -2,6 +2,7 @@
 
 use super::beam::{Patience, beam};
 use super::goal::{Place, Question};
+use super::masked::masked;
 use super::mesh_tree::MeshTree;
 use super::packet::Packet;
 use super::walk::Stack;
@@ -71,10 +72,14 @@ impl Searcher {
         searches: &mut [Search<'_>],
         answers: &mut impl Answers<Q::Answer>,
     ) {
-        let mut patience = Patience::new();
+        let (mut with_beams, mut with_masks) = (Patience::new(), Patience::new());
+        let stack = &mut self.stack;
         for (number, search) in searches.iter_mut().enumerate() {
-            if patience.tries() {
-                patience.learn(beam::<L, Q>(l, &mut self.stack, number, search, answers));
+            if with_beams.tries() {
+                with_beams.learn(beam::<L, Q>(l, stack, number, search, answers));
+            }
+            if !Q::ORDERED && search.open != 0 && with_masks.tries() {
+                with_masks.learn(masked::<L, Q>(l, stack, number, search, answers));
             }
         }
         wave::<L, Q>(l, &mut self.wave, searches, answers);

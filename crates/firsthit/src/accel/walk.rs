@@ -43,6 +43,8 @@ pub(super) struct Stack {
 /// A power of two. A tree has no more levels than the binary one it is made from, which are at most 97 (see
 /// `build.rs`), and each leaves up to 15 behind.
 const STACK: usize = 2048;
+/// From here on it goes deeper one way only.
+const MANY: usize = 256;
 
 impl Stack {
     pub(super) fn new() -> Self {
@@ -67,6 +69,35 @@ impl Stack {
         debug_assert!(self.height < STACK, "a tree is not that deep");
         self.entries[self.height % STACK] = key;
         self.height += 1;
+    }
+
+    /// Puts `key` there if it `is` wanted, without a branch.
+    #[inline(always)]
+    pub(super) fn push_if(&mut self, is: bool, key: u64) {
+        debug_assert!(self.height < STACK, "a tree is not that deep");
+        self.entries[self.height % STACK] = key;
+        self.height += usize::from(is);
+    }
+
+    /// Those from `base` on.
+    #[inline(always)]
+    pub(super) fn from(&self, base: usize) -> &[u64] {
+        &self.entries[base.min(STACK)..self.height.min(STACK)]
+    }
+
+    /// The last but two, which was asked for longer ago than the last; of many, the last.
+    #[inline(always)]
+    pub(super) fn take(&mut self) -> Option<u64> {
+        let last = self.height.checked_sub(1)?;
+        let at = if last < MANY {
+            last.saturating_sub(2)
+        } else {
+            last
+        };
+        let key = self.entries[at % STACK];
+        self.entries[at % STACK] = self.entries[last % STACK];
+        self.height = last;
+        Some(key)
     }
 
     /// Puts `key` among those from `base` on, the smallest on top.

@@ -13,6 +13,7 @@ mod pixels;
 mod support;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
 
 use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit, occluded_all, shoot_all};
 use firsthit::{DAffine3, DVec3, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Transform};
@@ -116,10 +117,39 @@ fn placed(points: &[DVec3], scale: f64, offset: f64) -> Vec<DVec3> {
     points.iter().map(place).collect()
 }
 
+/// Short rays in all directions, many from a small place at a time, as ambient occlusion asks for: from just off corners
+/// and edges, to corners nearby and just short of them, along the axes. In some places there is one without an end.
+fn short_rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
+    let mut rays = Vec::with_capacity(count);
+    while rays.len() < count {
+        let group = rays.len() / 16;
+        let [a, b] = [0; 2].map(|_| points[numbers.below(points.len())]);
+        let place = a.lerp(b, [0.0, 0.01, numbers.unit()][group % 3]);
+        let far = |p: &DVec3| (*p - place).length();
+        let nearby = points.iter().filter(|p| far(p) > 0.0);
+        let corner = *nearby.min_by(|p, q| far(p).total_cmp(&far(q))).unwrap();
+        let reach = scale * [0.5, 0.2, 0.03][numbers.below(3)];
+        let off = reach * [0.0, 1e-5, 1e-2, 0.3][numbers.below(4)];
+        for k in 0..16 {
+            let origin = place + off * numbers.point();
+            let axis = DVec3::AXES[k % 3] * [1.0, -1.0][k / 3 % 2];
+            rays.push(match (k + group) % 8 {
+                0 => Ray::new(origin, corner - origin).up_to(1.0),
+                1 => Ray::new(origin, corner - origin).up_to(1.0 - f64::EPSILON),
+                2 => Ray::new(origin, axis).up_to(reach),
+                3 => Ray::new(place, numbers.point().with_z(0.0)).up_to(reach),
+                4 if group % 4 == 0 => Ray::new(origin, numbers.point()),
+                _ => Ray::new(origin, numbers.point()).up_to(reach * numbers.unit()),
+            });
+        }
+    }
+    rays
+}
+
 /// Rounds of soups of every scale at every place; `rays_each` rays for each.
-fn soups(rounds: u64, rays_each: usize) -> usize {
+fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
     let mut shot = 0;
-    for round in 0..rounds {
+    for round in rounds {
         let mut numbers = Numbers::new(round + 1);
         let (scale, offset) = PLACES[round as usize % PLACES.len()];
         let (mut points, triangles) = soup([3, 12, 60][round as usize / 8 % 3], &mut numbers);
@@ -131,14 +161,30 @@ fn soups(rounds: u64, rays_each: usize) -> usize {
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
         let rays = rays(&points, scale, rays_each, &mut numbers);
         judged(&scene, &rays);
-        shot += rays.len();
+        let short = short_rays(&points, scale, rays_each / 2, &mut numbers);
+        judged(&scene, &short);
+        shot += rays.len() + short.len();
     }
     shot
 }
 
 #[test]
 fn soups_of_every_scale_and_place() {
-    assert!(soups(48, 4000) > 100_000);
+    assert!(soups(0..48, 4000) > 100_000);
+}
+
+/// Through trees of some levels, where packets go from node to node together.
+#[test]
+fn short_rays_from_neighbours() {
+    for (round, (scale, offset)) in PLACES.into_iter().enumerate() {
+        let mut numbers = Numbers::new(round as u64 + 1);
+        let (points, triangles) = bumpy_sphere([12, 40][round % 2], 3);
+        let points = placed(&points, scale, offset);
+        let objects = vec![Object::new(mesh(&points, triangles))];
+        let rays = short_rays(&points, scale, 4000, &mut numbers);
+        let met = judged(&Scene::new(objects).unwrap(), &rays);
+        assert!(met > rays.len() / 8 && met < rays.len());
+    }
 }
 
 fn soak_rays() -> usize {
@@ -152,8 +198,9 @@ fn soak() {
     let mut shot = 0;
     let mut round = 0;
     while shot < soak_rays() {
+        // Every round has rays of its own; those of the test are the first.
+        shot += soups(round..round + 48, 4000);
         round += 48;
-        shot += soups(round, 4000);
         println!("{shot} rays");
     }
 }

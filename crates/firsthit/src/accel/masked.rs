@@ -1,0 +1,202 @@
+//! Sixteen rays together through a [`MeshTree`] whose ways have little in common but the place: short ones in all
+//! directions from neighbouring points.
+//!
+//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum 20(3),
+//! 2001: a packet goes to a node with a mask of the rays that meet its box. With sixteen children in a node the box
+//! around all of the packet's segments goes first, which rules out most children for all rays at once, whatever their
+//! directions; what is left are single boxes against sixteen rays in lanes. A leaf is each ray's own matter, and so is a
+//! node that only one ray meets. Nothing here is in any order: this is for questions that do not ask for one.
+
+use std::array::from_fn;
+
+use super::filter::filter;
+use super::goal::Question;
+use super::packet::{Packet, RAYS};
+use super::search::{Answers, Search};
+use super::walk::Stack;
+use super::wide::{LEAF, Node};
+use crate::simd::{LANES, Lanes};
+
+/// Fewer rays are as well off alone.
+const FEWEST: u32 = 4;
+/// After so many nodes and leaves it is seen whether rays have them in common.
+const TRIAL: u32 = 32;
+/// How many rays each of those must have had.
+const COMMON: u32 = 3;
+
+/// Answers the open rays of a search; `false` when they have little in common, and some may be open still.
+#[inline(always)]
+pub(super) fn masked<L: Lanes, Q: Question>(
+    l: L,
+    stack: &mut Stack,
+    number: usize,
+    search: &mut Search<'_>,
+    answers: &mut impl Answers<Q::Answer>,
+) -> bool {
+    let packet = search.packet;
+    // Rays that are lost in rounding have no box around them.
+    let rays = search.open & l.lt(l.load(&packet.blur), l.splat(1e-2));
+    if rays.count_ones() < FEWEST {
+        return false;
+    }
+    let around = Around::new(l, packet, rays);
+    if around.is_wide() {
+        return false;
+    }
+    let mut questions: [Q; RAYS] = from_fn(|lane| Q::new(packet.limits(lane)));
+    let mut alive = rays;
+    let (mut visits, mut visitors) = (0, 0);
+    let mut is_done = true;
+    stack.clear();
+    stack.push(key(rays, 0));
+    while let Some(next) = stack.take() {
+        let (here, index) = parts(next);
+        let here = here & alive;
+        if here == 0 {
+            continue;
+        }
+        visits += 1;
+        visitors += here.count_ones();
+        if visits == TRIAL && visitors < COMMON * TRIAL {
+            is_done = false;
+            break;
+        }
+        if index & LEAF == 0 {
+            let node = &search.tree.nodes[index as usize];
+            let base = stack.len();
+            around.open(l, packet, node, here, stack);
+            for &key in stack.from(base) {
+                let (_, next) = parts(key);
+                let tree = search.tree;
+                l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
+            }
+        } else {
+            let leaf = &search.tree.leaves[(index & !LEAF) as usize];
+            let mut here = here;
+            while here != 0 {
+                let lane = here.trailing_zeros() as usize % RAYS;
+                here &= here - 1;
+                let question = &mut questions[lane];
+                let ray = packet.tree_ray(lane);
+                if let Some(candidates) = filter(l, &ray, leaf, question.limit()) {
+                    question.meet(l, &search.place(lane), index & !LEAF, &candidates);
+                    alive &= !(u16::from(question.limit() < 0.0) << lane);
+                }
+            }
+        }
+    }
+    let answered = if is_done { rays } else { rays & !alive };
+    for (lane, question) in questions.iter().enumerate() {
+        if answered >> lane & 1 == 1 {
+            answers.take(number, lane, question.answer(&search.place(lane)));
+        }
+    }
+    search.open &= !answered;
+    is_done
+}
+
+/// Rays, and a node or a leaf that they meet, as a stack holds them.
+#[inline(always)]
+fn key(rays: u16, index: u32) -> u64 {
+    u64::from(rays) << 32 | u64::from(index)
+}
+
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "what `key` put together")]
+fn parts(key: u64) -> (u16, u32) {
+    ((key >> 32) as u16, key as u32)
+}
+
+/// The box around the segments of a packet's rays, from their starts to where nothing matters any more.
+struct Around {
+    low: [f32; 3],
+    high: [f32; 3],
+    /// The rays that go backwards along an axis.
+    back: [u16; 3],
+}
+
+impl Around {
+    #[inline(always)]
+    fn new<L: Lanes>(l: L, packet: &Packet, rays: u16) -> Self {
+        let mut out = Self {
+            low: [0.0; 3],
+            high: [0.0; 3],
+            back: [0; 3],
+        };
+        // Starts are within 8 of the middle: at a depth of 10 every ray has left the tree.
+        let limit = l.min(l.load(&packet.limit), l.splat(10.0));
+        let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
+        for axis in 0..3 {
+            let inverse = l.load(&packet.inverse[axis]);
+            let [first, last] = &packet.ends[axis];
+            let (first, last) = (l.load(first), l.load(last));
+            let direction = l.div(one, inverse);
+            // Each of the ends is minus the start over the direction, one less and one more for rounding.
+            let start = l.mul(l.mul(l.add(first, last), half), l.sub(zero, direction));
+            let margin = l.mul(l.sub(last, first), direction);
+            // More than what is rounded here, which is 70 u.
+            let margin = l.mul_add(l.abs(margin), half, l.splat(1e-5));
+            let end = l.mul_add(direction, limit, start);
+            let low = l.sub(l.min(start, end), margin);
+            let high = l.add(l.max(start, end), margin);
+            out.low[axis] = l.smallest(l.select(rays, low, l.splat(f32::INFINITY)));
+            out.high[axis] = l.largest(l.select(rays, high, l.splat(f32::NEG_INFINITY)));
+            out.back[axis] = l.lt(inverse, zero);
+        }
+        out
+    }
+
+    /// Whether it is as wide as half the tree, so that it would rule out little.
+    #[inline(always)]
+    fn is_wide(&self) -> bool {
+        (0..3).any(|axis| self.high[axis] - self.low[axis] > 1.0)
+    }
+
+    /// Puts a node's children onto the stack, each with those of the rays `here` that meet its box.
+    #[inline(always)]
+    fn open<L: Lanes>(&self, l: L, packet: &Packet, node: &Node, here: u16, stack: &mut Stack) {
+        if here.is_power_of_two() {
+            let lane = here.trailing_zeros() as usize % RAYS;
+            let (mut met, _) = packet.tree_ray(lane).boxes(l, node, packet.limit[lane]);
+            while met != 0 {
+                let child = met.trailing_zeros() as usize % LANES;
+                met &= met - 1;
+                stack.push(key(here, node.children[child]));
+            }
+            return;
+        }
+        let mut met = u16::MAX;
+        for axis in 0..3 {
+            let [low, high] = [&node.planes[2 * axis], &node.planes[2 * axis + 1]];
+            met &= l.le(l.load(low), l.splat(self.high[axis]));
+            met &= l.le(l.splat(self.low[axis]), l.load(high));
+        }
+        macro_rules! end {
+            ($child:ident, $axis:literal, $side:literal) => {{
+                let low = l.splat(node.planes[2 * $axis][$child]);
+                let high = l.splat(node.planes[2 * $axis + 1][$child]);
+                let plane = if $side == 0 {
+                    l.select(self.back[$axis], high, low)
+                } else {
+                    l.select(self.back[$axis], low, high)
+                };
+                let inverse = l.load(&packet.inverse[$axis]);
+                l.mul_add(plane, inverse, l.load(&packet.ends[$axis][$side]))
+            }};
+        }
+        while met != 0 {
+            let child = met.trailing_zeros() as usize % LANES;
+            met &= met - 1;
+            let entry = l.max(
+                l.max(end!(child, 0, 0), end!(child, 1, 0)),
+                l.max(end!(child, 2, 0), l.splat(0.0)),
+            );
+            let exit = l.min(
+                l.min(end!(child, 0, 1), end!(child, 1, 1)),
+                l.min(end!(child, 2, 1), l.load(&packet.limit)),
+            );
+            let rays = here & l.le(entry, exit);
+            stack.push_if(rays != 0, key(rays, node.children[child]));
+        }
+    }
+}
