@@ -23,11 +23,14 @@
 //! - The corners' places, by E along x and y. Then the plane through them passes the ray at a depth that is off by
 //!   the plane's slopes times E, and a slope is at most the triangle's extent across times its spread in depth, over the sum
 //!   of the sides (a triangle in a rectangle has half its area at most): 2 E X spread / sum.
-//! - The sides' own rounding, 3 u X^2 each (two products, and a difference that is no more than X^2). It comes to that over
-//!   the sum times what each corner's depth is from the mean, which is twice the spread for all three: 6 u X^2 spread / sum.
+//! - The sides' own rounding, 3 u X^2 each (two products, and a difference that inside is no more than X^2). It comes to
+//!   that over the sum times what each corner's depth is from the mean, which is twice the spread for all three:
+//!   6 u X^2 spread / sum.
 //!
 //! That sum is the one computed. The exact one of the first is smaller by 9 u X^2 at most: as each side is above
-//! the bound, 4.3 E X + 9.2 u X^2, it is half of that at least, and the difference comes to 2.5 u X^2 spread / sum.
+//! the bound, 4.3 E X + 9.2 u X^2, it is two thirds of that at least, and the difference comes to 2.1 u X^2 spread / sum: in
+//! all 2 E X + 8.1 u X^2. (Beams and tiles have a simpler bound: where each side is off by B, the mean is off by B / sum
+//! times what each corner's depth is from it, 2 B spread / sum.)
 
 use super::meshlet::Meshlet;
 use super::ray::{MARGIN, TreeRay, U};

@@ -272,6 +272,7 @@ impl Goal for Any {
             l.lt(l.splat(0.0), candidates.low) & l.lt(candidates.high, l.splat(self.within));
         let leaf = &place.tree.leaves[leaf as usize];
         let mut possible = candidates.possible;
+        debug_assert!(!self.is_found, "an answer is never taken back");
         // Where it is met for certain, nobody wants to know the place.
         self.is_found = possible & candidates.certain & inside != 0;
         while possible != 0 && !self.is_found {

@@ -11,7 +11,8 @@ use std::array::from_fn;
 
 use super::filter::filter;
 use super::goal::Question;
-use super::packet::{Packet, RAYS};
+use super::packet::{FAR, Packet, RAYS};
+use super::ray::U;
 use super::search::{Answers, Search};
 use super::walk::Stack;
 use super::wide::{LEAF, Node};
@@ -19,12 +20,16 @@ use crate::simd::{LANES, Lanes};
 
 /// Fewer rays are as well off alone.
 const FEWEST: u32 = 4;
-/// After so many nodes and leaves it is seen whether rays have them in common.
+/// After so many nodes and leaves, and each time as many more, it is seen whether rays have them in common.
 const TRIAL: u32 = 32;
-/// How many rays each of those must have had.
+/// How many rays each of them must have had so far, on average.
 const COMMON: u32 = 3;
+/// At this depth a ray has left the tree, which is in the cube from -1 to 1.
+const FARTHEST: f32 = 10.0;
+const _: () = assert!(FAR + 2.0 <= FARTHEST as f64);
 
-/// Answers the open rays of a search; `false` when they have little in common, and some may be open still.
+/// Answers the open rays of a search, but for those that are lost in rounding; `false` when they have little in common, and
+/// any may be open still.
 #[inline(always)]
 pub(super) fn masked<L: Lanes, Q: Question>(
     l: L,
@@ -34,13 +39,13 @@ pub(super) fn masked<L: Lanes, Q: Question>(
     answers: &mut impl Answers<Q::Answer>,
 ) -> bool {
     let packet = search.packet;
-    // Rays that are lost in rounding have no box around them.
+    // Those that are lost have no box around them.
     let rays = search.open & l.lt(l.load(&packet.blur), l.splat(1e-2));
     if rays.count_ones() < FEWEST {
         return false;
     }
     let around = Around::new(l, packet, rays);
-    if around.is_wide() {
+    if around.is_wide(search) {
         return false;
     }
     let mut questions: [Q; RAYS] = from_fn(|lane| Q::new(packet.limits(lane)));
@@ -49,7 +54,9 @@ pub(super) fn masked<L: Lanes, Q: Question>(
     let mut is_done = true;
     stack.clear();
     stack.push(key(rays, 0));
-    while let Some(next) = stack.take() {
+    while alive != 0
+        && let Some(next) = stack.take()
+    {
         let (here, index) = parts(next);
         let here = here & alive;
         if here == 0 {
@@ -57,7 +64,7 @@ pub(super) fn masked<L: Lanes, Q: Question>(
         }
         visits += 1;
         visitors += here.count_ones();
-        if visits == TRIAL && visitors < COMMON * TRIAL {
+        if visits % TRIAL == 0 && visitors < COMMON * visits {
             is_done = false;
             break;
         }
@@ -71,18 +78,7 @@ pub(super) fn masked<L: Lanes, Q: Question>(
                 l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
             }
         } else {
-            let leaf = &search.tree.leaves[(index & !LEAF) as usize];
-            let mut here = here;
-            while here != 0 {
-                let lane = here.trailing_zeros() as usize % RAYS;
-                here &= here - 1;
-                let question = &mut questions[lane];
-                let ray = packet.tree_ray(lane);
-                if let Some(candidates) = filter(l, &ray, leaf, question.limit()) {
-                    question.meet(l, &search.place(lane), index & !LEAF, &candidates);
-                    alive &= !(u16::from(question.limit() < 0.0) << lane);
-                }
-            }
+            alive &= !visit(l, search, index & !LEAF, here, &mut questions);
         }
     }
     let answered = if is_done { rays } else { rays & !alive };
@@ -93,6 +89,30 @@ pub(super) fn masked<L: Lanes, Q: Question>(
     }
     search.open &= !answered;
     is_done
+}
+
+/// Shows a leaf to the rays `here`; returns which of them have their answer.
+#[inline(always)]
+fn visit<L: Lanes, Q: Question>(
+    l: L,
+    search: &Search<'_>,
+    index: u32,
+    mut here: u16,
+    questions: &mut [Q; RAYS],
+) -> u16 {
+    let leaf = &search.tree.leaves[index as usize];
+    let mut answered = 0;
+    while here != 0 {
+        let lane = here.trailing_zeros() as usize % RAYS;
+        here &= here - 1;
+        let question = &mut questions[lane];
+        let ray = search.packet.tree_ray(lane);
+        if let Some(candidates) = filter(l, &ray, leaf, question.limit()) {
+            question.meet(l, &search.place(lane), index, &candidates);
+            answered |= u16::from(question.limit() < 0.0) << lane;
+        }
+    }
+    answered
 }
 
 /// Rays, and a node or a leaf that they meet, as a stack holds them.
@@ -123,9 +143,8 @@ impl Around {
             high: [0.0; 3],
             back: [0; 3],
         };
-        // Starts are within 8 of the middle: at a depth of 10 every ray has left the tree.
-        let limit = l.min(l.load(&packet.limit), l.splat(10.0));
         let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
+        let limit = l.max(l.min(l.load(&packet.limit), l.splat(FARTHEST)), zero);
         for axis in 0..3 {
             let inverse = l.load(&packet.inverse[axis]);
             let [first, last] = &packet.ends[axis];
@@ -134,8 +153,9 @@ impl Around {
             // Each of the ends is minus the start over the direction, one less and one more for rounding.
             let start = l.mul(l.mul(l.add(first, last), half), l.sub(zero, direction));
             let margin = l.mul(l.sub(last, first), direction);
-            // More than what is rounded here, which is 70 u.
-            let margin = l.mul_add(l.abs(margin), half, l.splat(1e-5));
+            // What is rounded here, in units of `u FARTHEST`: the start 5, the slope at the end 2, product and sum 3, and the
+            // last difference 2; and the margin itself.
+            let margin = l.mul_add(l.abs(margin), half, l.splat(16.0 * U * FARTHEST));
             let end = l.mul_add(direction, limit, start);
             let low = l.sub(l.min(start, end), margin);
             let high = l.add(l.max(start, end), margin);
@@ -146,10 +166,13 @@ impl Around {
         out
     }
 
-    /// Whether it is as wide as half the tree, so that it would rule out little.
+    /// Whether it is as wide as half the mesh, so that it would rule out little.
     #[inline(always)]
-    fn is_wide(&self) -> bool {
-        (0..3).any(|axis| self.high[axis] - self.low[axis] > 1.0)
+    #[expect(clippy::cast_possible_truncation, reason = "about so much")]
+    fn is_wide(&self, search: &Search<'_>) -> bool {
+        let size = search.mesh.bounds().size().max_element();
+        let half = (0.5 * size * search.tree.space.scale) as f32;
+        (0..3).any(|axis| self.high[axis] - self.low[axis] > half)
     }
 
     /// Puts a node's children onto the stack, each with those of the rays `here` that meet its box.

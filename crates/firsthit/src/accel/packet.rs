@@ -14,7 +14,7 @@ use crate::simd::{LANES, Lanes, WIDE};
 pub(crate) const RAYS: usize = LANES;
 
 /// Starts beyond this are moved. The tree is in the cube from -1 to 1.
-const FAR: f64 = 8.0;
+pub(super) const FAR: f64 = 8.0;
 // What the test of a box allows for, which has a reach of at most `FAR + 1`.
 const _: () = assert!(14.0 * (FAR + 1.0) * (U as f64) < MARGIN as f64);
 

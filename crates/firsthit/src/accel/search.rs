@@ -1,4 +1,4 @@
-//! Many rays through the trees of meshes: together those that have the same way, the others each on its own.
+//! Many rays through the trees of meshes: together those that have the same way or the same place, the others each on its own.
 
 use super::beam::{Patience, beam};
 use super::goal::{Place, Question};

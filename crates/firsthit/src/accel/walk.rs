@@ -33,7 +33,7 @@ impl Scratch {
     }
 }
 
-/// Nodes and leaves still to be visited: the depth's bits above the index.
+/// Nodes and leaves still to be visited: the index, and above it the depth's bits, or the rays of a packet.
 #[derive(Debug)]
 pub(super) struct Stack {
     entries: Box<[u64; STACK]>,
@@ -43,8 +43,9 @@ pub(super) struct Stack {
 /// A power of two. A tree has no more levels than the binary one it is made from, which are at most 97 (see
 /// `build.rs`), and each leaves up to 15 behind.
 const STACK: usize = 2048;
-/// From here on it goes deeper one way only.
+/// From here on [`Stack::take`] takes the last, and what is above is that of one way down.
 const MANY: usize = 256;
+const _: () = assert!(MANY + 15 * 97 < STACK);
 
 impl Stack {
     pub(super) fn new() -> Self {

@@ -139,14 +139,16 @@ fn short_rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers)
                 2 => Ray::new(origin, axis).up_to(reach),
                 3 => Ray::new(place, numbers.point().with_z(0.0)).up_to(reach),
                 4 if group % 4 == 0 => Ray::new(origin, numbers.point()),
+                5 => Ray::new(origin, numbers.point() * DVec3::new(1.0, 1e-12, 1e-35)).up_to(reach),
                 _ => Ray::new(origin, numbers.point()).up_to(reach * numbers.unit()),
             });
         }
     }
+    rays.truncate(count);
     rays
 }
 
-/// Rounds of soups of every scale at every place; `rays_each` rays for each.
+/// Rounds of soups of every scale at every place; `rays_each` rays for each, and half as many short ones.
 fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
     let mut shot = 0;
     for round in rounds {
@@ -161,7 +163,7 @@ fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
         let rays = rays(&points, scale, rays_each, &mut numbers);
         judged(&scene, &rays);
-        let short = short_rays(&points, scale, rays_each / 2, &mut numbers);
+        let short = short_rays(&points, scale, rays_each / 2 - 5, &mut numbers);
         judged(&scene, &short);
         shot += rays.len() + short.len();
     }
@@ -173,18 +175,74 @@ fn soups_of_every_scale_and_place() {
     assert!(soups(0..48, 4000) > 100_000);
 }
 
-/// Through trees of some levels, where packets go from node to node together.
+/// Through trees of some levels, where packets go from node to node together; a cloud of triangles, in which rays soon
+/// have little in common; and instances.
 #[test]
 fn short_rays_from_neighbours() {
     for (round, (scale, offset)) in PLACES.into_iter().enumerate() {
         let mut numbers = Numbers::new(round as u64 + 1);
-        let (points, triangles) = bumpy_sphere([12, 40][round % 2], 3);
+        let (points, triangles) = if round % 2 == 0 {
+            bumpy_sphere(40, 3)
+        } else {
+            cloud(4000, &mut numbers)
+        };
         let points = placed(&points, scale, offset);
-        let objects = vec![Object::new(mesh(&points, triangles))];
-        let rays = short_rays(&points, scale, 4000, &mut numbers);
-        let met = judged(&Scene::new(objects).unwrap(), &rays);
-        assert!(met > rays.len() / 8 && met < rays.len());
+        let mesh = mesh(&points, triangles);
+        let one = Scene::new(vec![Object::new(mesh.clone())]).unwrap();
+        let rays = short_rays(&points, scale, 3990, &mut numbers);
+        let met = judged(&one, &rays);
+        assert!(met > rays.len() / 8 && met < rays.len(), "{met}");
+        if round < 3 {
+            let turn = DAffine3::from_rotation_z(0.4);
+            let aside = DAffine3::from_translation(0.3 * scale * DVec3::X) * turn;
+            let placed = Transform::new(aside).unwrap();
+            let objects = vec![Object::new(mesh.clone()), Object::new(mesh).placed(placed)];
+            let rays = &rays[..1000];
+            judged(&Scene::new(objects).unwrap(), rays);
+        }
     }
+}
+
+/// Small triangles all over the cube from -1 to 1.
+fn cloud(count: u32, numbers: &mut Numbers) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut points = Vec::new();
+    for _ in 0..count {
+        let place = numbers.point();
+        points.extend((0..3).map(|_| place + 0.06 * numbers.point()));
+    }
+    let triangles = (0..count).map(|k| [0, 1, 2].map(|corner| 3 * k + corner));
+    (points, triangles.collect())
+}
+
+/// Two sheets that go through one another, seen almost along them: which is first hangs on digits that float32 lacks.
+#[test]
+fn sheets_seen_almost_along_them() {
+    let mut hits = 0;
+    for round in 0..40 {
+        let mut numbers = Numbers::new(900 + round);
+        let normal = numbers.point().normalize();
+        let (across, along) = normal.any_orthonormal_pair();
+        let mut points = Vec::new();
+        for _ in 0..2 {
+            for [x, y] in [[-0.9, -0.8], [0.9, -0.7], [0.1, 0.9]] {
+                let lift = 3e-7 * (2.0 * numbers.unit() - 1.0);
+                let corner = x * across + y * along + lift * normal;
+                points.push(corner.as_vec3().as_dvec3());
+            }
+        }
+        let objects = vec![Object::new(mesh(&points, vec![[0, 1, 2], [3, 4, 5]]))];
+        let rays: Vec<Ray> = (0..2000)
+            .map(|k| {
+                let place = (0.4 * numbers.unit()) * across + 0.3 * (numbers.unit() - 0.5) * along;
+                let flat = numbers.point().reject_from(normal).normalize();
+                let slope = [1e-1, 1e-2, 1e-3][k % 3];
+                let direction = flat + slope * normal;
+                Ray::new(place - (0.5 + numbers.unit()) * direction, direction)
+            })
+            .collect();
+        hits += judged(&Scene::new(objects).unwrap(), &rays);
+    }
+    assert!(hits > 70_000, "{hits}");
 }
 
 fn soak_rays() -> usize {
