@@ -7,14 +7,18 @@
 //!
 //! In float32 the large part must not swallow the small one: as in Woop's test (`shape/triangle.rs`), points
 //! are first sheared along the axis that the tile looks along, with slopes that are float32 numbers, so that
-//! what is left is small where the tile is. Unlike there, the point itself is sheared and then the eye, sheared in
-//! float64, taken away: however far the eye is, a sheared coordinate is off by no more, in units of u (see `ray.rs`),
-//! than the vertex where float32 does not hold it, 1, and the product and difference, 3, as no coordinate in the tree is
-//! larger than 1. To that come shares of what is left: two for the eye's parts, and as it is multiplied with the matrix
-//! that of an entry and three of products and sums, which skew pixels make larger than X and Y. What is counted from a
+//! what is left is small where the tile is. And a leaf's vertices are counted from the first of them, whose own place
+//! from the eye, sheared, float64 knows: so rounding depends on how large the leaf is, neither on the tree nor on
+//! the eye. With the leaf's extent e, a sheared coordinate x is off by no more, in units of u (see `ray.rs`), than: the
+//! differences e for each of two axes, with a slope of at most 1; the product e and its difference 2 e; the first
+//! vertex' place, rounded, |x| + 2 e; and the sum |x|. In all 7 e and two shares of x. Where float32 does not hold
+//! the vertices, to that come 2 (no coordinate in the tree is larger than 1).
+//!
+//! As it is multiplied with the matrix there come that of an entry and three of products and sums, which skew pixels
+//! make larger than X and Y. What is counted from a
 //! sample is covered by a share of that (`relative`); but X and Y are counted from the tile's middle, from where to a
-//! sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth is counted from the eye, and off by 3 units of
-//! `u reach` and three roundings of no more than 4 reaches each.
+//! sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth is counted from the eye, and off by the same
+//! 7 e, by 4 units of `u reach`, and by three roundings of no more than 4 reaches each.
 
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
@@ -50,8 +54,8 @@ pub(crate) struct Bundle {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     axes: [usize; 3],
-    /// The eye in two parts, along those axes, sheared.
-    eye: [[f32; 2]; 3],
+    /// The eye along those axes, sheared.
+    eye: [f64; 3],
     slope: [f32; 2],
     /// From sheared coordinates to X, Y and Z.
     rows: [[f32; 3]; 3],
@@ -66,15 +70,16 @@ pub(crate) struct Frame {
     pub(super) start_depth: f32,
     /// The depth that the eye was moved by.
     slid: f32,
-    /// What X and Y are off.
-    pub(super) error: f32,
+    /// What X and Y are off, and by how much more for each unit that a leaf extends; with what a wrong depth moves.
+    error: f32,
+    error_per_extent: f32,
     /// What they are off as a share of Z, in perspective.
     pub(super) share: f32,
     /// What depths are off.
     pub(super) depth_error: f32,
     /// A side of an edge is off by `(absolute + relative * size) * size`, where `size` is how far the corners are from a
     /// sample along X and Y at most, both together, times Z.
-    pub(super) absolute: f32,
+    absolute: f32,
     pub(super) relative: f32,
 }
 
@@ -131,14 +136,15 @@ impl Frame {
             let pixel = sum(columns[0]).max(sum(columns[1]));
             (bundle.off, 3.0 * bundle.off * pixel)
         };
-        let units = if tree.is_exact { 4.0 } else { 6.0 };
-        let rounding = sum(rows[0]).max(sum(rows[1])) * (units * u + 2.0 * blur);
+        let across_both = sum(rows[0]).max(sum(rows[1]));
+        let units = if tree.is_exact { 0.0 } else { 2.0 };
+        let rounding = across_both * (units * u + 2.0 * blur);
         let pixels = columns[0].abs() + columns[1].abs();
         let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
         let share = 45.0 * u * skewness;
         let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
         // Depths between a triangle's corners are rounded too.
-        let along = 40.0 * u * reach + 4.0 * blur + off_along;
+        let along = 56.0 * u * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
         // What a wrong depth of a vertex moves on the picture.
         let sideways = if bundle.is_perspective {
@@ -146,7 +152,12 @@ impl Frame {
         } else {
             0.0
         };
-        let skew = sum(rows[0]).max(sum(rows[1])) * (sum(columns[0]) + sum(columns[1]));
+        let moved = if bundle.is_perspective {
+            (10.0 + 3.0 * skewness) * sum(rows[2])
+        } else {
+            0.0
+        };
+        let skew = across_both * (sum(columns[0]) + sum(columns[1]));
         let fine = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
         // Where a pixel is not seen sharply at the distance of the tree's far side, most would be undecided.
         let far_depth = if bundle.is_perspective {
@@ -154,14 +165,15 @@ impl Frame {
         } else {
             1.0
         };
-        let is_sharp = rounding + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
+        let is_sharp =
+            across_both * (6.0 * u + 2.0 * blur) + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
         // Written so that a NaN fails.
         let is_fine = fine
             && is_sharp
             && error.is_finite()
             && slid.abs() < 1e30
             && depth_error < 1e30
-            && (sum(rows[0]) + sum(rows[1])) < 1e12;
+            && across_both < 1e12;
         if !is_fine {
             return None;
         }
@@ -183,10 +195,9 @@ impl Frame {
                 -((below + slack) * 1.000_01) as f32,
             )
         };
-        let two_parts = |x: f64| [x as f32, (x - f64::from(x as f32)) as f32];
         Some(Self {
             axes,
-            eye: sheared(eye).to_array().map(two_parts),
+            eye: sheared(eye).to_array(),
             slope,
             rows: rows.map(|row| row.to_array().map(|x| x as f32)),
             planes: [plane(x, 1.0), plane(x, -1.0), plane(y, 1.0), plane(y, -1.0)],
@@ -196,6 +207,7 @@ impl Frame {
             start_depth: bundle.start_depth as f32,
             slid: slid as f32,
             error: error as f32,
+            error_per_extent: (7.2 * u * (across_both + moved)) as f32,
             depth_error: depth_error as f32,
             share: share as f32,
             // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 16 u Z, which
@@ -210,16 +222,33 @@ impl Frame {
 
     /// The coordinates X, Y and Z of a leaf's vertices.
     #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the rounding is allowed for"
+    )]
     pub(super) fn transformed<L: Lanes>(&self, l: L, leaf: &Meshlet) -> [L::Floats; 3] {
-        let vertices = |k: usize| l.load(&leaf.vertices[self.axes[k] % 3]);
-        let from_eye = |k: usize, place: L::Floats| {
-            let [high, low] = self.eye[k];
-            l.sub(l.sub(place, l.splat(high)), l.splat(low))
-        };
-        let along = vertices(2);
-        let x = from_eye(0, l.neg_mul_add(l.splat(self.slope[0]), along, vertices(0)));
-        let y = from_eye(1, l.neg_mul_add(l.splat(self.slope[1]), along, vertices(1)));
-        let z = from_eye(2, along);
+        macro_rules! vertices {
+            ($k:literal) => {
+                &leaf.vertices[self.axes[$k] % 3]
+            };
+        }
+        let (first_x, first_y, first_z) = (vertices!(0)[0], vertices!(1)[0], vertices!(2)[0]);
+        macro_rules! place {
+            ($k:literal, $first:ident) => {{
+                let sheared = f64::from($first) - f64::from(self.slope[$k]) * f64::from(first_z);
+                l.splat((sheared - self.eye[$k]) as f32)
+            }};
+        }
+        let along = l.sub(l.load(vertices!(2)), l.splat(first_z));
+        macro_rules! sheared {
+            ($k:literal, $first:ident) => {{
+                let across = l.sub(l.load(vertices!($k)), l.splat($first));
+                let sheared = l.neg_mul_add(l.splat(self.slope[$k]), along, across);
+                l.add(sheared, place!($k, $first))
+            }};
+        }
+        let (x, y) = (sheared!(0, first_x), sheared!(1, first_y));
+        let z = l.add(along, l.splat((f64::from(first_z) - self.eye[2]) as f32));
         let row = |k: usize| {
             let [rx, ry, rz] = self.rows[k];
             l.mul_add(
@@ -229,6 +258,18 @@ impl Frame {
             )
         };
         [row(0), row(1), l.add(row(2), l.splat(self.slid))]
+    }
+
+    /// What X and Y of a leaf's vertices are off.
+    #[inline(always)]
+    pub(super) fn error(&self, leaf: &Meshlet) -> f32 {
+        self.error + self.error_per_extent * leaf.extent
+    }
+
+    /// See [`Frame::relative`].
+    #[inline(always)]
+    pub(super) fn absolute(&self, leaf: &Meshlet) -> f32 {
+        self.absolute + 2.15 * self.error_per_extent * leaf.extent
     }
 
     /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.

@@ -64,6 +64,7 @@ impl<A: Arbiter> Visit<'_, A> {
         let [x, y, z] = frame.transformed(l, self.leaf);
         let [a, b, c] = &self.leaf.corners;
         let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
+        let (error, absolute) = (frame.error(self.leaf), frame.absolute(self.leaf));
         let blur = l.splat(frame.depth_error);
         let nearest = l.sub(l.min(l.min(az, bz), cz), blur);
         let farthest = l.add(l.max(l.max(az, bz), cz), blur);
@@ -80,10 +81,10 @@ impl<A: Arbiter> Visit<'_, A> {
         if !is_behind {
             let (px, py, pad) = if frame.is_perspective {
                 let inverse = l.div(l.splat(1.0), z);
-                let pad = (frame.error + 30.0 * frame.depth_error) / entry + frame.share;
+                let pad = (error + 30.0 * frame.depth_error) / entry + frame.share;
                 (l.mul(x, inverse), l.mul(y, inverse), pad)
             } else {
-                (x, y, frame.error)
+                (x, y, error)
             };
             let pad = 1.1 * pad + 1e-4;
             let (less, more) = (l.splat(HALF - pad), l.splat(HALF + pad));
@@ -128,7 +129,7 @@ impl<A: Arbiter> Visit<'_, A> {
         macro_rules! bound_within {
             ($across:expr, $down:expr) => {{
                 let size = l.mul_add(l.add($across, $down), h, l.add(x, y));
-                let share = l.mul_add(l.splat(frame.relative), size, l.splat(frame.absolute));
+                let share = l.mul_add(l.splat(frame.relative), size, l.splat(absolute));
                 l.mul(share, size)
             }};
         }
