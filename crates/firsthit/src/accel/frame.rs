@@ -15,9 +15,8 @@
 //! the vertices, to that come 2 (no coordinate in the tree is larger than 1).
 //!
 //! As it is multiplied with the matrix there come that of an entry and three of products and sums, which skew pixels
-//! make larger than X and Y. What is counted from a
-//! sample is covered by a share of that (`relative`); but X and Y are counted from the tile's middle, from where to a
-//! sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth is counted from the eye, and off by the same
+//! make larger than X and Y. What is counted from a sample is covered by a share of that (`relative`); but X and Y are
+//! counted from the tile's middle, from where to a sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth is counted from the eye, and off by the same
 //! 7 e, by 4 units of `u reach`, and by three roundings of no more than 4 reaches each.
 
 use super::mesh_tree::MeshTree;
@@ -152,8 +151,10 @@ impl Frame {
         } else {
             0.0
         };
-        let moved = if bundle.is_perspective {
-            (10.0 + 3.0 * skewness) * sum(rows[2])
+        // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 16 u Z, which
+        // `sideways` is no smaller than, three times are the share.
+        let lever = if bundle.is_perspective {
+            10.0 + 3.0 * skewness
         } else {
             0.0
         };
@@ -189,7 +190,8 @@ impl Frame {
             } else {
                 reach_of_pixels
             };
-            let slack = sum(normal) * (8.0 * u * reach + 2.0 * blur) + error + 8.0 * sideways;
+            let rounding = sum(normal) * (8.0 * u * reach + 2.0 * blur);
+            let slack = rounding + error + across_both * 4.0 * u + 8.0 * sideways;
             (
                 normal.to_array().map(|x| x as f32),
                 -((below + slack) * 1.000_01) as f32,
@@ -207,13 +209,12 @@ impl Frame {
             start_depth: bundle.start_depth as f32,
             slid: slid as f32,
             error: error as f32,
-            error_per_extent: (7.2 * u * (across_both + moved)) as f32,
+            error_per_extent: (7.2 * u * (across_both + lever * sum(rows[2]))) as f32,
             depth_error: depth_error as f32,
             share: share as f32,
-            // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 16 u Z, which
-            // `sideways` is no smaller than, three times are the share. A side is a difference of two products, so it is
-            // off by what a coordinate is twice for each of X and Y, and a little for what is quadratic in that.
-            absolute: (2.15 * (error + (10.0 + 3.0 * skewness) * sideways)) as f32,
+            // A side is a difference of two products, so it is off by what a coordinate is twice for each of X and Y, and
+            // a little for what is quadratic in that.
+            absolute: (2.15 * (error + lever * sideways)) as f32,
             // A quarter of what it is in squares of half the size: 26 roundings, and what the matrix' and those of what
             // is sheared come to.
             relative: ((8.0 + 12.0 * skew) * u) as f32,

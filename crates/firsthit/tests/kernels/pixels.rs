@@ -201,37 +201,38 @@ fn a_grid_looked_at_through_its_corners() {
     assert_eq!(judged(&scene, &camera), camera.pixels());
 }
 
-/// A small part of a large mesh through a long lens: what float32 takes from a coordinate is seen there.
+/// A small part of a large mesh through a long lens: what float32 takes from a coordinate is seen there, be the rest of the
+/// mesh in other leaves of the tree or in the same one.
 #[test]
 fn small_triangles_of_a_large_mesh() {
-    const SIDE: u32 = 17;
     const CELL: f64 = 0.24;
     let mut hits = 0;
-    for round in 0..12 {
+    for round in 0..24 {
+        let side = [17, 3][round as usize / 12];
         let mut numbers = Numbers::new(500 + round);
         let middle = 900.0 * numbers.point();
         let [across, upwards, bump] = [0, 1, 2].map(|_| numbers.point().normalize());
-        let mut points: Vec<DVec3> = (0..SIDE * SIDE)
-            .map(|k| {
-                let place = [k % SIDE, k / SIDE].map(|n| f64::from(n) - 0.5 * f64::from(SIDE - 1));
-                let height = numbers.unit();
-                middle + CELL * (place[0] * across + place[1] * upwards + height * bump)
-            })
-            .collect();
+        let mut points = Vec::new();
+        let mut triangles = Vec::new();
+        // These are the first of a leaf, if there is but one.
+        for (first, corner) in [(0, DVec3::splat(-1000.0)), (3, DVec3::splat(1000.0))] {
+            points.extend([corner, corner + DVec3::X, corner + DVec3::Y]);
+            triangles.push([0, 1, 2].map(|k| first + k));
+        }
+        points.extend((0..side * side).map(|k| {
+            let place = [k % side, k / side].map(|n| f64::from(n) - 0.5 * f64::from(side - 1));
+            let height = numbers.unit();
+            middle + CELL * (place[0] * across + place[1] * upwards + height * bump)
+        }));
+        triangles.extend(grid(side).iter().map(|corners| corners.map(|k| k + 6)));
         if round % 2 == 0 {
             // What the tree holds as it is.
             points = points.iter().map(|v| v.as_vec3().as_dvec3()).collect();
         }
-        let mut triangles = grid(SIDE);
-        for corner in [DVec3::splat(-1000.0), DVec3::splat(1000.0)] {
-            let first = u32::try_from(points.len()).unwrap();
-            points.extend([corner, corner + DVec3::X, corner + DVec3::Y]);
-            triangles.push([0, 1, 2].map(|k| first + k));
-        }
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
         let normal = (across.cross(upwards).normalize() + 0.5 * numbers.point()).normalize();
         let distance = [1200.0, 2000.0, 700.0][round as usize % 3];
-        let wide = 13.0 * CELL;
+        let wide = 0.8 * f64::from(side - 1) * CELL;
         let view = View {
             position: middle + distance * normal,
             aim: -normal,
@@ -246,7 +247,7 @@ fn small_triangles_of_a_large_mesh() {
         };
         hits += judged(&scene, &Camera::new(view).unwrap());
     }
-    assert!(hits > 30_000, "{hits}");
+    assert!(hits > 60_000, "{hits}");
 }
 
 /// One hit in pixels larger than the triangle, far from the middle of the tile.
