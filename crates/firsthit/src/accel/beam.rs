@@ -21,36 +21,6 @@ use space::Beam;
 /// What a beam may cost for each of its rays, in units of a node; see [`Beam::run`].
 const BUDGET: u32 = 16;
 
-/// Whether to try: where one after the other fails, some are left out.
-pub(super) struct Patience {
-    /// How many have failed since one did not.
-    failures: u32,
-    /// How many to leave out.
-    pause: u32,
-}
-
-impl Patience {
-    pub(super) fn new() -> Self {
-        Self {
-            failures: 0,
-            pause: 0,
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn tries(&mut self) -> bool {
-        let tries = self.pause == 0;
-        self.pause = self.pause.saturating_sub(1);
-        tries
-    }
-
-    #[inline(always)]
-    pub(super) fn learn(&mut self, is_done: bool) {
-        self.failures = if is_done { 0 } else { self.failures + 1 };
-        self.pause = self.failures.saturating_sub(2).min(8);
-    }
-}
-
 /// Answers the open rays of a search, if they go nearly the same way; `false` when they do not, and some may be open still.
 #[inline(always)]
 pub(super) fn beam<L: Lanes, Q: Question>(

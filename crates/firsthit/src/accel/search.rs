@@ -1,6 +1,6 @@
 //! Many rays through the trees of meshes: together those that have the same way or the same place, the others each on its own.
 
-use super::beam::{Patience, beam};
+use super::beam::beam;
 use super::goal::{Place, Question};
 use super::masked::masked;
 use super::mesh_tree::MeshTree;
@@ -83,5 +83,35 @@ impl Searcher {
             }
         }
         wave::<L, Q>(l, &mut self.wave, searches, answers);
+    }
+}
+
+/// Whether to try: where one after the other fails, some are left out.
+struct Patience {
+    /// How many have failed since one did not.
+    failures: u32,
+    /// How many to leave out.
+    pause: u32,
+}
+
+impl Patience {
+    fn new() -> Self {
+        Self {
+            failures: 0,
+            pause: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn tries(&mut self) -> bool {
+        let tries = self.pause == 0;
+        self.pause = self.pause.saturating_sub(1);
+        tries
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, is_done: bool) {
+        self.failures = if is_done { 0 } else { self.failures + 1 };
+        self.pause = self.failures.saturating_sub(2).min(8);
     }
 }

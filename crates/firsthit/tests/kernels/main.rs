@@ -335,8 +335,6 @@ fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
     assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
 }
 
-/// Closed meshes of the reference data, from a point near the middle: a ray at every corner and at every edge's
-/// middle, and on from there, all of which meet the mesh.
 /// A triangle without an inside that is far from the ray may look met in float32, if nothing but the sizes of the
 /// triangles around it says what rounding comes to.
 #[test]
