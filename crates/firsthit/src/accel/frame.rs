@@ -151,10 +151,10 @@ impl Frame {
         } else {
             0.0
         };
-        // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 16 u Z, which
-        // `sideways` is no smaller than, three times are the share.
+        // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 8 u Z, which
+        // `sideways` is no smaller than, six times are the share.
         let lever = if bundle.is_perspective {
-            10.0 + 3.0 * skewness
+            12.0 + 6.0 * skewness
         } else {
             0.0
         };
@@ -166,8 +166,8 @@ impl Frame {
         } else {
             1.0
         };
-        let is_sharp =
-            across_both * (6.0 * u + 2.0 * blur) + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
+        let is_sharp = across_both * ((units + 4.0) * u + 2.0 * blur) + 16.0 * sideways
+            < 0.2 * far_depth.max(1e-30);
         // Written so that a NaN fails.
         let is_fine = fine
             && is_sharp
