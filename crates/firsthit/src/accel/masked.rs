@@ -223,3 +223,120 @@ impl Around {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::goal::Any;
+    use super::super::mesh_tree::MeshTree;
+    use super::*;
+    use crate::geometry::{DVec3, Ray};
+    use crate::shape::{Mesh, Positions};
+    use crate::simd::{self, InstructionSet, Kernel};
+
+    /// Sixteen rays that start around a point, in directions of all octants, up to a reach.
+    struct Sixteen<'a> {
+        mesh: &'a Mesh,
+        tree: &'a MeshTree,
+        middle: DVec3,
+        reach: f64,
+    }
+
+    /// Whether they were answered together, which are open still, and how far their segments are outside the box.
+    struct Outcome {
+        is_done: bool,
+        open: u16,
+        outside: f64,
+    }
+
+    struct Nobody;
+    impl<A> Answers<A> for Nobody {
+        fn take(&mut self, _: usize, _: usize, _: A) {}
+    }
+
+    impl Sixteen<'_> {
+        fn ray(&self, lane: usize) -> Ray {
+            let sign = |bit: usize| [1.0, -1.0][lane >> bit & 1];
+            let share = 0.1 + lane as f64 / 20.0;
+            let direction = DVec3::new(sign(0), share * sign(1), (1.0 - share) * sign(2));
+            let direction = if lane == 5 { DVec3::NEG_Y } else { direction };
+            let start = self.middle + 0.01 * DVec3::new(direction.y, direction.z, direction.x);
+            Ray::new(start, direction.normalize()).up_to(self.reach * share)
+        }
+    }
+
+    impl Kernel for Sixteen<'_> {
+        type Output = Outcome;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Outcome {
+            let mut packet = Packet::default();
+            for lane in 0..RAYS {
+                packet.put(lane, &self.ray(lane));
+            }
+            packet.prepare(l, self.tree, RAYS);
+            let around = Around::new(l, &packet, u16::MAX);
+            let mut outside = f64::NEG_INFINITY;
+            for lane in 0..RAYS {
+                let ray = self.ray(lane);
+                for end in [ray.origin, ray.at(ray.t_max.min(1.0))] {
+                    let place = (end - self.tree.space.origin) * self.tree.space.scale;
+                    for axis in 0..3 {
+                        let below = f64::from(around.low[axis]) - place[axis];
+                        let above = place[axis] - f64::from(around.high[axis]);
+                        outside = outside.max(below).max(above);
+                    }
+                }
+            }
+            let mut search = Search::new(self.tree, self.mesh, &packet);
+            let mut stack = Stack::new();
+            let is_done = masked::<L, Any>(l, &mut stack, 0, &mut search, &mut Nobody);
+            Outcome {
+                is_done,
+                open: search.open,
+                outside,
+            }
+        }
+    }
+
+    /// A sheet of `2 * 40 * 40` triangles from -1 to 1.
+    fn sheet() -> Mesh {
+        let place = |k: u32| f64::from(k) / 20.0 - 1.0;
+        let points = (0..41 * 41).map(|k| [place(k % 41), place(k / 41), 0.0]);
+        let cell = |k: u32| {
+            let a = k / 40 * 41 + k % 40;
+            [[a, a + 1, a + 41], [a + 1, a + 42, a + 41]]
+        };
+        let triangles = (0..40 * 40).flat_map(cell).collect();
+        Mesh::new(Positions::Double(points.collect()), triangles).unwrap()
+    }
+
+    #[test]
+    fn short_rays_go_together_and_long_ones_do_not() {
+        let mesh = sheet();
+        let tree = MeshTree::build(&mesh);
+        let sets = InstructionSet::ALL.into_iter();
+        for set in sets.filter(|set| set.is_available()) {
+            for (reach, goes) in [
+                (0.3, true),
+                (1e-6, true),
+                (3.0, false),
+                (f64::INFINITY, false),
+            ] {
+                let sixteen = Sixteen {
+                    mesh: &mesh,
+                    tree: &tree,
+                    middle: DVec3::new(0.2, -0.1, 0.005),
+                    reach,
+                };
+                let outcome = simd::run(set, sixteen);
+                assert_eq!(outcome.is_done, goes, "{set:?} {reach}");
+                assert_eq!(outcome.open, if goes { 0 } else { u16::MAX });
+                assert!(
+                    outcome.outside < 0.0,
+                    "{set:?} {reach}: {}",
+                    outcome.outside
+                );
+            }
+        }
+    }
+}

@@ -263,3 +263,27 @@ fn prefetch<L: Lanes>(l: L, tree: &MeshTree, key: u64) {
         l.prefetch(&tree.leaves[(index & !LEAF) as usize]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tree as deep as one can be, with all sixteen children of each node met.
+    #[test]
+    fn the_stack_holds_what_is_left_of_the_deepest_tree() {
+        let mut stack = Stack::new();
+        stack.push(0);
+        let mut highest = 0;
+        // Not all of it, which nobody could: what comes first is what piles up.
+        for _ in 0..200_000 {
+            let level = stack.take().unwrap();
+            if level < 97 {
+                for _ in 0..16 {
+                    stack.push(level + 1);
+                }
+            }
+            highest = highest.max(stack.len());
+        }
+        assert!(highest > MANY && highest < STACK, "{highest}");
+    }
+}
