@@ -36,13 +36,7 @@ pub(super) fn beam<L: Lanes, Q: Question>(
     let packet = search.packet;
     let mut questions: [Q; RAYS] = std::array::from_fn(|lane| Q::new(packet.limits(lane)));
     let is_done = beam.run(l, stack, search, &mut questions);
-    for (lane, question) in questions.iter().enumerate() {
-        // One that gave up may have found what some of its rays asked for.
-        if beam.rays >> lane & 1 == 1 && (is_done || question.limit() < 0.0) {
-            answers.take(number, lane, question.answer(&search.place(lane)));
-            search.open &= !(1 << lane);
-        }
-    }
+    search.close(number, (beam.rays, is_done), &questions, answers);
     is_done
 }
 

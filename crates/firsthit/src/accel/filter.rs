@@ -103,9 +103,9 @@ pub(super) fn filter<L: Lanes>(
     let over = l.div(l.splat(1.0), l.add(l.add(u, v), w));
     let depth = l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz)));
     let depth = l.mul(depth, over);
-    let weights = l.mul_add(error, l.splat(2.1), l.mul(size, l.splat(9.0 * U)));
-    let weights = l.mul(l.mul(weights, size), l.mul(spread, l.abs(over)));
-    let around = l.add(weights, slack);
+    let share = l.mul_add(error, l.splat(2.1), l.mul(size, l.splat(9.0 * U)));
+    let mean_error = l.mul(l.mul(share, size), l.mul(spread, l.abs(over)));
+    let around = l.add(mean_error, slack);
     // Where the sides say too little, the triangle's own depths.
     let low = l.select(certain, l.max(l.sub(depth, around), nearest), nearest);
     let high = l.select(certain, l.min(l.add(depth, around), farthest), farthest);

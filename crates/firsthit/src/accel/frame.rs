@@ -16,8 +16,9 @@
 //!
 //! As it is multiplied with the matrix there come that of an entry and three of products and sums, which skew pixels
 //! make larger than X and Y. What is counted from a sample is covered by a share of that (`relative`); but X and Y are
-//! counted from the tile's middle, from where to a sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth is counted from the eye, and off by the same
-//! 7 e, by 4 units of `u reach`, and by three roundings of no more than 4 reaches each.
+//! counted from the tile's middle, from where to a sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth
+//! is counted from the eye, and off by the same 7 e, by 4 units of `u reach`, and by three roundings of no more than
+//! 4 reaches each.
 
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
@@ -77,7 +78,7 @@ pub(crate) struct Frame {
     /// What depths are off.
     pub(super) depth_error: f32,
     /// A side of an edge is off by `(absolute + relative * size) * size`, where `size` is how far the corners are from a
-    /// sample along X and Y at most, both together, times Z.
+    /// sample along X and Y at most, both together, times Z; to `absolute` a leaf adds its part.
     absolute: f32,
     pub(super) relative: f32,
 }
@@ -166,8 +167,8 @@ impl Frame {
         } else {
             1.0
         };
-        let is_sharp = across_both * ((units + 4.0) * u + 2.0 * blur) + 16.0 * sideways
-            < 0.2 * far_depth.max(1e-30);
+        let is_sharp =
+            rounding + across_both * 4.0 * u + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
         // Written so that a NaN fails.
         let is_fine = fine
             && is_sharp
@@ -190,8 +191,8 @@ impl Frame {
             } else {
                 reach_of_pixels
             };
-            let rounding = sum(normal) * (8.0 * u * reach + 2.0 * blur);
-            let slack = rounding + error + across_both * 4.0 * u + 8.0 * sideways;
+            let box_error = sum(normal) * (8.0 * u * reach + 2.0 * blur);
+            let slack = box_error + error + across_both * 4.0 * u + 8.0 * sideways;
             (
                 normal.to_array().map(|x| x as f32),
                 -((below + slack) * 1.000_01) as f32,
@@ -267,7 +268,7 @@ impl Frame {
         self.error + self.error_per_extent * leaf.extent
     }
 
-    /// See [`Frame::relative`].
+    /// The first part of what a leaf's sides are off; see [`Frame::relative`].
     #[inline(always)]
     pub(super) fn absolute(&self, leaf: &Meshlet) -> f32 {
         self.absolute + 2.15 * self.error_per_extent * leaf.extent

@@ -13,13 +13,11 @@ use super::filter::filter;
 use super::goal::Question;
 use super::packet::{FAR, Packet, RAYS};
 use super::ray::U;
-use super::search::{Answers, Search};
+use super::search::{Answers, FEWEST, Search};
 use super::walk::Stack;
 use super::wide::{LEAF, Node};
 use crate::simd::{LANES, Lanes};
 
-/// Fewer rays are as well off alone.
-const FEWEST: u32 = 4;
 /// After so many nodes and leaves, and each time as many more, it is seen whether rays have them in common.
 const TRIAL: u32 = 32;
 /// How many rays each of them must have had so far, on average.
@@ -55,7 +53,7 @@ pub(super) fn masked<L: Lanes, Q: Question>(
     stack.clear();
     stack.push(key(rays, 0));
     while alive != 0
-        && let Some(next) = stack.take()
+        && let Some(next) = stack.pop_any()
     {
         let (here, index) = parts(next);
         let here = here & alive;
@@ -72,7 +70,7 @@ pub(super) fn masked<L: Lanes, Q: Question>(
             let node = &search.tree.nodes[index as usize];
             let base = stack.len();
             around.open(l, packet, node, here, stack);
-            for &key in stack.from(base) {
+            for &key in stack.entries_from(base) {
                 let (_, next) = parts(key);
                 let tree = search.tree;
                 l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
@@ -81,13 +79,7 @@ pub(super) fn masked<L: Lanes, Q: Question>(
             alive &= !visit(l, search, index & !LEAF, here, &mut questions);
         }
     }
-    let answered = if is_done { rays } else { rays & !alive };
-    for (lane, question) in questions.iter().enumerate() {
-        if answered >> lane & 1 == 1 {
-            answers.take(number, lane, question.answer(&search.place(lane)));
-        }
-    }
-    search.open &= !answered;
+    search.close(number, (rays, is_done), &questions, answers);
     is_done
 }
 

@@ -4,11 +4,14 @@ use super::beam::beam;
 use super::goal::{Place, Question};
 use super::masked::masked;
 use super::mesh_tree::MeshTree;
-use super::packet::Packet;
+use super::packet::{Packet, RAYS};
 use super::walk::Stack;
 use super::wave::{Wave, wave};
 use crate::shape::Mesh;
 use crate::simd::Lanes;
+
+/// Fewer rays of a packet are as well off alone as together.
+pub(super) const FEWEST: u32 = 4;
 
 /// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
 #[derive(Clone, Copy)]
@@ -27,6 +30,23 @@ impl<'a> Search<'a> {
             mesh,
             packet,
             open: packet.alive,
+        }
+    }
+
+    /// Answers those of `rays` that have found what they ask for, and all of them where the search for them `is_done`.
+    #[inline(always)]
+    pub(super) fn close<Q: Question>(
+        &mut self,
+        number: usize,
+        (rays, is_done): (u16, bool),
+        questions: &[Q; RAYS],
+        answers: &mut impl Answers<Q::Answer>,
+    ) {
+        for (lane, question) in questions.iter().enumerate() {
+            if rays >> lane & 1 == 1 && (is_done || question.limit() < 0.0) {
+                answers.take(number, lane, question.answer(&self.place(lane)));
+                self.open &= !(1 << lane);
+            }
         }
     }
 

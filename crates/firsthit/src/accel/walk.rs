@@ -40,12 +40,13 @@ pub(super) struct Stack {
     height: usize,
 }
 
-/// A power of two. A tree has no more levels than the binary one it is made from, which are at most 97 (see
-/// `build.rs`), and each leaves up to 15 behind.
+/// A tree has no more levels than the binary one it is made from; see `build.rs`.
+const LEVELS: usize = 97;
+/// A power of two: each level leaves up to 15 behind.
 const STACK: usize = 2048;
-/// From here on [`Stack::take`] takes the last, and what is above is that of one way down.
+/// From here on [`Stack::pop_any`] takes the last, and what is above is that of one way down.
 const MANY: usize = 256;
-const _: () = assert!(MANY + 15 * 97 < STACK);
+const _: () = assert!(MANY + 15 * LEVELS < STACK);
 
 impl Stack {
     pub(super) fn new() -> Self {
@@ -82,13 +83,13 @@ impl Stack {
 
     /// Those from `base` on.
     #[inline(always)]
-    pub(super) fn from(&self, base: usize) -> &[u64] {
+    pub(super) fn entries_from(&self, base: usize) -> &[u64] {
         &self.entries[base.min(STACK)..self.height.min(STACK)]
     }
 
-    /// The last but two, which was asked for longer ago than the last; of many, the last.
+    /// Any one: the last but two, whose memory was asked for longer ago than the last; of many, the last.
     #[inline(always)]
-    pub(super) fn take(&mut self) -> Option<u64> {
+    pub(super) fn pop_any(&mut self) -> Option<u64> {
         let last = self.height.checked_sub(1)?;
         let at = if last < MANY {
             last.saturating_sub(2)
@@ -276,8 +277,8 @@ mod tests {
         let mut highest = 0;
         // Not all of it, which nobody could: what comes first is what piles up.
         for _ in 0..200_000 {
-            let level = stack.take().unwrap();
-            if level < 97 {
+            let level = stack.pop_any().unwrap();
+            if level < LEVELS as u64 {
                 for _ in 0..16 {
                     stack.push(level + 1);
                 }

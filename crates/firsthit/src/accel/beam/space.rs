@@ -15,12 +15,9 @@
 
 use super::super::packet::RAYS;
 use super::super::ray::U;
-use super::super::search::Search;
+use super::super::search::{FEWEST, Search};
 use super::super::wide::Node;
 use crate::simd::{Aligned, Lanes};
-
-/// Fewer rays are as well off alone.
-const FEWEST: u32 = 4;
 
 /// The space that the rays of a packet are in.
 pub(super) struct Beam {
