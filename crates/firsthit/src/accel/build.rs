@@ -29,7 +29,8 @@ pub(super) struct BinaryNode {
     pub(super) count: u32,
 }
 
-/// A binary tree: the root first, the children of a node side by side.
+/// A binary tree: the root first, the children of a node side by side, after them all that is below the first, then all
+/// that is below the second.
 pub(super) struct Binary {
     pub(super) nodes: Vec<BinaryNode>,
     /// The items' indices, those of a leaf side by side.

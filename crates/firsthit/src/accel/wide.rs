@@ -1,9 +1,11 @@
 //! From a binary tree to one of 16-wide nodes.
 //!
-//! Wald, Benthin and Boulos, "Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008: of the
-//! children gathered so far, the one with the largest surface is replaced by its own two, until sixteen are
-//! there. (They weigh costs; with leaves as large as these, the largest surface does as well.)
+//! Which of a subtree's nodes become children of a wide node, and which are left out between, is chosen so that the surfaces of
+//! all wide nodes come to the least: a ray is expected to visit as many. (Ylitie, Karras and Laine, "Efficient Incoherent Ray
+//! Traversal on GPUs Through Compressed Wide BVHs", High Performance Graphics 2017, section 3.2. It departs in that
+//! leaves are what the builder made; so nothing they cost depends on a choice, and only nodes count.)
 
+use super::bins::Box32;
 use super::build::BinaryNode;
 use crate::memory;
 use crate::simd::LANES;
@@ -44,6 +46,7 @@ const EMPTY: Node = Node {
 
 /// The wide tree of a binary one, whose root is first; children stand behind their parents.
 pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
+    let plans = plans(binary);
     let mut wide = Wide {
         nodes: vec![EMPTY],
         ranges: Vec::new(),
@@ -52,7 +55,7 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
     let mut open = vec![(0_u32, 0_usize)];
     while let Some((root, at)) = open.pop() {
         let mut node = EMPTY;
-        for (k, child) in gather(binary, root).enumerate() {
+        for (k, child) in gather(binary, &plans, root).enumerate() {
             let BinaryNode {
                 bounds,
                 first,
@@ -77,33 +80,122 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
     Wide { nodes, ..wide }
 }
 
-/// The children of the wide node in place of a binary one: itself if it is a leaf.
-fn gather(binary: &[BinaryNode], root: u32) -> impl Iterator<Item = u32> {
-    let mut children = [root; WIDTH];
-    let mut areas = [f64::NEG_INFINITY; WIDTH];
-    let area = |child: u32| {
-        let node = &binary[child as usize];
-        if node.count > 0 {
-            f64::NEG_INFINITY
-        } else {
-            node.bounds.half_area()
-        }
+/// What becomes of an inner node of a binary tree. As a child that may take up so many places (one less is the index), it
+/// gives so many of them to its first part, and the others to its second; with 0 it is a node itself, and takes one. With
+/// one place it is one anyway, so that stands for what a node gives of its own places.
+type Plan = [u8; WIDTH];
+
+/// What a subtree costs as the children of a node: the surfaces of its wide nodes.
+struct Costs {
+    /// By the places it may take up, less one.
+    by_places: [f32; WIDTH],
+    /// How many leaves it has, if it is not more than there are places; as many cost nothing.
+    leaves: usize,
+}
+
+/// Fewer nodes are planned by one thread.
+const FORK: usize = 16_384;
+
+fn plans(binary: &[BinaryNode]) -> Vec<Plan> {
+    let mut plans = memory::room(binary.len());
+    plans.resize(binary.len(), [0; WIDTH]);
+    if let Some((plan, below)) = plans.split_first_mut() {
+        weigh(binary, 0, plan, below);
+    }
+    plans
+}
+
+/// Makes the plans of a node and of those `below` it, which stand together. The recursion is no deeper than the tree.
+fn weigh(binary: &[BinaryNode], node: u32, plan: &mut Plan, below: &mut [Plan]) -> Costs {
+    let [left, right, below @ ..] = below else {
+        return Costs::LEAF;
     };
-    areas[0] = area(root);
-    let mut count = 1;
-    while count < WIDTH {
-        let (largest, &size) = areas[..count]
-            .iter()
-            .enumerate()
-            .max_by(|a, b| a.1.total_cmp(b.1))
-            .unwrap_or((0, &f64::NEG_INFINITY));
-        if size == f64::NEG_INFINITY {
-            break;
+    let BinaryNode { bounds, first, .. } = binary[node as usize];
+    let of_right = &binary[first as usize + 1];
+    let middle = match of_right.count {
+        0 => (of_right.first - first) as usize - 2,
+        _ => below.len(),
+    };
+    let is_large = below.len() >= FORK;
+    let (below_left, below_right) = below.split_at_mut(middle);
+    let mut by_left = || weigh(binary, first, left, below_left);
+    let mut by_right = || weigh(binary, first + 1, right, below_right);
+    let (left, right) = if is_large {
+        rayon::join(by_left, by_right)
+    } else {
+        (by_left(), by_right())
+    };
+    Costs::join(&left, &right, surface(bounds), plan)
+}
+
+/// What a node costs. A little more than its surface: of boxes that have none, few nodes are still better than many.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "any of two that cost nearly the same will do"
+)]
+fn surface(bounds: Box32) -> f32 {
+    bounds.half_area() as f32 + 1e-30
+}
+
+impl Costs {
+    const LEAF: Self = Self {
+        by_places: [0.0; WIDTH],
+        leaves: 1,
+    };
+
+    /// Those of a node with two parts, and how it goes on from there.
+    fn join(left: &Self, right: &Self, surface: f32, plan: &mut Plan) -> Self {
+        let leaves = (left.leaves + right.leaves).min(WIDTH);
+        let mut by_places = [0.0; WIDTH];
+        for places in 2..=WIDTH {
+            let mut best = (f32::INFINITY, 1);
+            // With more there is nothing to gain.
+            let fewest = places.saturating_sub(right.leaves).clamp(1, left.leaves);
+            for of_left in fewest..=left.leaves.min(places - 1) {
+                let of_right = places - of_left;
+                let cost = left.by_places[of_left - 1] + right.by_places[of_right - 1];
+                if cost < best.0 {
+                    best = (cost, of_left);
+                }
+            }
+            by_places[places - 1] = best.0;
+            plan[places - 1] = u8::try_from(best.1).unwrap_or(0);
         }
-        let first = binary[children[largest] as usize].first;
-        (children[largest], children[count]) = (first, first + 1);
-        (areas[largest], areas[count]) = (area(first), area(first + 1));
-        count += 1;
+        let whole = surface + by_places[WIDTH - 1];
+        plan[0] = plan[WIDTH - 1];
+        by_places[0] = whole;
+        for places in 1..WIDTH {
+            if whole <= by_places[places] {
+                by_places[places] = whole;
+                plan[places] = 0;
+            }
+        }
+        Self { by_places, leaves }
+    }
+}
+
+/// The children of the wide node in place of a binary one: itself if it is a leaf.
+fn gather(binary: &[BinaryNode], plans: &[Plan], root: u32) -> impl Iterator<Item = u32> {
+    let mut children = [root; WIDTH];
+    let mut count = 0;
+    // Nodes and the places they may take up, of which there are sixteen in all.
+    let mut open = [(root, 1); WIDTH];
+    let mut left = 1;
+    while left > 0 {
+        left -= 1;
+        let (node, places) = open[left];
+        let of_first = usize::from(plans[node as usize][places - 1]);
+        let is_child = of_first == 0 || (places == 1 && node != root);
+        if is_child {
+            children[count] = node;
+            count += 1;
+            continue;
+        }
+        let places = if node == root { WIDTH } else { places };
+        let first = binary[node as usize].first;
+        open[left] = (first + 1, places - of_first);
+        open[left + 1] = (first, of_first);
+        left += 2;
     }
     children.into_iter().take(count)
 }
@@ -111,4 +203,113 @@ fn gather(binary: &[BinaryNode], root: u32) -> impl Iterator<Item = u32> {
 /// There are fewer nodes than triangles, and of these at most `i32::MAX`.
 fn index(count: usize) -> u32 {
     u32::try_from(count).expect("fewer than triangles")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tree over so many leaves, split anywhere; appends what is below its root, which it returns.
+    fn tree(
+        random: &mut impl FnMut() -> u32,
+        leaves: u32,
+        below: &mut Vec<BinaryNode>,
+    ) -> BinaryNode {
+        let size = (random() % 1000) as f32;
+        let bounds = Box32::new([0.0; 3], [size, 1.0, 0.0]);
+        if leaves == 1 {
+            return BinaryNode {
+                bounds,
+                first: 0,
+                count: 1,
+            };
+        }
+        let first = below.len();
+        let nothing = BinaryNode {
+            bounds,
+            first: 0,
+            count: 0,
+        };
+        below.extend([nothing, nothing]);
+        let of_left = 1 + random() % (leaves - 1);
+        below[first] = tree(random, of_left, below);
+        below[first + 1] = tree(random, leaves - of_left, below);
+        BinaryNode {
+            bounds,
+            first: index(first) + 1,
+            count: 0,
+        }
+    }
+
+    /// The least that the surfaces of wide nodes can come to: of all choices of inner nodes the cheapest of which none has
+    /// more children than there is room for.
+    fn least(binary: &[BinaryNode]) -> f64 {
+        let inner: Vec<usize> = (1..binary.len())
+            .filter(|&k| binary[k].count == 0)
+            .collect();
+        let cost_of = |choice: u32| {
+            let is_wide = |node: usize| {
+                inner
+                    .iter()
+                    .position(|&k| k == node)
+                    .is_some_and(|k| choice >> k & 1 == 1)
+            };
+            let mut sum = 0.0;
+            let mut open = vec![0];
+            while let Some(root) = open.pop() {
+                sum += binary[root].bounds.half_area();
+                let first = binary[root].first as usize;
+                let mut between = vec![first, first + 1];
+                let mut children = 0;
+                while let Some(node) = between.pop() {
+                    if is_wide(node) {
+                        open.push(node);
+                        children += 1;
+                    } else if binary[node].count > 0 {
+                        children += 1;
+                    } else {
+                        let first = binary[node].first as usize;
+                        between.extend([first, first + 1]);
+                    }
+                }
+                if children > WIDTH {
+                    return f64::INFINITY;
+                }
+            }
+            sum
+        };
+        (0..1 << inner.len())
+            .map(cost_of)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn no_other_choice_of_nodes_is_cheaper() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) as u32
+        };
+        for leaves in [2, 15, 16, 17, 18, 18, 18, 18, 19, 19] {
+            let mut below = Vec::new();
+            let root = tree(&mut random, leaves, &mut below);
+            let binary: Vec<_> = std::iter::once(root).chain(below).collect();
+            let Wide { nodes, ranges } = collapse(&binary);
+            assert_eq!(ranges.len(), leaves as usize);
+            // All boxes begin at zero, and all but their width are equal.
+            let mut surfaces = root.bounds.half_area();
+            for (k, node) in nodes.iter().enumerate() {
+                for child in 0..WIDTH {
+                    let is_there = node.planes[0][child] <= node.planes[1][child];
+                    if is_there && node.children[child] & LEAF == 0 {
+                        assert!(node.children[child] as usize > k);
+                        surfaces += f64::from(node.planes[1][child]);
+                    }
+                }
+            }
+            assert_eq!(surfaces, least(&binary), "{leaves} leaves");
+        }
+    }
 }
