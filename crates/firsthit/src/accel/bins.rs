@@ -161,13 +161,18 @@ impl Bin {
 
     /// What a ray that meets the parent is expected to pay here, but for a common factor.
     #[inline(always)]
-    fn cost(self) -> f64 {
+    fn cost(self, Block(bits): Block) -> f64 {
         if self.count == 0 {
             return 0.0;
         }
-        self.bounds.half_area() * f64::from(self.count)
+        let blocks = (self.count + (1 << bits) - 1) >> bits;
+        self.bounds.half_area() * f64::from(blocks)
     }
 }
+
+/// How many boxes cost a ray as much as one, as a power of two: those that are tested together.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block(pub(super) u32);
 
 /// How the middles of a range's boxes fall into `N` bins along each axis.
 struct Grid<const N: usize> {
@@ -230,9 +235,9 @@ impl<const N: usize> Grid<N> {
         in_chunks(items, one, [[Bin::EMPTY; N]; 3], merge)
     }
 
-    fn split(items: &mut [Item]) -> Option<Split> {
+    fn split(items: &mut [Item], block: Block) -> Option<Split> {
         let grid = Self::new(items)?;
-        let cut = cheapest(&grid.fill(items))?;
+        let cut = cheapest(&grid.fill(items), block)?;
         let middle = partition(items, |item| grid.bin(item, cut.axis) < cut.plane);
         (middle > 0 && middle < items.len()).then_some(Split {
             middle,
@@ -251,11 +256,11 @@ pub(super) struct Split {
 
 /// Reorders a range so that it falls into the two parts of least expected cost; `None` when no plane separates
 /// the middles.
-pub(super) fn split(items: &mut [Item]) -> Option<Split> {
+pub(super) fn split(items: &mut [Item], block: Block) -> Option<Split> {
     if items.len() < SMALL {
-        Grid::<FEWER_BINS>::split(items)
+        Grid::<FEWER_BINS>::split(items, block)
     } else {
-        Grid::<MOST_BINS>::split(items)
+        Grid::<MOST_BINS>::split(items, block)
     }
 }
 
@@ -268,7 +273,7 @@ struct Cut {
 }
 
 /// The cut with the lowest expected cost; on a tie the first.
-fn cheapest<const N: usize>(bins: &Bins<N>) -> Option<Cut> {
+fn cheapest<const N: usize>(bins: &Bins<N>, block: Block) -> Option<Cut> {
     let mut best = (f64::INFINITY, None);
     for (axis, bins) in bins.iter().enumerate() {
         let mut rights = [Bin::EMPTY; N];
@@ -281,7 +286,7 @@ fn cheapest<const N: usize>(bins: &Bins<N>) -> Option<Cut> {
         for plane in 1..N {
             left = left.merge(bins[plane - 1]);
             let right = rights[plane];
-            let cost = left.cost() + right.cost();
+            let cost = left.cost(block) + right.cost(block);
             if left.count > 0 && right.count > 0 && cost < best.0 {
                 let (left, right) = (left.bounds, right.bounds);
                 best = (

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::Bvh;
-use super::bins::{self, Box32, Item, Split, around};
+use super::bins::{self, Block, Box32, Item, Split, around};
 use super::bvh::Node;
 use crate::geometry::{Bounds, DVec3};
 use crate::memory;
@@ -39,6 +39,8 @@ pub(super) struct Binary {
 
 /// What a builder has to know about what it puts in order.
 pub(super) trait Kind: Sync {
+    /// How many items a ray tests at once.
+    fn block(&self) -> Block;
     /// Whether items can be a leaf; one always can.
     fn is_leaf(&self, items: &[Item]) -> bool;
     /// Puts those in front that are not in the place of others, which win over them, and says how many they are.
@@ -52,6 +54,10 @@ pub(super) trait Kind: Sync {
 struct Boxes;
 
 impl Kind for Boxes {
+    fn block(&self) -> Block {
+        Block(0)
+    }
+
     fn is_leaf(&self, items: &[Item]) -> bool {
         items.len() <= LEAF
     }
@@ -146,7 +152,7 @@ fn subtree(
         let root = append(items, around, [start, depth], kind, &mut nodes);
         return Subtree { root, nodes };
     }
-    let Some(parts) = split(items, depth) else {
+    let Some(parts) = split(items, depth, kind.block()) else {
         return match kind.distinct(items) {
             kept if kept < items.len() => subtree(&mut items[..kept], around, [start, depth], kind),
             _ => join(items, around, &halves(items), [start, depth], kind),
@@ -196,7 +202,7 @@ fn append(
             ..inner(around, start)
         };
     }
-    let parts = match split(items, depth) {
+    let parts = match split(items, depth, kind.block()) {
         Some(parts) => parts,
         None => match kind.distinct(items) {
             kept if kept < items.len() => {
@@ -240,8 +246,10 @@ fn index(count: usize) -> u32 {
 }
 
 /// The two parts of a range, which is put in order for them; `None` where it has to be halved.
-fn split(items: &mut [Item], depth: u32) -> Option<Split> {
-    (depth < SAH_DEPTH).then(|| bins::split(items)).flatten()
+fn split(items: &mut [Item], depth: u32, block: Block) -> Option<Split> {
+    (depth < SAH_DEPTH)
+        .then(|| bins::split(items, block))
+        .flatten()
 }
 
 fn halves(items: &[Item]) -> Split {

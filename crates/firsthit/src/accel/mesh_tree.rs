@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::bins::{Box32, Item};
+use super::bins::{Block, Box32, Item};
 use super::build::{self, Binary};
 use super::meshlet::Meshlet;
 use super::wide::{self, Node};
@@ -230,6 +230,10 @@ impl MeshTree {
 struct Triangles<'a>(&'a Mesh);
 
 impl build::Kind for Triangles<'_> {
+    fn block(&self) -> Block {
+        Block(wide::WIDTH.ilog2())
+    }
+
     fn is_leaf(&self, items: &[Item]) -> bool {
         let corners = |item: &Item| self.0.triangles()[item.index() as usize];
         items.len() <= wide::WIDTH && Meshlet::fits(items.iter().map(corners))
