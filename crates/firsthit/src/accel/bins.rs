@@ -170,7 +170,7 @@ impl Bin {
     }
 }
 
-/// How many boxes cost a ray as much as one, as a power of two: those that are tested together.
+/// How many boxes cost a ray as much as one, for they are tested together: two to the power of this.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block(pub(super) u32);
 

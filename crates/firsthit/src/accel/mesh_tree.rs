@@ -152,9 +152,13 @@ impl MeshTree {
             .with_min_len(build::CHUNK)
             .map(item)
             .collect_into_vec(&mut items);
-        let Binary { nodes, order } = build::binary(&mut items, &Triangles(mesh));
+        let Binary {
+            nodes: binary,
+            order,
+        } = build::binary(&mut items, &Triangles(mesh));
         drop(items);
-        let wide::Wide { nodes, ranges } = wide::collapse(&nodes);
+        let wide::Wide { nodes, ranges } = wide::collapse(&binary);
+        drop(binary);
         let leaf = |&(first, length): &(u32, u32)| {
             let of_leaf = &order[first as usize..(first + length) as usize];
             let corners = of_leaf.iter().map(|&index| triangles[index as usize]);
@@ -230,8 +234,12 @@ impl MeshTree {
 struct Triangles<'a>(&'a Mesh);
 
 impl build::Kind for Triangles<'_> {
+    /// As many as are over sixteen vertices: of a soup, where nobody shares any, only five are. (Vertices of nobody, or of
+    /// other meshes, make it fewer, which does no harm.)
     fn block(&self) -> Block {
-        Block(wide::WIDTH.ilog2())
+        let vertices = self.0.positions().len().max(1);
+        let full = self.0.triangles().len().saturating_mul(wide::WIDTH) / vertices;
+        Block(full.clamp(1, wide::WIDTH).ilog2())
     }
 
     fn is_leaf(&self, items: &[Item]) -> bool {
@@ -263,4 +271,67 @@ impl build::Kind for Triangles<'_> {
 /// Meshes have at most `i32::MAX` triangles, and their vertices are counted by `u32`.
 fn count(length: usize) -> u32 {
     u32::try_from(length).expect("vertices are indexed by u32")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hilly field of so many squares along a side; its last row of triangles stands there twice.
+    fn field(side: u32) -> Mesh {
+        let height = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 24) / 256.0;
+        let points: Vec<[f64; 3]> = (0..(side + 1) * (side + 1))
+            .map(|k| {
+                [
+                    f64::from(k % (side + 1)),
+                    f64::from(k / (side + 1)),
+                    height(k),
+                ]
+            })
+            .collect();
+        let squares = (0..side * side).map(|k| k % side + k / side * (side + 1));
+        let mut triangles: Vec<[u32; 3]> = squares
+            .flat_map(|a| [[a, a + 1, a + side + 2], [a, a + side + 2, a + side + 1]])
+            .collect();
+        triangles.extend_from_within(triangles.len() - 2 * side as usize..);
+        Mesh::new(Positions::compact(points), triangles).unwrap()
+    }
+
+    #[test]
+    fn the_tree_is_the_same_for_any_number_of_threads() {
+        // Enough that planning forks too.
+        let mesh = field(400);
+        let trees = [1, 2, 7].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| MeshTree::build(&mesh))
+        });
+        assert!(trees[0].leaves.len() > 20_000, "{}", trees[0].leaves.len());
+        for tree in &trees[1..] {
+            assert!(tree.nodes == trees[0].nodes);
+            assert!(tree.leaves == trees[0].leaves);
+            assert_eq!(tree.order, trees[0].order);
+        }
+    }
+
+    /// Whether triangles share their vertices or not.
+    #[test]
+    fn leaves_and_nodes_are_full() {
+        let field = field(100);
+        let alone: Vec<[f64; 3]> = (0..field.triangles().len())
+            .flat_map(|k| field.corners(k).map(|corner| corner.to_array()))
+            .collect();
+        let own = (0..count(field.triangles().len())).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        let soup = Mesh::new(Positions::compact(alone), own.collect()).unwrap();
+        for (mesh, triangles) in [(field, 12.0), (soup, 3.8)] {
+            let tree = MeshTree::build(&mesh);
+            let (nodes, leaves) = (tree.nodes.len() as f64, tree.leaves.len() as f64);
+            let in_leaf = tree.order.len() as f64 / leaves;
+            let in_node = (leaves + nodes - 1.0) / nodes;
+            assert!(in_leaf > triangles, "{in_leaf}");
+            assert!(in_node > 9.0, "{in_node}");
+        }
+    }
 }

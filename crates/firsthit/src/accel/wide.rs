@@ -1,7 +1,7 @@
 //! From a binary tree to one of 16-wide nodes.
 //!
 //! Which of a subtree's nodes become children of a wide node, and which are left out between, is chosen so that the surfaces of
-//! all wide nodes come to the least: a ray is expected to visit as many. (Ylitie, Karras and Laine, "Efficient Incoherent Ray
+//! all wide nodes come to the least, to float32's rounding: as shares of the root's they are how many a ray visits on average. (Ylitie, Karras and Laine, "Efficient Incoherent Ray
 //! Traversal on GPUs Through Compressed Wide BVHs", High Performance Graphics 2017, section 3.2. It departs in that
 //! leaves are what the builder made; so nothing they cost depends on a choice, and only nodes count.)
 
@@ -80,9 +80,10 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
     Wide { nodes, ..wide }
 }
 
-/// What becomes of an inner node of a binary tree. As a child that may take up so many places (one less is the index), it
-/// gives so many of them to its first part, and the others to its second; with 0 it is a node itself, and takes one. With
-/// one place it is one anyway, so that stands for what a node gives of its own places.
+/// What becomes of an inner node of a binary tree. At index `p - 1` is what it does where it may take up `p` places among the
+/// children of another: so many of them go to its first part and the others to its second, or, with 0, it is a wide node itself
+/// and takes one place. With one place it is one in any case; there, at index 0, is how many of its own sixteen go to its first
+/// part.
 type Plan = [u8; WIDTH];
 
 /// What a subtree costs as the children of a node: the surfaces of its wide nodes.
@@ -128,7 +129,8 @@ fn weigh(binary: &[BinaryNode], node: u32, plan: &mut Plan, below: &mut [Plan]) 
     Costs::join(&left, &right, surface(bounds), plan)
 }
 
-/// What a node costs. A little more than its surface: of boxes that have none, few nodes are still better than many.
+/// What a node costs. A little more than its surface: of boxes that have none, few nodes are still better than many. (Beside
+/// larger ones that is rounded away, as it may.)
 #[expect(
     clippy::cast_possible_truncation,
     reason = "any of two that cost nearly the same will do"
@@ -165,7 +167,7 @@ impl Costs {
         plan[0] = plan[WIDTH - 1];
         by_places[0] = whole;
         for places in 1..WIDTH {
-            if whole <= by_places[places] {
+            if whole < by_places[places] {
                 by_places[places] = whole;
                 plan[places] = 0;
             }
