@@ -1,9 +1,10 @@
 //! From a binary tree to one of 16-wide nodes.
 //!
-//! Which of a subtree's nodes become children of a wide node, and which are left out between, is chosen so that the surfaces of
-//! all wide nodes come to the least, to float32's rounding: as shares of the root's they are how many a ray visits on average. (Ylitie, Karras and Laine, "Efficient Incoherent Ray
-//! Traversal on GPUs Through Compressed Wide BVHs", High Performance Graphics 2017, section 3.2. It departs in that
-//! leaves are what the builder made; so nothing they cost depends on a choice, and only nodes count.)
+//! Which of a subtree's nodes become children of a wide node, and which are left out between, is chosen so that the
+//! surfaces of all wide nodes come to the least, to float32's rounding: as shares of the root's they are how many a ray
+//! visits on average. (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+//! BVHs", High Performance Graphics 2017. It departs in that leaves are what the builder made; so nothing they cost
+//! depends on a choice, and only nodes count.)
 
 use super::bins::Box32;
 use super::build::BinaryNode;
@@ -90,7 +91,7 @@ type Plan = [u8; WIDTH];
 struct Costs {
     /// By the places it may take up, less one.
     by_places: [f32; WIDTH],
-    /// How many leaves it has, if it is not more than there are places; as many cost nothing.
+    /// How many leaves it has, up to sixteen: with as many places it costs nothing.
     leaves: usize,
 }
 
@@ -151,7 +152,7 @@ impl Costs {
         let mut by_places = [0.0; WIDTH];
         for places in 2..=WIDTH {
             let mut best = (f32::INFINITY, 1);
-            // With more there is nothing to gain.
+            // With more places than leaves there is nothing to gain.
             let fewest = places.saturating_sub(right.leaves).clamp(1, left.leaves);
             for of_left in fewest..=left.leaves.min(places - 1) {
                 let of_right = places - of_left;
@@ -181,23 +182,27 @@ fn gather(binary: &[BinaryNode], plans: &[Plan], root: u32) -> impl Iterator<Ite
     let mut children = [root; WIDTH];
     let mut count = 0;
     // Nodes and the places they may take up, of which there are sixteen in all.
-    let mut open = [(root, 1); WIDTH];
+    let mut open = [(root, WIDTH); WIDTH];
     let mut left = 1;
     while left > 0 {
         left -= 1;
         let (node, places) = open[left];
-        let of_first = usize::from(plans[node as usize][places - 1]);
-        let is_child = of_first == 0 || (places == 1 && node != root);
-        if is_child {
+        let plan = &plans[node as usize];
+        let of_first = match places {
+            _ if node == root => plan[0],
+            1 => 0,
+            _ => plan[places - 1],
+        };
+        if of_first == 0 {
             children[count] = node;
             count += 1;
-            continue;
+        } else {
+            let first = binary[node as usize].first;
+            let of_first = usize::from(of_first);
+            open[left] = (first + 1, places - of_first);
+            open[left + 1] = (first, of_first);
+            left += 2;
         }
-        let places = if node == root { WIDTH } else { places };
-        let first = binary[node as usize].first;
-        open[left] = (first + 1, places - of_first);
-        open[left + 1] = (first, of_first);
-        left += 2;
     }
     children.into_iter().take(count)
 }
