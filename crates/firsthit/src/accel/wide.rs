@@ -151,9 +151,9 @@ impl Costs {
         let leaves = (left.leaves + right.leaves).min(WIDTH);
         let mut by_places = [0.0; WIDTH];
         for places in 2..=WIDTH {
-            let mut best = (f32::INFINITY, 1);
             // With more places than leaves there is nothing to gain.
             let fewest = places.saturating_sub(right.leaves).clamp(1, left.leaves);
+            let mut best = (f32::INFINITY, fewest);
             for of_left in fewest..=left.leaves.min(places - 1) {
                 let of_right = places - of_left;
                 let cost = left.by_places[of_left - 1] + right.by_places[of_right - 1];
@@ -162,7 +162,7 @@ impl Costs {
                 }
             }
             by_places[places - 1] = best.0;
-            plan[places - 1] = u8::try_from(best.1).unwrap_or(0);
+            plan[places - 1] = u8::try_from(best.1).expect("at most sixteen");
         }
         let whole = surface + by_places[WIDTH - 1];
         plan[0] = plan[WIDTH - 1];
