@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::bins::{Block, Box32, Item};
 use super::build::{self, Binary};
 use super::meshlet::Meshlet;
+use super::sharing::Sharing;
 use super::wide::{self, Node};
 use crate::geometry::DVec3;
 use crate::memory;
@@ -21,6 +22,8 @@ pub struct MeshTree {
     pub(super) space: Space,
     /// Whether the leaves hold the very coordinates of the mesh, so that nobody need look there.
     pub(super) is_exact: bool,
+    /// See [`Sharing`].
+    pub(super) is_by_place: bool,
     /// The root first; none for a mesh that is not a matter for float32, or empty.
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Meshlet>,
@@ -134,6 +137,7 @@ impl MeshTree {
                     unscale: 1.0,
                 },
                 is_exact: false,
+                is_by_place: false,
                 nodes: Vec::new(),
                 leaves: Vec::new(),
                 order: (0..count(mesh.triangles().len())).collect(),
@@ -141,13 +145,11 @@ impl MeshTree {
             };
         };
         let points = space.points(mesh);
-        let triangles = mesh.triangles();
-        let item = |index: u32| {
-            let corners = triangles[index as usize].map(|vertex| points[vertex as usize]);
-            Item::new(Box32::of(corners), index)
-        };
-        let mut items = memory::room(triangles.len());
-        (0..count(triangles.len()))
+        let (sharing, vertices) = Sharing::new(mesh, &points);
+        let triangles = count(mesh.triangles().len());
+        let item = |index: u32| Item::new(Box32::of(sharing.triangle(index)), index);
+        let mut items = memory::room(mesh.triangles().len());
+        (0..triangles)
             .into_par_iter()
             .with_min_len(build::CHUNK)
             .map(item)
@@ -155,14 +157,13 @@ impl MeshTree {
         let Binary {
             nodes: binary,
             order,
-        } = build::binary(&mut items, &Triangles(mesh));
+        } = build::binary(&mut items, &Triangles { sharing, vertices });
         drop(items);
         let wide::Wide { nodes, ranges } = wide::collapse(&binary);
         drop(binary);
         let leaf = |&(first, length): &(u32, u32)| {
             let of_leaf = &order[first as usize..(first + length) as usize];
-            let corners = of_leaf.iter().map(|&index| triangles[index as usize]);
-            Meshlet::new(corners, first, &points)
+            Meshlet::new(&sharing, of_leaf, first).expect("the builder asked whether it fits")
         };
         let mut leaves = memory::room(ranges.len());
         ranges
@@ -172,6 +173,7 @@ impl MeshTree {
             .collect_into_vec(&mut leaves);
         let mut tree = Self {
             is_exact: space.is_exact(mesh, &points),
+            is_by_place: sharing.is_by_place,
             space,
             nodes,
             leaves,
@@ -231,28 +233,32 @@ impl MeshTree {
 }
 
 /// A mesh's triangles as the builder sees them.
-struct Triangles<'a>(&'a Mesh);
+struct Triangles<'a> {
+    sharing: Sharing<'a>,
+    /// How many vertices they are over, about.
+    vertices: usize,
+}
 
 impl build::Kind for Triangles<'_> {
     /// As many as are over sixteen vertices: of a soup, where nobody shares any, only five are. (Vertices of nobody, or of
     /// other meshes, make it fewer, which does no harm.)
     fn block(&self) -> Block {
-        let vertices = self.0.positions().len().max(1);
-        let full = self.0.triangles().len().saturating_mul(wide::WIDTH) / vertices;
+        let triangles = self.sharing.mesh.triangles().len();
+        let full = triangles.saturating_mul(wide::WIDTH) / self.vertices.max(1);
         Block(full.clamp(1, wide::WIDTH).ilog2())
     }
 
     fn is_leaf(&self, items: &[Item]) -> bool {
-        let corners = |item: &Item| self.0.triangles()[item.index() as usize];
-        items.len() <= wide::WIDTH && Meshlet::fits(items.iter().map(corners))
+        items.len() <= wide::WIDTH && self.sharing.fits(items.iter().map(Item::index))
     }
 
     fn distinct(&self, items: &mut [Item]) -> usize {
-        if !self.0.has_plain_triangles() {
+        let mesh = self.sharing.mesh;
+        if !mesh.has_plain_triangles() {
             return items.len();
         }
         let key = |item: &Item| {
-            let corners = self.0.corners(item.index() as usize);
+            let corners = mesh.corners(item.index() as usize);
             corners.map(|corner| corner.to_array().map(f64::to_bits))
         };
         items.sort_by_cached_key(|item| (key(item), item.index()));
@@ -298,41 +304,85 @@ mod tests {
         Mesh::new(Positions::compact(points), triangles).unwrap()
     }
 
+    /// The same with vertices for each triangle alone, which lie so far from where the others have theirs.
+    fn apart(mesh: &Mesh, by: f64) -> Mesh {
+        let triangles = count(mesh.triangles().len());
+        let corners = (0..triangles).flat_map(|k| {
+            let corners = mesh.corners(k as usize);
+            corners.map(|corner| (corner + by * f64::from(k % 1000)).to_array())
+        });
+        let own = (0..triangles).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        Mesh::new(Positions::compact(corners.collect()), own.collect()).unwrap()
+    }
+
     #[test]
     fn the_tree_is_the_same_for_any_number_of_threads() {
         // Enough that planning forks too.
         let mesh = field(400);
-        let trees = [1, 2, 7].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            pool.install(|| MeshTree::build(&mesh))
-        });
-        assert!(trees[0].leaves.len() > 20_000, "{}", trees[0].leaves.len());
-        for tree in &trees[1..] {
-            assert!(tree.nodes == trees[0].nodes);
-            assert!(tree.leaves == trees[0].leaves);
-            assert_eq!(tree.order, trees[0].order);
+        for mesh in [apart(&mesh, 0.0), mesh] {
+            let trees = [1, 2, 7].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
+                pool.install(|| MeshTree::build(&mesh))
+            });
+            assert!(trees[0].leaves.len() > 20_000, "{}", trees[0].leaves.len());
+            for tree in &trees[1..] {
+                assert!(tree.nodes == trees[0].nodes);
+                assert!(tree.leaves == trees[0].leaves);
+                assert_eq!(tree.order, trees[0].order);
+            }
         }
     }
 
-    /// Whether triangles share their vertices or not.
+    /// Where triangles share their vertices, where those are in the same places, and where there is nothing to share.
     #[test]
     fn leaves_and_nodes_are_full() {
         let field = field(100);
-        let alone: Vec<[f64; 3]> = (0..field.triangles().len())
-            .flat_map(|k| field.corners(k).map(|corner| corner.to_array()))
-            .collect();
-        let own = (0..count(field.triangles().len())).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
-        let soup = Mesh::new(Positions::compact(alone), own.collect()).unwrap();
-        for (mesh, triangles) in [(field, 12.0), (soup, 3.8)] {
+        let (together, soup) = (apart(&field, 0.0), apart(&field, 1e-5));
+        for (mesh, triangles) in [(field, 12.0), (together, 12.0), (soup, 3.8)] {
             let tree = MeshTree::build(&mesh);
             let (nodes, leaves) = (tree.nodes.len() as f64, tree.leaves.len() as f64);
             let in_leaf = tree.order.len() as f64 / leaves;
             let in_node = (leaves + nodes - 1.0) / nodes;
             assert!(in_leaf > triangles, "{in_leaf}");
             assert!(in_node > 9.0, "{in_node}");
+        }
+    }
+
+    /// Leaves hold the corners as the mesh has them, to the sign of a zero.
+    #[test]
+    fn corners_stay_what_they_are() {
+        let zeros = |k: u32| [0.0, -0.0][k as usize % 2];
+        let square = |k: u32| {
+            let (x, y) = (f64::from(k % 20), f64::from(k / 20));
+            let corner = |right, up, zero| [x + right, y + up, zeros(zero)];
+            [
+                [
+                    corner(0.0, 0.0, k),
+                    corner(1.0, 0.0, k + 1),
+                    corner(1.0, 1.0, k),
+                ],
+                [
+                    corner(0.0, 0.0, k + 1),
+                    corner(1.0, 1.0, k),
+                    corner(0.0, 1.0, k + 1),
+                ],
+            ]
+        };
+        let corners: Vec<[f64; 3]> = (0..400).flat_map(square).flatten().collect();
+        let own = (0..800).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        let mesh = Mesh::new(Positions::compact(corners), own.collect()).unwrap();
+        let tree = MeshTree::build(&mesh);
+        assert!(tree.is_exact && tree.is_by_place);
+        for (k, leaf) in tree.leaves.iter().enumerate() {
+            for lane in 0..leaf.filled.count_ones() as usize {
+                let slot = count(k * LANES + lane);
+                let bits = |corners: [DVec3; 3]| corners.map(|p| p.to_array().map(f64::to_bits));
+                let own = mesh.corners(tree.triangle_in(slot) as usize);
+                assert_eq!(bits(tree.corners_in(&mesh, slot)), bits(own));
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The leaf: up to sixteen triangles over up to sixteen shared vertices, in 256 bytes.
 
+use super::sharing::Sharing;
 use crate::simd::LANES;
 
 /// Triangles over vertices of their own, in the tree's space, as float32.
@@ -21,21 +22,8 @@ pub(super) struct Meshlet {
 }
 
 impl Meshlet {
-    /// How many different vertices `triangles` have, if they fit into one leaf.
-    pub(super) fn fits(triangles: impl Iterator<Item = [u32; 3]>) -> bool {
-        let mut vertices = Vertices::new();
-        triangles
-            .flatten()
-            .all(|vertex| vertices.place(vertex).is_some())
-    }
-
-    /// The leaf of `triangles`, which stand at `first` in the order and [fit](Self::fits).
-    pub(super) fn new(
-        triangles: impl Iterator<Item = [u32; 3]>,
-        first: u32,
-        points: &[[f32; 3]],
-    ) -> Self {
-        let mut vertices = Vertices::new();
+    /// The leaf of triangles, which stand at `first` in the order; `None` where their vertices are too many.
+    pub(super) fn new(sharing: &Sharing<'_>, triangles: &[u32], first: u32) -> Option<Self> {
         let mut leaf = Self {
             vertices: [[0.0; LANES]; 3],
             corners: [[0; LANES]; 3],
@@ -44,20 +32,23 @@ impl Meshlet {
             extent: 0.0,
             filled: 0,
         };
-        for (k, triangle) in triangles.enumerate().take(LANES) {
-            for (corner, vertex) in triangle.into_iter().enumerate() {
-                leaf.corners[corner][k] = vertices.place(vertex).unwrap_or(0);
+        let (mut corner, mut used) = (0, 0);
+        sharing.place(triangles.iter().copied(), |vertex, place| {
+            leaf.corners[corner % 3][corner / 3 % LANES] = place;
+            corner += 1;
+            let place = usize::from(place);
+            for (axis, coordinate) in sharing.points[vertex as usize].into_iter().enumerate() {
+                leaf.vertices[axis][place] = coordinate;
             }
-            leaf.size = leaf
-                .size
-                .max(extent(triangle.map(|vertex| points[vertex as usize])));
-            leaf.filled |= 1 << k;
+            used = used.max(place + 1);
+        })?;
+        for along in &mut leaf.vertices {
+            let first = along[0];
+            along[used..].fill(first);
         }
-        for k in 0..LANES {
-            let vertex = vertices.keys[if k < vertices.count { k } else { 0 }];
-            for (axis, coordinate) in points[vertex as usize].into_iter().enumerate() {
-                leaf.vertices[axis][k] = coordinate;
-            }
+        for (k, &triangle) in triangles.iter().enumerate().take(LANES) {
+            leaf.size = leaf.size.max(extent(sharing.triangle(triangle)));
+            leaf.filled |= 1 << k;
         }
         let extents = leaf
             .vertices
@@ -67,7 +58,7 @@ impl Meshlet {
         // Larger than any rounding of the differences.
         leaf.size *= 1.000_001;
         leaf.extent *= 1.000_001;
-        leaf
+        Some(leaf)
     }
 
     /// The corners of a triangle, in the tree's space.
@@ -104,31 +95,4 @@ fn least(values: &[f32]) -> f32 {
 
 fn most(values: &[f32]) -> f32 {
     values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
-}
-
-/// The different vertices of a leaf's triangles, in the order they come.
-struct Vertices {
-    keys: [u32; LANES],
-    count: usize,
-}
-
-impl Vertices {
-    fn new() -> Self {
-        Self {
-            keys: [0; LANES],
-            count: 0,
-        }
-    }
-
-    /// Where a vertex stands; `None` when the leaf is full.
-    fn place(&mut self, vertex: u32) -> Option<u8> {
-        let known = &self.keys[..self.count];
-        let place = known.iter().position(|&key| key == vertex);
-        let place = place.unwrap_or(self.count);
-        if place == self.count {
-            *self.keys.get_mut(place)? = vertex;
-            self.count += 1;
-        }
-        u8::try_from(place).ok()
-    }
 }

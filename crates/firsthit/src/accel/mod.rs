@@ -22,6 +22,7 @@ mod packet;
 mod ray;
 mod refit;
 mod search;
+mod sharing;
 mod sides;
 mod tile;
 mod verdict;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::mesh_tree::{MeshTree, Space};
 use super::meshlet::Meshlet;
+use super::sharing::Sharing;
 use super::wide::{LEAF, Node};
 use crate::memory;
 use crate::shape::Mesh;
@@ -30,13 +31,23 @@ impl MeshTree {
         }
         let space = Space::new(mesh)?;
         let points = space.points(mesh);
-        let leaf = |leaf: &Meshlet| {
+        let sharing = Sharing {
+            mesh,
+            points: &points,
+            is_by_place: self.is_by_place,
+        };
+        let of_leaf = |leaf: &Meshlet| {
             let first = leaf.first as usize;
-            let of_leaf = &self.order[first..first + leaf.filled.count_ones() as usize];
-            let corners = of_leaf
-                .iter()
-                .map(|&index| mesh.triangles()[index as usize]);
-            Meshlet::new(corners, leaf.first, &points)
+            &self.order[first..first + leaf.filled.count_ones() as usize]
+        };
+        // Vertices that were in one place may no longer be, and then they may be too many for a leaf.
+        let fits = |leaf: &Meshlet| sharing.fits(of_leaf(leaf).iter().copied());
+        if self.is_by_place && !self.leaves.par_iter().with_min_len(1024).all(fits) {
+            return None;
+        }
+        let leaf = |leaf: &Meshlet| {
+            let leaf = Meshlet::new(&sharing, of_leaf(leaf), leaf.first);
+            leaf.expect("what fitted fits, or was asked just before")
         };
         let mut leaves = memory::room(self.leaves.len());
         self.leaves
@@ -55,6 +66,7 @@ impl MeshTree {
         }
         let tree = Self {
             is_exact: space.is_exact(mesh, &points),
+            is_by_place: self.is_by_place,
             space,
             nodes,
             leaves,
@@ -133,6 +145,7 @@ fn surface(ends: Ends) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::DVec3;
     use crate::shape::Positions;
 
     fn sheet(side: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
@@ -179,6 +192,27 @@ mod tests {
             libm::fmod(7919.0 * x * x + 104_729.0 * y * x * y, 40.0)
         });
         assert!(built.refit(&scattered).is_none());
+    }
+
+    /// Leaves that hold a vertex once for all that were in its place are no leaves when these part.
+    #[test]
+    fn what_was_together_may_part() {
+        let sheet = sheet(40, |x, y| 0.1 * x * y);
+        let triangles = sheet.triangles().len();
+        let moved = |lift: f64, by: f64| {
+            let corners = (0..triangles).flat_map(|k| {
+                let away = DVec3::new(0.0, 0.0, lift + by * (k % 100) as f64);
+                sheet.corners(k).map(|corner| (corner + away).to_array())
+            });
+            let positions = Positions::Double(corners.collect());
+            let own = (0..u32::try_from(triangles).unwrap()).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+            Mesh::new(positions, own.collect()).unwrap()
+        };
+        let built = MeshTree::build(&moved(0.0, 0.0));
+        assert!(built.is_by_place);
+        let together = built.refit(&moved(3.0, 0.0)).unwrap();
+        assert!(is_around(&together));
+        assert!(built.refit(&moved(0.0, 1e-3)).is_none());
     }
 
     /// The tree has but one of two triangles that were in one place.

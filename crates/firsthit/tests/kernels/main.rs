@@ -112,6 +112,14 @@ const PLACES: [(f64, f64); 8] = [
     (1e-4, 1e1),
 ];
 
+/// Each triangle with vertices of its own, as in STL files.
+fn unshared(points: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let corners = triangles.iter().flatten();
+    let points = corners.map(|&vertex| points[vertex as usize]).collect();
+    let own = (0..triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+    (points, own.collect())
+}
+
 fn placed(points: &[DVec3], scale: f64, offset: f64) -> Vec<DVec3> {
     let place = |p: &DVec3| scale * *p + DVec3::new(offset, -offset, 0.5 * offset);
     points.iter().map(place).collect()
@@ -160,6 +168,11 @@ fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
             points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
         }
         let points = placed(&points, scale, offset);
+        let (points, triangles) = if round % 3 == 2 {
+            unshared(&points, &triangles)
+        } else {
+            (points, triangles)
+        };
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
         let rays = rays(&points, scale, rays_each, &mut numbers);
         judged(&scene, &rays);

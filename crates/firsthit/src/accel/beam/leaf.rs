@@ -93,6 +93,16 @@ impl Beam {
         }
         // How far the triangles extend, sheared along any of the slopes, and how far a corner is from any ray.
         let ((size_x, away_x), (size_y, away_y)) = (inside!(0, x), inside!(1, y));
+        let [across_x, across_y] = self.normal;
+        let along = l.neg_mul_add(
+            l.splat(self.tilt),
+            depth,
+            l.mul_add(l.splat(across_x), x, l.mul(l.splat(across_y), y)),
+        );
+        let (least, most) = ends!(along);
+        let wide = l.mul(l.splat(self.spread), l.max(farthest, l.splat(0.0)));
+        let [low, high] = self.between;
+        met &= l.le(l.splat(low), l.add(most, wide)) & l.le(l.sub(least, wide), l.splat(high));
         if met == 0 {
             return 0;
         }
