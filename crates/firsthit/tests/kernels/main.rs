@@ -7,6 +7,7 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+mod fans;
 mod leaks;
 mod pixels;
 #[path = "../support/mod.rs"]
