@@ -9,7 +9,7 @@ SECONDS_EACH ?= 900
 SCRIPTS := crates/firsthit-cli/tests/scripts
 PROGRAM := target/release/firsthit
 
-# How many rays `make soak` shoots; a hundred million take hours.
+# How many rays `make soak` shoots; a hundred million take half an hour.
 RAYS ?= 100000000
 
 .PHONY: render soak test test-rust test-python test-scripts program attack fuzz bench bench-python check clean

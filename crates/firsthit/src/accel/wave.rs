@@ -8,7 +8,9 @@
 //! place, the rays need have nothing in common.)
 //!
 //! What is still to be visited is a work list of two arrays, depths and children. The next one is the nearest of the
-//! last sixteen: one comparison finds it, nothing is ever sorted, and where it is too far, so are all sixteen.
+//! last sixteen: nothing is ever sorted, and where it is too far, so are all sixteen. It is looked for in the lists of all
+//! sixteen rays at once, which takes two shuffles and a comparison for a ray; to find one after the other takes as
+//! many steps for each, every one of which has to wait for that before.
 
 use std::array::from_fn;
 
@@ -18,7 +20,7 @@ use super::packet::RAYS;
 use super::search::{Answers, Search};
 use super::walk::{Stack, traverse};
 use super::wide::LEAF;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{Aligned, LANES, Lanes};
 
 /// Memory for waves, to be used again.
 #[derive(Debug)]
@@ -49,8 +51,10 @@ struct WorkList {
     children: [f32; CAPACITY + LANES],
 }
 
-/// How many there can be; from half of it on the last one is the next, so that hardly anything comes to more.
+/// How many there can be.
 const CAPACITY: usize = 256;
+/// From here on the last one is the next, so that hardly anything comes to more.
+const LAST_FIRST: usize = CAPACITY / 2;
 
 impl WorkList {
     const EMPTY: Self = Self {
@@ -92,6 +96,7 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
     let mut nodes = 0_u16;
     let mut leaves = 0_u16;
     let mut free = u16::MAX;
+    let mut limits = Aligned([-1.0; LANES]);
     loop {
         while free != 0 {
             let Some((search, lane)) = queue.take() else {
@@ -100,6 +105,7 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
             let k = free.trailing_zeros() as usize % LANES;
             free &= free - 1;
             slots[k] = Slot::new(searches[search], search, lane);
+            limits.0[k] = slots[k].last_key();
             nodes |= 1 << k;
         }
         let all = nodes | leaves;
@@ -115,8 +121,24 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
             let k = leaves.trailing_zeros() as usize % LANES;
             leaves &= leaves - 1;
             slots[k].visit(l);
+            limits.0[k] = slots[k].last_key();
         }
         let mut left = all;
+        if Q::ORDERED {
+            let (mut within, keys) = nearest(l, &slots, lists, &limits.0);
+            within &= all;
+            left &= !within;
+            while within != 0 {
+                let k = within.trailing_zeros() as usize % LANES;
+                within &= within - 1;
+                let slot = &mut slots[k];
+                let behind = keys.0[k].to_bits() as usize % LANES;
+                slot.take(l, &mut lists[k], behind);
+                let is_leaf = u16::from(slot.next & LEAF != 0);
+                leaves |= is_leaf << k;
+                nodes |= (1 - is_leaf) << k;
+            }
+        }
         while left != 0 {
             let k = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
@@ -136,6 +158,27 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
             answers.take(slot.search, slot.place.lane, answer);
         }
     }
+}
+
+/// For each ray what is nearest of the last sixteen in its work list, see [`Lanes::smallest_of_each`], and which rays are
+/// to go on there: those for which it is not too far, and whose lists are not so long that the last comes first.
+#[inline(always)]
+fn nearest<L: Lanes, Q: Question>(
+    l: L,
+    slots: &[Slot<'_, Q>; LANES],
+    lists: &[WorkList; LANES],
+    limits: &[f32; LANES],
+) -> (u16, Aligned<[f32; LANES]>) {
+    let mut windows = [window(&lists[0].depths, 0); LANES];
+    let mut short = 0;
+    for k in 0..LANES {
+        windows[k] = window(&lists[k].depths, slots[k].height);
+        short |= u16::from(slots[k].height < LAST_FIRST) << k;
+    }
+    let keys = l.smallest_of_each(windows);
+    let mut out = Aligned([0.0; LANES]);
+    l.store(keys, &mut out.0);
+    (short & l.le(keys, l.load(limits)), out)
 }
 
 /// The rays that are not yet on their way.
@@ -220,9 +263,8 @@ impl<'a, Q: Question> Slot<'a, Q> {
             if self.height == 0 || limit < 0.0 {
                 return false;
             }
-            let last = LANES - 1 + self.height;
-            let mut at = last;
-            if Q::ORDERED && self.height < CAPACITY / 2 {
+            let mut behind = 0;
+            if Q::ORDERED && self.height < LAST_FIRST {
                 let depths = l.load(window(&list.depths, self.height));
                 let nearest = l.smallest(depths);
                 if nearest > limit {
@@ -230,18 +272,34 @@ impl<'a, Q: Question> Slot<'a, Q> {
                     continue;
                 }
                 // Of equal ones the last that was put there, as a stack would have it.
-                let lane = l.le(depths, l.splat(nearest)).leading_zeros() as usize;
-                at = last - lane % LANES;
-                list.depths[at] = list.depths[last];
+                behind = l.le(depths, l.splat(nearest)).leading_zeros() as usize % LANES;
             }
-            let next = list.children[at].to_bits();
-            list.children[at] = list.children[last];
-            self.height -= 1;
-            self.next = next;
-            let tree = self.place.tree;
-            l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
+            self.take(l, list, behind);
             return true;
         }
+    }
+
+    /// Takes the one that so many are behind of in the work list, and puts the last there.
+    #[inline(always)]
+    fn take<L: Lanes>(&mut self, l: L, list: &mut WorkList, behind: usize) {
+        let last = LANES - 1 + self.height;
+        let at = last - behind;
+        let next = list.children[at].to_bits();
+        list.children[at] = list.children[last];
+        if Q::ORDERED {
+            list.depths[at] = list.depths[last];
+        }
+        self.height -= 1;
+        self.next = next;
+        let tree = self.place.tree;
+        l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
+    }
+
+    /// The largest key of a depth that still matters, see [`Lanes::smallest_of_each`]; none of one that is nobody's.
+    #[inline(always)]
+    fn last_key(&self) -> f32 {
+        let limit = self.question.limit().min(f32::MAX);
+        f32::from_bits((limit + 0.0).to_bits() | 15)
     }
 }
 

@@ -262,6 +262,62 @@ impl Lanes for Avx2 {
         })
     }
     #[inline(always)]
+    fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
+        // As in `avx512.rs`.
+        x86!({
+            let first = _mm256_set_epi32(8, 9, 10, 11, 12, 13, 14, 15);
+            let second = _mm256_set_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            macro_rules! key {
+                ($of:expr, $behind:ident) => {
+                    _mm256_or_si256(
+                        _mm256_and_si256(
+                            _mm256_loadu_si256($of.as_ptr().cast()),
+                            _mm256_set1_epi32(!15),
+                        ),
+                        $behind,
+                    )
+                };
+            }
+            macro_rules! one {
+                ($k:literal) => {{
+                    let [low, high]: &[[f32; WIDE]; 2] = bytemuck::cast_ref(of[$k]);
+                    _mm256_min_epu32(key!(low, first), key!(high, second))
+                }};
+            }
+            macro_rules! two {
+                ($a:literal, $b:literal) => {{
+                    let (a, b) = (one!($a), one!($b));
+                    _mm256_min_epu32(
+                        _mm256_permute2x128_si256::<0x20>(a, b),
+                        _mm256_permute2x128_si256::<0x31>(a, b),
+                    )
+                }};
+            }
+            macro_rules! four {
+                ($a:literal, $b:literal, $c:literal, $d:literal) => {{
+                    let (a, b) = (two!($a, $b), two!($c, $d));
+                    _mm256_castsi256_ps(_mm256_min_epu32(
+                        _mm256_unpacklo_epi64(a, b),
+                        _mm256_unpackhi_epi64(a, b),
+                    ))
+                }};
+            }
+            macro_rules! eight {
+                ($a:expr, $b:expr) => {{
+                    let (a, b) = ($a, $b);
+                    _mm256_castsi256_ps(_mm256_min_epu32(
+                        _mm256_castps_si256(_mm256_shuffle_ps::<0x88>(a, b)),
+                        _mm256_castps_si256(_mm256_shuffle_ps::<0xdd>(a, b)),
+                    ))
+                }};
+            }
+            [
+                eight!(four!(0, 4, 1, 5), four!(2, 6, 3, 7)),
+                eight!(four!(8, 12, 9, 13), four!(10, 14, 11, 15)),
+            ]
+        })
+    }
+    #[inline(always)]
     fn compress(self, mask: u16, a: F, to: &mut [f32; LANES]) {
         let mut from = [0.0; LANES];
         self.store(a, &mut from);

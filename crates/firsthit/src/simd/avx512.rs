@@ -147,6 +147,52 @@ impl Lanes for Avx512 {
         x86!(_mm512_reduce_min_ps(a))
     }
     #[inline(always)]
+    fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
+        // One of a pair and the other side by side, then what is left of two such pairs, and so on.
+        x86!({
+            let behind = _mm512_set_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            macro_rules! key {
+                ($k:literal) => {{
+                    let bits = _mm512_castps_si512(_mm512_loadu_ps(of[$k].as_ptr()));
+                    _mm512_or_si512(_mm512_and_si512(bits, _mm512_set1_epi32(!15)), behind)
+                }};
+            }
+            macro_rules! two {
+                ($a:literal, $b:literal) => {{
+                    let (a, b) = (key!($a), key!($b));
+                    _mm512_min_epu32(
+                        _mm512_shuffle_i32x4::<0x44>(a, b),
+                        _mm512_shuffle_i32x4::<0xee>(a, b),
+                    )
+                }};
+            }
+            macro_rules! four {
+                ($a:literal, $b:literal, $c:literal, $d:literal) => {{
+                    let (a, b) = (two!($a, $b), two!($c, $d));
+                    _mm512_min_epu32(
+                        _mm512_shuffle_i32x4::<0x88>(a, b),
+                        _mm512_shuffle_i32x4::<0xdd>(a, b),
+                    )
+                }};
+            }
+            macro_rules! eight {
+                ($a:expr, $b:expr) => {{
+                    let (a, b) = ($a, $b);
+                    _mm512_castsi512_ps(_mm512_min_epu32(
+                        _mm512_unpacklo_epi64(a, b),
+                        _mm512_unpackhi_epi64(a, b),
+                    ))
+                }};
+            }
+            let a = eight!(four!(0, 4, 8, 12), four!(1, 5, 9, 13));
+            let b = eight!(four!(2, 6, 10, 14), four!(3, 7, 11, 15));
+            _mm512_castsi512_ps(_mm512_min_epu32(
+                _mm512_castps_si512(_mm512_shuffle_ps::<0x88>(a, b)),
+                _mm512_castps_si512(_mm512_shuffle_ps::<0xdd>(a, b)),
+            ))
+        })
+    }
+    #[inline(always)]
     fn compress(self, mask: u16, a: F, to: &mut [f32; LANES]) {
         // In the register: to memory the instruction takes a hundred cycles on some processors.
         self.store(x86!(_mm512_maskz_compress_ps(mask, a)), to);

@@ -54,6 +54,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn largest(self, a: Self::Floats) -> f32;
     /// The smallest lane; none is NaN.
     fn smallest(self, a: Self::Floats) -> f32;
+    /// For each of sixteen times sixteen numbers, none of which is negative or NaN, the smallest and where it is: its bits
+    /// but for the last four, and in these how many are behind it. Of those that do not differ otherwise, the last.
+    fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> Self::Floats;
     /// Writes the lanes where the mask is set side by side to the front of `to`; behind them may be anything.
     fn compress(self, mask: u16, a: Self::Floats, to: &mut [f32; LANES]);
 

@@ -99,8 +99,18 @@ mod tests {
             }
             let mut front = [0.0; LANES];
             l.compress(mask, a, &mut front);
+            let mut front_of_each = [0.0; LANES];
             let front = &front[..mask.count_ones() as usize];
             out.extend(front.iter().map(|x| u64::from(x.to_bits())));
+            let mut rows = [self.a; LANES];
+            for (k, row) in rows.iter_mut().enumerate() {
+                row.rotate_left(k);
+                *row = row.map(f32::abs);
+                row[(7 * k) % LANES] = 0.0;
+                row[k] = [f32::INFINITY, 0.125][k % 2];
+            }
+            l.store(l.smallest_of_each(rows.each_ref()), &mut front_of_each);
+            out.extend(front_of_each.map(|x| u64::from(x.to_bits())));
             out.extend([mask, l.le(a, b), l.same(a, b)].map(u64::from));
             out.extend([l.largest(a), l.smallest(a)].map(|x| u64::from(x.to_bits())));
             self.doubles(l, &mut out);

@@ -126,6 +126,14 @@ impl Lanes for Portable {
         a.into_iter().fold(f32::INFINITY, f32::min)
     }
     #[inline(always)]
+    fn smallest_of_each(self, of: [&F; LANES]) -> F {
+        let key = |(behind, x): (u32, f32)| x.to_bits() & !15 | behind;
+        of.map(|x| {
+            let keys = (0..16).rev().zip(*x).map(key);
+            f32::from_bits(keys.fold(u32::MAX, u32::min))
+        })
+    }
+    #[inline(always)]
     fn compress(self, mask: u16, a: F, to: &mut F) {
         compress(mask, &a, to);
     }

@@ -83,7 +83,7 @@ fn closed_meshes_do_not_leak() {
 
 /// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
 #[test]
-#[ignore = "takes hours: make soak"]
+#[ignore = "takes long: make soak"]
 fn soak_of_leaks() {
     let mut shot = 0;
     for round in 0.. {

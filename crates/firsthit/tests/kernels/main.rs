@@ -265,7 +265,7 @@ fn soak_rays() -> usize {
 
 /// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
 #[test]
-#[ignore = "takes hours: make soak"]
+#[ignore = "takes long: make soak"]
 fn soak() {
     let mut shot = 0;
     let mut round = 0;
