@@ -163,7 +163,7 @@ impl MeshTree {
         drop(binary);
         let leaf = |&(first, length): &(u32, u32)| {
             let of_leaf = &order[first as usize..(first + length) as usize];
-            Meshlet::new(&sharing, of_leaf, first).expect("the builder asked whether it fits")
+            Meshlet::new(&sharing, of_leaf, first)
         };
         let mut leaves = memory::room(ranges.len());
         ranges

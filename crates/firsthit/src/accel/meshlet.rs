@@ -22,32 +22,26 @@ pub(super) struct Meshlet {
 }
 
 impl Meshlet {
-    /// The leaf of triangles, which stand at `first` in the order; `None` where their vertices are too many.
-    pub(super) fn new(sharing: &Sharing<'_>, triangles: &[u32], first: u32) -> Option<Self> {
+    /// The leaf of triangles, which stand at `first` in the order and [fit](Sharing::fits).
+    pub(super) fn new(sharing: &Sharing<'_>, triangles: &[u32], first: u32) -> Self {
+        let vertices = sharing.vertices(triangles.iter().copied());
+        let vertices = vertices.expect("whoever makes a leaf has asked whether they fit");
         let mut leaf = Self {
             vertices: [[0.0; LANES]; 3],
-            corners: [[0; LANES]; 3],
+            corners: vertices.corners,
             first,
             size: 0.0,
             extent: 0.0,
             filled: 0,
         };
-        let (mut corner, mut used) = (0, 0);
-        sharing.place(triangles.iter().copied(), |vertex, place| {
-            leaf.corners[corner % 3][corner / 3 % LANES] = place;
-            corner += 1;
-            let place = usize::from(place);
+        for k in 0..LANES {
+            let vertex = vertices.indices[if k < vertices.count { k } else { 0 }];
             for (axis, coordinate) in sharing.points[vertex as usize].into_iter().enumerate() {
-                leaf.vertices[axis][place] = coordinate;
+                leaf.vertices[axis][k] = coordinate;
             }
-            used = used.max(place + 1);
-        })?;
-        for along in &mut leaf.vertices {
-            let first = along[0];
-            along[used..].fill(first);
         }
-        for (k, &triangle) in triangles.iter().enumerate().take(LANES) {
-            leaf.size = leaf.size.max(extent(sharing.triangle(triangle)));
+        for k in 0..triangles.len().min(LANES) {
+            leaf.size = leaf.size.max(extent(leaf.triangle(k)));
             leaf.filled |= 1 << k;
         }
         let extents = leaf
@@ -58,7 +52,7 @@ impl Meshlet {
         // Larger than any rounding of the differences.
         leaf.size *= 1.000_001;
         leaf.extent *= 1.000_001;
-        Some(leaf)
+        leaf
     }
 
     /// The corners of a triangle, in the tree's space.

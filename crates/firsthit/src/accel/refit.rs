@@ -42,13 +42,10 @@ impl MeshTree {
         };
         // Vertices that were in one place may no longer be, and then they may be too many for a leaf.
         let fits = |leaf: &Meshlet| sharing.fits(of_leaf(leaf).iter().copied());
-        if self.is_by_place && !self.leaves.par_iter().with_min_len(1024).all(fits) {
+        if !self.leaves.par_iter().with_min_len(1024).all(fits) {
             return None;
         }
-        let leaf = |leaf: &Meshlet| {
-            let leaf = Meshlet::new(&sharing, of_leaf(leaf), leaf.first);
-            leaf.expect("what fitted fits, or was asked just before")
-        };
+        let leaf = |leaf: &Meshlet| Meshlet::new(&sharing, of_leaf(leaf), leaf.first);
         let mut leaves = memory::room(self.leaves.len());
         self.leaves
             .par_iter()

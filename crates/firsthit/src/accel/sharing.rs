@@ -24,7 +24,7 @@ const SAMPLE: usize = 4096;
 impl<'a> Sharing<'a> {
     /// The one that serves, and how many vertices it leaves, about.
     pub(super) fn new(mesh: &'a Mesh, points: &'a [[f32; 3]]) -> (Self, usize) {
-        let places = places(points);
+        let places = count_places(points);
         // Looking for less does not pay.
         let is_by_place = places < points.len() / 8 * 7;
         let sharing = Self {
@@ -42,51 +42,64 @@ impl<'a> Sharing<'a> {
 
     /// Whether triangles have few enough vertices for one leaf.
     pub(super) fn fits(&self, triangles: impl Iterator<Item = u32>) -> bool {
-        self.place(triangles, |_, _| {}).is_some()
+        self.vertices(triangles).is_some()
     }
 
-    /// Calls `visit` with each corner's vertex and where in a leaf of these triangles it stands, as they come; `None`
-    /// when the leaf is full.
-    pub(super) fn place(
-        &self,
-        triangles: impl Iterator<Item = u32>,
-        visit: impl FnMut(u32, u8),
-    ) -> Option<()> {
-        let vertices = triangles.flat_map(|index| self.mesh.triangles()[index as usize]);
+    /// The vertices of at most sixteen triangles; `None` where they are too many for a leaf.
+    pub(super) fn vertices(&self, triangles: impl Iterator<Item = u32>) -> Option<Vertices> {
+        let triangles = triangles.map(|index| self.mesh.triangles()[index as usize]);
         if self.is_by_place {
             // To the last bit: which zero it is can show in a hit's weights.
             let key = |vertex| self.points[vertex as usize].map(f32::to_bits);
-            place(vertices, key, visit)
+            Vertices::by(triangles, key)
         } else {
-            place(vertices, |vertex| vertex, visit)
+            Vertices::by(triangles, |vertex| vertex)
         }
     }
 }
 
-/// Vertices with the same key stand in the same place, the next ones each in the next.
-fn place<K: Copy + Default + PartialEq>(
-    mut vertices: impl Iterator<Item = u32>,
-    key: impl Fn(u32) -> K,
-    mut visit: impl FnMut(u32, u8),
-) -> Option<()> {
-    let mut keys = [K::default(); LANES];
-    let mut count = 0;
-    vertices.try_for_each(|vertex| {
-        let key = key(vertex);
-        let known = keys[..count].iter().position(|&known| known == key);
-        let place = known.unwrap_or(count);
-        if place == count {
-            *keys.get_mut(place)? = key;
-            count += 1;
-        }
-        visit(vertex, u8::try_from(place).ok()?);
-        Some(())
-    })
+/// The vertices of a leaf, and which of them its triangles' corners are.
+pub(super) struct Vertices {
+    /// For each corner, the triangles' vertices by their lanes.
+    pub(super) corners: [[u8; LANES]; 3],
+    /// For each lane the vertex by its index in the mesh, in the order they come.
+    pub(super) indices: [u32; LANES],
+    /// How many there are.
+    pub(super) count: usize,
 }
 
-/// In how many places `points` are, about: how many there are of those whose hash is divisible by a power of two, and from
-/// that how many of all. The same for any number of threads.
-fn places(points: &[[f32; 3]]) -> usize {
+impl Vertices {
+    /// Those with the same key are one.
+    fn by<K: Copy + Default + PartialEq>(
+        triangles: impl Iterator<Item = [u32; 3]>,
+        key: impl Fn(u32) -> K,
+    ) -> Option<Self> {
+        let mut keys = [K::default(); LANES];
+        let mut out = Self {
+            corners: [[0; LANES]; 3],
+            indices: [0; LANES],
+            count: 0,
+        };
+        for (k, triangle) in triangles.enumerate().take(LANES) {
+            for (corner, vertex) in triangle.into_iter().enumerate() {
+                let key = key(vertex);
+                let known = keys[..out.count].iter().position(|&known| known == key);
+                let lane = known.unwrap_or(out.count);
+                if lane == out.count {
+                    *keys.get_mut(lane)? = key;
+                    out.indices[lane] = vertex;
+                    out.count += 1;
+                }
+                out.corners[corner][k] = u8::try_from(lane).ok()?;
+            }
+        }
+        Some(out)
+    }
+}
+
+/// In how many places `points` are, about: how many those have whose hash is below a power of two, and from that how many
+/// all have. The same for any number of threads.
+fn count_places(points: &[[f32; 3]]) -> usize {
     let bits = (points.len() / SAMPLE).max(1).ilog2();
     let mut sample: Vec<u64> = points
         .par_iter()
@@ -97,14 +110,34 @@ fn places(points: &[[f32; 3]]) -> usize {
     let all = sample.len().max(1);
     sample.sort_unstable();
     sample.dedup();
-    // Of no more than 2^32 and some thousands each.
-    points.len() * sample.len() / all
+    points.len().saturating_mul(sample.len()) / all
 }
 
 /// Multiplicative hashing (Knuth, "The Art of Computer Programming" 3, 6.4), of one coordinate after the other.
 fn hash(point: [f32; 3]) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    point.into_iter().fold(0, |hash: u64, coordinate| {
+    // Not from 0 on: the origin, which files are full of, would be in every sample.
+    point.into_iter().fold(GOLDEN, |hash, coordinate| {
         (hash.rotate_left(32) ^ u64::from(coordinate.to_bits())).wrapping_mul(GOLDEN)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever stands there more often than anything else.
+    #[test]
+    fn places_are_counted_about() {
+        let point = |k: u32| [k as f32, (k % 321) as f32, (k % 7) as f32];
+        for (copies, at) in [(0, [0.0; 3]), (9_000, [0.0; 3]), (9_000, [1.0; 3])] {
+            for times in [1, 3] {
+                let points = (0..90_000).map(|k| point(k / times));
+                let points: Vec<_> = points.chain(vec![at; copies]).collect();
+                let places = 90_000.0 / f64::from(times);
+                let count = count_places(&points) as f64;
+                assert!((0.8 * places..1.3 * places).contains(&count), "{count}");
+            }
+        }
+    }
 }

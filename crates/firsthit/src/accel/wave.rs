@@ -123,40 +123,70 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
             slots[k].visit(l);
             limits.0[k] = slots[k].last_key();
         }
-        let mut left = all;
-        if Q::ORDERED {
-            let (mut within, keys) = nearest(l, &slots, lists, &limits.0);
-            within &= all;
-            left &= !within;
-            while within != 0 {
-                let k = within.trailing_zeros() as usize % LANES;
-                within &= within - 1;
-                let slot = &mut slots[k];
-                let behind = keys.0[k].to_bits() as usize % LANES;
-                slot.take(l, &mut lists[k], behind);
-                let is_leaf = u16::from(slot.next & LEAF != 0);
-                leaves |= is_leaf << k;
-                nodes |= (1 - is_leaf) << k;
-            }
-        }
-        while left != 0 {
-            let k = left.trailing_zeros() as usize % LANES;
-            left &= left - 1;
-            let slot = &mut slots[k];
-            // In numbers, not branches: nobody could foresee them.
-            let goes_on = u16::from(slot.step(l, &mut lists[k]));
-            let is_leaf = u16::from(slot.next & LEAF != 0);
-            free |= (1 - goes_on) << k;
-            leaves |= (goes_on & is_leaf) << k;
-            nodes |= (goes_on & (1 - is_leaf)) << k;
-        }
-        let mut over = all & free;
+        let next = Next::of(l, &mut slots, lists, &limits.0, all);
+        (nodes, leaves) = (next.nodes, next.leaves);
+        free |= next.nothing;
+        let mut over = next.nothing;
         while over != 0 {
             let slot = &slots[over.trailing_zeros() as usize % LANES];
             over &= over - 1;
             let answer = slot.question.answer(&slot.place);
             answers.take(slot.search, slot.place.lane, answer);
         }
+    }
+}
+
+/// What comes next, with a bit for each ray.
+struct Next {
+    nodes: u16,
+    leaves: u16,
+    nothing: u16,
+}
+
+impl Next {
+    /// Takes it from the work lists of the rays `all`, which have done what came before.
+    #[inline(always)]
+    fn of<L: Lanes, Q: Question>(
+        l: L,
+        slots: &mut [Slot<'_, Q>; LANES],
+        lists: &mut [WorkList; LANES],
+        limits: &[f32; LANES],
+        all: u16,
+    ) -> Self {
+        let mut next = Self {
+            nodes: 0,
+            leaves: 0,
+            nothing: 0,
+        };
+        let mut left = all;
+        if Q::ORDERED {
+            let (within, keys) = nearest(l, slots, lists, limits);
+            let mut within = within & all;
+            left &= !within;
+            while within != 0 {
+                let k = within.trailing_zeros() as usize % LANES;
+                within &= within - 1;
+                let behind = keys.0[k].to_bits() as usize % LANES;
+                slots[k].take(l, &mut lists[k], behind);
+                next.put(k, &slots[k], true);
+            }
+        }
+        while left != 0 {
+            let k = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let goes_on = slots[k].step(l, &mut lists[k]);
+            next.put(k, &slots[k], goes_on);
+        }
+        next
+    }
+
+    /// In numbers, not branches: nobody could foresee them.
+    #[inline(always)]
+    fn put<Q>(&mut self, k: usize, slot: &Slot<'_, Q>, goes_on: bool) {
+        let (goes_on, is_leaf) = (u16::from(goes_on), u16::from(slot.next & LEAF != 0));
+        self.nothing |= (1 - goes_on) << k;
+        self.leaves |= (goes_on & is_leaf) << k;
+        self.nodes |= (goes_on & (1 - is_leaf)) << k;
     }
 }
 
@@ -255,7 +285,8 @@ impl<'a, Q: Question> Slot<'a, Q> {
         }
     }
 
-    /// Takes what is to be visited next; `false` when there is nothing any more.
+    /// Takes what is to be visited next; `false` when there is nothing any more. Where the order matters, this is for long
+    /// lists and those whose last sixteen are all too far: for others see [`nearest`].
     #[inline(always)]
     fn step<L: Lanes>(&mut self, l: L, list: &mut WorkList) -> bool {
         let limit = self.question.limit();
@@ -295,7 +326,8 @@ impl<'a, Q: Question> Slot<'a, Q> {
         l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
     }
 
-    /// The largest key of a depth that still matters, see [`Lanes::smallest_of_each`]; none of one that is nobody's.
+    /// The largest key of a depth that still matters, see [`Lanes::smallest_of_each`]; below the keys of those that are
+    /// nobody's.
     #[inline(always)]
     fn last_key(&self) -> f32 {
         let limit = self.question.limit().min(f32::MAX);

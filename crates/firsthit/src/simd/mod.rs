@@ -99,18 +99,9 @@ mod tests {
             }
             let mut front = [0.0; LANES];
             l.compress(mask, a, &mut front);
-            let mut front_of_each = [0.0; LANES];
             let front = &front[..mask.count_ones() as usize];
             out.extend(front.iter().map(|x| u64::from(x.to_bits())));
-            let mut rows = [self.a; LANES];
-            for (k, row) in rows.iter_mut().enumerate() {
-                row.rotate_left(k);
-                *row = row.map(f32::abs);
-                row[(7 * k) % LANES] = 0.0;
-                row[k] = [f32::INFINITY, 0.125][k % 2];
-            }
-            l.store(l.smallest_of_each(rows.each_ref()), &mut front_of_each);
-            out.extend(front_of_each.map(|x| u64::from(x.to_bits())));
+            self.smallest(l, &mut out);
             out.extend([mask, l.le(a, b), l.same(a, b)].map(u64::from));
             out.extend([l.largest(a), l.smallest(a)].map(|x| u64::from(x.to_bits())));
             self.doubles(l, &mut out);
@@ -119,6 +110,32 @@ mod tests {
     }
 
     impl Everything {
+        /// Of rows whose smallest stand in different lanes, differ in the lowest bits, or are all infinite.
+        #[inline(always)]
+        fn smallest<L: Lanes>(&self, l: L, out: &mut Vec<u64>) {
+            let mut rows = [self.a.map(|x| x.abs() + 20.0); LANES];
+            for (k, row) in rows.iter_mut().enumerate() {
+                let more = [9, 10][k % 2];
+                let smallest = f32::from_bits((1.0 + k as f32).to_bits() | 5);
+                row[(7 * k + 3) % LANES] = smallest;
+                // As small for a key, or a little more than that.
+                row[(3 * k + 1) % LANES] = f32::from_bits(smallest.to_bits() + more);
+            }
+            rows[6] = [f32::INFINITY; LANES];
+            let mut keys = [0.0; LANES];
+            l.store(l.smallest_of_each(rows.each_ref()), &mut keys);
+            for (key, row) in keys.iter().zip(&rows) {
+                let (lane, smallest) = (
+                    LANES - 1 - key.to_bits() as usize % LANES,
+                    key.to_bits() & !15,
+                );
+                assert_eq!(row[lane].to_bits() & !15, smallest);
+                assert!(row.iter().all(|x| x.to_bits() & !15 >= smallest));
+                assert!(row[lane + 1..].iter().all(|x| x.to_bits() & !15 > smallest));
+            }
+            out.extend(keys.map(|x| u64::from(x.to_bits())));
+        }
+
         #[inline(always)]
         fn doubles<L: Lanes>(&self, l: L, out: &mut Vec<u64>) {
             let half = |x: &[f32; LANES]| l.load_widened(&x.as_chunks().0[0]);

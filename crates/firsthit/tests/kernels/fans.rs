@@ -5,7 +5,8 @@ use firsthit::{DVec3, Object, Ray, Scene};
 use super::support::{Numbers, bumpy_sphere, mesh};
 use super::{PLACES, judged, placed};
 
-/// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point, side by side, from a bent line.
+/// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point, side by side, from a bent line
+/// to one point, and apart from one another.
 fn fan(kind: usize, [a, b]: [DVec3; 2], scale: f64, numbers: &mut Numbers) -> Vec<Ray> {
     let light = a + scale * (0.2 + numbers.unit()) * numbers.point();
     let way = light - a;

@@ -93,11 +93,11 @@ impl Beam {
         }
         // How far the triangles extend, sheared along any of the slopes, and how far a corner is from any ray.
         let ((size_x, away_x), (size_y, away_y)) = (inside!(0, x), inside!(1, y));
-        let [across_x, across_y] = self.normal;
+        let [normal_x, normal_y] = self.normal;
         let along = l.neg_mul_add(
             l.splat(self.tilt),
             depth,
-            l.mul_add(l.splat(across_x), x, l.mul(l.splat(across_y), y)),
+            l.mul_add(l.splat(normal_x), x, l.mul(l.splat(normal_y), y)),
         );
         let (least, most) = ends!(along);
         let wide = l.mul(l.splat(self.spread), l.max(farthest, l.splat(0.0)));

@@ -14,10 +14,11 @@
 //! twice the reach each, so a start is off by 20 at most, and a vertex by 6.
 //!
 //! Neighbours often lie in a plane, or nearly: pixels of a row, and what a row sees, seen from a light. So there are two
-//! more planes, almost parallel, at whatever angle to x and y: along their common normal, which is (x, y, -tilt), a ray is between two
-//! bounds that move apart by the spread for a depth of 1. A ray's start along the normal is off by twice
-//! the 20 and by 12 of its own rounding, a place by 20 (three differences, three products, two sums, and the spread's
-//! share): 72 of the 160 that are allowed. Slopes are off by 7 in all, where the spread has 16.
+//! more planes, almost parallel, at whatever angle to x and y. Along their common normal, whose parts along x and y are
+//! `normal` and whose part along the depth is minus the `tilt`, all rays are within `between` at the depth 0, and each end
+//! moves outwards by the `spread` for a depth of 1. A ray's start along the normal is off by twice the 20, by 12 of its own
+//! rounding and 8 of the bounds'; a place by 20 (three differences, three products, two sums, and the spread's share): 80 of
+//! the 160 that are allowed. Slopes are off by 9 in all, where the spread has 16.
 
 use super::super::packet::RAYS;
 use super::super::ray::U;
@@ -47,10 +48,10 @@ pub(super) struct Beam {
     pub(super) error: f32,
     /// What a depth is off whatever it is.
     pub(super) depth_error: f32,
-    /// A direction that rays are much the same along: its parts along x and y, at most 1, and along the depth.
+    /// A direction along which rays are much the same: its parts along x and y, at most 1, and minus that along the depth.
     pub(super) normal: [f32; 2],
     pub(super) tilt: f32,
-    /// What rays are along it where their depth is 0, and by how much that changes with the depth at most.
+    /// What rays are along it where their depth is 0, and by how much, beside the tilt, that changes with the depth at most.
     pub(super) between: [f32; 2],
     pub(super) spread: f32,
 }
@@ -112,7 +113,7 @@ impl Beam {
         l.store(ax, &mut start[0].0);
         l.store(ay, &mut start[1].0);
         let last = rays.ilog2() as usize % RAYS;
-        let normal = across(
+        let normal = normal(
             start.each_ref().map(|x| x.0[last] - x.0[first]),
             packet.slope.each_ref().map(|x| x[last] - x[first]),
         );
@@ -169,10 +170,10 @@ impl Beam {
         }
         let is_back = usize::from(self.forwards < 0.0);
         let sign = l.splat(self.forwards);
-        // Only where rays are, and where anything matters.
         let near = l.mul(plane!(z, 2, is_back), sign);
         let far = l.mul(plane!(z, 2, 1 - is_back), sign);
         let mut met = l.le(near, l.splat(limit)) & l.le(l.splat(-self.margin), far);
+        // Only where rays are, and where anything matters.
         let near = l.max(near, l.splat(-self.margin));
         let far = l.min(far, l.splat(limit));
         let (low_x, high_x) = (plane!(x, 0, 0), plane!(x, 0, 1));
@@ -190,7 +191,7 @@ impl Beam {
         }
         inside!(0, low_x, high_x);
         inside!(1, low_y, high_y);
-        let [across_x, across_y] = self.normal;
+        let [normal_x, normal_y] = self.normal;
         macro_rules! ordered {
             ($factor:expr, $low:ident, $high:ident) => {
                 if $factor > 0.0 {
@@ -200,16 +201,16 @@ impl Beam {
                 }
             };
         }
-        let (less_x, more_x) = ordered!(across_x, low_x, high_x);
-        let (less_y, more_y) = ordered!(across_y, low_y, high_y);
+        let (less_x, more_x) = ordered!(normal_x, low_x, high_x);
+        let (less_y, more_y) = ordered!(normal_y, low_y, high_y);
         let (less_z, more_z) = ordered!(-self.tilt, near, far);
-        let wide = l.mul(l.splat(self.spread), far);
+        let wide = l.mul(l.splat(self.spread), l.max(far, l.splat(0.0)));
         macro_rules! along {
             ($x:ident, $y:ident, $z:ident) => {
                 l.mul_add(
-                    l.splat(across_x),
+                    l.splat(normal_x),
                     $x,
-                    l.neg_mul_add(l.splat(self.tilt), $z, l.mul(l.splat(across_y), $y)),
+                    l.neg_mul_add(l.splat(self.tilt), $z, l.mul(l.splat(normal_y), $y)),
                 )
             };
         }
@@ -221,10 +222,10 @@ impl Beam {
     }
 }
 
-/// Across which way rays lie that are in a plane, from what is between the first and the last of them, in start and in
-/// slope; one part is 1 or -1, or all are 0.
+/// The normal of the plane that rays are in, across the depth, from what is between the first and the last of them in start
+/// and in slope. One part is 1 or -1, or both are 0 where there is nothing between.
 #[inline(always)]
-fn across([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> [f32; 2] {
+fn normal([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> [f32; 2] {
     let (size, change) = (x.abs().max(y.abs()), along_x.abs().max(along_y.abs()));
     let (x, y, size) = if change > size {
         (along_x, along_y, change)
