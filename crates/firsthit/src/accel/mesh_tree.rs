@@ -157,7 +157,14 @@ impl MeshTree {
         let Binary {
             nodes: binary,
             order,
-        } = build::binary(&mut items, &Triangles { sharing, vertices });
+        } = build::binary(
+            &mut items,
+            &Triangles {
+                mesh,
+                sharing,
+                vertices,
+            },
+        );
         drop(items);
         let wide::Wide { nodes, ranges } = wide::collapse(&binary);
         drop(binary);
@@ -234,6 +241,7 @@ impl MeshTree {
 
 /// A mesh's triangles as the builder sees them.
 struct Triangles<'a> {
+    mesh: &'a Mesh,
     sharing: Sharing<'a>,
     /// How many vertices they are over, about.
     vertices: usize,
@@ -243,7 +251,7 @@ impl build::Kind for Triangles<'_> {
     /// As many as are over sixteen vertices: of a soup, where nobody shares any, only five are. (Vertices of nobody, or of
     /// other meshes, make it fewer, which does no harm.)
     fn block(&self) -> Block {
-        let triangles = self.sharing.mesh.triangles().len();
+        let triangles = self.sharing.triangles.len();
         let full = triangles.saturating_mul(wide::WIDTH) / self.vertices.max(1);
         Block(full.clamp(1, wide::WIDTH).ilog2())
     }
@@ -253,7 +261,7 @@ impl build::Kind for Triangles<'_> {
     }
 
     fn distinct(&self, items: &mut [Item]) -> usize {
-        let mesh = self.sharing.mesh;
+        let mesh = self.mesh;
         if !mesh.has_plain_triangles() {
             return items.len();
         }

@@ -22,26 +22,31 @@ pub(super) struct Meshlet {
 }
 
 impl Meshlet {
-    /// The leaf of triangles, which stand at `first` in the order and [fit](Sharing::fits).
+    /// The leaf of at most sixteen triangles, which stand at `first` in the order and [fit](Sharing::fits).
     pub(super) fn new(sharing: &Sharing<'_>, triangles: &[u32], first: u32) -> Self {
-        let vertices = sharing.vertices(triangles.iter().copied());
-        let vertices = vertices.expect("whoever makes a leaf has asked whether they fit");
+        let mut corners = [[0; LANES]; 3];
+        let mut vertices = [0; LANES];
+        let count = sharing.lanes(triangles.iter().copied(), |[k, corner], vertex, lane| {
+            corners[corner][k] = lane;
+            vertices[usize::from(lane)] = vertex;
+        });
+        let count = count.expect("whoever makes a leaf has asked whether they fit");
         let mut leaf = Self {
             vertices: [[0.0; LANES]; 3],
-            corners: vertices.corners,
+            corners,
             first,
             size: 0.0,
             extent: 0.0,
             filled: 0,
         };
         for k in 0..LANES {
-            let vertex = vertices.indices[if k < vertices.count { k } else { 0 }];
+            let vertex = vertices[if k < count { k } else { 0 }];
             for (axis, coordinate) in sharing.points[vertex as usize].into_iter().enumerate() {
                 leaf.vertices[axis][k] = coordinate;
             }
         }
-        for k in 0..triangles.len().min(LANES) {
-            leaf.size = leaf.size.max(extent(leaf.triangle(k)));
+        for (k, &triangle) in triangles.iter().enumerate() {
+            leaf.size = leaf.size.max(extent(sharing.triangle(triangle)));
             leaf.filled |= 1 << k;
         }
         let extents = leaf

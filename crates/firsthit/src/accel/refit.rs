@@ -32,7 +32,7 @@ impl MeshTree {
         let space = Space::new(mesh)?;
         let points = space.points(mesh);
         let sharing = Sharing {
-            mesh,
+            triangles: mesh.triangles(),
             points: &points,
             is_by_place: self.is_by_place,
         };

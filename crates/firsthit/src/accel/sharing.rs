@@ -9,10 +9,10 @@ use super::build::CHUNK;
 use crate::shape::Mesh;
 use crate::simd::LANES;
 
-/// A mesh's vertices in the tree's space, and when two of them are one to a leaf.
+/// A mesh's triangles and vertices, these in the tree's space, and when two of them are one to a leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sharing<'a> {
-    pub(super) mesh: &'a Mesh,
+    pub(super) triangles: &'a [[u32; 3]],
     pub(super) points: &'a [[f32; 3]],
     /// Where they are in the same place; elsewhere only where they have the same index, which is faster to see.
     pub(super) is_by_place: bool,
@@ -28,7 +28,7 @@ impl<'a> Sharing<'a> {
         // Looking for less does not pay.
         let is_by_place = places < points.len() / 8 * 7;
         let sharing = Self {
-            mesh,
+            triangles: mesh.triangles(),
             points,
             is_by_place,
         };
@@ -36,65 +36,60 @@ impl<'a> Sharing<'a> {
     }
 
     /// The corners of a triangle, by their places.
+    #[inline]
     pub(super) fn triangle(&self, index: u32) -> [[f32; 3]; 3] {
-        self.mesh.triangles()[index as usize].map(|vertex| self.points[vertex as usize])
+        let [a, b, c] = self.triangles[index as usize];
+        let point = |vertex: u32| self.points[vertex as usize];
+        [point(a), point(b), point(c)]
     }
 
     /// Whether triangles have few enough vertices for one leaf.
+    #[inline]
     pub(super) fn fits(&self, triangles: impl Iterator<Item = u32>) -> bool {
-        self.vertices(triangles).is_some()
+        self.lanes(triangles, |_, _, _| {}).is_some()
     }
 
-    /// The vertices of at most sixteen triangles; `None` where they are too many for a leaf.
-    pub(super) fn vertices(&self, triangles: impl Iterator<Item = u32>) -> Option<Vertices> {
-        let triangles = triangles.map(|index| self.mesh.triangles()[index as usize]);
+    /// Calls `visit` with the number of each triangle and of its corner, which vertex that is, and the lane this has in a leaf
+    /// of these triangles. Returns how many lanes are taken; `None` where there are not enough.
+    #[inline]
+    pub(super) fn lanes(
+        &self,
+        triangles: impl Iterator<Item = u32>,
+        visit: impl FnMut([usize; 2], u32, u8),
+    ) -> Option<usize> {
+        let triangles = triangles.map(|index| self.triangles[index as usize]);
         if self.is_by_place {
             // To the last bit: which zero it is can show in a hit's weights.
             let key = |vertex| self.points[vertex as usize].map(f32::to_bits);
-            Vertices::by(triangles, key)
+            lanes(triangles, key, visit)
         } else {
-            Vertices::by(triangles, |vertex| vertex)
+            lanes(triangles, |vertex| vertex, visit)
         }
     }
 }
 
-/// The vertices of a leaf, and which of them its triangles' corners are.
-pub(super) struct Vertices {
-    /// For each corner, the triangles' vertices by their lanes.
-    pub(super) corners: [[u8; LANES]; 3],
-    /// For each lane the vertex by its index in the mesh, in the order they come.
-    pub(super) indices: [u32; LANES],
-    /// How many there are.
-    pub(super) count: usize,
-}
-
-impl Vertices {
-    /// Those with the same key are one.
-    fn by<K: Copy + Default + PartialEq>(
-        triangles: impl Iterator<Item = [u32; 3]>,
-        key: impl Fn(u32) -> K,
-    ) -> Option<Self> {
-        let mut keys = [K::default(); LANES];
-        let mut out = Self {
-            corners: [[0; LANES]; 3],
-            indices: [0; LANES],
-            count: 0,
-        };
-        for (k, triangle) in triangles.enumerate().take(LANES) {
-            for (corner, vertex) in triangle.into_iter().enumerate() {
-                let key = key(vertex);
-                let known = keys[..out.count].iter().position(|&known| known == key);
-                let lane = known.unwrap_or(out.count);
-                if lane == out.count {
-                    *keys.get_mut(lane)? = key;
-                    out.indices[lane] = vertex;
-                    out.count += 1;
-                }
-                out.corners[corner][k] = u8::try_from(lane).ok()?;
+/// As [`Sharing::lanes`], with those one that have the same key.
+#[inline]
+fn lanes<K: Copy + Default + PartialEq>(
+    triangles: impl Iterator<Item = [u32; 3]>,
+    key: impl Fn(u32) -> K,
+    mut visit: impl FnMut([usize; 2], u32, u8),
+) -> Option<usize> {
+    let mut keys = [K::default(); LANES];
+    let mut count = 0;
+    for (k, triangle) in triangles.enumerate() {
+        for (corner, vertex) in triangle.into_iter().enumerate() {
+            let key = key(vertex);
+            let known = keys[..count].iter().position(|&known| known == key);
+            let lane = known.unwrap_or(count);
+            if lane == count {
+                *keys.get_mut(lane)? = key;
+                count += 1;
             }
+            visit([k, corner], vertex, u8::try_from(lane).ok()?);
         }
-        Some(out)
     }
+    Some(count)
 }
 
 /// In how many places `points` are, about: how many those have whose hash is below a power of two, and from that how many
