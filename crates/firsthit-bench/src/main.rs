@@ -10,6 +10,7 @@ mod check;
 mod embree;
 mod firsthit_side;
 mod measure;
+mod pairs;
 mod report;
 mod rows;
 mod scenes;
@@ -56,6 +57,9 @@ fn run(settings: &Settings) -> Result<bool, String> {
         .num_threads(2)
         .build()
         .map_err(failed)?;
+    if settings.pairs {
+        return pairs::serve(settings).map(|()| true);
+    }
     let mut report = Report::new(settings, device.as_ref());
     for name in settings.scenes()? {
         let scene = scenes::find(&name, settings)?;

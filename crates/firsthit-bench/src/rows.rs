@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::sync::Mutex;
 
 use clap::ValueEnum;
-use firsthit::{Camera, Hits, Projection, Ray, Rays};
+use firsthit::{Camera, Hits, Projection, Ray, Rays, Scene};
 use rayon::ThreadPool;
 
 use crate::check::{Checked, Judge};
@@ -15,7 +15,7 @@ use crate::embree::{Answers, Columns, Door, FlushToZero, Pixels, Source};
 use crate::firsthit_side;
 use crate::measure::{self, Timing};
 use crate::report::Report;
-use crate::scenes::BenchScene;
+use crate::scenes::{BenchScene, Look};
 use crate::settings::Settings;
 use crate::tree::Trees;
 use rays::Surface;
@@ -98,24 +98,74 @@ pub(crate) fn measure(
         rounds: settings.rounds,
         pool,
     };
-    let side = settings.side;
-    let camera = scene.look.camera(Projection::Perspective, side)?;
-    let surface = Surface::seen(&trees.firsthit, &camera);
+    let shots = Shots::new(&trees.firsthit, &scene.look, settings.side)?;
     for &row in settings.rows() {
-        let measured = match row {
-            Row::Primary => run.pixels(row, &camera),
-            Row::Orthographic => {
-                run.pixels(row, &scene.look.camera(Projection::Orthographic, side)?)
-            }
-            Row::Array => run.array(row, &rays::of_pixels(&camera)),
-            Row::Shadow => run.any_hits(row, &surface.to_light(scene.look.light)),
-            Row::Occlusion => run.any_hits(row, &surface.around(scene.look.reach, side * side)),
-            Row::Bounce => run.array(row, &surface.scattered()),
-            Row::Random => run.array(row, &rays::anywhere(trees.firsthit.bounds(), side * side)),
+        let measured = match shots.of(row)? {
+            Shot::Pixels(camera) => run.first_hits(row, &camera, &Pixels::new(&camera)),
+            Shot::First(rays) => run.first_hits(row, &*rays, &Columns::new(&rays)),
+            Shot::Any(rays) => run.any_hits(row, &rays),
         };
         report.row(&scene.name, measured);
     }
     Ok(())
+}
+
+/// The rays of one row.
+pub(crate) enum Shot {
+    /// A camera's: the first hit.
+    Pixels(Camera),
+    /// The first hit.
+    First(Vec<Ray>),
+    /// Any hit.
+    Any(Vec<Ray>),
+}
+
+impl Shot {
+    /// How many rays there are.
+    pub(crate) fn count(&self) -> usize {
+        match self {
+            Self::Pixels(camera) => camera.len(),
+            Self::First(rays) | Self::Any(rays) => rays.len(),
+        }
+    }
+}
+
+/// Where a scene's rays come from.
+pub(crate) struct Shots<'a> {
+    scene: &'a Scene,
+    look: &'a Look,
+    side: usize,
+    camera: Camera,
+    surface: Surface,
+}
+
+impl<'a> Shots<'a> {
+    pub(crate) fn new(scene: &'a Scene, look: &'a Look, side: usize) -> Result<Self, String> {
+        let camera = look.camera(Projection::Perspective, side)?;
+        Ok(Self {
+            scene,
+            look,
+            side,
+            surface: Surface::seen(scene, &camera),
+            camera,
+        })
+    }
+
+    /// Those of a row.
+    pub(crate) fn of(&self, row: Row) -> Result<Shot, String> {
+        let count = self.side * self.side;
+        Ok(match row {
+            Row::Primary => Shot::Pixels(self.camera),
+            Row::Orthographic => {
+                Shot::Pixels(self.look.camera(Projection::Orthographic, self.side)?)
+            }
+            Row::Array => Shot::First(rays::of_pixels(&self.camera)),
+            Row::Shadow => Shot::Any(self.surface.to_light(self.look.light)),
+            Row::Occlusion => Shot::Any(self.surface.around(self.look.reach, count)),
+            Row::Bounce => Shot::First(self.surface.scattered()),
+            Row::Random => Shot::First(rays::anywhere(self.scene.bounds(), count)),
+        })
+    }
 }
 
 /// What all rows of a scene need.
@@ -130,14 +180,6 @@ struct Run<'a> {
 const POISONED: &str = "no thread panics";
 
 impl Run<'_> {
-    fn pixels(&self, row: Row, camera: &Camera) -> Measured {
-        self.first_hits(row, camera, &Pixels::new(camera))
-    }
-
-    fn array(&self, row: Row, rays: &[Ray]) -> Measured {
-        self.first_hits(row, rays, &Columns::new(rays))
-    }
-
     /// `rays` for firsthit and `source` for Embree are the same ones.
     fn first_hits(&self, row: Row, rays: &(impl Rays + ?Sized), source: &impl Source) -> Measured {
         let scene = &self.trees.firsthit;

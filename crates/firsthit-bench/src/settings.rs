@@ -32,6 +32,9 @@ pub(crate) struct Settings {
     /// How many triangles the judge may test for a row's sample of hits
     #[arg(long, value_name = "NUMBER", default_value_t = 300_000_000)]
     pub(crate) judge: u64,
+    /// Print no table: time a row once for each line of standard input, as benches/pairs.py wants it
+    #[arg(long)]
+    pub(crate) pairs: bool,
     /// Write the table to this file, too
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,

@@ -31,6 +31,7 @@ pub(super) fn of_pixels(camera: &Camera) -> Vec<Ray> {
             origin,
             direction,
             t_max,
+            ..
         } = camera.ray(row, column);
         ray(origin, direction, t_max)
     };

@@ -1,0 +1,85 @@
+"""Two builds of firsthit-bench against each other, frame by frame.
+
+    python benches/pairs.py target/old/firsthit-bench target/release/firsthit-bench --scenes bunny --rows primary
+
+For each row it prints the median of the ratios of neighbouring times, new divided by old (below 1: the new one is
+faster), and the quartiles. A shared machine may change its speed by a third within a minute; from one frame
+to the next it hardly does, so that a hundredth can be seen in half a minute.
+"""
+
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+
+
+class Build:
+    """A running firsthit-bench that waits to be asked."""
+
+    def __init__(self, program, arguments):
+        command = [program, "--pairs", *arguments]
+        self.process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
+        )
+
+    def label(self):
+        """What can be timed next, as [scene, row]; nothing at the end."""
+        return self.process.stdout.readline().split()
+
+    def time(self):
+        """Nanoseconds for each ray, or for each triangle built."""
+        self.process.stdin.write("run\n")
+        return float(self.process.stdout.readline())
+
+    def go_on(self):
+        self.process.stdin.write("next\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Two builds of firsthit-bench in turns.")
+    parser.add_argument("old")
+    parser.add_argument("new")
+    parser.add_argument("--scenes", help="as for firsthit-bench")
+    parser.add_argument("--rows", help="as for firsthit-bench, and: build", default="primary")
+    parser.add_argument("--folder", help="as for firsthit-bench")
+    parser.add_argument("--pairs", type=int, default=60, help="how often each row is timed")
+    arguments = parser.parse_args()
+
+    # Both on one processor, so that they are disturbed alike.
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    wanted = arguments.rows.split(",")
+    shots = [row for row in wanted if row != "build"]
+    options = ["--rows", ",".join(shots or ["primary"])]
+    for name in ("scenes", "folder"):
+        if value := getattr(arguments, name):
+            options += [f"--{name}", value]
+    builds = [Build(program, options) for program in (arguments.old, arguments.new)]
+
+    while True:
+        labels = [build.label() for build in builds]
+        if not all(labels):
+            # One that has stopped early has said why.
+            failed = [build for build in builds if build.process.wait() != 0]
+            sys.exit(1 if failed else None)
+        scene, row = labels[0]
+        if row in wanted:
+            pairs = min(arguments.pairs, 12) if row == "build" else arguments.pairs
+            times = ([], [])
+            for pair in range(pairs):
+                for k in (0, 1) if pair % 2 == 0 else (1, 0):
+                    times[k].append(builds[k].time())
+            ratios = [new / old for old, new in zip(*times, strict=True)]
+            low, middle, high = statistics.quantiles(ratios, n=4)
+            old, new = (min(of_build) for of_build in times)
+            print(
+                f"{scene:<12}{row:<14}{middle:.3f} ({low:.3f} to {high:.3f})"
+                f"   smallest: {old:.1f}, {new:.1f} ns",
+                flush=True,
+            )
+        for build in builds:
+            build.go_on()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+//! Our times alone, one at a time and when asked: `benches/pairs.py` has two builds run in turns this way, frame by frame,
+//! and so sees differences far smaller than what a shared machine does to the times themselves.
+
+use std::hint::black_box;
+use std::io::{self, BufRead, StdinLock, Write};
+
+use cpu_time::ThreadTime;
+use firsthit::Hits;
+
+use crate::firsthit_side;
+use crate::rows::{Shot, Shots};
+use crate::scenes;
+use crate::settings::Settings;
+
+/// Says for each thing that can be timed what it is, then for each line of standard input does it and prints the
+/// nanoseconds it took for each ray or triangle, until a line says `next`.
+pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
+    let mut client = Client(io::stdin().lock());
+    let written = |error: io::Error| format!("standard output: {error}");
+    for name in settings.scenes()? {
+        let scene = scenes::find(&name, settings)?;
+        let built = firsthit_side::build(&scene.objects)?;
+        let mut build = || drop(black_box(firsthit_side::build(&scene.objects)));
+        client
+            .time(&name, "build", built.triangles() as usize, &mut build)
+            .map_err(written)?;
+        let shots = Shots::new(&built, &scene.look, settings.side)?;
+        let mut hits = Hits::default();
+        for row in settings.rows() {
+            let shot = shots.of(*row)?;
+            let mut shoot = || match &shot {
+                Shot::Pixels(camera) => firsthit_side::first_hits(&built, camera, &mut hits),
+                Shot::First(rays) => firsthit_side::first_hits(&built, &**rays, &mut hits),
+                Shot::Any(rays) => drop(black_box(firsthit_side::any_hits(&built, rays))),
+            };
+            client
+                .time(&name, &row.name(), shot.count(), &mut shoot)
+                .map_err(written)?;
+        }
+    }
+    Ok(())
+}
+
+/// Who asks.
+struct Client(StdinLock<'static>);
+
+impl Client {
+    fn time(
+        &mut self,
+        scene: &str,
+        row: &str,
+        things: usize,
+        work: &mut dyn FnMut(),
+    ) -> io::Result<()> {
+        let mut out = io::stdout().lock();
+        writeln!(out, "{scene} {row}")?;
+        out.flush()?;
+        let mut line = String::new();
+        loop {
+            line.clear();
+            if self.0.read_line(&mut line)? == 0 || line.trim() == "next" {
+                return Ok(());
+            }
+            // Once uncounted: meanwhile the other build had the caches.
+            work();
+            let start = ThreadTime::now();
+            work();
+            let time = start.elapsed().as_secs_f64();
+            writeln!(out, "{}", 1e9 * time / things.max(1) as f64)?;
+            out.flush()?;
+        }
+    }
+}
