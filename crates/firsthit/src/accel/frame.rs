@@ -143,8 +143,9 @@ impl Frame {
         let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
         let share = 45.0 * u * skewness;
         let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
-        // Depths between a triangle's corners are rounded too.
-        let along = 56.0 * u * reach + 4.0 * blur + off_along;
+        // With an extent of up to 2 reaches, vertices' depths are off by 30 units; those between a triangle's corners are
+        // rounded seven times more (`sides.rs`), by 28.
+        let along = 60.0 * u * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
         // What a wrong depth of a vertex moves on the picture.
         let sideways = if bundle.is_perspective {

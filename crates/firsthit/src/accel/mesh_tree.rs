@@ -23,7 +23,7 @@ pub struct MeshTree {
     /// Whether the leaves hold the very coordinates of the mesh, so that nobody need look there.
     pub(super) is_exact: bool,
     /// See [`Sharing`].
-    pub(super) is_by_place: bool,
+    pub(super) is_welded: bool,
     /// The root first; none for a mesh that is not a matter for float32, or empty.
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Meshlet>,
@@ -137,7 +137,7 @@ impl MeshTree {
                     unscale: 1.0,
                 },
                 is_exact: false,
-                is_by_place: false,
+                is_welded: false,
                 nodes: Vec::new(),
                 leaves: Vec::new(),
                 order: (0..count(mesh.triangles().len())).collect(),
@@ -180,7 +180,7 @@ impl MeshTree {
             .collect_into_vec(&mut leaves);
         let mut tree = Self {
             is_exact: space.is_exact(mesh, &points),
-            is_by_place: sharing.is_by_place,
+            is_welded: sharing.is_welded,
             space,
             nodes,
             leaves,
@@ -288,7 +288,7 @@ fn count(length: usize) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A hilly field of so many squares along a side; its first triangle stands there forty times more, which is too
@@ -312,8 +312,8 @@ mod tests {
         Mesh::new(Positions::compact(points), triangles).unwrap()
     }
 
-    /// The same with vertices for each triangle alone, which lie so far from where the others have theirs.
-    fn apart(mesh: &Mesh, by: f64) -> Mesh {
+    /// The same with vertices for each triangle alone, a thousandth of which lie so far from where the next have theirs.
+    pub(in super::super) fn apart(mesh: &Mesh, by: f64) -> Mesh {
         let triangles = count(mesh.triangles().len());
         let corners = (0..triangles).flat_map(|k| {
             let corners = mesh.corners(k as usize);
@@ -383,7 +383,7 @@ mod tests {
         let own = (0..800).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
         let mesh = Mesh::new(Positions::compact(corners), own.collect()).unwrap();
         let tree = MeshTree::build(&mesh);
-        assert!(tree.is_exact && tree.is_by_place);
+        assert!(tree.is_exact && tree.is_welded);
         for (k, leaf) in tree.leaves.iter().enumerate() {
             for lane in 0..leaf.filled.count_ones() as usize {
                 let slot = count(k * LANES + lane);

@@ -22,7 +22,8 @@ type Ends = [[f32; 2]; 3];
 
 impl MeshTree {
     /// The tree of `mesh`, which has the triangles of this tree's mesh with their vertices elsewhere. `None` where
-    /// building it anew is better, or this tree knows too little.
+    /// building it anew is better, where this tree knows too little, and where vertices that were one to a leaf are no
+    /// longer in one place and too many for it.
     pub fn refit(&self, mesh: &Mesh) -> Option<Self> {
         // Of triangles that were in one place, all but the first are not in the tree.
         let known = self.leaves.iter().map(|leaf| leaf.filled.count_ones());
@@ -34,7 +35,7 @@ impl MeshTree {
         let sharing = Sharing {
             triangles: mesh.triangles(),
             points: &points,
-            is_by_place: self.is_by_place,
+            is_welded: self.is_welded,
         };
         let of_leaf = |leaf: &Meshlet| {
             let first = leaf.first as usize;
@@ -63,7 +64,7 @@ impl MeshTree {
         }
         let tree = Self {
             is_exact: space.is_exact(mesh, &points),
-            is_by_place: self.is_by_place,
+            is_welded: self.is_welded,
             space,
             nodes,
             leaves,
@@ -141,8 +142,8 @@ fn surface(ends: Ends) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mesh_tree::tests::apart;
     use super::*;
-    use crate::geometry::DVec3;
     use crate::shape::Positions;
 
     fn sheet(side: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
@@ -191,25 +192,16 @@ mod tests {
         assert!(built.refit(&scattered).is_none());
     }
 
-    /// Leaves that hold a vertex once for all that were in its place are no leaves when these part.
+    /// Leaves that hold a vertex once for all that were in its place are no leaves when these part; that they do by so
+    /// little that the tree would be as good as before.
     #[test]
     fn what_was_together_may_part() {
-        let sheet = sheet(40, |x, y| 0.1 * x * y);
-        let triangles = sheet.triangles().len();
-        let moved = |lift: f64, by: f64| {
-            let corners = (0..triangles).flat_map(|k| {
-                let away = DVec3::new(0.0, 0.0, lift + by * (k % 100) as f64);
-                sheet.corners(k).map(|corner| (corner + away).to_array())
-            });
-            let positions = Positions::Double(corners.collect());
-            let own = (0..u32::try_from(triangles).unwrap()).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
-            Mesh::new(positions, own.collect()).unwrap()
-        };
-        let built = MeshTree::build(&moved(0.0, 0.0));
-        assert!(built.is_by_place);
-        let together = built.refit(&moved(3.0, 0.0)).unwrap();
+        let sheet = |lift: f64| sheet(40, |x, y| 0.1 * x * y + lift);
+        let built = MeshTree::build(&apart(&sheet(0.0), 0.0));
+        assert!(built.is_welded);
+        let together = built.refit(&apart(&sheet(3.0), 0.0)).unwrap();
         assert!(is_around(&together));
-        assert!(built.refit(&moved(0.0, 1e-3)).is_none());
+        assert!(built.refit(&apart(&sheet(0.0), 1e-5)).is_none());
     }
 
     /// The tree has but one of two triangles that were in one place.

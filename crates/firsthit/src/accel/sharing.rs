@@ -1,7 +1,8 @@
 //! Which vertices the triangles of a leaf share.
 //!
 //! Those with the same index; and, where a file has a vertex for each corner (as all STL files do) or for each side of a
-//! seam, those in the same place of the tree. A leaf is nothing but places, so no answer depends on it.
+//! seam, those in the same place of the tree (welding, without touching the mesh). A leaf is nothing but places, so no
+//! answer depends on it.
 
 use rayon::prelude::*;
 
@@ -15,7 +16,7 @@ pub(super) struct Sharing<'a> {
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) points: &'a [[f32; 3]],
     /// Where they are in the same place; elsewhere only where they have the same index, which is faster to see.
-    pub(super) is_by_place: bool,
+    pub(super) is_welded: bool,
 }
 
 /// How many places are looked at, about, to guess how many there are.
@@ -26,13 +27,13 @@ impl<'a> Sharing<'a> {
     pub(super) fn new(mesh: &'a Mesh, points: &'a [[f32; 3]]) -> (Self, usize) {
         let places = count_places(points);
         // Looking for less does not pay.
-        let is_by_place = places < points.len() / 8 * 7;
+        let is_welded = places < points.len() / 8 * 7;
         let sharing = Self {
             triangles: mesh.triangles(),
             points,
-            is_by_place,
+            is_welded,
         };
-        (sharing, if is_by_place { places } else { points.len() })
+        (sharing, if is_welded { places } else { points.len() })
     }
 
     /// The corners of a triangle, by their places.
@@ -58,7 +59,7 @@ impl<'a> Sharing<'a> {
         visit: impl FnMut([usize; 2], u32, u8),
     ) -> Option<usize> {
         let triangles = triangles.map(|index| self.triangles[index as usize]);
-        if self.is_by_place {
+        if self.is_welded {
             // To the last bit: which zero it is can show in a hit's weights.
             let key = |vertex| self.points[vertex as usize].map(f32::to_bits);
             lanes(triangles, key, visit)

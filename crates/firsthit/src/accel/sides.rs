@@ -68,9 +68,10 @@ impl<L: Lanes> Verdict<L> {
         }
         let certain = l.lt(bound, least) | l.lt(most, minus);
         let sum = l.add(l.add(u, v), w);
-        let depth = l.div(l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz))), sum);
+        let over = l.div(l.splat(1.0), sum);
+        let depth = l.mul(l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz))), over);
         let spread = l.sub(farthest, nearest);
-        let weights = l.div(l.mul(l.mul(l.splat(2.1), bound), spread), l.abs(sum));
+        let weights = l.mul(l.mul(l.mul(l.splat(2.1), bound), spread), l.abs(over));
         let around = l.add(weights, l.splat(depth_error));
         Some(Self {
             possible,

@@ -148,7 +148,9 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
-        // One of a pair and the other side by side, then what is left of two such pairs, and so on.
+        // One of a pair and the other side by side, then what is left of two such pairs, and so on. Rows that are four
+        // apart go together first, since shuffles within quarters of a register, the last two, do the rest: what comes out
+        // is in order.
         x86!({
             let behind = _mm512_set_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
             macro_rules! key {
