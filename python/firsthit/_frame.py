@@ -342,6 +342,6 @@ def _sampled(
     """Hits of the rays through one of the sample points of each pixel of some rows."""
     origins, directions = camera._native.rays(rows, sample)
     shape = (rows[1] - rows[0], camera.columns, 3)
-    rays = _rays(origins.reshape(shape), directions.reshape(shape), np.inf)
+    rays = _rays(origins.reshape(shape), directions.reshape(shape), 0.0, np.inf)
     hits = scene.shoot(rays[0], rays[1], threads=threads)
     return Hits._of_rays(scene, rays, hits._arrays, camera)

@@ -49,7 +49,7 @@ class Hits:
 
     _scene: Scene
     _camera: Camera | None
-    _rays: tuple[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]] | None
+    _rays: tuple[npt.NDArray[Any], ...] | None
     _arrays: Arrays
     _shape: tuple[int, ...]
     _made: dict[str, npt.NDArray[Any]]
@@ -74,7 +74,7 @@ class Hits:
     def _of_rays(
         cls,
         scene: Scene,
-        rays: tuple[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]],
+        rays: tuple[npt.NDArray[Any], ...],
         arrays: Arrays,
         camera: Camera | None = None,
     ) -> Hits:
@@ -217,9 +217,9 @@ class Hits:
             camera = self._of_a_camera(name)._native
             return _firsthit.channel(self._native_scene, name, None, camera, self._arrays)
         pieces = []
-        limit = np.full(1, np.inf)
+        limits = np.zeros(1), np.full(1, np.inf)
         for part in chunks(len(self._arrays[0])):
-            rays = flat(self._rays[0], part, 1), flat(self._rays[1], part, 1), limit
+            rays = flat(self._rays[0], part, 1), flat(self._rays[1], part, 1), *limits
             hits = tuple(np.ascontiguousarray(array[part]) for array in self._arrays)
             pieces.append(_firsthit.channel(self._native_scene, name, rays, None, hits))
         if len(pieces) == 1:

@@ -242,6 +242,7 @@ class Scene:
         origins: npt.ArrayLike | Camera,
         directions: npt.ArrayLike | None = None,
         *,
+        t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = np.inf,
         threads: int | None = None,
     ) -> Hits:
@@ -252,8 +253,9 @@ class Scene:
         origins, directions : (..., 3) array_like
             World space, any real type; broadcast against each other. Directions of any length:
             ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
-        t_max : (...) array_like
-            The largest ``t`` that counts.
+        t_min, t_max : (...) array_like
+            Where rays begin and end: what is met has ``t_min < t <= t_max``. Below zero, ``t_min`` is
+            as good as zero: nothing behind an origin is met.
         threads : int, optional
             How many to use; all cores if left out. The result is the same for any number.
 
@@ -283,12 +285,12 @@ class Scene:
         if isinstance(origins, Camera):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
-            if not _is_infinite(t_max):
-                raise ValueError("t_max must be left out with a camera")
+            if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, np.inf)):
+                raise ValueError("t_min and t_max must be left out with a camera")
             out = hits_arrays(origins.rows * origins.columns)
             _firsthit.shoot_camera(self._native(), origins._native, use, out)
             return Hits._of_camera(self, origins, out)
-        rays = _rays(origins, directions, t_max)
+        rays = _rays(origins, directions, t_min, t_max)
         native, length = self._native(), int(np.prod(rays[2].shape))
         out = hits_arrays(length)
         for part in _parts(rays, length):
@@ -302,6 +304,7 @@ class Scene:
         origins: npt.ArrayLike,
         directions: npt.ArrayLike,
         *,
+        t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = np.inf,
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
@@ -309,13 +312,13 @@ class Scene:
 
         Parameters
         ----------
-        origins, directions, t_max, threads
+        origins, directions, t_min, t_max, threads
             As for `shoot`.
 
         Returns
         -------
         (...) array of bool
-            Whether anything is at ``0 < t <= t_max``.
+            Whether anything is at ``t_min < t <= t_max``.
 
         Examples
         --------
@@ -328,7 +331,7 @@ class Scene:
         False
         """
         use = threads_or_all(threads)
-        rays = _rays(origins, directions, t_max)
+        rays = _rays(origins, directions, t_min, t_max)
         shape = rays[2].shape
         found = np.empty(int(np.prod(shape)), np.bool_)
         for part in _parts(rays, len(found)):
@@ -360,33 +363,36 @@ class Scene:
         return other
 
 
-Rays = tuple["npt.NDArray[Any]", "npt.NDArray[Any]", "npt.NDArray[Any]"]
+Rays = tuple["npt.NDArray[Any]", "npt.NDArray[Any]", "npt.NDArray[Any]", "npt.NDArray[Any]"]
 
 
-def _rays(origins: Any, directions: Any, t_max: npt.ArrayLike) -> Rays:
-    """Origins, directions and limits, as views of one leading shape."""
+def _rays(origins: Any, directions: Any, t_min: npt.ArrayLike, t_max: npt.ArrayLike) -> Rays:
+    """Origins, directions and both limits, as views of one leading shape."""
     if directions is None:
         raise ValueError("directions must be given, except with a camera")
     starts, ways = numbers("origins", origins), numbers("directions", directions)
     for name, array in (("origins", starts), ("directions", ways)):
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
-    limits = numbers("t_max", t_max)
+    begins, ends = numbers("t_min", t_min), numbers("t_max", t_max)
+    leading = starts.shape[:-1], ways.shape[:-1], begins.shape, ends.shape
     try:
-        shape = np.broadcast_shapes(starts.shape[:-1], ways.shape[:-1], limits.shape)
+        shape = np.broadcast_shapes(*leading)
     except ValueError:
         raise ValueError(
-            f"origins {starts.shape}, directions {ways.shape} and t_max {limits.shape} "
-            "must broadcast against each other"
+            f"origins {starts.shape}, directions {ways.shape}, t_min {begins.shape} and "
+            f"t_max {ends.shape} must broadcast against each other"
         ) from None
     to = (*shape, 3)
-    return np.broadcast_to(starts, to), np.broadcast_to(ways, to), np.broadcast_to(limits, shape)
+    begins, ends = np.broadcast_to(begins, shape), np.broadcast_to(ends, shape)
+    return np.broadcast_to(starts, to), np.broadcast_to(ways, to), begins, ends
 
 
 def _parts(rays: Rays, length: int) -> list[slice]:
     """Return what goes to the native half at a time: all, where nothing of it is copied."""
-    origins, directions, limits = rays
-    one_go = is_flat(origins) and is_flat(directions) and (is_flat(limits) or _is_one(limits))
+    origins, directions, *limits = rays
+    one_go = is_flat(origins) and is_flat(directions)
+    one_go = one_go and all(is_flat(limit) or _is_one(limit) for limit in limits)
     return [slice(0, length)] if one_go else list(chunks(length))
 
 
@@ -396,14 +402,18 @@ def _is_one(limits: npt.NDArray[Any]) -> bool:
 
 
 def _part(rays: Rays, part: slice) -> tuple[npt.NDArray[np.float64], ...]:
-    origins, directions, limits = rays
-    one = _is_one(limits)
-    limit = limits.reshape(-1)[:1].astype(np.float64) if one else flat(limits, part, 0)
-    return flat(origins, part, 1), flat(directions, part, 1), limit
+    origins, directions, t_min, t_max = rays
+    return flat(origins, part, 1), flat(directions, part, 1), _limit(t_min, part), _limit(t_max, part)
 
 
-def _is_infinite(t_max: npt.ArrayLike) -> bool:
-    return bool(np.all(numbers("t_max", t_max) == np.inf))
+def _limit(limits: npt.NDArray[Any], part: slice) -> npt.NDArray[np.float64]:
+    if _is_one(limits):
+        return limits.reshape(-1)[:1].astype(np.float64)
+    return flat(limits, part, 0)
+
+
+def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:
+    return bool(np.all(numbers(name, given) == number))
 
 
 def _affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -10,7 +10,8 @@ use pyo3::prelude::*;
 pub(crate) struct RaySlices<'a> {
     origins: &'a [[f64; 3]],
     directions: &'a [[f64; 3]],
-    /// One limit for all, or one for each.
+    /// One for all, or one for each.
+    t_min: &'a [f64],
     t_max: &'a [f64],
 }
 
@@ -24,16 +25,18 @@ impl Rays for RaySlices<'_> {
             DVec3::from(self.origins[index]),
             DVec3::from(self.directions[index]),
         );
-        let t_max = self.t_max.get(index).or(self.t_max.first());
-        ray.up_to(t_max.copied().unwrap_or(f64::INFINITY))
+        let of = |limits: &[f64]| limits.get(index).or(limits.first()).copied();
+        ray.beyond(of(self.t_min).unwrap_or(0.0))
+            .up_to(of(self.t_max).unwrap_or(f64::INFINITY))
     }
 }
 
-/// Arrays of rays as they come: C-contiguous float64 of the shapes (n, 3), (n, 3), and (n,) or (1,).
+/// Arrays of rays as they come: C-contiguous float64 of the shapes (n, 3), (n, 3), and twice (n,) or (1,).
 #[derive(FromPyObject)]
 pub(crate) struct RayArrays<'py>(
     PyReadonlyArray2<'py, f64>,
     PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
 );
 
@@ -42,10 +45,12 @@ impl RayArrays<'_> {
         let rays = RaySlices {
             origins: self.0.as_slice().map_err(not_contiguous)?.as_chunks().0,
             directions: self.1.as_slice().map_err(not_contiguous)?.as_chunks().0,
-            t_max: self.2.as_slice().map_err(not_contiguous)?,
+            t_min: self.2.as_slice().map_err(not_contiguous)?,
+            t_max: self.3.as_slice().map_err(not_contiguous)?,
         };
-        let lengths = [rays.directions.len(), rays.t_max.len()];
-        if lengths == [rays.origins.len(); 2] || lengths == [rays.origins.len(), 1] {
+        let count = rays.origins.len();
+        let fits = |limits: &[f64]| limits.len() == count || limits.len() == 1;
+        if rays.directions.len() == count && fits(rays.t_min) && fits(rays.t_max) {
             Ok(rays)
         } else {
             Err(PyValueError::new_err("expected arrays of one length"))

@@ -84,6 +84,21 @@ def test_rays_broadcast_against_each_other_and_t_max():
     )
 
 
+def test_rays_begin_beyond_t_min():
+    """The ball of radius 1 is met at 4 and, from inside, at 6."""
+    origins, directions = np.tile([0.0, 0, 5], (6, 1)), [0, 0, -1]
+    begins = [0.0, -3, 3.9, 4, 5.9, 6]
+    hits = ball().shoot(origins, directions, t_min=begins)
+    np.testing.assert_array_equal(hits.t, [4, 4, 4, 6, 6, np.inf])
+    np.testing.assert_allclose(hits.position[3], [0, 0, -1])
+    np.testing.assert_array_equal(
+        ball().occluded(origins, directions, t_min=begins, t_max=5), [True] * 3 + [False] * 3
+    )
+    assert np.isinf(ball().shoot(origins, directions, t_min=np.nan).t).all()
+    with pytest.raises(ValueError, match="t_min and t_max must be left out with a camera"):
+        ball().shoot(fh.Camera(position=(0, 0, 5), aim=(0, 0, -1)), t_min=1)
+
+
 @pytest.mark.parametrize(
     ("origins", "directions", "words"),
     [

@@ -157,6 +157,13 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number that is not negative.
+pub(crate) fn t_min(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    let start = number.filter(|&number| (0.0..f64::INFINITY).contains(&number));
+    start.ok_or_else(|| "expected zero or a positive number".into())
+}
+
 /// A positive number; infinity is one here.
 pub(crate) fn t_max(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();

@@ -39,7 +39,8 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
     let sinks = sinks(args, &kinds)?;
     let started = Instant::now();
     with_threads(&args.run, || {
-        let rays = rays::read(&args.rays, args.directions.as_deref(), args.t_max)?;
+        let ends = (args.t_min, args.t_max);
+        let rays = rays::read(&args.rays, args.directions.as_deref(), ends)?;
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, None)?;

@@ -18,6 +18,7 @@ type Triples = Vec<[f64; 3]>;
 pub(crate) struct RayArrays {
     origins: Triples,
     directions: Triples,
+    t_min: f64,
     t_max: f64,
 }
 
@@ -31,6 +32,7 @@ impl Rays for RayArrays {
             DVec3::from(self.origins[index]),
             DVec3::from(self.directions[index]),
         )
+        .beyond(self.t_min)
         .up_to(self.t_max)
     }
 }
@@ -55,7 +57,7 @@ impl Table {
 pub(crate) fn read(
     rays: &Path,
     directions: Option<&Path>,
-    t_max: Option<f64>,
+    (t_min, t_max): (Option<f64>, Option<f64>),
 ) -> Result<RayArrays, Failure> {
     if directions == Some(rays) {
         return Err(Failure::usage(
@@ -67,11 +69,11 @@ pub(crate) fn read(
         tables.extend(load(path)?);
     }
     let (origins, directions) = origins_and_directions(&tables).map_err(|what| bad(rays, &what))?;
-    let t_max = t_max.unwrap_or(f64::INFINITY);
     Ok(RayArrays {
         origins,
         directions,
-        t_max,
+        t_min: t_min.unwrap_or(0.0),
+        t_max: t_max.unwrap_or(f64::INFINITY),
     })
 }
 

@@ -92,6 +92,22 @@ fn t_max_ends_rays_and_is_a_hit_itself() {
 }
 
 #[test]
+fn t_min_begins_rays_and_is_no_hit_itself() {
+    let lab = Lab::with_square();
+    let t = |t_min: &str| csv(&lab, &format!("--channels t --t-min {t_min}"), DOWN);
+    assert_eq!(t("0"), "t\n10\n");
+    assert_eq!(t("9.999"), "t\n10\n");
+    assert_eq!(t("10"), "t\ninf\n");
+    for wrong in ["-1", "inf", "nan"] {
+        lab.fails(
+            &format!("shoot square.ply - --t-min {wrong}"),
+            2,
+            "expected zero or a positive number",
+        );
+    }
+}
+
+#[test]
 fn rays_that_make_no_sense_miss_alone() {
     let lab = Lab::with_square();
     let rays = "0,0,1,0,0,-1\nnan,0,1,0,0,-1\n0,0,1,0,0,0\n0,0,1,0,inf,-1\n0,0,2,0,0,-1\n";

@@ -5,7 +5,7 @@
 use super::filter::Candidates;
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
-use super::packet::Packet;
+use super::packet::{Limits, Packet};
 use crate::shape::triangle::{Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Aligned, LANES, Lanes};
@@ -27,7 +27,7 @@ pub(crate) trait Question: Goal {
     /// The answer where nothing is met.
     const NOTHING: Self::Answer;
     /// Before the first leaf; with the ray's limits, see [`Packet::limits`].
-    fn new(limits: (f32, f32)) -> Self;
+    fn new(limits: Limits) -> Self;
     /// Takes note of a single candidate, the triangle in a lane of a leaf, between two depths.
     fn meet_one(
         &mut self,
@@ -58,7 +58,7 @@ impl Place<'_> {
         let corners = self.tree.corners(self.mesh, leaf, lane);
         let ray = self.packet.ray(self.lane);
         let hit = Shear::new(&ray).intersect_ahead(corners)?;
-        (hit.t > 0.0 && hit.t <= ray.t_max).then_some(hit)
+        ray.holds(hit.t).then_some(hit)
     }
 
     #[inline(always)]
@@ -103,8 +103,7 @@ impl Best {
 pub(crate) struct First {
     best: Best,
     limit: f32,
-    /// The depth up to which a hit is within the ray's `t_max` for certain.
-    within: f32,
+    limits: Limits,
 }
 
 impl First {
@@ -138,11 +137,11 @@ impl Question for First {
     const NOTHING: Self::Answer = None;
 
     #[inline(always)]
-    fn new((limit, within): (f32, f32)) -> Self {
+    fn new(limits: Limits) -> Self {
         Self {
             best: Best::None,
-            limit,
-            within,
+            limit: limits.last,
+            limits,
         }
     }
 
@@ -155,13 +154,13 @@ impl Question for First {
         is_certain: bool,
     ) {
         let (best_low, best_high) = match self.best {
-            Best::None => (self.within, f32::INFINITY),
+            Best::None => (self.limits.within, f32::INFINITY),
             Best::Pending { low, high, .. } | Best::Decided { low, high, .. } => (low, high),
         };
-        if low > best_high {
+        if low > best_high || high < self.limits.before {
             return;
         }
-        if is_certain && low > 0.0 && high < best_low {
+        if is_certain && low > self.limits.beyond && high < best_low {
             self.best = Best::Pending {
                 leaf,
                 lane,
@@ -220,7 +219,7 @@ impl Goal for First {
 pub(crate) struct Any {
     is_found: bool,
     limit: f32,
-    within: f32,
+    limits: Limits,
 }
 
 impl Question for Any {
@@ -228,11 +227,11 @@ impl Question for Any {
     const NOTHING: Self::Answer = false;
 
     #[inline(always)]
-    fn new((limit, within): (f32, f32)) -> Self {
+    fn new(limits: Limits) -> Self {
         Self {
             is_found: false,
-            limit,
-            within,
+            limit: limits.last,
+            limits,
         }
     }
 
@@ -244,8 +243,11 @@ impl Question for Any {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
+        if high < self.limits.before {
+            return;
+        }
         let leaf = &place.tree.leaves[leaf as usize];
-        let is_inside = is_certain && low > 0.0 && high < self.within;
+        let is_inside = is_certain && low > self.limits.beyond && high < self.limits.within;
         if is_inside || place.decide(leaf, lane).is_some() {
             self.is_found = true;
             self.limit = -1.0;
@@ -268,10 +270,10 @@ impl Goal for Any {
 
     #[inline(always)]
     fn meet<L: Lanes>(&mut self, l: L, place: &Place<'_>, leaf: u32, candidates: &Candidates<L>) {
-        let inside =
-            l.lt(l.splat(0.0), candidates.low) & l.lt(candidates.high, l.splat(self.within));
+        let inside = l.lt(l.splat(self.limits.beyond), candidates.low)
+            & l.lt(candidates.high, l.splat(self.limits.within));
         let leaf = &place.tree.leaves[leaf as usize];
-        let mut possible = candidates.possible;
+        let mut possible = candidates.possible & l.le(l.splat(self.limits.before), candidates.high);
         debug_assert!(!self.is_found, "an answer is never taken back");
         // Where it is met for certain, nobody wants to know the place.
         self.is_found = possible & candidates.certain & inside != 0;

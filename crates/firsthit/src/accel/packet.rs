@@ -24,6 +24,7 @@ const _: () = assert!(14.0 * (FAR + 1.0) * (U as f64) < MARGIN as f64);
 pub(crate) struct Packet {
     origin: [[f64; RAYS]; 3],
     direction: [[f64; RAYS]; 3],
+    t_min: [f64; RAYS],
     t_max: [f64; RAYS],
     /// Depth in a unit of `t`.
     depth_per_t: [f64; RAYS],
@@ -40,14 +41,29 @@ pub(crate) struct Packet {
 
     /// What a float32 depth is off by at most, and twice as much again.
     depth_error: [f32; RAYS],
-    /// The depth beyond which nothing matters, as `t_max` says.
+    /// [`Limits::last`].
     pub(super) limit: [f32; RAYS],
-    /// The depth up to which a hit is within `t_max` for certain.
+    // See `Limits`.
+    before: [f32; RAYS],
+    beyond: [f32; RAYS],
     within: [f32; RAYS],
     /// The rays whose direction is longest along y, and along z.
     is_along: [u16; 2],
     /// The rays that may meet something.
     pub(crate) alive: u16,
+}
+
+/// What a ray's `t_min` and `t_max` come to in depths.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// A hit before this does not count.
+    pub(super) before: f32,
+    /// A hit beyond this is beyond `t_min`, for certain.
+    pub(super) beyond: f32,
+    /// A hit up to this is within `t_max`, for certain.
+    pub(super) within: f32,
+    /// Behind this nothing matters.
+    pub(super) last: f32,
 }
 
 /// Between the axes of space and those of each ray, `TreeRay::axes`.
@@ -116,6 +132,7 @@ impl Packet {
             self.origin[axis][lane] = ray.origin[axis];
             self.direction[axis][lane] = ray.direction[axis];
         }
+        self.t_min[lane] = ray.t_min;
         self.t_max[lane] = ray.t_max;
     }
 
@@ -127,6 +144,7 @@ impl Packet {
         Ray {
             origin: vector(&self.origin),
             direction: vector(&self.direction),
+            t_min: self.t_min[lane],
             t_max: self.t_max[lane],
         }
     }
@@ -194,7 +212,9 @@ impl Packet {
             vector(l, &self.direction, half),
         );
         let length = largest_of(l, &direction);
-        let plain = l.lt64(number(0.0), l.load64(of(&self.t_max, half)))
+        let t_max = l.load64(of(&self.t_max, half));
+        let plain = l.lt64(number(0.0), t_max)
+            & l.lt64(l.load64(of(&self.t_min, half)), t_max)
             & l.lt64(number(1e-99), length)
             & l.lt64(length, number(1e99))
             & finite(&direction)
@@ -334,30 +354,52 @@ impl Packet {
         }
     }
 
-    /// What `t_max` comes to in depths.
+    /// What `t_min` and `t_max` come to in depths.
     #[inline(always)]
     fn set_limits<L: Lanes>(&mut self, l: L, half: usize, rounding: &Rounding<L>) {
         let blur = l.mul64(l.splat64(3.0), rounding.blur);
         let error = l.add64(rounding.units(l, 24.0), blur);
         l.store_narrowed(error, of_mut(&mut self.depth_error, half));
-        let depth = l.mul64(
-            l.load64(of(&self.t_max, half)),
-            l.load64(of(&self.depth_per_t, half)),
-        );
-        let depth = l.sub64(depth, l.load64(of(&self.moved, half)));
-        let share = l.mul64(l.abs64(depth), l.splat64(f64::from(4.0 * U)));
-        let slack = l.add64(share, error);
-        // Infinity less a part of infinity is NaN.
-        let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
-        let within = l.select64(is_finite, l.sub64(depth, slack), depth);
-        l.store_narrowed(l.add64(depth, slack), of_mut(&mut self.limit, half));
+        let zero = l.splat64(0.0);
+        // The depth at a parameter, less and more what it and a hit there may be off.
+        macro_rules! ends {
+            ($t:expr) => {{
+                let depth = l.mul64($t, l.load64(of(&self.depth_per_t, half)));
+                let depth = l.sub64(depth, l.load64(of(&self.moved, half)));
+                let share = l.mul64(l.abs64(depth), l.splat64(f64::from(4.0 * U)));
+                let slack = l.add64(share, error);
+                // Infinity less a part of infinity is NaN.
+                let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
+                let less = l.select64(is_finite, l.sub64(depth, slack), depth);
+                (less, l.add64(depth, slack))
+            }};
+        }
+        let (within, last) = ends!(l.load64(of(&self.t_max, half)));
+        l.store_narrowed(last, of_mut(&mut self.limit, half));
         l.store_narrowed(within, of_mut(&mut self.within, half));
+        let t_min = l.load64(of(&self.t_min, half));
+        let begins = l.lt64(zero, t_min);
+        let (mut before, mut beyond) = (zero, zero);
+        if begins != 0 {
+            let (less, more) = ends!(t_min);
+            // What is ahead of the start, wherever that was moved, is ahead of the origin.
+            before = l.select64(begins, l.max64(less, zero), zero);
+            beyond = l.select64(begins, l.max64(zero, more), zero);
+        }
+        l.store_narrowed(before, of_mut(&mut self.before, half));
+        l.store_narrowed(beyond, of_mut(&mut self.beyond, half));
     }
 
-    /// The depth beyond which nothing matters to a ray, and up to which a hit counts for certain.
+    /// Those of a ray.
     #[inline(always)]
-    pub(super) fn limits(&self, lane: usize) -> (f32, f32) {
-        (self.limit[lane % RAYS], self.within[lane % RAYS])
+    pub(super) fn limits(&self, lane: usize) -> Limits {
+        let lane = lane % RAYS;
+        Limits {
+            before: self.before[lane],
+            beyond: self.beyond[lane],
+            within: self.within[lane],
+            last: self.limit[lane],
+        }
     }
 
     /// A depth that is not smaller than that of `t`, nor is that of a hit there as the filter sees it.

@@ -190,7 +190,7 @@ pub(crate) fn each<L: Lanes>(
     packet.put(0, ray);
     packet.prepare(l, tree, 1);
     if packet.alive != 0 {
-        (each.limit, _) = packet.limits(0);
+        each.limit = packet.limits(0).last;
         let place = Place {
             tree,
             mesh,

@@ -3,7 +3,7 @@ use super::DVec2;
 /// What a ray meets first: how far away, which object, and where on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// The ray's parameter, `0 < t <= t_max`; infinity for a miss.
+    /// The ray's parameter, `t_min < t <= t_max`; infinity for a miss.
     pub t: f64,
     /// The object's index in the scene; -1 for a miss.
     pub object: i32,

@@ -1,28 +1,37 @@
 use super::{DVec3, PixelGrid};
 
-/// The points `origin + t * direction` with `0 < t <= t_max`, in world space unless said otherwise.
+/// The points `origin + t * direction` with `t_min < t <= t_max`, in world space unless said otherwise.
 ///
 /// `direction` need not be of length one: `t` is in units of its length, a distance only when that
 /// is one (as it is for every camera's rays).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where the ray starts; not itself part of the ray.
+    /// Where `t` is zero; not itself part of the ray.
     pub origin: DVec3,
     /// Where it goes; anything but zero.
     pub direction: DVec3,
+    /// Where the ray begins: the largest `t` that does not yet count. Below zero it is as good as zero.
+    pub t_min: f64,
     /// The largest `t` that counts.
     pub t_max: f64,
 }
 
 impl Ray {
-    /// The ray without an end.
+    /// The ray from its origin on, without an end.
     #[inline]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self {
             origin,
             direction,
+            t_min: 0.0,
             t_max: f64::INFINITY,
         }
+    }
+
+    /// The same ray, beginning at `t_min` (which does not yet count).
+    #[inline]
+    pub fn beyond(self, t_min: f64) -> Self {
+        Self { t_min, ..self }
     }
 
     /// The same ray, ending at `t_max` (which still counts).
@@ -36,14 +45,27 @@ impl Ray {
         self.origin + t * self.direction
     }
 
-    /// Whether this ray can meet anything: all numbers finite, the direction not zero, `t_max`
-    /// positive. Any other ray is a miss, and only that.
+    /// Whether what is at `t` is on the ray.
+    #[inline]
+    pub fn holds(&self, t: f64) -> bool {
+        t > 0.0 && t > self.t_min && t <= self.t_max
+    }
+
+    /// Whether the ray is all that is ahead of its origin.
+    #[inline]
+    pub(crate) fn is_whole(&self) -> bool {
+        self.t_min <= 0.0 && self.t_max == f64::INFINITY
+    }
+
+    /// Whether this ray can meet anything: origin and direction finite, the direction not zero, `t_max`
+    /// positive and above `t_min`. Any other ray is a miss, and only that.
     #[inline]
     pub fn is_valid(&self) -> bool {
         self.origin.is_finite()
             && self.direction.is_finite()
             && self.direction != DVec3::ZERO
             && self.t_max > 0.0
+            && self.t_min < self.t_max
     }
 }
 

@@ -96,6 +96,7 @@ impl Transform {
             origin: self.object_from_world.matrix3
                 * (ray.origin - self.world_from_object.translation),
             direction: self.object_from_world.transform_vector3(ray.direction),
+            t_min: ray.t_min,
             t_max: ray.t_max,
         }
     }

@@ -155,7 +155,7 @@ impl Surface for Cone {
             0.0
         };
         self.inside(at + start * ray.direction, ray.direction)?
-            .first(start, ray.t_max)
+            .first(start, ray)
     }
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {

@@ -246,6 +246,38 @@ fn t_counts_in_lengths_of_the_direction_and_t_max_is_included() {
     }
 }
 
+/// What a ray meets that begins at its first crossing is the second one, as seen from the other end.
+#[test]
+fn t_min_is_not_included_and_lets_the_next_crossing_through() {
+    let mut passed = 0;
+    for shape in Shape::examples() {
+        for ray in rays(&shape) {
+            let Some(hit) = shape.intersect(&ray) else {
+                continue;
+            };
+            let same = |t_min: f64| shape.intersect(&ray.beyond(t_min)).map(|hit| hit.t);
+            assert_eq!(same(hit.t.next_down()), Some(hit.t), "{shape:?} {ray:?}");
+            assert_eq!(same(-1.0), Some(hit.t), "{shape:?} {ray:?}");
+            assert_eq!(same(1e9), None, "{shape:?} {ray:?}");
+            let Some(next) = shape.intersect(&ray.beyond(hit.t)) else {
+                continue;
+            };
+            assert!(next.t > hit.t, "{shape:?} {ray:?}");
+            let back = Ray::new(ray.at(2.0 * next.t), -ray.direction);
+            let last = shape
+                .intersect(&back)
+                .map_or(0.0, |hit| 2.0 * next.t - hit.t);
+            let rounding = 1e-7 * next.t.max(1.0);
+            assert!(
+                (last - next.t).abs() <= rounding,
+                "{shape:?} {ray:?} {next:?} {last}"
+            );
+            passed += 1;
+        }
+    }
+    assert!(passed > 100, "{passed}");
+}
+
 #[test]
 fn what_is_behind_the_start_is_not_met() {
     for shape in Shape::examples() {

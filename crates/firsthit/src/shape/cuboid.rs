@@ -56,7 +56,7 @@ impl Surface for Cuboid {
             ];
             inside = inside.between(planes, ray.origin[axis], ray.direction[axis])?;
         }
-        inside.first(0.0, ray.t_max)
+        inside.first(0.0, ray)
     }
 
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {

@@ -4,6 +4,7 @@
 //! a stretch with two ends, or nothing: so there is no seam between a lid and a side to slip through.
 
 use super::Crossing;
+use crate::geometry::Ray;
 
 /// The stretch inside, each end with the part of the surface where it is.
 #[derive(Debug, Clone, Copy)]
@@ -62,9 +63,9 @@ impl Interval {
         self.exit.t - self.enter.t
     }
 
-    /// The first end with `0 < t <= t_max`, the interval's zero being at the ray's parameter `start`; where
+    /// The first end that `ray` holds, the interval's zero being at the ray's parameter `start`; where
     /// both ends are at the same `t` (the ray touches an edge), the one with the lower primitive.
-    pub(super) fn first(self, start: f64, t_max: f64) -> Option<Crossing> {
+    pub(super) fn first(self, start: f64, ray: &Ray) -> Option<Crossing> {
         if self.is_empty() {
             return None;
         }
@@ -75,7 +76,6 @@ impl Interval {
         let touches = enter.t == exit.t && exit.primitive < enter.primitive;
         let ends = if touches { [exit; 2] } else { [enter, exit] };
         ends.into_iter()
-            .find(|end| end.t > 0.0)
-            .filter(|end| end.t <= t_max && end.t.is_finite())
+            .find(|end| ray.holds(end.t) && end.t.is_finite())
     }
 }

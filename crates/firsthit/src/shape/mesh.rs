@@ -41,8 +41,7 @@ impl Mesh {
         let mut first: Option<Crossing> = None;
         for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
             if let Some(hit) = self.intersect_triangle(triangle, shear)
-                && hit.t > 0.0
-                && hit.t <= ray.t_max
+                && ray.holds(hit.t)
                 && first.is_none_or(|first| hit.t < first.t)
             {
                 first = Some(hit.crossing(primitive));

@@ -58,7 +58,7 @@ pub trait Surface {
     /// A box around the shape; everything for an infinite one.
     fn bounds(&self) -> Bounds;
 
-    /// The first crossing with `0 < t <= ray.t_max`; at the same `t` the lower primitive. Surfaces are
+    /// The first crossing that [the ray holds](Ray::holds); at the same `t` the lower primitive. Surfaces are
     /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length whose
     /// square float64 can hold (what scenes are shot at with may have any length).
     fn intersect(&self, ray: &Ray) -> Option<Crossing>;

@@ -38,7 +38,7 @@ impl Plane {
     pub(super) fn crossing(&self, ray: &Ray) -> Option<f64> {
         let t = (self.point - ray.origin).dot(self.normal) / ray.direction.dot(self.normal);
         // Written so that a NaN (the ray runs in the plane) and an infinity (beside it) fail.
-        (t > 0.0 && t <= ray.t_max && t.is_finite()).then_some(t)
+        (ray.holds(t) && t.is_finite()).then_some(t)
     }
 }
 

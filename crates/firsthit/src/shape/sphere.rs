@@ -59,8 +59,7 @@ impl Surface for Sphere {
         let (t0, t1) = (c / q, q / a);
         [t0.min(t1), t0.max(t1)]
             .into_iter()
-            .find(|&t| t > 0.0)
-            .filter(|&t| t <= ray.t_max)
+            .find(|&t| ray.holds(t))
             .map(|t| Crossing::at(t, 0))
     }
 

@@ -73,9 +73,7 @@ fn is_near(grid: &PixelGrid, row: usize, column: usize, ray: &Ray) -> bool {
         None => (length * ray.direction, ray.origin == grid.position),
     };
     let pixel = grid.width / grid.columns as f64;
-    is_alike
-        && ray.t_max == f64::INFINITY
-        && (crossing - grid.point(row, column)).length() < FARTHEST * pixel
+    is_alike && ray.is_whole() && (crossing - grid.point(row, column)).length() < FARTHEST * pixel
 }
 
 /// The ends of four rays from an eye that make a parallelogram (but for the last): the first has the length it has.
@@ -178,7 +176,7 @@ impl SquareRays {
             row_of_rays[columns..].fill(last);
             for (across, ray) in row_of_rays.iter().enumerate() {
                 let tile = down / TILE * TILES + across / TILE;
-                self.has_ends[tile] |= ray.t_max != f64::INFINITY;
+                self.has_ends[tile] |= !ray.is_whole();
                 let (block, lane) = place(down % TILE, across % TILE);
                 let half = tile * HALVES + 2 * block + lane / WIDE;
                 let (origin, direction) = (&mut self.origin[half], &mut self.direction[half]);
@@ -390,6 +388,8 @@ mod tests {
         assert_eq!(grid(&rays.iter().map(bent).collect::<Vec<_>>()), None);
         let ending = rays.iter().map(|ray| ray.up_to(100.0));
         assert_eq!(grid(&ending.collect::<Vec<_>>()), None);
+        let beginning = rays.iter().map(|ray| ray.beyond(0.1));
+        assert_eq!(grid(&beginning.collect::<Vec<_>>()), None);
         let scattered = |k: usize| rays[k * 37 % rays.len()];
         assert_eq!(
             grid(&(0..rays.len()).map(scattered).collect::<Vec<_>>()),

@@ -214,7 +214,7 @@ fn checked(
     ray: &Ray,
 ) -> Option<Crossing> {
     let hit = mesh.intersect_triangle(triangle, &Shear::new(ray))?;
-    let is_within = hit.t > 0.0 && hit.t <= ray.t_max;
+    let is_within = ray.holds(hit.t);
     let is_hole = || object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric);
     let crossing = hit.crossing(identifier(triangle));
     // In the caller's units `t` may be too small for float64.

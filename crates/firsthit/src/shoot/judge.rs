@@ -40,8 +40,7 @@ fn all_hits(moderate: &Moderate, index: u32, object: &Object, mut accept: impl F
     let shear = Shear::new(&ray);
     for triangle in 0..mesh.triangles().len() {
         if let Some(hit) = mesh.intersect_triangle(triangle, &shear)
-            && hit.t > 0.0
-            && hit.t <= ray.t_max
+            && ray.holds(hit.t)
             && !(object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric))
         {
             let hit = hit.crossing(identifier(triangle));

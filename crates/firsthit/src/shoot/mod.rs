@@ -44,7 +44,7 @@ pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
     any_hit(scene, &Ray::new(p, u_r).up_to(t_max))
 }
 
-/// [`occluded`] for a ray with its own `t_max`.
+/// [`occluded`] for a ray with its own `t_min` and `t_max`.
 pub fn any_hit(scene: &Scene, ray: &Ray) -> bool {
     trees::any_hit(scene, ray)
 }

@@ -9,7 +9,8 @@ pub(super) struct Moderate {
     pub(super) ray: Ray,
     /// What its `t` is to be multiplied with: a power of two, hardly ever another than 1.
     pub(super) scale: f64,
-    t_max: f64,
+    /// As the caller has it.
+    whole: Ray,
 }
 
 impl Moderate {
@@ -21,9 +22,14 @@ impl Moderate {
         }
         let scale = moderation(ray.direction);
         Some(Self {
-            ray: Ray::new(ray.origin, scale * ray.direction).up_to(ray.t_max / scale),
+            ray: Ray {
+                origin: ray.origin,
+                direction: scale * ray.direction,
+                t_min: ray.t_min / scale,
+                t_max: ray.t_max / scale,
+            },
             scale,
-            t_max: ray.t_max,
+            whole: *ray,
         })
     }
 
@@ -39,7 +45,7 @@ impl Moderate {
     #[inline(always)]
     pub(super) fn hit(&self, index: u32, crossing: Crossing) -> Option<Hit> {
         let t = self.scale * crossing.t;
-        (t > 0.0 && t <= self.t_max && t.is_finite()).then(|| Hit {
+        (self.whole.holds(t) && t.is_finite()).then(|| Hit {
             t,
             object: index.cast_signed(),
             primitive: crossing.primitive,

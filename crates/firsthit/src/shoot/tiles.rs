@@ -425,7 +425,7 @@ impl Work<'_> {
         let hit = Shear::new(&ray).intersect(tree.corners_in(mesh, winner.slot))?;
         let primitive = tree.triangle_in(winner.slot).cast_signed();
         let crossing: Crossing = hit.crossing(primitive);
-        (hit.t > 0.0 && hit.t <= ray.t_max)
+        ray.holds(hit.t)
             .then(|| moderate.hit(winner.object, crossing))
             .flatten()
     }

@@ -259,11 +259,7 @@ fn a_mirrored_node_keeps_its_outside() {
     let (eye, down) = (DVec3::new(-0.2, 0.2, 3.0), DVec3::NEG_Z);
     let hit = shoot(&scene, eye, down);
     assert_eq!(hit.t, 3.0);
-    let ray = firsthit::Ray {
-        origin: eye,
-        direction: down,
-        t_max: f64::INFINITY,
-    };
+    let ray = firsthit::Ray::new(eye, down);
     assert_eq!(scene.normal(&ray, &hit), DVec3::Z);
 }
 

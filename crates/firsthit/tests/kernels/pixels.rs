@@ -104,6 +104,7 @@ fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {
         let count = rays.len();
         rays[count / 2].direction = DVec3::NAN;
         rays[count / 3].t_max = 1.0;
+        rays[count / 4].t_min = 1.0;
         rays[count / 5].direction *= 1e-200;
         rays[count / 7] = Ray::new(DVec3::ONE, DVec3::X);
     }
