@@ -1,10 +1,10 @@
 """Two builds of firsthit-bench against each other, frame by frame.
 
-    python benches/pairs.py target/old/firsthit-bench target/release/firsthit-bench --scenes bunny --rows primary
+    python benches/pairs.py OLD/firsthit-bench NEW/firsthit-bench --scenes bunny --rows primary
 
-For each row it prints the median of the ratios of neighbouring times, new divided by old (below 1: the new one is
-faster), and the quartiles. A shared machine may change its speed by a third within a minute; from one frame
-to the next it hardly does, so that a hundredth can be seen in half a minute.
+For each row it prints the median of the ratios of neighbouring times, new divided by old (below 1:
+the new one is faster), and the quartiles. A shared machine may change its speed by a third within
+a minute; from one frame to the next it hardly does, so that two hundredths show in half a minute.
 """
 
 import argparse
@@ -25,15 +25,22 @@ class Build:
 
     def label(self):
         """What can be timed next, as [scene, row]; nothing at the end."""
-        return self.process.stdout.readline().split()
+        return self.process.stdout.readline().rsplit(maxsplit=1)
 
     def time(self):
         """Nanoseconds for each ray, or for each triangle built."""
         self.process.stdin.write("run\n")
-        return float(self.process.stdout.readline())
+        answer = self.process.stdout.readline()
+        if not answer:
+            sys.exit(f"pairs.py: error: {self.process.args[0]} has stopped")
+        return float(answer)
 
     def go_on(self):
         self.process.stdin.write("next\n")
+
+    def end(self):
+        self.process.stdin.close()
+        return self.process.wait()
 
 
 def main():
@@ -43,14 +50,18 @@ def main():
     parser.add_argument("--scenes", help="as for firsthit-bench")
     parser.add_argument("--rows", help="as for firsthit-bench, and: build", default="primary")
     parser.add_argument("--folder", help="as for firsthit-bench")
-    parser.add_argument("--pairs", type=int, default=60, help="how often each row is timed")
+    parser.add_argument(
+        "--pairs", type=int, default=60, help="how often each row is timed; builds at most 12 times"
+    )
     arguments = parser.parse_args()
+    if arguments.pairs < 2:
+        parser.error("--pairs must be at least 2")
 
     # Both on one processor, so that they are disturbed alike.
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     wanted = arguments.rows.split(",")
-    shots = [row for row in wanted if row != "build"]
-    options = ["--rows", ",".join(shots or ["primary"])]
+    rows = [row for row in wanted if row != "build"]
+    options = ["--rows", ",".join(rows or ["primary"])]
     for name in ("scenes", "folder"):
         if value := getattr(arguments, name):
             options += [f"--{name}", value]
@@ -58,10 +69,11 @@ def main():
 
     while True:
         labels = [build.label() for build in builds]
-        if not all(labels):
+        if labels[0] != labels[1]:
             # One that has stopped early has said why.
-            failed = [build for build in builds if build.process.wait() != 0]
-            sys.exit(1 if failed else None)
+            sys.exit(f"pairs.py: error: not the same scenes and rows: {labels[0]} and {labels[1]}")
+        if not labels[0]:
+            break
         scene, row = labels[0]
         if row in wanted:
             pairs = min(arguments.pairs, 12) if row == "build" else arguments.pairs
@@ -79,6 +91,7 @@ def main():
             )
         for build in builds:
             build.go_on()
+    sys.exit(max(build.end() for build in builds))
 
 
 if __name__ == "__main__":

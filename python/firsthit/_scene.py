@@ -254,15 +254,16 @@ class Scene:
             World space, any real type; broadcast against each other. Directions of any length:
             ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
         t_min, t_max : (...) array_like
-            Where rays begin and end: what is met has ``t_min < t <= t_max``. Below zero, ``t_min`` is
-            as good as zero: nothing behind an origin is met.
+            Where rays begin and end: what is met has ``t_min < t <= t_max``. Below zero,
+            ``t_min`` is as good as zero: nothing behind an origin is met.
         threads : int, optional
             How many to use; all cores if left out. The result is the same for any number.
 
         Returns
         -------
         Hits
-            Of the rays' shape. A ray that is zero, NaN or infinite is a miss, alone.
+            Of the rays' shape. A ray that is zero, NaN or infinite, or begins where it ends, is a
+            miss, alone.
 
         Raises
         ------
@@ -403,7 +404,12 @@ def _is_one(limits: npt.NDArray[Any]) -> bool:
 
 def _part(rays: Rays, part: slice) -> tuple[npt.NDArray[np.float64], ...]:
     origins, directions, t_min, t_max = rays
-    return flat(origins, part, 1), flat(directions, part, 1), _limit(t_min, part), _limit(t_max, part)
+    return (
+        flat(origins, part, 1),
+        flat(directions, part, 1),
+        _limit(t_min, part),
+        _limit(t_max, part),
+    )
 
 
 def _limit(limits: npt.NDArray[Any], part: slice) -> npt.NDArray[np.float64]:

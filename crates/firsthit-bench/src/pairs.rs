@@ -16,14 +16,14 @@ use crate::settings::Settings;
 /// nanoseconds it took for each ray or triangle, until a line says `next`.
 pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
     let mut client = Client(io::stdin().lock());
-    let written = |error: io::Error| format!("standard output: {error}");
+    let failed = |error: io::Error| format!("--pairs: {error}");
     for name in settings.scenes()? {
         let scene = scenes::find(&name, settings)?;
         let built = firsthit_side::build(&scene.objects)?;
         let mut build = || drop(black_box(firsthit_side::build(&scene.objects)));
         client
             .time(&name, "build", built.triangles() as usize, &mut build)
-            .map_err(written)?;
+            .map_err(failed)?;
         let shots = Shots::new(&built, &scene.look, settings.side)?;
         let mut hits = Hits::default();
         for row in settings.rows() {
@@ -35,7 +35,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
             };
             client
                 .time(&name, &row.name(), shot.count(), &mut shoot)
-                .map_err(written)?;
+                .map_err(failed)?;
         }
     }
     Ok(())
@@ -58,7 +58,10 @@ impl Client {
         let mut line = String::new();
         loop {
             line.clear();
-            if self.0.read_line(&mut line)? == 0 || line.trim() == "next" {
+            if self.0.read_line(&mut line)? == 0 {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+            if line.trim() == "next" {
                 return Ok(());
             }
             // Once uncounted: meanwhile the other build had the caches.

@@ -299,6 +299,9 @@ fn rays_that_make_no_sense_miss_and_leave_their_neighbours_alone() {
         good.up_to(f64::NAN),
         good.up_to(0.0),
         good.up_to(-1.0),
+        good.beyond(f64::NAN),
+        good.beyond(f64::INFINITY),
+        good.beyond(4.5).up_to(4.5),
     ];
     let rays: Vec<Ray> = bad.iter().flat_map(|&bad| [good, bad]).collect();
     let hits = shoot_all(&scene, &rays, &()).unwrap();
@@ -326,6 +329,16 @@ fn a_hit_needs_t_above_zero_and_up_to_t_max() {
     assert_eq!(agree(&scene, &from(3.0).up_to(3.0)).t, 3.0);
     assert!(agree(&scene, &from(3.0).up_to(3.0_f64.next_down())).is_miss());
     assert_eq!(agree(&scene, &from(5e-324)).t, 5e-324);
+    assert!(agree(&scene, &from(3.0).beyond(3.0)).is_miss());
+    assert_eq!(agree(&scene, &from(3.0).beyond(3.0_f64.next_down())).t, 3.0);
+    assert_eq!(agree(&scene, &from(3.0).beyond(f64::NEG_INFINITY)).t, 3.0);
+    // Where directions are scaled, so are both ends.
+    for length in [1e200, 1e-200] {
+        let ray = Ray::new(DVec3::new(0.0, 0.0, 3.0), length * DVec3::NEG_Z);
+        let t = agree(&scene, &ray).t;
+        assert!(agree(&scene, &ray.beyond(t)).is_miss());
+        assert_eq!(agree(&scene, &ray.beyond(t.next_down()).up_to(t)).t, t);
+    }
 }
 
 #[test]

@@ -40,6 +40,11 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
     let started = Instant::now();
     with_threads(&args.run, || {
         let ends = (args.t_min, args.t_max);
+        if let (Some(t_min), Some(t_max)) = ends
+            && t_min >= t_max
+        {
+            return Err(Failure::usage("--t-min must be below --t-max"));
+        }
         let rays = rays::read(&args.rays, args.directions.as_deref(), ends)?;
         let Loaded {
             scene, warnings, ..

@@ -105,6 +105,11 @@ fn t_min_begins_rays_and_is_no_hit_itself() {
             "expected zero or a positive number",
         );
     }
+    lab.fails(
+        "shoot square.ply - --t-min 3 --t-max 2",
+        2,
+        "--t-min must be below --t-max",
+    );
 }
 
 #[test]

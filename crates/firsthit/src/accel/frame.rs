@@ -143,8 +143,8 @@ impl Frame {
         let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
         let share = 45.0 * u * skewness;
         let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
-        // With an extent of up to 2 reaches, vertices' depths are off by 30 units; those between a triangle's corners are
-        // rounded seven times more (`sides.rs`), by 28.
+        // With an extent of 2, vertices' depths, of up to 2 reaches, are off by 30 units. Those between a triangle's corners
+        // are rounded seven times more (`sides.rs`), and once with what they may be off: 16.
         let along = 60.0 * u * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
         // What a wrong depth of a vertex moves on the picture.

@@ -382,7 +382,7 @@ impl Packet {
         let (mut before, mut beyond) = (zero, zero);
         if begins != 0 {
             let (less, more) = ends!(t_min);
-            // What is ahead of the start, wherever that was moved, is ahead of the origin.
+            // What is ahead of the start, wherever that was moved, is ahead of the origin. Of a NaN nothing is certain.
             before = l.select64(begins, l.max64(less, zero), zero);
             beyond = l.select64(begins, l.max64(zero, more), zero);
         }

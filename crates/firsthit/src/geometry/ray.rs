@@ -28,7 +28,8 @@ impl Ray {
         }
     }
 
-    /// The same ray, beginning at `t_min` (which does not yet count).
+    /// The same ray, beginning at `t_min` (which does not yet count). Beyond a hit, on a mesh's edge, the neighbour may be met
+    /// a last digit later.
     #[inline]
     pub fn beyond(self, t_min: f64) -> Self {
         Self { t_min, ..self }
@@ -91,7 +92,8 @@ pub trait Rays: Sync {
     }
 
     /// What the rays have in common, if they are those of a grid of pixels, row by row from the top: then they
-    /// are shot in tiles, which is many times faster.
+    /// are shot in tiles, which is many times faster. Then [`Rays::ray`] gives just the grid's rays, with neither `t_min` nor
+    /// `t_max`.
     fn grid(&self) -> Option<PixelGrid> {
         None
     }

@@ -137,7 +137,7 @@ pub(super) struct SquareRays {
     /// For each half of a block, tile by tile and row by row, and each axis.
     origin: Vec<[[f64; WIDE]; 3]>,
     direction: Vec<[[f64; WIDE]; 3]>,
-    /// The tiles in which a ray ends somewhere, row by row.
+    /// The tiles in which a ray begins or ends somewhere, row by row.
     has_ends: [bool; TILES * TILES],
 }
 

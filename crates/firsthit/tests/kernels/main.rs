@@ -16,8 +16,11 @@ mod support;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
+use firsthit::scene::AlphaMode;
 use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit, occluded_all, shoot_all};
-use firsthit::{DAffine3, DVec3, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Transform};
+use firsthit::{
+    DAffine3, DVec3, Hit, Hits, InstructionSet, Material, Object, Ray, Rays, Scene, Transform,
+};
 use rayon::ThreadPoolBuilder;
 use support::{Numbers, bits, bumpy_sphere, mesh};
 
@@ -189,7 +192,16 @@ fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
         } else {
             (points, triangles)
         };
-        let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+        let mut object = Object::new(mesh(&points, triangles));
+        if round % 7 == 4 {
+            // Without a hole, but each hit is asked for one.
+            let alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
+            object = object.with_materials([Material {
+                alpha_mode,
+                ..Material::default()
+            }]);
+        }
+        let scene = Scene::new(vec![object]).unwrap();
         let rays = rays(&points, scale, rays_each, &mut numbers);
         judged(&scene, &rays);
         let short = short_rays(&points, scale, rays_each / 2 - 5, &mut numbers);
