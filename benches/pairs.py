@@ -29,8 +29,11 @@ class Build:
 
     def time(self):
         """Nanoseconds for each ray, or for each triangle built."""
-        self.process.stdin.write("run\n")
-        answer = self.process.stdout.readline()
+        try:
+            self.process.stdin.write("run\n")
+            answer = self.process.stdout.readline()
+        except BrokenPipeError:
+            answer = ""
         if not answer:
             sys.exit(f"pairs.py: error: {self.process.args[0]} has stopped")
         return float(answer)
