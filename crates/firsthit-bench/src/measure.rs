@@ -22,6 +22,13 @@ impl Timing {
     }
 }
 
+/// The processor time of this thread for each of the `things` that `work` does, in nanoseconds.
+pub(crate) fn once(things: usize, work: &mut dyn FnMut()) -> f64 {
+    let start = ThreadTime::now();
+    work();
+    1e9 * start.elapsed().as_secs_f64() / things.max(1) as f64
+}
+
 /// Runs all `contestants` in turns, `rounds` times each and once more before, and counts the processor time
 /// of this thread for each of the `things` that one run does.
 pub(crate) fn in_turns(
@@ -32,12 +39,10 @@ pub(crate) fn in_turns(
     let mut times = vec![Vec::new(); contestants.len()];
     for round in 0..=rounds {
         for (times, contestant) in times.iter_mut().zip(contestants.iter_mut()) {
-            let start = ThreadTime::now();
-            contestant();
-            let time = start.elapsed().as_secs_f64();
+            let time = once(things, contestant);
             // The first touches memory and wakes the processor's wide half.
             if round > 0 {
-                times.push(1e9 * time / things.max(1) as f64);
+                times.push(time);
             }
         }
     }

@@ -4,10 +4,10 @@
 use std::hint::black_box;
 use std::io::{self, BufRead, StdinLock, Write};
 
-use cpu_time::ThreadTime;
 use firsthit::Hits;
 
 use crate::firsthit_side;
+use crate::measure;
 use crate::rows::{Shot, Shots};
 use crate::scenes;
 use crate::settings::Settings;
@@ -45,6 +45,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
 struct Client(StdinLock<'static>);
 
 impl Client {
+    /// Offers to time `work`, which does so many `things`, as often as it is asked to.
     fn time(
         &mut self,
         scene: &str,
@@ -66,10 +67,7 @@ impl Client {
             }
             // Once uncounted: meanwhile the other build had the caches.
             work();
-            let start = ThreadTime::now();
-            work();
-            let time = start.elapsed().as_secs_f64();
-            writeln!(out, "{}", 1e9 * time / things.max(1) as f64)?;
+            writeln!(out, "{}", measure::once(things, work))?;
             out.flush()?;
         }
     }

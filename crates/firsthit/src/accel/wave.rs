@@ -96,8 +96,8 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
     let mut nodes = 0_u16;
     let mut leaves = 0_u16;
     let mut free = u16::MAX;
-    // Only leaves move a ray's limit; or to have started again, but then its list is empty, and nobody's depths are
-    // above all limits.
+    // Renewed after a leaf, which moves a ray's limit. So does starting again, but that leaves an empty list, and
+    // nobody's depths are above all limits.
     let mut limits = Aligned([-1.0; LANES]);
     loop {
         while free != 0 {
