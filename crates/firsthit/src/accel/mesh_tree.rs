@@ -14,7 +14,7 @@ use super::wide::{self, Node};
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::shape::{Mesh, Positions};
-use crate::simd::LANES;
+use crate::simd::{LANES, Lanes};
 
 /// A 16-wide tree over the triangles of one mesh.
 #[derive(Debug, Clone)]
@@ -229,6 +229,19 @@ impl MeshTree {
             ]
         } else {
             mesh.corners(self.triangle(leaf, lane) as usize)
+        }
+    }
+
+    /// The triangles of a leaf by their indices in the mesh, as bits.
+    #[inline(always)]
+    pub(super) fn triangles_of<L: Lanes>(&self, l: L, leaf: &Meshlet) -> L::Floats {
+        let from = &self.order[leaf.first as usize..];
+        if let Some(all) = from.first_chunk() {
+            l.load(bytemuck::cast_ref::<[u32; LANES], _>(all))
+        } else {
+            let mut padded = [0; LANES];
+            padded[..from.len()].copy_from_slice(from);
+            l.load(bytemuck::cast_ref(&padded))
         }
     }
 

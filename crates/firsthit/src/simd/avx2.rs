@@ -93,11 +93,9 @@ fn mask64(x: D) -> u8 {
 }
 
 #[inline(always)]
-fn permute_half(table: F, places: &[u8; LANES], half: usize) -> __m256 {
+fn permute_half(table: F, places: __m256) -> __m256 {
     x86!({
-        let places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(
-            places.as_ptr().wrapping_add(8 * half).cast(),
-        ));
+        let places = _mm256_castps_si256(places);
         let low = _mm256_permutevar8x32_ps(table[0], places);
         let high = _mm256_permutevar8x32_ps(table[1], places);
         let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(places));
@@ -197,10 +195,22 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn permute(self, table: F, places: &[u8; LANES]) -> F {
+        self.permute_by(table, self.load_places(places))
+    }
+    #[inline(always)]
+    fn permute_by(self, table: F, places: F) -> F {
         [
-            permute_half(table, places, 0),
-            permute_half(table, places, 1),
+            permute_half(table, places[0]),
+            permute_half(table, places[1]),
         ]
+    }
+    #[inline(always)]
+    fn load_places(self, from: &[u8; LANES]) -> F {
+        let (low, high) = from.split_at(8);
+        x86!([
+            _mm256_castsi256_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(low.as_ptr().cast()))),
+            _mm256_castsi256_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(high.as_ptr().cast()))),
+        ])
     }
     #[inline(always)]
     fn lt(self, a: F, b: F) -> u16 {
@@ -228,6 +238,14 @@ impl Lanes for Avx2 {
                 _mm256_castps_si256(b[1])
             ))
         ]))
+    }
+    #[inline(always)]
+    fn same_sixteen(self, a: F, b: F) -> u16 {
+        let bits = self.splat(f32::from_bits(!15));
+        x86!(self.same(
+            [_mm256_and_ps(a[0], bits[0]), _mm256_and_ps(a[1], bits[1])],
+            [_mm256_and_ps(b[0], bits[0]), _mm256_and_ps(b[1], bits[1])],
+        ))
     }
     #[inline(always)]
     fn select(self, mask: u16, a: F, b: F) -> F {
@@ -388,6 +406,20 @@ impl Lanes for Avx2 {
         x86!([
             _mm256_fmsub_pd(a[0], b[0], c[0]),
             _mm256_fmsub_pd(a[1], b[1], c[1])
+        ])
+    }
+    #[inline(always)]
+    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
+        x86!([
+            _mm256_fmadd_pd(a[0], b[0], c[0]),
+            _mm256_fmadd_pd(a[1], b[1], c[1])
+        ])
+    }
+    #[inline(always)]
+    fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
+        x86!([
+            _mm256_fnmadd_pd(a[0], b[0], c[0]),
+            _mm256_fnmadd_pd(a[1], b[1], c[1])
         ])
     }
     #[inline(always)]

@@ -114,10 +114,17 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn permute(self, table: F, places: &[u8; LANES]) -> F {
-        x86!({
-            let places = _mm512_cvtepu8_epi32(_mm_loadu_si128(places.as_ptr().cast()));
-            _mm512_permutexvar_ps(places, table)
-        })
+        self.permute_by(table, self.load_places(places))
+    }
+    #[inline(always)]
+    fn permute_by(self, table: F, places: F) -> F {
+        x86!(_mm512_permutexvar_ps(_mm512_castps_si512(places), table))
+    }
+    #[inline(always)]
+    fn load_places(self, from: &[u8; LANES]) -> F {
+        x86!(_mm512_castsi512_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128(
+            from.as_ptr().cast()
+        ))))
     }
     #[inline(always)]
     fn lt(self, a: F, b: F) -> u16 {
@@ -133,6 +140,13 @@ impl Lanes for Avx512 {
             _mm512_castps_si512(a),
             _mm512_castps_si512(b)
         ))
+    }
+    #[inline(always)]
+    fn same_sixteen(self, a: F, b: F) -> u16 {
+        x86!({
+            let others = _mm512_xor_si512(_mm512_castps_si512(a), _mm512_castps_si512(b));
+            _mm512_testn_epi32_mask(others, _mm512_set1_epi32(!15))
+        })
     }
     #[inline(always)]
     fn select(self, mask: u16, a: F, b: F) -> F {
@@ -250,6 +264,14 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
         x86!(_mm512_fmsub_pd(a, b, c))
+    }
+    #[inline(always)]
+    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
+        x86!(_mm512_fmadd_pd(a, b, c))
+    }
+    #[inline(always)]
+    fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
+        x86!(_mm512_fnmadd_pd(a, b, c))
     }
     #[inline(always)]
     fn lt64(self, a: D, b: D) -> u8 {

@@ -42,12 +42,18 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn mul_sub(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
     /// Lane k is lane `places[k]` of `table`; a place is below [`LANES`].
     fn permute(self, table: Self::Floats, places: &[u8; LANES]) -> Self::Floats;
+    /// Lane k is the lane of `table` that the last four bits of lane k of `places` name.
+    fn permute_by(self, table: Self::Floats, places: Self::Floats) -> Self::Floats;
+    /// Small numbers, as bits.
+    fn load_places(self, from: &[u8; LANES]) -> Self::Floats;
     /// Where `a < b`; not where either is NaN.
     fn lt(self, a: Self::Floats, b: Self::Floats) -> u16;
     /// Where `a <= b`; not where either is NaN.
     fn le(self, a: Self::Floats, b: Self::Floats) -> u16;
     /// Where the bits are the same.
     fn same(self, a: Self::Floats, b: Self::Floats) -> u16;
+    /// Where the bits but for the last four are the same.
+    fn same_sixteen(self, a: Self::Floats, b: Self::Floats) -> u16;
     /// `a` where the mask is set, else `b`.
     fn select(self, mask: u16, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// The largest lane; none is NaN.
@@ -80,6 +86,16 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     /// `a * b - c`, rounded once.
     fn fused_mul_sub64(self, a: Self::Doubles, b: Self::Doubles, c: Self::Doubles)
     -> Self::Doubles;
+    /// `a * b + c`, rounded once.
+    fn fused_mul_add64(self, a: Self::Doubles, b: Self::Doubles, c: Self::Doubles)
+    -> Self::Doubles;
+    /// `c - a * b`, rounded once.
+    fn fused_neg_mul_add64(
+        self,
+        a: Self::Doubles,
+        b: Self::Doubles,
+        c: Self::Doubles,
+    ) -> Self::Doubles;
     /// Where `a < b`; not where either is NaN.
     fn lt64(self, a: Self::Doubles, b: Self::Doubles) -> u8;
     /// Where `a <= b`; not where either is NaN.

@@ -151,6 +151,10 @@ mod tests {
                 l.max64(a, b),
                 // The product needs more digits than there are.
                 l.fused_mul_sub64(l.splat64(1.1), l.splat64(1.3), l.splat64(1.1 * 1.3)),
+                l.fused_mul_add64(l.splat64(1.1), l.splat64(-1.3), l.splat64(1.1 * 1.3)),
+                l.fused_neg_mul_add64(l.splat64(1.1), l.splat64(1.3), l.splat64(1.1 * 1.3)),
+                l.fused_mul_add64(a, b, l.splat64(0.1)),
+                l.fused_neg_mul_add64(a, b, l.splat64(0.1)),
                 l.select64(mask, a, b),
                 low,
                 high,

@@ -99,7 +99,15 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn permute(self, table: F, places: &[u8; LANES]) -> F {
-        from_fn(|k| table[usize::from(places[k]) % LANES])
+        self.permute_by(table, self.load_places(places))
+    }
+    #[inline(always)]
+    fn permute_by(self, table: F, places: F) -> F {
+        from_fn(|k| table[places[k].to_bits() as usize % LANES])
+    }
+    #[inline(always)]
+    fn load_places(self, from: &[u8; LANES]) -> F {
+        from_fn(|k| f32::from_bits(u32::from(from[k])))
     }
     #[inline(always)]
     fn lt(self, a: F, b: F) -> u16 {
@@ -112,6 +120,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn same(self, a: F, b: F) -> u16 {
         mask(|k| a[k].to_bits() == b[k].to_bits())
+    }
+    #[inline(always)]
+    fn same_sixteen(self, a: F, b: F) -> u16 {
+        mask(|k| a[k].to_bits() & !15 == b[k].to_bits() & !15)
     }
     #[inline(always)]
     fn select(self, mask: u16, a: F, b: F) -> F {
@@ -195,6 +207,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
         from_fn(|k| a[k].mul_add(b[k], -c[k]))
+    }
+    #[inline(always)]
+    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
+        from_fn(|k| a[k].mul_add(b[k], c[k]))
+    }
+    #[inline(always)]
+    fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
+        from_fn(|k| (-a[k]).mul_add(b[k], c[k]))
     }
     #[inline(always)]
     fn lt64(self, a: D, b: D) -> u8 {

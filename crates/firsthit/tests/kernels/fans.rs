@@ -2,6 +2,7 @@
 
 use firsthit::{DVec3, Object, Ray, Scene};
 
+use super::pixels::grid;
 use super::support::{Numbers, bumpy_sphere, mesh};
 use super::{PLACES, judged, placed};
 
@@ -48,5 +49,42 @@ fn fans_over_edges() {
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
         let met = judged(&scene, &rays);
         assert!(met > rays.len() / 4 && met < rays.len(), "{met}");
+    }
+}
+
+/// Rays side by side that start just above edges of a sheet, with another sheet just behind: starts far apart beside all
+/// else, so that what float32 takes from them decides.
+#[test]
+fn starts_far_apart_just_above_edges() {
+    const SIDE: usize = 24;
+    for (round, (scale, offset)) in PLACES.into_iter().enumerate() {
+        let mut numbers = Numbers::new(400 + round as u64);
+        let mut points = Vec::new();
+        let mut triangles = Vec::new();
+        for gap in [0.0, [1e-7, 3e-8, 1e-6][round % 3]] {
+            let first = u32::try_from(points.len()).unwrap();
+            for k in 0..SIDE * SIDE {
+                let place = DVec3::new((k % SIDE) as f64, (k / SIDE) as f64, 0.0);
+                let place = place + 0.3 * numbers.point() * DVec3::new(1.0, 1.0, 0.0);
+                points.push(place / SIDE as f64 + gap * DVec3::Z);
+            }
+            let sheet = grid(u32::try_from(SIDE).unwrap());
+            triangles.extend(sheet.into_iter().map(|t| t.map(|k| first + k)));
+        }
+        let points = placed(&points, scale, offset);
+        let way = scale * DVec3::new(0.3, 0.2, 1.0);
+        let mut rays = Vec::new();
+        for row in triangles.chunks(2 * (SIDE - 1)).cycle().take(120) {
+            let height = [1e-4, 1e-3, 1e-2][numbers.below(3)];
+            for k in 0..16 {
+                let corners = row[k * row.len() / 16].map(|k| points[k as usize]);
+                let [from, to] = [corners[k % 3], corners[(k + 1) % 3]];
+                rays.push(Ray::new(from.lerp(to, numbers.unit()) - height * way, way));
+            }
+        }
+        let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
+        // At the border a ray may pass.
+        let met = judged(&scene, &rays);
+        assert!(met > rays.len() * 9 / 10, "{met}");
     }
 }
