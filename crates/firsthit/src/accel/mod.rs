@@ -40,5 +40,5 @@ pub use mesh_tree::MeshTree;
 pub(crate) use packet::{Packet, RAYS, turned};
 pub(crate) use search::{Answers, Search, Searcher};
 pub(crate) use tile::{Arbiter, BLOCK, TILE, Tile, Winner, fill, pixel, place};
-pub(crate) use verdict::{Corners, Pencil, axes, verdict};
+pub(crate) use verdict::{Corners, Pencil, axes, quotient, verdict};
 pub(crate) use walk::{Scratch, ask, each};

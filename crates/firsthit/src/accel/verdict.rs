@@ -212,9 +212,14 @@ pub(crate) fn verdict<L: Lanes>(
     (along & is_sizeable & is_near & is_ahead, [t, v, w])
 }
 
-/// As the judge's.
+/// `a / b` as the judge has it.
 #[inline(always)]
-fn quotient<L: Lanes>(l: L, a: L::Doubles, b: L::Doubles, inverse: L::Doubles) -> L::Doubles {
+pub(crate) fn quotient<L: Lanes>(
+    l: L,
+    a: L::Doubles,
+    b: L::Doubles,
+    inverse: L::Doubles,
+) -> L::Doubles {
     let first = l.mul64(a, inverse);
     let beyond = l.fused_mul_sub64(first, b, a);
     l.fused_neg_mul_add64(beyond, inverse, first)

@@ -169,6 +169,34 @@ impl HitSlices<'_> {
         self.barycentric[index] = hit.barycentric;
     }
 
+    /// Writes those of a whole block to a square, from a place on: each meets `object`, half of them in a register.
+    #[inline(always)]
+    pub(super) fn put_block<L: Lanes>(
+        &mut self,
+        l: L,
+        at: usize,
+        object: i32,
+        primitives: &[i32; LANES],
+        halves: [[L::Doubles; 3]; 2],
+    ) {
+        for (half, [t, v, w]) in halves.into_iter().enumerate() {
+            let mut ts = [0.0; WIDE];
+            l.store64(t, &mut ts);
+            for (row, weights) in l.interleave64(v, w).into_iter().enumerate() {
+                let at = at + (2 * half + row) * Square::STRIDE;
+                let lane = (2 * half + row) * BLOCK;
+                self.t[at..][..BLOCK].copy_from_slice(&ts[row * BLOCK..][..BLOCK]);
+                self.object[at..][..BLOCK].fill(object);
+                self.primitive[at..][..BLOCK].copy_from_slice(&primitives[lane..][..BLOCK]);
+                let pairs: &mut [f64] = bytemuck::cast_slice_mut(&mut self.barycentric[at..]);
+                let pairs = pairs
+                    .first_chunk_mut()
+                    .expect("a row's pairs are eight numbers");
+                l.store64(weights, pairs);
+            }
+        }
+    }
+
     /// Those before an index, and those from it on.
     pub(super) fn split_at(self, index: usize) -> (Self, Self) {
         let (t, later_t) = self.t.split_at_mut(index);

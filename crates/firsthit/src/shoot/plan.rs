@@ -52,7 +52,7 @@ impl<'a> Plan<'a> {
         grid: PixelGrid,
         is_fitted: bool,
     ) -> Option<Self> {
-        if !is_moderate(&grid) {
+        if !is_moderate(&grid) || !(is_fitted || has_digits(&grid)) {
             return None;
         }
         let mut is_tiled = vec![false; scene.objects().len()];
@@ -126,6 +126,18 @@ fn is_moderate(grid: &PixelGrid) -> bool {
     let toward = grid.toward.length();
     let range = 1e-80..1e80;
     range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80
+}
+
+/// Whether no part of a direction is so small that its quotient, or what [`quotient`](crate::accel::quotient) corrects it
+/// by, has lost digits: a sum of such parts times such sizes is zero or above 1e-160.
+fn has_digits(grid: &PixelGrid) -> bool {
+    let is_sound = |x: f64| x == 0.0 || x.abs() >= 1e-60;
+    let vectors = [grid.toward, grid.right, grid.upwards];
+    vectors
+        .iter()
+        .all(|v| v.to_array().into_iter().all(is_sound))
+        && is_sound(grid.width)
+        && is_sound(grid.height)
 }
 
 /// Where an object may be seen; `None` for nowhere.

@@ -9,7 +9,7 @@ use super::plan::{Plan, TALL, bundle, tileable};
 use super::trees::{self, Memory};
 use crate::accel::{
     Arbiter, BLOCK, Corners, Frame, MeshTree, Pencil, TILE, Tile, Winner, axes, fill, largest_axis,
-    pixel, turned, verdict,
+    pixel, quotient, turned, verdict,
 };
 use crate::geometry::Hit;
 use crate::scene::Object;
@@ -227,11 +227,13 @@ impl Work<'_> {
         out: &mut HitSlices<'_>,
     ) {
         let mut sight: Option<Sight<'_>> = None;
-        for block in 0..LANES {
+        let is_whole = [rows, columns] == [TILE, TILE];
+        'blocks: for block in 0..LANES {
             let (row, column) = pixel(block, 0);
             if row >= rows || column >= columns {
                 continue;
             }
+            let at = self.at(row) + column;
             let (slots, objects) = found.block(block);
             let mut hits = BlockOfHits::MISSES;
             let all = l.load(objects);
@@ -245,12 +247,57 @@ impl Work<'_> {
                     sight = self.sight(index);
                 }
                 if let Some(sight) = &sight {
+                    if is_whole
+                        && here == u16::MAX
+                        && self.develop_block(l, sight, slots, block, (at, out))
+                    {
+                        continue 'blocks;
+                    }
                     self.develop_object(l, sight, (slots, here), block, &mut hits);
                 }
             }
             let size = [rows - row, columns - column].map(|n| n.min(BLOCK));
-            hits.write(self.at(row) + column, size, out);
+            hits.write(at, size, out);
         }
+    }
+
+    /// Writes the hits of a block whose pixels all meet one object; `false` where anything is special.
+    #[inline(always)]
+    fn develop_block<L: Lanes>(
+        &self,
+        l: L,
+        sight: &Sight<'_>,
+        slots: &[f32; LANES],
+        block: usize,
+        (at, out): (usize, &mut HitSlices<'_>),
+    ) -> bool {
+        let mut primitives = [0.0; LANES];
+        let corners = Corners::new(
+            l,
+            (sight.tree, sight.mesh),
+            axes(sight.z),
+            (slots, u16::MAX),
+            &mut primitives,
+        );
+        macro_rules! half {
+            ($half:literal) => {{
+                let rays = self.pencil(l, sight, 2 * block + $half);
+                verdict(l, sight.z, &rays, &corners, $half)
+            }};
+        }
+        let ((sound, first), (sound_too, second)) = (half!(0), half!(1));
+        if sound & sound_too != u8::MAX {
+            return false;
+        }
+        let object = sight.index.cast_signed();
+        out.put_block(
+            l,
+            at,
+            object,
+            bytemuck::cast_ref(&primitives),
+            [first, second],
+        );
+        true
     }
 
     #[inline(always)]
@@ -366,7 +413,9 @@ impl Work<'_> {
             } else {
                 position
             };
-            (origin, vector!(k => l.div64(point[k], length)))
+            let inverse = l.div64(l.splat64(1.0), length);
+            // The quotient is that of a division, see `plan.rs`.
+            (origin, vector!(k => quotient(l, point[k], length, inverse)))
         };
         let place = object.transform().world_from_object().translation;
         let matrix = &object.transform().object_from_world().matrix3;
