@@ -232,7 +232,7 @@ impl MeshTree {
         }
     }
 
-    /// The triangles of a leaf by their indices in the mesh, as bits.
+    /// The triangles of a leaf by their indices in the mesh, as bits; in lanes that it has no triangles in, anything.
     #[inline(always)]
     pub(super) fn triangles_of<L: Lanes>(&self, l: L, leaf: &Meshlet) -> L::Floats {
         let from = &self.order[leaf.first as usize..];

@@ -212,7 +212,7 @@ pub(crate) fn verdict<L: Lanes>(
     (along & is_sizeable & is_near & is_ahead, [t, v, w])
 }
 
-/// `a / b` as the judge has it.
+/// `a / b` by the inverse of `b`, as `quotient` of `shape/triangle.rs`.
 #[inline(always)]
 pub(crate) fn quotient<L: Lanes>(
     l: L,

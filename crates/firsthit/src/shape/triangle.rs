@@ -148,9 +148,11 @@ impl Shear {
     }
 }
 
-/// `a / b` by the inverse of `b`, rounded as a division rounds it, which takes longer. (Markstein, "Computation of
-/// elementary functions on the IBM RISC System/6000 processor", IBM Journal of Research and Development 34(1), 1990.)
-/// Where the quotient is too small for a float64's digits, it is off by a unit of the smallest.
+/// `a / b` by the inverse of `b`, rounded as a division rounds it, which takes longer. (One multiplication and two fused ones:
+/// Markstein, "Computation of elementary functions on the IBM RISC System/6000 processor", IBM Journal of Research and
+/// Development 34(1), 1990; Brisebarre, Muller and Raina, "Accelerating correctly rounded floating-point division when the
+/// divisor is known in advance", IEEE Transactions on Computers 53(8), 2004.) But `+0 / -1` is `+0`, and where `a` or the
+/// quotient is so small that what is left over has no digits, the last digit may be another.
 #[inline(always)]
 fn quotient(a: f64, b: f64, inverse: f64) -> f64 {
     let first = a * inverse;
@@ -241,12 +243,23 @@ mod tests {
     #[test]
     fn a_quotient_by_the_inverse_is_rounded_as_that_of_a_division() {
         let digits = |k: u64| k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 12;
+        let number = |exponent: u64, digits: u64| f64::from_bits(exponent << 52 | digits);
+        let ones = (1 << 52) - 1;
         for k in 0..200_000 {
-            // From 1 to 2, the hardest of them next to the ends; and one of any size.
-            let b = f64::from_bits(1023 << 52 | digits(k) >> (k % 53));
-            let a = f64::from_bits((1023 - 300 + k % 600) << 52 | digits(!k));
-            for (a, b) in [(a, b), (-a, b), (a, -2.0 * b), (b, b), (0.0, b)] {
-                assert_eq!(quotient(a, b, 1.0 / b), a / b, "{a:e} / {b:e}");
+            // From 1 to 2, the hardest of them next to the ends, of any size, and a little below the divisor.
+            let near = digits(k) >> (k % 53);
+            let any = number(1023 - 300 + k % 600, digits(!k));
+            for b in [number(1023, near), number(1023, ones - near)] {
+                for a in [
+                    any,
+                    number(1023, ones - near / 2),
+                    b - (k % 9) as f64 * f64::EPSILON,
+                ] {
+                    for (a, b) in [(a, b), (-a, b), (a, -2.0 * b), (b, b), (0.0, b), (-0.0, b)] {
+                        let found = quotient(a, b, 1.0 / b);
+                        assert_eq!(found.to_bits(), (a / b).to_bits(), "{a:e} / {b:e}");
+                    }
+                }
             }
         }
     }

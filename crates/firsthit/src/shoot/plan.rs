@@ -52,7 +52,8 @@ impl<'a> Plan<'a> {
         grid: PixelGrid,
         is_fitted: bool,
     ) -> Option<Self> {
-        if !is_moderate(&grid) || !(is_fitted || has_digits(&grid)) {
+        let has_directions = !is_fitted && grid.parallel.is_none();
+        if !is_moderate(&grid) || (has_directions && !has_digits(&grid)) {
             return None;
         }
         let mut is_tiled = vec![false; scene.objects().len()];

@@ -44,7 +44,7 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn permute(self, table: Self::Floats, places: &[u8; LANES]) -> Self::Floats;
     /// Lane k is the lane of `table` that the last four bits of lane k of `places` name.
     fn permute_by(self, table: Self::Floats, places: Self::Floats) -> Self::Floats;
-    /// Small numbers, as bits.
+    /// Places for [`Lanes::permute_by`].
     fn load_places(self, from: &[u8; LANES]) -> Self::Floats;
     /// Where `a < b`; not where either is NaN.
     fn lt(self, a: Self::Floats, b: Self::Floats) -> u16;

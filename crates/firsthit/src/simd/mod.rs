@@ -102,6 +102,7 @@ mod tests {
             let front = &front[..mask.count_ones() as usize];
             out.extend(front.iter().map(|x| u64::from(x.to_bits())));
             self.smallest(l, &mut out);
+            self.by_bits(l, &mut out);
             out.extend([mask, l.le(a, b), l.same(a, b)].map(u64::from));
             out.extend([l.largest(a), l.smallest(a)].map(|x| u64::from(x.to_bits())));
             self.doubles(l, &mut out);
@@ -134,6 +135,26 @@ mod tests {
                 assert!(row[lane + 1..].iter().all(|x| x.to_bits() & !15 > smallest));
             }
             out.extend(keys.map(|x| u64::from(x.to_bits())));
+        }
+
+        /// Numbers that are places, and numbers that differ in the last four bits, above them, or not at all.
+        #[inline(always)]
+        fn by_bits<L: Lanes>(&self, l: L, out: &mut Vec<u64>) {
+            let slots = PLACES.map(|place| f32::from_bits(0x8765_4320 | u32::from(place)));
+            let others: [f32; LANES] = std::array::from_fn(|k| match k % 3 {
+                0 => f32::from_bits(slots[k].to_bits() ^ 9),
+                1 => f32::from_bits(slots[k].to_bits() ^ 16),
+                _ => f32::from_bits(slots[k].to_bits() ^ 0x8000_0000),
+            });
+            let a = l.load(&self.a);
+            for places in [l.load_places(&PLACES), l.load(&slots)] {
+                let mut lanes = [0.0; LANES];
+                l.store(l.permute_by(a, places), &mut lanes);
+                out.extend(lanes.map(|x| u64::from(x.to_bits())));
+            }
+            let same = l.same_sixteen(l.load(&slots), l.load(&others));
+            assert_eq!(same, 0b1001_0010_0100_1001);
+            out.push(u64::from(same));
         }
 
         #[inline(always)]

@@ -70,6 +70,39 @@ fn cameras_on_soups() {
     assert!(hits > 20_000, "{hits}");
 }
 
+/// Directions with parts that are zero, of either sign, or next to nothing, through corners, where every digit counts.
+#[test]
+fn cameras_whose_directions_have_tiny_parts() {
+    const SIDE: u32 = 9;
+    let at = |k: u32| DVec3::new(f64::from(k % SIDE) - 4.0, f64::from(k / SIDE) - 4.0, 0.0);
+    let points: Vec<DVec3> = (0..SIDE * SIDE).map(at).collect();
+    let mut hits = 0;
+    for tiny in [0.0_f64, -0.0, 1e-17, 1e-59, -1e-61, 1e-160, -1e-300, 1e-310] {
+        for scale in [1.0, tiny.abs().max(1e-70)] {
+            // As wide as the grid of corners, but for the scale; a part of the size of the rest, or none.
+            let view = View {
+                position: 4.0 * DVec3::Z,
+                aim: DVec3::new(tiny, -tiny, -1.0),
+                focal_length: 4.0,
+                width: f64::from(SIDE) * scale,
+                height: f64::from(SIDE),
+                rows: SIDE as usize,
+                columns: SIDE as usize,
+                ray_start: RayStart::Eye,
+                ..View::default()
+            };
+            let place = |p: &DVec3| DVec3::new(p.x * scale, p.y, p.z);
+            let points: Vec<DVec3> = points.iter().map(place).collect();
+            let scene = Scene::new(vec![Object::new(mesh(&points, grid(SIDE)))]).unwrap();
+            for projection in [Projection::Perspective, Projection::Orthographic] {
+                let camera = Camera::new(View { projection, ..view }).unwrap();
+                hits += judged(&scene, &camera);
+            }
+        }
+    }
+    assert!(hits > 1_000, "{hits}");
+}
+
 /// A camera's rays in an array, as others make them: rounded, of any length, of a part of the picture, bent, and with
 /// rays among them that are nobody's pixel.
 fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {

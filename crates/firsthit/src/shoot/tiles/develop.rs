@@ -2,8 +2,8 @@
 
 use super::Work;
 use crate::accel::{
-    BLOCK, Corners, MeshTree, Pencil, TILE, Tile, Winner, axes, largest_axis, pixel, quotient,
-    turned, verdict,
+    BLOCK, Corners, MeshTree, Pencil, Tile, Winner, axes, largest_axis, pixel, quotient, turned,
+    verdict,
 };
 use crate::geometry::Hit;
 use crate::scene::Object;
@@ -54,7 +54,6 @@ impl Work<'_> {
         out: &mut HitSlices<'_>,
     ) {
         let mut sight: Option<Sight<'_>> = None;
-        let is_whole = [rows, columns] == [TILE, TILE];
         'blocks: for block in 0..LANES {
             let (row, column) = pixel(block, 0);
             if row >= rows || column >= columns {
@@ -74,10 +73,7 @@ impl Work<'_> {
                     sight = self.sight(index);
                 }
                 if let Some(sight) = &sight {
-                    if is_whole
-                        && here == u16::MAX
-                        && self.develop_block(l, sight, slots, block, (at, out))
-                    {
+                    if here == u16::MAX && self.develop_block(l, sight, slots, block, (at, out)) {
                         continue 'blocks;
                     }
                     self.develop_object(l, sight, (slots, here), block, &mut hits);
@@ -171,8 +167,7 @@ impl Work<'_> {
         }
     }
 
-    /// The rays of half a block's pixels in an object's space: what [`Rays::ray`] and `ray_in_object` give, operation for
-    /// operation.
+    /// The rays of half a block's pixels in an object's space: what [`Rays::ray`] and `ray_in_object` give, bit for bit.
     #[inline(always)]
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn pencil<L: Lanes>(&self, l: L, sight: &Sight<'_>, half: usize) -> Pencil<L> {
