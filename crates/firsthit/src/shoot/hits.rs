@@ -1,5 +1,6 @@
 //! What many rays met.
 
+use std::fmt::{self, Debug, Formatter};
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
@@ -11,7 +12,19 @@ use crate::memory;
 use crate::simd::{LANES, Lanes, WIDE};
 
 /// What many rays met, an array for each quantity; see [`Hit`] for their meaning.
-#[derive(Debug, Clone, Default, PartialEq)]
+///
+/// ```
+/// use firsthit::{Camera, Object, Scene, Sphere, DVec3, View, shoot::shoot_all};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::new(0.0, 0.0, -5.0), 1.0)?)])?;
+/// let camera = Camera::new(View::default())?;
+/// let hits = shoot_all(&scene, &camera, &())?;
+/// assert_eq!(hits.len(), camera.pixels());
+/// // Row 240, column 320.
+/// assert_eq!(hits.object[240 * camera.columns() + 320], 0);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone, Default, PartialEq)]
 pub struct Hits {
     /// The rays' parameters, infinity for a miss.
     pub t: Vec<f64>,
@@ -23,7 +36,22 @@ pub struct Hits {
     pub barycentric: Vec<DVec2>,
 }
 
+/// A summary: rays are many.
+impl Debug for Hits {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Hits")
+            .field("rays", &self.len())
+            .field("hit", &self.count_hit())
+            .finish_non_exhaustive()
+    }
+}
+
 impl Hits {
+    /// How many of the rays hit something.
+    pub fn count_hit(&self) -> usize {
+        self.t.iter().filter(|&&t| t < f64::INFINITY).count()
+    }
+
     /// Makes room for so many, whatever they are.
     pub(super) fn fit(&mut self, count: usize) -> Result<()> {
         fit(&mut self.t, count)?;

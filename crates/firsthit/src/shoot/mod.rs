@@ -35,11 +35,30 @@ use trees::{BATCH, Batch, Take};
 
 /// The first object on the ray `p + t * u_r`: the smallest `t > 0`, and at the same `t` the lower
 /// (object, primitive). `u_r` need not be of length one; a ray that is zero, infinite or NaN misses.
+///
+/// ```
+/// use firsthit::{DVec3, Object, Scene, Sphere, shoot};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let hit = shoot(&scene, DVec3::new(0.0, -3.0, 0.0), DVec3::Y);
+/// assert_eq!((hit.t, hit.object), (2.0, 0));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 pub fn shoot(scene: &Scene, p: DVec3, u_r: DVec3) -> Hit {
     first_hit::<Trees>(scene, &Ray::new(p, u_r))
 }
 
 /// Whether anything is at `0 < t <= t_max` on the ray `p + t * u_r`. Sooner known than the first hit.
+///
+/// ```
+/// use firsthit::{DVec3, Object, Scene, Sphere, occluded};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let (eye, target) = (DVec3::new(-5.0, 0.0, 0.0), DVec3::new(5.0, 0.0, 0.0));
+/// assert!(occluded(&scene, eye, target - eye, 1.0));
+/// assert!(!occluded(&scene, eye, target - eye, 0.3), "the ball is farther away");
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
     any_hit(scene, &Ray::new(p, u_r).up_to(t_max))
 }
@@ -108,7 +127,7 @@ pub fn shoot_all_to<R: Rays + ?Sized>(
     shoot_each(scene, &Borrowed(rays), hits, watch)
 }
 
-/// Rays behind a pointer: kernels are compiled once, not for each kind of rays.
+/// Rays behind a pointer, so that kernels are compiled once, in this crate, and not for each type of rays in the caller's.
 struct Borrowed<'a, R: ?Sized>(&'a R);
 
 impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
@@ -255,7 +274,10 @@ pub fn occluded_all<R: Rays + ?Sized>(
     rays: &R,
     watch: &dyn Watch,
 ) -> Result<Vec<bool>> {
-    let rays: &dyn Rays = &Borrowed(rays);
+    occluded_each(scene, &Borrowed(rays), watch)
+}
+
+fn occluded_each(scene: &Scene, rays: &dyn Rays, watch: &dyn Watch) -> Result<Vec<bool>> {
     let mut found = memory::zeroed(rays.len())?;
     found
         .par_chunks_mut(BATCH)

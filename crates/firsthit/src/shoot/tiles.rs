@@ -4,11 +4,11 @@ mod develop;
 
 use super::fit::TileRays;
 use super::hits::{HitSlices, Square};
-use super::journey::{FirstHit, Journey, Quest};
+use super::journey::{FirstHit, Quest};
 use super::object::Moderate;
 use super::pixels::Pixels;
 use super::plan::{Plan, TALL, bundle, tileable};
-use super::trees::{self, Memory};
+use super::trees::{Memory, SingleRay};
 use crate::accel::{Arbiter, Frame, TILE, Tile, Winner, fill};
 use crate::geometry::Hit;
 use crate::shape::{Crossing, triangle::Shear};
@@ -203,17 +203,11 @@ impl Work<'_> {
             let at = self.at(row) + column;
             let pixel = (self.row + row) * plan.grid.columns + self.column + column;
             let ray = plan.rays.ray(pixel);
+            let mut single = SingleRay::new(memory, plan.scene, &ray, FirstHit::START);
             if is_filled {
-                let known = out.get(at);
-                let mut journey = Journey::new(plan.scene, &ray, FirstHit(known), known.t);
-                let is_wanted = |object: u32| !plan.is_tiled[object as usize];
-                trees::go(l, memory, plan.scene, &mut journey, is_wanted);
-                out.put(at, &journey.quest.0);
-            } else {
-                let mut journey = Journey::new(plan.scene, &ray, FirstHit::START, f64::INFINITY);
-                trees::go(l, memory, plan.scene, &mut journey, |_| true);
-                out.put(at, &journey.quest.0);
+                single = single.after(out.get(at), &plan.is_tiled);
             }
+            out.put(at, &l.call(single).0);
         }
     }
 

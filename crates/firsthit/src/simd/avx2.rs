@@ -20,18 +20,20 @@ pub(super) fn is_available() -> bool {
         && is_x86_feature_detected!("popcnt")
 }
 
+/// Runs a kernel that is compiled for the features. Not inlined, so that [`Lanes::call`] shares it.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn with_features<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx2(()))
+}
+
 /// Runs a kernel; in plain Rust where AVX2 is missing.
-#[inline]
 pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn with_features<K: Kernel>(kernel: K) -> K::Output {
-        kernel.run(Avx2(()))
-    }
     if is_available() {
         // SAFETY: the line above asked for the features.
         unsafe { with_features(kernel) }
     } else {
-        kernel.run(super::portable::Portable)
+        super::portable::run(kernel)
     }
 }
 
@@ -116,6 +118,10 @@ impl Lanes for Avx2 {
     type Doubles = D;
 
     #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        x86!(with_features(kernel))
+    }
+    #[inline(always)]
     fn splat(self, x: f32) -> F {
         x86!([_mm256_set1_ps(x); 2])
     }
@@ -192,10 +198,6 @@ impl Lanes for Avx2 {
             _mm256_fmsub_ps(a[0], b[0], c[0]),
             _mm256_fmsub_ps(a[1], b[1], c[1])
         ])
-    }
-    #[inline(always)]
-    fn permute(self, table: F, places: &[u8; LANES]) -> F {
-        self.permute_by(table, self.load_places(places))
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {

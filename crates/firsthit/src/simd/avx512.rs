@@ -18,13 +18,16 @@ pub(super) fn is_available() -> bool {
         && super::avx2::is_available()
 }
 
+/// Runs a kernel that is compiled for the features. Not inlined, so that [`Lanes::call`] shares it.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn with_features<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx512(()))
+}
+
 /// Runs a kernel; with AVX2 or less where AVX-512 is missing.
 #[inline]
 pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
-    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn with_features<K: Kernel>(kernel: K) -> K::Output {
-        kernel.run(Avx512(()))
-    }
     if is_available() {
         // SAFETY: the line above asked for the features.
         unsafe { with_features(kernel) }
@@ -48,6 +51,10 @@ impl Lanes for Avx512 {
     type Floats = F;
     type Doubles = D;
 
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        x86!(with_features(kernel))
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> F {
         x86!(_mm512_set1_ps(x))
@@ -111,10 +118,6 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn mul_sub(self, a: F, b: F, c: F) -> F {
         x86!(_mm512_fmsub_ps(a, b, c))
-    }
-    #[inline(always)]
-    fn permute(self, table: F, places: &[u8; LANES]) -> F {
-        self.permute_by(table, self.load_places(places))
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {

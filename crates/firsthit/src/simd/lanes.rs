@@ -1,5 +1,7 @@
 use bytemuck::Pod;
 
+use super::Kernel;
+
 /// How many float32 lanes there are: the width of a node and of a leaf.
 pub(crate) const LANES: usize = 16;
 /// How many float64 lanes there are.
@@ -19,6 +21,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     type Floats: Copy;
     /// Eight float64.
     type Doubles: Copy;
+
+    /// Calls a kernel that several kernels share. It is not inlined: each copy would have to be compiled.
+    fn call<K: Kernel>(self, kernel: K) -> K::Output;
 
     fn splat(self, x: f32) -> Self::Floats;
     fn load(self, from: &[f32; LANES]) -> Self::Floats;
@@ -41,7 +46,10 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     /// `a * b - c`, fused or not.
     fn mul_sub(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
     /// Lane k is lane `places[k]` of `table`; a place is below [`LANES`].
-    fn permute(self, table: Self::Floats, places: &[u8; LANES]) -> Self::Floats;
+    #[inline(always)]
+    fn permute(self, table: Self::Floats, places: &[u8; LANES]) -> Self::Floats {
+        self.permute_by(table, self.load_places(places))
+    }
     /// Lane k is the lane of `table` that the last four bits of lane k of `places` name.
     fn permute_by(self, table: Self::Floats, places: Self::Floats) -> Self::Floats;
     /// Places for [`Lanes::permute_by`].

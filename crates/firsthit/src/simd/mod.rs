@@ -23,6 +23,7 @@ mod lanes;
 mod pages;
 mod portable;
 mod set;
+mod stack;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -38,16 +39,19 @@ pub(crate) trait Kernel {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs `kernel` with an instruction set; with the portable one where this machine has none of that name.
+/// Runs `kernel` with an instruction set, or with the portable one if this machine lacks it. 128 KiB of the caller's stack are enough.
 #[inline]
-pub(crate) fn run<K: Kernel>(set: InstructionSet, kernel: K) -> K::Output {
-    match set {
+pub(crate) fn run<K>(set: InstructionSet, kernel: K) -> K::Output
+where
+    K: Kernel<Output: Send> + Send,
+{
+    stack::with_stack(|| match set {
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx512 => avx512::run(kernel),
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx2 => avx2::run(kernel),
-        _ => kernel.run(portable::Portable),
-    }
+        _ => portable::run(kernel),
+    })
 }
 
 #[cfg(test)]
@@ -137,7 +141,7 @@ mod tests {
             out.extend(keys.map(|x| u64::from(x.to_bits())));
         }
 
-        /// Numbers that are places, and numbers that differ in the last four bits, above them, or not at all.
+        /// Numbers whose last bits are places, and others that differ from them in the last four bits or above.
         #[inline(always)]
         fn by_bits<L: Lanes>(&self, l: L, out: &mut Vec<u64>) {
             let slots = PLACES.map(|place| f32::from_bits(0x8765_4320 | u32::from(place)));

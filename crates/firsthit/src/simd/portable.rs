@@ -4,11 +4,17 @@ use std::array::from_fn;
 
 use bytemuck::Pod;
 
-use super::{LANES, Lanes, WIDE};
+use super::{Kernel, LANES, Lanes, WIDE};
 
 /// No instructions but those that every machine has.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Portable;
+
+/// Runs a kernel. Not inlined: every instruction set falls back to it, and each copy would have to be compiled.
+#[inline(never)]
+pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Portable)
+}
 
 type F = [f32; LANES];
 type D = [f64; WIDE];
@@ -37,6 +43,10 @@ impl Lanes for Portable {
     type Floats = F;
     type Doubles = D;
 
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        run(kernel)
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> F {
         [x; LANES]
@@ -96,10 +106,6 @@ impl Lanes for Portable {
     #[inline(always)]
     fn mul_sub(self, a: F, b: F, c: F) -> F {
         from_fn(|k| a[k] * b[k] - c[k])
-    }
-    #[inline(always)]
-    fn permute(self, table: F, places: &[u8; LANES]) -> F {
-        self.permute_by(table, self.load_places(places))
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {

@@ -4,6 +4,17 @@ use std::sync::OnceLock;
 use crate::error::{Error, Result};
 
 /// A family of vector instructions that kernels are compiled for. Results do not depend on it, only times do.
+///
+/// ```
+/// use firsthit::{InstructionSet, Object, Scene, Sphere, DVec3};
+///
+/// // Only times depend on it, never a result.
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let plain = scene.clone().with_instruction_set(InstructionSet::Portable);
+/// let shoot = |scene| firsthit::shoot(scene, DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z).t;
+/// assert_eq!(shoot(&scene), shoot(&plain));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum InstructionSet {
     /// Whatever the compiler makes of plain Rust.
@@ -44,14 +55,15 @@ impl InstructionSet {
     }
 
     /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `avx2` or
-    /// `avx512`), or the fastest of this machine. The variable is read once.
+    /// `avx512`), or the fastest of this machine where that is not set or empty. The variable is read once.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] when the variable names none, or one that this machine does not have.
     pub fn current() -> Result<Self> {
         static CURRENT: OnceLock<std::result::Result<InstructionSet, String>> = OnceLock::new();
-        let chosen = CURRENT.get_or_init(|| match std::env::var_os(VARIABLE) {
+        let said = || std::env::var_os(VARIABLE).filter(|name| !name.is_empty());
+        let chosen = CURRENT.get_or_init(|| match said() {
             None => Ok(Self::fastest()),
             Some(name) => {
                 let name = name.to_string_lossy();
@@ -60,11 +72,18 @@ impl InstructionSet {
         });
         match chosen {
             Ok(set) => Ok(*set),
-            Err(name) => Err(Error::argument(VARIABLE, Self::EXPECTED, name)),
+            Err(name) => Err(Error::argument(VARIABLE, Self::expected(), name)),
         }
     }
 
-    const EXPECTED: &str = "an instruction set of this machine (portable, avx2 or avx512)";
+    /// The instruction sets of this machine, in words.
+    fn expected() -> &'static str {
+        match Self::fastest() {
+            Self::Portable => "portable, the only instruction set of this machine",
+            Self::Avx2 => "an instruction set of this machine (portable or avx2)",
+            Self::Avx512 => "an instruction set of this machine (portable, avx2 or avx512)",
+        }
+    }
 
     fn fastest() -> Self {
         let available = Self::ALL.into_iter().rev().find(|set| set.is_available());
@@ -82,7 +101,7 @@ impl FromStr for InstructionSet {
         let known = Self::ALL.into_iter().find(|set| set.name() == name);
         known
             .filter(|set| set.is_available())
-            .ok_or_else(|| Error::argument("instruction set", Self::EXPECTED, name))
+            .ok_or_else(|| Error::argument("instruction set", Self::expected(), name))
     }
 }
 
@@ -95,10 +114,15 @@ mod tests {
         for set in InstructionSet::ALL {
             assert_eq!(set.name().parse().ok(), set.is_available().then_some(set));
         }
+    }
+
+    #[test]
+    fn only_what_the_machine_has_is_offered() {
         let error = "sse9".parse::<InstructionSet>().unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "instruction set must be an instruction set of this machine (portable, avx2 or avx512), got sse9"
-        );
+        assert!(error.starts_with("instruction set must be "), "{error}");
+        assert!(error.ends_with(", got sse9"), "{error}");
+        for set in InstructionSet::ALL {
+            assert_eq!(error.contains(set.name()), set.is_available(), "{error}");
+        }
     }
 }

@@ -1,0 +1,73 @@
+//! Callers' threads may be small: nothing that is asked of a scene overflows a stack of 256 KiB.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::sync::Arc;
+
+use firsthit::shoot::{any_hit, occluded_all, shoot_all};
+use firsthit::{
+    Camera, DVec3, InstructionSet, Mesh, Object, Positions, Ray, Scene, Shader, Shading, Sphere,
+    render, shoot,
+};
+
+const STACK_BYTES: usize = 256 << 10;
+
+/// A wavy sheet of `2 * 40 * 40` triangles from -1 to 1, in the plane z = 0.
+fn sheet() -> Mesh {
+    let place = |k: u32| f64::from(k) / 20.0 - 1.0;
+    let height = |k: u32| 0.1 * place(k % 41) * place(k / 41);
+    let points = (0..41 * 41).map(|k| [place(k % 41), place(k / 41), height(k)]);
+    let cell = |k: u32| {
+        let a = k / 40 * 41 + k % 40;
+        [[a, a + 1, a + 41], [a + 1, a + 42, a + 41]]
+    };
+    let triangles = (0..40 * 40).flat_map(cell).collect();
+    Mesh::new(Positions::Double(points.collect()), triangles).unwrap()
+}
+
+/// Every way into the kernels, through one mesh and through several objects.
+fn ask_everything(set: InstructionSet) {
+    let mesh = Arc::new(sheet());
+    let ball = Object::new(Sphere::new(DVec3::new(5.0, 0.0, 0.0), 0.5).unwrap());
+    let alone = Scene::new(vec![Object::new(Arc::clone(&mesh))]).unwrap();
+    let beside = Scene::new(vec![Object::new(mesh), ball]).unwrap();
+    let eye = DVec3::new(0.3, -2.0, 3.0);
+    let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 30.0, 40, 60).unwrap();
+    let pixel = |k: usize| camera.ray(k / camera.columns(), k % camera.columns());
+    let row_by_row: Vec<Ray> = (0..camera.pixels()).map(pixel).collect();
+    let shuffled: Vec<Ray> = (0..camera.pixels())
+        .map(|k| pixel(k * 7919 % camera.pixels()))
+        .collect();
+    for scene in [alone, beside] {
+        let scene = scene.with_instruction_set(set);
+        let middle = pixel(20 * 60 + 30);
+        assert!(shoot(&scene, middle.origin, middle.direction).t < 5.0);
+        assert!(any_hit(&scene, &middle));
+        for rays in [&row_by_row, &shuffled] {
+            assert_eq!(shoot_all(&scene, rays, &()).unwrap().len(), rays.len());
+            assert!(occluded_all(&scene, rays, &()).unwrap().contains(&true));
+        }
+        let shade = Shading {
+            scene: &scene,
+            shader: Shader::default(),
+            background: firsthit::Background::default(),
+        };
+        let color = firsthit::channel::kind("color").unwrap();
+        let frame = render(&scene, &camera, &shade, &[color], 2, &()).unwrap();
+        assert_eq!(frame.shape(), &[40, 60]);
+    }
+}
+
+#[test]
+fn kernels_fit_on_the_small_stack_of_a_caller_and_of_its_pool() {
+    for set in InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+    {
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(2);
+        let pool = builder.stack_size(STACK_BYTES).build().unwrap();
+        pool.install(|| ask_everything(set));
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+        let caller = thread.spawn(move || ask_everything(set)).unwrap();
+        caller.join().unwrap();
+    }
+}
