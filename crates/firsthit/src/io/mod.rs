@@ -16,35 +16,45 @@
 )]
 
 mod decimal;
+#[cfg(feature = "gltf")]
 mod gltf;
 mod gzip;
 mod mend;
+#[cfg(feature = "obj")]
 mod mtl;
+#[cfg(feature = "obj")]
 mod obj;
+#[cfg(any(feature = "gltf", feature = "obj", feature = "ply"))]
 mod picture;
+#[cfg(feature = "ply")]
 mod ply;
 mod polygon;
 mod read;
 mod report;
+#[cfg(feature = "scene-file")]
 mod scene_file;
+#[cfg(feature = "stl")]
 mod stl;
 mod surface;
 mod text;
 
 use std::borrow::Cow;
+use std::fmt::{self, Debug, Formatter};
 use std::path::{Path, PathBuf};
 
-pub use scene_file::{Output, schema};
+#[cfg(feature = "scene-file")]
+pub use scene_file::{nearest_word, schema};
 
 use crate::camera::{Aim, Description, Lens, View};
 use crate::error::{Error, Place, Result};
 use crate::geometry::DVec3;
-use crate::scene::{Background, Light, Object};
+use crate::geometry::summary::Few;
+use crate::scene::{Background, Light, Object, Scene};
 use crate::shade::Shader;
 use report::{Checked, Report, without_gz};
 
 /// What a file holds.
-#[derive(Debug, Clone, Default)]
+#[derive(Clone, Default)]
 pub struct Model {
     /// The objects, in the order of their identifiers. Those without materials got no colour from the file.
     pub objects: Vec<Object>,
@@ -70,17 +80,71 @@ pub struct Model {
     pub vertices: Option<u64>,
     /// What was doubtful in the file: a line each, ready to print.
     pub warnings: Vec<String>,
-    /// Which way is up: as a scene file says, else by the format's custom: +y for OBJ, +z for STL and PLY.
+    /// Which way is up: as a scene file says, else by the format's convention: +y for OBJ, +z for STL and PLY.
     pub up: DVec3,
+    /// Whether `up` is only a convention: OBJ, STL and PLY files do not say which way is up. (glTF has a rule.)
+    pub up_is_guessed: bool,
+}
+
+/// A summary: the first objects, and how many there are of all else.
+impl Debug for Model {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Model")
+            .field("objects", &Few(&self.objects))
+            .field("cameras", &self.cameras.len())
+            .field("lights", &self.lights.len())
+            .field("up", &self.up)
+            .field("files", &self.files.len())
+            .field("warnings", &self.warnings.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Model {
+    /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as [`Scene::likely_up`] guesses if it does
+    /// not say. Cameras, background and the rest are dropped: take them before.
+    ///
+    /// ```
+    /// use std::path::Path;
+    ///
+    /// use firsthit::io::{LoadSettings, load_bytes};
+    ///
+    /// let stl = b"solid one\nfacet normal 0 0 1\nouter loop\n\
+    ///     vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid one\n";
+    /// let model = load_bytes(Path::new("one.stl"), stl, &LoadSettings::default())?;
+    /// let scene = model.into_scene()?;
+    /// assert_eq!(scene.triangles(), 1);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::new`].
+    pub fn into_scene(self) -> Result<Scene> {
+        let scene = Scene::new(self.objects)?.with_lights(self.lights);
+        let up = if self.up_is_guessed {
+            scene.likely_up(self.up)
+        } else {
+            self.up
+        };
+        Ok(scene.with_up(up))
+    }
+
     fn of(objects: Vec<Object>) -> Self {
         Self {
             objects,
             ..Self::default()
         }
     }
+}
+
+/// A file that a scene file asks for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Output {
+    /// Where it goes: in the scene file's folder or below. `{channel}` stands for a channel's name.
+    pub path: PathBuf,
+    /// The channels' names, at least one.
+    pub channels: Vec<String>,
 }
 
 /// A camera of a file.
@@ -139,7 +203,7 @@ impl NamedCamera {
 /// How to read a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LoadSettings {
-    /// Whether triangles that cannot be used are an error instead of a warning.
+    /// Whether unusable triangles, and a text file that seems to be truncated, are errors instead of warnings.
     pub strict: bool,
     /// How many bytes of memory may be spent on the file: on its content, unpacked, on what it names, and
     /// on the vertices, triangles and textures of all that. The trees of a scene come on top.
@@ -165,40 +229,65 @@ struct Format {
     /// In lower case, without the dot.
     extensions: &'static [&'static str],
     up: DVec3,
+    /// Whether `up` is a rule of the format, not a convention.
+    rules_up: bool,
     read: fn(&[u8], &mut Report) -> Checked<Model>,
 }
 
 /// Every format there is; all else is derived from this table.
 const FORMATS: &[Format] = &[
+    #[cfg(feature = "gltf")]
     Format {
         name: "glTF",
         extensions: &["gltf", "glb"],
         up: DVec3::Y,
+        rules_up: true,
         read: gltf::read,
     },
+    #[cfg(feature = "obj")]
     Format {
         name: "OBJ",
         extensions: &["obj"],
         up: DVec3::Y,
+        rules_up: false,
         read: obj::read,
     },
+    #[cfg(feature = "ply")]
     Format {
         name: "PLY",
         extensions: &["ply"],
         up: DVec3::Z,
+        rules_up: false,
         read: ply::read,
     },
+    #[cfg(feature = "stl")]
     Format {
         name: "STL",
         extensions: &["stl"],
         up: DVec3::Z,
+        rules_up: false,
         read: stl::read,
     },
+    #[cfg(feature = "scene-file")]
     scene_file::FORMAT,
 ];
 
 /// Reads the file at `path`, its format chosen by its extension. Packed by gzip, it is unpacked; its
 /// name may end with `.gz` then.
+///
+/// ```no_run
+/// use std::path::Path;
+///
+/// use firsthit::io::{LoadSettings, load};
+///
+/// let model = load(Path::new("house.glb"), &LoadSettings::default())?;
+/// for warning in &model.warnings {
+///     eprintln!("{warning}");
+/// }
+/// println!("{} objects, {} cameras", model.objects.len(), model.cameras.len());
+/// let scene = model.into_scene()?;
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -206,6 +295,8 @@ const FORMATS: &[Format] = &[
 /// content or the extension is wrong; [`Error::TooLarge`] for more than `settings` allow, and
 /// [`Error::Limit`] for more than identifiers hold.
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
+    // A folder is refused as such, before its extension is.
+    read::refuse_folder(path)?;
     let format = format_of(path)?;
     let bytes = read::regular_file(path, settings.max_memory)?;
     model(format, bytes.into(), &mut Report::new(path, *settings))
@@ -244,7 +335,6 @@ const TIMES_CONTENT: usize = 3;
 
 fn model(format: &Format, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
     let path = &report.path().to_owned();
-    let strict = report.settings().strict;
     let read = |report: &mut Report| {
         report.spend(bytes.len() as u64, "its content")?;
         let bytes = gzip::unpacked(bytes, report)?;
@@ -252,8 +342,8 @@ fn model(format: &Format, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<M
         (format.read)(&bytes, report)
     };
     let model = read(report).map_err(|fault| fault.into_error(path))?;
-    if let (true, Some(what)) = (strict, report.dropped()) {
-        return Err(parse_error(path, what));
+    if let Some(error) = report.strict_error() {
+        return Err(error);
     }
     let up = if model.up == DVec3::ZERO {
         format.up
@@ -266,8 +356,16 @@ fn model(format: &Format, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<M
         warnings: report.take_lines(),
         files,
         up,
+        up_is_guessed: model.up == DVec3::ZERO && !format.rules_up,
         ..model
     })
+}
+
+/// The extensions of all formats that [`load`] reads, in lower case and without the dot.
+pub fn extensions() -> impl Iterator<Item = &'static str> {
+    FORMATS
+        .iter()
+        .flat_map(|format| format.extensions.iter().copied())
 }
 
 fn format_of(path: &Path) -> Result<&'static Format> {

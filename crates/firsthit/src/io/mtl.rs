@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::report::Report;
-use super::text::{self, Lines, Words, next_number, number, shown};
+use super::text::{self, Lines, Words, next_number, number, shown, unended_line};
 use super::{picture, read};
 use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
@@ -191,8 +191,83 @@ impl Library {
             let material = material.unwrap_or(&mut again);
             state(material, keyword, words, (path, lines.number), report);
         }
+        if let Some(why) = cut(text) {
+            report.cut_short_in(path, Place::Line(lines.number), &why);
+        }
     }
 }
+
+/// Why the library seems to be truncated, if it does: its last line has no line break and makes no sense as the last.
+fn cut(text: &[u8]) -> Option<String> {
+    let line = unended_line(text)?;
+    let mut words = Words::new(line);
+    let keyword = words.next()?;
+    let count = words.count();
+    let begins_one = || KEYWORDS.iter().any(|known| known.starts_with(keyword));
+    let why = match keyword {
+        b"newmtl" => "nothing is said of this material",
+        b"Kd" | b"Ka" | b"Ks" | b"Ke" if matches!(count, 0 | 2) => "a number is missing",
+        b"d" | b"Tr" | b"Ni" | b"Ns" | b"illum" if count == 0 => "a number is missing",
+        // One number is a grey, unless the file writes out all three elsewhere.
+        b"Kd" if count == 1 && has_full_colors(text) => "numbers are missing",
+        word if !KEYWORDS.contains(&word) && begins_one() => "this is no statement",
+        _ => return None,
+    };
+    Some(format!(
+        "its last line has no line break, and {why}: '{}'",
+        shown(line)
+    ))
+}
+
+/// Whether a colour is written with all its numbers.
+fn has_full_colors(text: &[u8]) -> bool {
+    Lines::new(text).any(|line| {
+        let mut words = Words::new(line);
+        words.next() == Some(b"Kd") && words.count() == 3
+    })
+}
+
+/// The known keywords.
+const KEYWORDS: &[&[u8]] = &[
+    b"newmtl",
+    b"Ka",
+    b"Kd",
+    b"Ks",
+    b"Ke",
+    b"Km",
+    b"Tf",
+    b"Tr",
+    b"d",
+    b"illum",
+    b"sharpness",
+    b"Ni",
+    b"Ns",
+    b"Pr",
+    b"Pm",
+    b"Ps",
+    b"Pc",
+    b"Pcr",
+    b"aniso",
+    b"anisor",
+    b"map_Ka",
+    b"map_Kd",
+    b"map_Ks",
+    b"map_Ke",
+    b"map_Ns",
+    b"map_d",
+    b"map_aat",
+    b"map_bump",
+    b"map_Bump",
+    b"map_Pr",
+    b"map_Pm",
+    b"map_Ps",
+    b"map_refl",
+    b"bump",
+    b"disp",
+    b"decal",
+    b"refl",
+    b"norm",
+];
 
 /// Notes what a line says of a material.
 fn state(

@@ -42,6 +42,18 @@ pub(super) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Fails for a folder, in the words that [`regular_file`] has for one.
+pub(super) fn refuse_folder(path: &Path) -> Result<()> {
+    match fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => check_regular(&metadata),
+        _ => Ok(()),
+    }
+    .map_err(|source| Error::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
 /// The content of a file that a scene names; of a packed one, what is packed. It counts against the
 /// scene's memory.
 pub(super) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {

@@ -102,6 +102,8 @@ pub(super) struct Report {
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
+    /// Where and why a file seems to end too early.
+    cut: Option<Error>,
     /// Warnings of files that this one names, worded.
     absorbed: Vec<String>,
     files: Vec<PathBuf>,
@@ -124,6 +126,7 @@ impl Report {
             kinds: Vec::new(),
             dropped: 0,
             first_dropped: String::new(),
+            cut: None,
             absorbed: Vec::new(),
             files: Vec::new(),
         }
@@ -224,6 +227,30 @@ impl Report {
             let count = 1;
             self.kinds.push(Kind { key, line, count });
         }
+    }
+
+    /// Reports that the file seems to be truncated, and why: a warning, or an error if reading is strict.
+    pub(super) fn cut_short(&mut self, place: Place, why: &str) {
+        let path = self.path.clone();
+        self.cut_short_in(&path, place, why);
+    }
+
+    /// The same about another file.
+    pub(super) fn cut_short_in(&mut self, path: &Path, place: Place, why: &str) {
+        let what = format!("the file seems to be truncated: {why}");
+        self.warn_in(path, "cut", &place, || what.clone());
+        let fault = Fault::at(place, what);
+        self.cut.get_or_insert_with(|| fault.into_error(path));
+    }
+
+    /// The first reason why strict reading fails.
+    pub(super) fn strict_error(&mut self) -> Option<Error> {
+        if !self.settings.strict {
+            return None;
+        }
+        let dropped = self.dropped().map(Fault::file);
+        let dropped = dropped.map(|fault| fault.into_error(&self.path));
+        self.cut.take().or(dropped)
     }
 
     /// Takes over what another file's report came to: what memory it left, what it said, and the files

@@ -120,6 +120,8 @@ struct TextReader {
     open: Option<u64>,
     corners: usize,
     solids: usize,
+    /// The line of the solid that is not ended yet.
+    solid: Option<u64>,
     name: Option<String>,
 }
 
@@ -139,6 +141,12 @@ fn read_text(text: &[u8], report: &mut Report) -> Checked<(Vec<[f64; 3]>, Option
             "truncated: the facet that begins here never ends",
         ));
     }
+    if let Some(solid) = reader.solid {
+        let count = reader.points.len() / 3;
+        let why =
+            format!("the solid that begins at line {solid} has no endsolid; facets read: {count}");
+        report.cut_short(Place::Line(lines.number), &why);
+    }
     let name = reader.name.filter(|_| reader.solids == 1);
     Ok((reader.points, name))
 }
@@ -150,12 +158,16 @@ impl TextReader {
             match word.to_ascii_lowercase().as_slice() {
                 b"solid" => {
                     self.solids += 1;
+                    self.solid = Some(number);
                     let name = escape_controls(&String::from_utf8_lossy(words.rest()));
                     self.name = Some(name).filter(|name| !name.is_empty());
                     return Ok(());
                 }
                 // What follows it is a name.
-                b"endsolid" => return Ok(()),
+                b"endsolid" => {
+                    self.solid = None;
+                    return Ok(());
+                }
                 b"facet" => self.begin_facet(number)?,
                 b"vertex" => self.vertex(&mut words, number)?,
                 b"endfacet" => self.end_facet(number)?,

@@ -77,6 +77,12 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
+/// The last line of a text, if it has no line break: many whole files end so, and so do truncated ones.
+pub(super) fn unended_line(text: &[u8]) -> Option<&[u8]> {
+    let start = memchr::memrchr2(b'\n', b'\r', text).map_or(0, |end| end + 1);
+    text.get(start..).filter(|line| !line.is_empty())
+}
+
 /// The words of a line, between blanks.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Words<'a> {

@@ -62,6 +62,12 @@ impl Indices {
         }
     }
 
+    /// Whether nothing names the value that came last.
+    pub(super) fn last_is_unused(&self) -> bool {
+        self.largest
+            .is_none_or(|(largest, _)| largest.saturating_add(1) < self.count)
+    }
+
     /// Whether all indices have a value, now that all values have come.
     pub(super) fn check(&self) -> Checked<()> {
         match self.largest {

@@ -1,5 +1,6 @@
 //! OBJ: Wavefront's text format, with its MTL materials.
 
+mod ending;
 mod index;
 mod object;
 mod plain;
@@ -65,6 +66,10 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
         } else {
             reader.statement(line, number)?;
         }
+    }
+    if let Some(why) = ending::cut(&text, &reader.indices) {
+        let place = Place::Line(lines.number);
+        reader.report.cut_short(place, &why);
     }
     reader.finish()
 }
