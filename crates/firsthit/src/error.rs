@@ -4,9 +4,26 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// The result of everything in firsthit that can fail.
+///
+/// ```
+/// use firsthit::{DVec3, Object, Result, Scene, Sphere};
+///
+/// fn ball(radius: f64) -> Result<Scene> {
+///     Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, radius)?)])
+/// }
+/// assert!(ball(0.0).is_err());
+/// ```
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// What went wrong. Rays never fail: a ray that makes no sense is a miss.
+///
+/// ```
+/// use firsthit::{DVec3, Error, Sphere};
+///
+/// let error = Sphere::new(DVec3::ZERO, -1.0).unwrap_err();
+/// assert_eq!(error.to_string(), "radius must be positive and finite, got -1");
+/// assert!(matches!(error, Error::Argument { name: "radius", .. }));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

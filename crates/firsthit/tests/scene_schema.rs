@@ -98,8 +98,10 @@ fn sample(kind: &str, name: &str, form: &Value) -> Value {
     if let Some(forms) = form["oneOf"].as_array() {
         return sample(kind, name, &forms[0]);
     }
-    if form["$ref"].is_string() {
-        return Value::Null;
+    match form["$ref"].as_str() {
+        Some(COLOR) => return json!("tomato"),
+        Some(_) => return Value::Null,
+        None => {}
     }
     match form["type"].as_str() {
         Some("number" | "integer" | "boolean") if form["type"] == "boolean" => json!(false),
@@ -115,11 +117,15 @@ fn sample(kind: &str, name: &str, form: &Value) -> Value {
     }
 }
 
+/// What colours refer to: no table, but a value of several forms.
+const COLOR: &str = "#/$defs/color";
+
 /// The forms of each kind of table.
 fn variants() -> Vec<(String, Value)> {
     let whole = parsed();
     let mut found = vec![("scene".to_owned(), whole.clone())];
-    for (kind, record) in whole["$defs"].as_object().expect("definitions") {
+    let records = whole["$defs"].as_object().expect("definitions").iter();
+    for (kind, record) in records.filter(|(kind, _)| !COLOR.ends_with(&format!("/{kind}"))) {
         match record["oneOf"].as_array() {
             Some(forms) => found.extend(forms.iter().map(|form| (kind.clone(), form.clone()))),
             None => found.push((kind.clone(), record.clone())),
@@ -213,6 +219,31 @@ fn the_committed_schema_is_the_program_s() {
 #[test]
 fn the_schema_is_one() {
     assert!(jsonschema::meta::is_valid(&parsed()));
+}
+
+#[test]
+fn colours_are_refused_or_taken_by_both() {
+    let mut both = Judges::new();
+    for (color, is_one) in [
+        (json!("tomato"), true),
+        (json!("Tomato"), false),
+        (json!("#FF6347"), true),
+        (json!("#ff634"), false),
+        (json!("reddish"), false),
+        (json!([1, 0, 2.5]), true),
+        (json!([1, -1, 0]), false),
+        (json!([1, 0]), false),
+        (json!(1), false),
+    ] {
+        for (kind, key) in [("background", "color"), ("shading", "ambient")] {
+            let table = Map::from_iter([(key.to_owned(), color.clone())]);
+            assert_eq!(both.accept(kind, &table), is_one, "{kind}: {color}");
+        }
+    }
+    for (kind, key, is_taken) in [("background", "color", true), ("shading", "ambient", false)] {
+        let table = Map::from_iter([(key.to_owned(), json!("transparent"))]);
+        assert_eq!(both.accept(kind, &table), is_taken, "{kind}");
+    }
 }
 
 #[test]

@@ -1,6 +1,15 @@
 use super::{DAffine3, DVec3};
 
 /// An axis-aligned box, both corners part of it.
+///
+/// ```
+/// use firsthit::{Bounds, DVec3};
+///
+/// let bounds = Bounds::of([DVec3::ZERO, DVec3::new(4.0, -2.0, 1.0)]);
+/// assert_eq!(bounds.size(), DVec3::new(4.0, 2.0, 1.0));
+/// assert_eq!(bounds.centre(), DVec3::new(2.0, -1.0, 0.5));
+/// assert!(bounds.contains(DVec3::X));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The corner with the smallest coordinates.

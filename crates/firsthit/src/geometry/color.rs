@@ -1,6 +1,13 @@
 use super::DVec3;
 
 /// A linear colour: red, green, blue with Rec. 709 primaries, 1 being a white surface in full light.
+///
+/// ```
+/// use firsthit::Color;
+///
+/// let red = Color::new(0.75, 0.25, 0.25);
+/// assert_eq!(0.5 * red + Color::splat(0.125), Color::new(0.5, 0.25, 0.25));
+/// ```
 pub type Color = DVec3;
 
 /// The sRGB value (0 to 1) of a linear one, by the curve of IEC 61966-2-1. Values outside 0 to 1 are

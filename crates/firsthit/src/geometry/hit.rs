@@ -1,6 +1,17 @@
 use super::DVec2;
 
 /// What a ray meets first: how far away, which object, and where on it.
+///
+/// ```
+/// use firsthit::{DVec3, Hit, Object, Scene, Sphere, shoot};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let hit = shoot(&scene, DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+/// assert_eq!((hit.t, hit.object), (4.0, 0));
+/// let miss = shoot(&scene, DVec3::new(0.0, 0.0, 5.0), DVec3::Z);
+/// assert_eq!((miss.t, miss.object), (f64::INFINITY, -1));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The ray's parameter, `t_min < t <= t_max`; infinity for a miss.

@@ -2,15 +2,20 @@
 
 mod bounds;
 mod color;
+mod color_names;
+#[cfg(feature = "frame")]
 mod digest;
 mod double;
 mod grid;
 mod hit;
 mod ray;
+pub(crate) mod summary;
 mod transform;
 
 pub use bounds::Bounds;
 pub use color::{Color, srgb_decode, srgb_encode};
+pub use color_names::{COLOR_NAMES, color_of, meant_as_levels};
+#[cfg(feature = "frame")]
 pub use digest::Digest;
 pub use double::plane_crossing;
 pub use grid::PixelGrid;

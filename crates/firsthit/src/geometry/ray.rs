@@ -4,6 +4,13 @@ use super::{DVec3, PixelGrid};
 ///
 /// `direction` need not be of length one: `t` is in units of its length, a distance only when that
 /// is one (as it is for every camera's rays).
+///
+/// ```
+/// use firsthit::{DVec3, Ray};
+///
+/// let ray = Ray::new(DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0)).up_to(10.0);
+/// assert_eq!(ray.at(3.0), DVec3::new(1.0, 6.0, 0.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// Where `t` is zero; not itself part of the ray.
@@ -71,6 +78,18 @@ impl Ray {
 }
 
 /// Rays by number, made when they are needed.
+///
+/// ```
+/// use firsthit::{DVec3, Object, Ray, Scene, Sphere, shoot::shoot_all};
+///
+/// // An array of rays is one; so is a camera.
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let rays: Vec<Ray> = (0..5)
+///     .map(|k| Ray::new(DVec3::new(0.5 * f64::from(k), 0.0, 5.0), DVec3::NEG_Z))
+///     .collect();
+/// assert_eq!(shoot_all(&scene, &rays, &())?.object, [0, 0, 0, -1, -1]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 pub trait Rays: Sync {
     /// How many there are.
     fn len(&self) -> usize;

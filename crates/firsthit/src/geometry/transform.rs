@@ -2,6 +2,21 @@ use super::{DAffine3, DMat3, DVec3, Ray, unit};
 use crate::error::{Error, Result};
 
 /// Where an object stands in the world: any affine map that can be undone, mirrored ones included.
+///
+/// ```
+/// use firsthit::{DAffine3, DQuat, DVec3, Object, Scene, Sphere, Transform};
+///
+/// // An egg: twice as high as wide, leaning, at x = 10.
+/// let egg = Transform::new(DAffine3::from_scale_rotation_translation(
+///     DVec3::new(1.0, 1.0, 2.0),
+///     DQuat::from_rotation_x(0.3),
+///     DVec3::new(10.0, 0.0, 0.0),
+/// ))?;
+/// let object = Object::new(Sphere::new(DVec3::ZERO, 1.0)?).placed(egg);
+/// let scene = Scene::new(vec![object])?;
+/// assert!((scene.support(DVec3::X) - 11.0).abs() < 1e-12);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     world_from_object: DAffine3,

@@ -1,6 +1,6 @@
 //! What is seen where nothing is hit.
 
-use super::form::Form;
+use super::form::{Form, is_transparent};
 use super::keys::{Pick, Record, Variant, key, required};
 use super::section::Section;
 use crate::geometry::{Color, DVec3};
@@ -14,8 +14,8 @@ pub(super) static BACKGROUND: Record = Record {
         pick: Pick::Always,
         keys: &[&[required(
             "color",
-            Form::Color,
-            "Linear [red, green, blue], or sRGB as \"#rrggbb\".",
+            Form::ColorOrTransparent,
+            "Linear [red, green, blue], or sRGB as \"#rrggbb\" or by a name of CSS; or \"transparent\".",
         )]],
         rules: &[],
     }],
@@ -46,6 +46,9 @@ pub(super) static SKY: Record = Record {
 /// The background of the whole file, if it says one; `up` is the scene's.
 pub(super) fn read(scene: &Section<'_, '_>, up: DVec3) -> Checked<Option<Background>> {
     if let Some(section) = scene.table("background", &BACKGROUND)? {
+        if section.raw("color").is_some_and(is_transparent) {
+            return Ok(Some(Background::Transparent));
+        }
         let color = section.color("color").unwrap_or(Color::ZERO);
         return Ok(Some(Background::Uniform(color)));
     }

@@ -14,7 +14,7 @@ const VIEW: &[Key] = &[
     key(
         "position",
         Form::Vector,
-        "Where the camera is. Default: far enough to see everything.",
+        "Where the camera is. Default: where everything is seen and fills the picture.",
     ),
     key(
         "aim",
@@ -165,7 +165,8 @@ pub(super) fn settle(cameras: Vec<Read<'_, '_>>, model: &Model) -> Checked<Vec<N
             section,
             description,
         } = camera;
-        let settled = section.checked(description.camera(bounds, model.up))?;
+        let support = |direction| crate::scene::support(&model.objects, direction);
+        let settled = section.checked(description.camera(bounds, support, model.up))?;
         let is_sized = description.columns.is_some() || description.rows.is_some();
         Ok(NamedCamera {
             name,

@@ -4,7 +4,7 @@ use serde_json::{Value as Json, json};
 
 use super::document::{Value, integer, number, numbers};
 use super::keys::Record;
-use crate::geometry::{Color, DVec3, srgb_decode};
+use crate::geometry::{COLOR_NAMES, Color, DVec3, color_of};
 
 /// What a key's value must look like.
 #[derive(Debug, Clone, Copy)]
@@ -32,8 +32,10 @@ pub(super) enum Form {
     Vector,
     /// Three numbers that are not all zero.
     Direction,
-    /// Linear red, green and blue, or sRGB as `"#rrggbb"`.
+    /// Linear red, green and blue, or sRGB as `"#rrggbb"` or by a name of CSS.
     Color,
+    /// The same, or `"transparent"`.
+    ColorOrTransparent,
     /// A factor, or one for each axis.
     Scale,
     /// `x, y, z, w`.
@@ -71,7 +73,11 @@ impl Form {
             Self::Vector => "three finite numbers, [x, y, z]".into(),
             Self::Direction => "three finite numbers, [x, y, z], not all zero".into(),
             Self::Color => {
-                "linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\"".into()
+                "linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\" or by a CSS name"
+                    .into()
+            }
+            Self::ColorOrTransparent => {
+                format!("{}, or \"transparent\"", Self::Color.expected())
             }
             Self::Scale => "a factor, or three of them, [x, y, z], none of them zero".into(),
             Self::Quaternion => "four finite numbers, [x, y, z, w], not all zero".into(),
@@ -114,6 +120,7 @@ impl Form {
             Self::Vector => numbers::<3>(value).is_some(),
             Self::Direction => numbers::<3>(value).is_some_and(|v| v != [0.0; 3]),
             Self::Color => color(value).is_some(),
+            Self::ColorOrTransparent => is_transparent(value) || color(value).is_some(),
             Self::Scale => scale(value).is_some(),
             Self::Quaternion => numbers::<4>(value).is_some_and(|q| q != [0.0; 4]),
             Self::Matrix => matrix(value).is_some(),
@@ -132,7 +139,9 @@ impl Form {
             Self::Vector | Self::Direction | Self::Quaternion | Self::Scale => {
                 &|item| number(item.get_ref()).is_some()
             }
-            Self::Color => &|item| number(item.get_ref()).is_some_and(|x| x >= 0.0),
+            Self::Color | Self::ColorOrTransparent => {
+                &|item| number(item.get_ref()).is_some_and(|x| x >= 0.0)
+            }
             Self::Points => &|item| numbers::<3>(item.get_ref()).is_some(),
             Self::Triples => &|item| triple(item.get_ref()).is_some(),
             Self::SomeOf(words) => {
@@ -154,6 +163,12 @@ impl Form {
     pub(super) fn words(self) -> Vec<&'static str> {
         match self {
             Self::OneOf(words) | Self::SomeOf(words) => words(),
+            Self::Color => COLOR_NAMES.iter().map(|&(name, _)| name).collect(),
+            Self::ColorOrTransparent => {
+                let mut words = Self::Color.words();
+                words.push(TRANSPARENT);
+                words
+            }
             _ => Vec::new(),
         }
     }
@@ -187,10 +202,10 @@ impl Form {
             }
             Self::Vector => vector,
             Self::Direction => nonzero(3),
-            Self::Color => json!({"oneOf": [
-                array(&json!({"type": "number", "minimum": 0}), 3, 3),
-                {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"},
-            ]}),
+            Self::Color => json!({"$ref": "#/$defs/color"}),
+            Self::ColorOrTransparent => {
+                json!({"oneOf": [{"$ref": "#/$defs/color"}, {"const": TRANSPARENT}]})
+            }
             Self::Scale => {
                 let factor = json!({"type": "number", "not": {"const": 0}});
                 json!({"oneOf": [factor, array(&factor, 3, 3)]})
@@ -217,6 +232,19 @@ impl Form {
             }
         }
     }
+}
+
+/// The schema of colours, shared by all keys; editors complete the names from it.
+pub(super) fn color_schema() -> Json {
+    let names: Vec<&str> = COLOR_NAMES.iter().map(|&(name, _)| name).collect();
+    json!({
+        "description": "A colour: linear [red, green, blue], or sRGB as \"#rrggbb\" or by a name of CSS.",
+        "oneOf": [
+            {"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 3, "maxItems": 3},
+            {"type": "string", "pattern": "^#([0-9a-fA-F]{3}){1,2}$"},
+            {"enum": names},
+        ],
+    })
 }
 
 pub(super) fn insert(schema: &mut Json, key: &str, value: Json) {
@@ -246,15 +274,19 @@ fn all(value: &Raw<'_>, fine: impl Fn(&Raw<'_>) -> bool) -> bool {
 /// A linear colour.
 pub(super) fn color(value: &Raw<'_>) -> Option<Color> {
     if let Some(text) = value.as_str() {
-        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
-        // `from_str_radix` would take a sign.
-        let is_hex = digits.bytes().all(|b| b.is_ascii_hexdigit());
-        let [_, red, green, blue] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
-        let channel = |byte: u8| srgb_decode(f64::from(byte) / 255.0);
-        return is_hex.then(|| Color::new(channel(red), channel(green), channel(blue)));
+        // One spelling of a name, which is that of the schema.
+        let is_plain = text.starts_with('#') || !text.bytes().any(|b| b.is_ascii_uppercase());
+        return color_of(text).filter(|_| is_plain);
     }
     let color = Color::from(numbers::<3>(value)?);
     (color.min_element() >= 0.0).then_some(color)
+}
+
+const TRANSPARENT: &str = "transparent";
+
+/// Whether a background is transparent.
+pub(super) fn is_transparent(value: &Raw<'_>) -> bool {
+    value.as_str() == Some(TRANSPARENT)
 }
 
 /// A factor for each axis, none of them zero.

@@ -8,6 +8,7 @@ mod camera;
 mod document;
 mod form;
 mod keys;
+mod levels;
 mod light;
 mod object;
 mod output;
@@ -18,8 +19,8 @@ mod shading;
 mod suggest;
 mod variant;
 
-pub use output::Output;
 pub use schema::schema;
+pub use suggest::nearest_word;
 
 use super::report::{Checked, Report};
 use super::{Format, Model};
@@ -36,6 +37,7 @@ pub(super) const FORMAT: Format = Format {
     name: "scene file",
     extensions: &["toml"],
     up: DVec3::Z,
+    rules_up: true,
     read,
 };
 
@@ -43,6 +45,7 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let text = Text::new(bytes)?;
     let document = text.parse(report)?;
     let scene = Section::new(text, document.get_ref(), 0, &SCENE)?;
+    levels::warn(text, document.get_ref(), report);
     let up = scene.vector("up").unwrap_or(FORMAT.up);
     let lights = scene.list("lights", &LIGHT)?;
     let shading = match scene.table("shading", &SHADING)? {

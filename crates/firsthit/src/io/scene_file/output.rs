@@ -1,15 +1,13 @@
 //! The files that a scene file asks for.
 
-use std::path::PathBuf;
-
 use super::form::Form;
 use super::keys::{Pick, Record, Variant, key, required};
 use super::section::Section;
 use crate::channel::KINDS;
 use crate::error::escape_controls;
 use crate::image::FORMATS;
-use crate::io::read;
 use crate::io::report::{Checked, Report};
+use crate::io::{Output, read};
 
 pub(super) static OUTPUT: Record = Record {
     name: "output",
@@ -31,15 +29,6 @@ pub(super) static OUTPUT: Record = Record {
         rules: &[],
     }],
 };
-
-/// A file that a scene file asks for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Output {
-    /// Where it goes: in the scene file's folder or below. `{channel}` stands for a channel's name.
-    pub path: PathBuf,
-    /// The channels' names, at least one.
-    pub channels: Vec<String>,
-}
 
 pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output> {
     let name = section.need_text("file")?;

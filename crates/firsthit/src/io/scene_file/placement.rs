@@ -17,7 +17,7 @@ pub(super) const PLACED: &[Key] = &[
     key(
         "color",
         Form::Color,
-        "Its colour: linear [red, green, blue], or sRGB as \"#rrggbb\"; of a file, instead of its materials. Colours of vertices are multiplied by it.",
+        "Its colour: linear [red, green, blue], or sRGB as \"#rrggbb\" or by a name of CSS; of a file, instead of its materials. Colours of vertices are multiplied by it.",
     ),
     key(
         "scale",

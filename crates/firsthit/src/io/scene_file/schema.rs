@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::form::insert;
+use super::form::{color_schema, insert};
 use super::keys::{Pick, RECORDS, Record, Rule, SCENE, Variant};
 
 /// The JSON Schema (draft 2020-12) of scene files, as text with a newline at its end. Editors complete
@@ -20,6 +20,7 @@ pub fn schema() -> String {
         json!("https://json-schema.org/draft/2020-12/schema"),
     );
     insert(&mut whole, "title", json!("firsthit scene file"));
+    definitions.insert("color".to_owned(), color_schema());
     insert(&mut whole, "$defs", Json::Object(definitions));
     format!("{whole:#}\n")
 }

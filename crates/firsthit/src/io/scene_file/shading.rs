@@ -10,7 +10,7 @@ use crate::shade::Shader;
 const SAMPLES: Key = key(
     "samples",
     Form::Whole(1, 65_536),
-    "The colour of a pixel is the mean of this many points of it. Default: 1.",
+    "The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 4.",
 );
 
 const SHADER: &str = "shader";

@@ -5,24 +5,35 @@ use strsim::damerau_levenshtein;
 /// Longer words are no slip of the finger, and comparing them would take long.
 const LONGEST: usize = 40;
 
-/// The one of the `known` words that `word` is a misspelling of, or another word for.
-pub(super) fn suggestion(word: &str, known: &[&'static str]) -> Option<&'static str> {
+/// The one of the `known` words that `word` is a misspelling of, in any case: by the distance of Damerau and Levenshtein, one slip
+/// in every third letter at most.
+///
+/// ```
+/// use firsthit::io::nearest_word;
+/// assert_eq!(nearest_word("Normals", ["color", "normal"]), Some("normal"));
+/// assert_eq!(nearest_word("x", ["color", "normal"]), None);
+/// ```
+pub fn nearest_word<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if word.len() > LONGEST {
         return None;
     }
-    let plain = word.to_ascii_lowercase().replace('-', "_");
+    let plain = word.to_ascii_lowercase();
     let distance = |other: &str| damerau_levenshtein(&plain, other);
-    // A slip in every third letter at most, but never so many that nothing of the word is left.
-    let is_near = |other: &str| distance(other) <= (other.len().max(plain.len()) / 3).min(3);
-    let nearest = (known.iter().copied())
-        .filter(|other| is_near(other))
-        .min_by_key(|other| distance(other));
+    // Never so many that nothing of the word is left.
+    let is_near = |other: &&str| distance(other) <= (other.len().max(plain.len()) / 3).min(3);
+    let near = known.into_iter().filter(is_near);
+    near.min_by_key(|other| distance(other))
+}
+
+/// The one of the `known` words that `word` is a misspelling of, or another word for.
+pub(super) fn suggestion(word: &str, known: &[&'static str]) -> Option<&'static str> {
+    let plain = word.to_ascii_lowercase().replace('-', "_");
     let synonym = || {
         let ours = OTHER_WORDS.iter().filter(|(theirs, _)| *theirs == plain);
         ours.map(|&(_, ours)| ours)
             .find(|ours| known.contains(ours))
     };
-    nearest.or_else(synonym)
+    nearest_word(&plain, known.iter().copied()).or_else(synonym)
 }
 
 /// Words that people use, and ours for the same thing.
