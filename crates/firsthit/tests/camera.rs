@@ -7,7 +7,10 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+mod support;
+
 use firsthit::{Bounds, Camera, DVec2, DVec3, Projection, RayStart, View};
+use support::seen;
 
 fn close(a: DVec3, b: DVec3) -> bool {
     (a - b).length() < 1e-14 * (1.0 + a.length())
@@ -189,42 +192,75 @@ fn look_at_has_its_field_of_view_between_the_edges() {
     assert_eq!(camera.aim(), DVec3::NEG_Z);
 }
 
+/// The support function of a box.
+fn support_of(bounds: Bounds) -> impl Fn(DVec3) -> f64 {
+    move |direction| {
+        let along = bounds.corners().map(|corner| corner.dot(direction));
+        along.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
 #[test]
-fn framing_shows_every_corner_and_wastes_little() {
+fn framing_touches_the_margin_on_opposite_sides_and_centres_the_rest() {
     let bounds = Bounds::of([DVec3::new(-3.0, 10.0, 2.0), DVec3::new(5.0, 11.0, 8.0)]);
+    let aims = [
+        DVec3::new(0.3, -1.0, 0.4),
+        DVec3::new(1.0, 0.2, -0.1),
+        DVec3::Y,
+        DVec3::new(-3.0, 0.01, 0.02),
+    ];
     for projection in [Projection::Perspective, Projection::Orthographic] {
-        let view = View {
-            aim: DVec3::new(0.3, -1.0, 0.4),
-            up: DVec3::Z,
-            projection,
-            ..View::default()
-        };
-        let camera = Camera::framing(view, bounds).unwrap();
-        let View {
-            width,
-            height,
-            focal_length,
-            ..
-        } = *camera.view();
-        let mut widest: f64 = 0.0;
-        for corner in bounds.corners() {
-            let v = corner - camera.position();
-            let scale = if projection == Projection::Perspective {
-                focal_length / v.dot(camera.aim())
-            } else {
-                1.0
-            };
-            let (x, y) = (
-                v.dot(camera.right()) * scale / width,
-                v.dot(camera.upwards()) * scale / height,
-            );
-            assert!(
-                v.dot(camera.aim()) > 0.0 && x.abs() <= 0.5 && y.abs() <= 0.5,
-                "{projection:?} {corner}"
-            );
-            widest = widest.max(x.abs()).max(y.abs());
+        for aim in aims {
+            for (rows, columns) in [(480, 640), (100, 1000), (900, 300)] {
+                let view = View {
+                    aim,
+                    up: DVec3::Z,
+                    projection,
+                    rows,
+                    columns,
+                    ..View::default()
+                };
+                let view = view.with_vertical_fov(45.0).unwrap();
+                let camera = Camera::framing(view, support_of(bounds)).unwrap();
+                let corners = bounds.corners().map(|corner| seen(&camera, corner));
+                let low = corners.into_iter().fold(DVec2::INFINITY, DVec2::min);
+                let high = corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
+                let told = format!("{projection:?} {aim} {columns} x {rows}: {low} {high}");
+                assert!((high.max_element() - 1.0 / 1.05).abs() < 1e-9, "{told}");
+                assert!((low.min_element() + 1.0 / 1.05).abs() < 1e-9, "{told}");
+                // False position stops where nobody sees the rest.
+                assert!((low + high).abs().max_element() < 0.01, "{told}");
+            }
         }
-        assert!(widest > 0.35, "{projection:?} {widest}");
+    }
+}
+
+#[test]
+fn a_point_and_a_line_along_the_aim_are_framed_too() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for (low, high) in [(5.0, 5.0), (-4.0, 9.0)] {
+            let view = View {
+                projection,
+                ..View::default()
+            };
+            let ends = [low, high].map(|z| DVec3::new(1.0, 2.0, z));
+            let camera = Camera::framing(view, support_of(Bounds::of(ends))).unwrap();
+            for end in ends {
+                assert!(seen(&camera, end).abs().max_element() < 1.0, "{camera:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_reaches_nowhere_or_everywhere_is_not_framed() {
+    for support in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+        let error = Camera::framing(View::default(), |_| support).unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.starts_with("support must be finite, to be framed, got "),
+            "{message}"
+        );
     }
 }
 
@@ -322,7 +358,7 @@ fn framing_does_not_depend_on_where_the_model_is() {
             low: place - DVec3::ONE,
             high: place + DVec3::ONE,
         };
-        let camera = Camera::framing(view, bounds).unwrap();
+        let camera = Camera::framing(view, support_of(bounds)).unwrap();
         (camera.position() - place).length()
     };
     for far in [1e5, 1e7, 1e9] {
@@ -346,4 +382,31 @@ fn no_columns_are_refused_by_their_own_name() {
         let error = camera.unwrap_err().to_string();
         assert_eq!(error, "columns must be at least 1, got 0");
     }
+}
+
+#[test]
+fn a_camera_that_was_taken_apart_is_the_same_to_the_last_bit() {
+    let mut changed_by_new = 0;
+    for k in 0..1000 {
+        let place = |step: f64| (step * f64::from(k)).fract() - 0.5;
+        let aim = DVec3::new(place(0.618_034), place(0.414_214), place(0.732_051) + 1.0);
+        let camera = Camera::new(View {
+            aim,
+            up: DVec3::new(0.3, -2.0, 5.0),
+            ..View::default()
+        })
+        .unwrap();
+        assert_eq!(Camera::again(*camera.view()).unwrap(), camera);
+        changed_by_new += usize::from(Camera::new(*camera.view()).unwrap() != camera);
+    }
+    assert!(changed_by_new > 0, "there is no need for it");
+    let view = View {
+        aim: DVec3::new(0.0, 0.0, -2.0),
+        ..View::default()
+    };
+    let message = Camera::again(view).unwrap_err().to_string();
+    assert!(
+        message.starts_with("aim must be of length one"),
+        "{message}"
+    );
 }

@@ -1,8 +1,9 @@
 //! Cameras made from what they should show.
 
+use super::framing::Frame;
 use super::{Camera, Projection, RayStart, View, require};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, unit};
+use crate::geometry::{DVec3, unit};
 
 impl Camera {
     /// A perspective camera at `position` with `target` in the middle of the picture, with square
@@ -44,71 +45,42 @@ impl Camera {
         })
     }
 
-    /// The camera of `view` moved back along its aim, and for parallel rays with its viewplane sized,
-    /// until all of `bounds` is in the picture with a margin of a twentieth. Its rays start at the eye.
+    /// The camera of `view` moved, without turning it, so that a scene fills the picture. A perspective camera keeps its field of
+    /// view; an orthographic one gets a viewplane of the scene's size, of the same shape. The scene touches a margin of
+    /// a twentieth at two opposite edges and is centred between the others. Rays start at the eye.
+    ///
+    /// `support` is the scene's support function: the largest dot product of a direction with a point of the scene
+    /// ([`Scene::support`](crate::Scene::support)). It is called up to 18 times.
+    ///
+    /// ```
+    /// use firsthit::{Camera, DVec3, View};
+    ///
+    /// // Two points.
+    /// let support = |direction: DVec3| direction.x.abs();
+    /// let camera = Camera::framing(View::default(), support)?;
+    /// assert!(camera.position().abs_diff_eq(DVec3::new(0.0, 0.0, 1.575), 1e-12));
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for bounds that are not finite, and all that
+    /// [`Error::Argument`](crate::Error::Argument) for a `support` that is not finite, and all that
     /// [`Camera::new`] refuses.
-    pub fn framing(view: View, bounds: Bounds) -> Result<Self> {
-        let finite = bounds.is_finite() && !bounds.is_empty();
-        require(
-            "bounds",
-            "finite, to be framed",
-            finite,
-            format!("{bounds:?}"),
-        )?;
+    pub fn framing(view: View, support: impl Fn(DVec3) -> f64) -> Result<Self> {
         let camera = Self::new(View {
             ray_start: RayStart::Eye,
             ..view
         })?;
-        let centre = bounds.centre();
-        let corners = bounds.corners().map(|corner| {
-            let corner = corner - centre;
-            (
-                corner.dot(camera.right).abs(),
-                corner.dot(camera.upwards).abs(),
-                corner.dot(camera.aim()),
-            )
-        });
-        // A single point still needs some distance, well above the rounding of where it is.
-        let smallest = 1e-12 * centre.abs().max_element().max(1e-30);
-        let radius = (0.5 * bounds.size().length()).max(smallest);
-        let largest = |f: &dyn Fn((f64, f64, f64)) -> f64| {
-            corners.map(f).into_iter().fold(smallest, f64::max)
+        let frame = Frame {
+            right: camera.right,
+            upwards: camera.upwards,
+            aim: camera.aim(),
         };
-        let margin = 1.05;
-        let View {
-            width,
-            height,
-            focal_length,
-            ..
-        } = *camera.view();
-        match view.projection {
-            Projection::Perspective => {
-                // A corner at depth d + z is inside when x / (d + z) is at most width / 2 / focal_length.
-                let (slope_x, slope_y) = (0.5 * width / focal_length, 0.5 * height / focal_length);
-                let back =
-                    largest(&|(x, y, z)| (margin * x / slope_x).max(margin * y / slope_y) - z);
-                let position = centre - camera.aim() * back.max(margin * radius);
-                Self::new(View {
-                    position,
-                    ..*camera.view()
-                })
-            }
-            Projection::Orthographic => {
-                let aspect = width / height;
-                let height = 2.0 * margin * largest(&|(x, y, _)| y.max(x / aspect));
-                let position = centre - camera.aim() * (2.0 * radius);
-                Self::new(View {
-                    position,
-                    height,
-                    width: height * aspect,
-                    ..*camera.view()
-                })
-            }
-        }
+        let view = match view.projection {
+            Projection::Perspective => frame.perspective(camera.view, &support)?,
+            Projection::Orthographic => frame.orthographic(camera.view, &support)?,
+        };
+        Self::new(view)
     }
 }
 

@@ -1,15 +1,16 @@
 //! Cameras as people describe them: what they leave open, the scene decides.
 
-use super::{Camera, Projection, RayStart, View, require};
+use super::framing::{MARGIN, smallest};
+use super::{Camera, Projection, RayStart, StandardView, View, require};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, unit};
 
 /// A camera in the words of the command line and of scene files, each of which may be missing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Description {
-    /// Where it is; else so far away that everything is seen.
+    /// Where it is; else where the scene fills the picture.
     pub position: Option<DVec3>,
-    /// Where it looks; else at the middle of the scene.
+    /// Where it looks; else at the middle of the scene, or in [`StandardView::Iso`] where there is no position either.
     pub aim: Option<Aim>,
     /// Which way is up; else the scene's.
     pub up: Option<DVec3>,
@@ -34,6 +35,8 @@ pub enum Aim {
     At(DVec3),
     /// At the middle of the scene.
     Centre,
+    /// As in a standard view.
+    View(StandardView),
 }
 
 /// How much a camera sees.
@@ -56,24 +59,37 @@ impl Description {
     /// The vertical field of view where nothing is said, in degrees.
     pub const FOV: f64 = 45.0;
 
-    /// The camera for a scene with these `bounds`, in which `up` is up.
+    /// The camera for a scene with these `bounds` and this support function (see [`Scene::support`](crate::Scene::support)), in
+    /// which `up` is up. An empty or infinite scene counts as the box from -1 to 1.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for a point to look at without a position or at it, for the viewplane of a
     /// perspective camera without its distance, for a field of view of an orthographic one, and for all
     /// that [`Camera::new`] refuses.
-    pub fn camera(&self, bounds: Bounds, up: DVec3) -> Result<Camera> {
-        // With nothing to see, any place is as good.
-        let nothing = bounds.is_empty() || !bounds.is_finite();
-        let bounds = if nothing {
-            Bounds {
+    pub fn camera(
+        &self,
+        bounds: Bounds,
+        support: impl Fn(DVec3) -> f64,
+        up: DVec3,
+    ) -> Result<Camera> {
+        if bounds.is_empty() || !bounds.is_finite() {
+            let bounds = Bounds {
                 low: DVec3::NEG_ONE,
                 high: DVec3::ONE,
-            }
-        } else {
-            bounds
-        };
+            };
+            let support = |direction: DVec3| direction.abs().element_sum();
+            return self.of_finite(bounds, &support, up);
+        }
+        self.of_finite(bounds, &support, up)
+    }
+
+    fn of_finite(
+        &self,
+        bounds: Bounds,
+        support: &dyn Fn(DVec3) -> f64,
+        up: DVec3,
+    ) -> Result<Camera> {
         let (columns, rows) = self.size();
         let up = self.up.unwrap_or(up);
         let view = self.through_lens(View {
@@ -89,7 +105,7 @@ impl Description {
                 let is_open = view.projection == Projection::Orthographic && self.lens.is_none();
                 Camera::new(if is_open { sized(view, bounds)? } else { view })?
             }
-            None => self.framed(view, bounds)?,
+            None => self.framed(view, support)?,
         };
         Ok(camera.starting_at(self.ray_start.unwrap_or(view.ray_start)))
     }
@@ -157,6 +173,10 @@ impl Description {
     fn aimed(&self, view: View, bounds: Bounds) -> Result<View> {
         let target = match self.aim {
             Some(Aim::Along(aim)) => return Ok(View { aim, ..view }),
+            Some(Aim::View(standard)) => {
+                let (aim, up) = standard.aim_and_up(view.up);
+                return Ok(View { aim, up, ..view });
+            }
             Some(Aim::At(target)) => target,
             Some(Aim::Centre) | None => bounds.centre(),
         };
@@ -165,7 +185,7 @@ impl Description {
         Ok(view.aimed_at(target))
     }
 
-    /// The view with another way up where the custom says nothing: straight from above or below.
+    /// The view with another way up where the convention says nothing: straight from above or below.
     fn upright(&self, view: View) -> View {
         let is_along = unit(view.aim).cross(view.up).length() < 1e-9;
         if self.up.is_some() || !is_along {
@@ -180,21 +200,22 @@ impl Description {
         View { up, ..view }
     }
 
-    /// The view from where everything is seen.
-    fn framed(&self, view: View, bounds: Bounds) -> Result<Camera> {
-        let aim = match self.aim {
-            Some(Aim::Along(aim)) => aim,
-            Some(Aim::At(_)) => {
-                return Err(Error::argument(
-                    "position",
-                    "given with a point to look at",
-                    "none",
-                ));
-            }
-            Some(Aim::Centre) | None => three_quarters(view.up),
+    /// The camera that the scene fills.
+    fn framed(&self, view: View, support: &dyn Fn(DVec3) -> f64) -> Result<Camera> {
+        let as_in = |standard: StandardView| {
+            let (aim, up) = standard.aim_and_up(view.up);
+            View { aim, up, ..view }
         };
-        let view = self.upright(View { aim, ..view });
-        let camera = Camera::framing(view, bounds)?;
+        let view = match self.aim {
+            Some(Aim::Along(aim)) => self.upright(View { aim, ..view }),
+            Some(Aim::At(_)) => {
+                let expected = "given with a point to look at";
+                return Err(Error::argument("position", expected, "none"));
+            }
+            Some(Aim::View(standard)) => as_in(standard),
+            Some(Aim::Centre) | None => as_in(StandardView::default()),
+        };
+        let camera = Camera::framing(view, support)?;
         match self.lens {
             // A viewplane that was asked for stays as it was asked for.
             Some(Lens::Viewplane { width, height, .. }) => Camera::new(View {
@@ -207,29 +228,21 @@ impl Description {
     }
 }
 
-/// The view with a viewplane for parallel rays that shows everything from where it is.
+/// The view with an orthographic viewplane on which the scene's box fits around its middle.
 fn sized(view: View, bounds: Bounds) -> Result<View> {
-    let View { width, height, .. } = *Camera::framing(view, bounds)?.view();
+    let camera = Camera::new(view)?;
+    let aspect = view.width / view.height;
+    let centre = bounds.centre();
+    let corners = bounds.corners().map(|corner| {
+        let corner = corner - centre;
+        let x = corner.dot(camera.right()).abs();
+        corner.dot(camera.upwards()).abs().max(x / aspect)
+    });
+    let smallest = smallest(centre.abs().max_element());
+    let height = 2.0 * MARGIN * corners.into_iter().fold(smallest, f64::max);
     Ok(View {
-        width,
+        width: height * aspect,
         height,
         ..view
     })
-}
-
-/// A view a little from the right and from above, on the front: with z up that faces -y, with y up +z.
-fn three_quarters(up: DVec3) -> DVec3 {
-    let up = unit(up);
-    if up.is_nan() {
-        // The camera refuses it, by its name.
-        return DVec3::NEG_Z;
-    }
-    let front = if up.y.abs() < 0.9 {
-        DVec3::NEG_Y
-    } else {
-        DVec3::Z
-    };
-    let front = front.reject_from_normalized(up);
-    let right = up.cross(front);
-    -(front + 0.35 * right + 0.35 * up)
 }

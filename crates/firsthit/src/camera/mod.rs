@@ -2,13 +2,16 @@
 
 mod aim_at;
 mod description;
+mod framing;
 mod matrices;
 mod orthographic;
 mod perspective;
+mod standard;
 
 use std::str::FromStr;
 
 pub use description::{Aim, Description, Lens};
+pub use standard::StandardView;
 
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, unit};
@@ -20,6 +23,15 @@ use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, unit};
 macro_rules! cameras {
     ($($(#[$doc:meta])* $name:literal => $variant:ident, $model:ident;)*) => {
         /// How the viewplane makes rays.
+        ///
+        /// ```
+        /// use firsthit::{Camera, DVec3, Projection, View};
+        ///
+        /// let projection: Projection = "orthographic".parse()?;
+        /// let camera = Camera::new(View { projection, ..View::default() })?;
+        /// assert_eq!(camera.ray(0, 0).direction, DVec3::NEG_Z);
+        /// # Ok::<(), firsthit::Error>(())
+        /// ```
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
         pub enum Projection {
             $($(#[$doc])* $variant,)*
@@ -69,6 +81,15 @@ cameras! {
 }
 
 /// Where a camera's rays start.
+///
+/// ```
+/// use firsthit::{Camera, DVec3, RayStart, View};
+///
+/// let camera = Camera::new(View { focal_length: 2.0, ..View::default() })?;
+/// assert_eq!(camera.ray(240, 320).origin.z, -2.0);
+/// assert_eq!(camera.starting_at(RayStart::Eye).ray(240, 320).origin, DVec3::ZERO);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum RayStart {
     /// On the viewplane: what lies between the camera and the viewplane is not seen.
@@ -96,6 +117,24 @@ struct Reach {
 }
 
 /// What a camera is made from. Lengths are in scene units, directions need not be of length one.
+///
+/// ```
+/// use firsthit::{Camera, DVec3, View};
+///
+/// let camera = Camera::new(View {
+///     position: DVec3::new(0.0, -6.0, 2.0),
+///     aim: DVec3::new(0.0, 1.0, -0.2),
+///     up: DVec3::Z,
+///     focal_length: 0.035,
+///     width: 0.036,
+///     height: 0.024,
+///     rows: 480,
+///     columns: 720,
+///     ..View::default()
+/// })?;
+/// assert_eq!(camera.pixels(), 345_600);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Where the camera is, `x_c`.
@@ -142,6 +181,17 @@ impl Default for View {
 ///
 /// Its frame is right-handed: `right` (`u_x`), `upwards` (`u_y`), backwards (`-aim`). Row 0 is the top
 /// row, column 0 the left one, and pixel centres are at +1/2.
+///
+/// ```
+/// use firsthit::{Camera, DVec3};
+///
+/// // At y = -5, looking at the origin, z upwards, 45 degrees vertically, 480 rows of 640 pixels.
+/// let camera = Camera::look_at(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, 45.0, 480, 640)?;
+/// assert_eq!(camera.aim(), DVec3::Y);
+/// let ray = camera.ray(0, 0);
+/// assert!(ray.direction.x < 0.0 && ray.direction.z > 0.0, "the upper left corner");
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     view: View,
@@ -158,6 +208,21 @@ impl Camera {
     /// precision, a `focal_length`, `width` or `height` that is not positive, `rows` or `columns` below
     /// one, and any NaN or infinity.
     pub fn new(view: View) -> Result<Self> {
+        Self::aimed(view, unit)
+    }
+
+    /// Rebuilds a camera from its [`view`](Self::view), bit for bit: the aim has length one already and is not normalised again.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
+    pub fn again(view: View) -> Result<Self> {
+        let is_unit = (view.aim.length() - 1.0).abs() < 1e-12;
+        require("aim", "of length one", is_unit, view.aim)?;
+        Self::aimed(view, |aim| aim)
+    }
+
+    fn aimed(view: View, unit_aim: impl Fn(DVec3) -> DVec3) -> Result<Self> {
         require(
             "position",
             "finite",
@@ -183,7 +248,7 @@ impl Camera {
         require("rows", "at least 1", view.rows >= 1, view.rows)?;
         require("columns", "at least 1", view.columns >= 1, view.columns)?;
 
-        let aim = unit(view.aim);
+        let aim = unit_aim(view.aim);
         let across = aim.cross(unit(view.up));
         // Below this the cross product is nothing but the rounding of its factors.
         let apart = across.length() > 4.0 * f64::EPSILON;

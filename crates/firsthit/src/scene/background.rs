@@ -1,6 +1,18 @@
 use crate::geometry::{Color, DVec3, unit};
 
 /// What a ray sees that meets nothing: a function of its direction alone.
+///
+/// ```
+/// use firsthit::{Background, Color, DVec3};
+///
+/// let sky = Background::Gradient {
+///     horizon: Color::ONE,
+///     zenith: Color::new(0.1, 0.3, 0.6),
+///     up: DVec3::Z,
+/// };
+/// assert_eq!(sky.color(DVec3::X), Color::ONE);
+/// assert_eq!(sky.color(5.0 * DVec3::Z), Color::new(0.1, 0.3, 0.6));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Background {
     /// One linear colour everywhere.
@@ -14,13 +26,19 @@ pub enum Background {
         /// Which way is up; any length but zero.
         up: DVec3,
     },
+    /// Transparent. Colours get a fourth number, the pixel's coverage (alpha), and are premultiplied by it.
+    Transparent,
 }
 
 impl Background {
+    /// The default of pictures: a dark blue grey, which contrasts with white and with black models.
+    pub const NEUTRAL: Self = Self::Uniform(Color::new(0.12, 0.17, 0.24));
+
     /// The linear colour in a direction of any length.
     pub fn color(&self, direction: DVec3) -> Color {
         match *self {
             Self::Uniform(color) => color,
+            Self::Transparent => Color::ZERO,
             Self::Gradient {
                 horizon,
                 zenith,

@@ -1,6 +1,18 @@
 use crate::geometry::{Color, DVec3};
 
 /// A light without a size.
+///
+/// ```
+/// use firsthit::{Color, DVec3, Light, Scene};
+///
+/// let sun = Light::Directional {
+///     direction: DVec3::new(0.5, 0.5, -1.0),
+///     color: Color::splat(0.9),
+/// };
+/// let scene = Scene::new(vec![])?.with_lights(vec![sun]);
+/// assert_eq!(scene.lights(), [sun]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// Parallel light from infinitely far away.

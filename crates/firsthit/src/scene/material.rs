@@ -4,6 +4,15 @@ use super::texture::{Sample, TextureMap};
 use crate::geometry::{Color, DVec2};
 
 /// The look of a surface.
+///
+/// ```
+/// use firsthit::{Color, DVec3, Material, Object, Sphere};
+///
+/// let glowing = Material { unlit: true, ..Material::colored(Color::new(1.0, 0.9, 0.5)) };
+/// let lamp = Object::new(Sphere::new(DVec3::ZERO, 0.1)?).with_materials([glowing]);
+/// assert_eq!(lamp.color(), Color::new(1.0, 0.9, 0.5));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// The linear colour, which a mesh's own colours and the texture multiply.
@@ -23,6 +32,18 @@ pub struct Material {
 }
 
 /// What a surface's alpha means.
+///
+/// ```
+/// use firsthit::{AlphaMode, Material};
+///
+/// // Half there: with a cutoff of 0.6 rays pass through it.
+/// let leaf = Material {
+///     alpha: 0.5,
+///     alpha_mode: AlphaMode::Mask { cutoff: 0.6 },
+///     ..Material::default()
+/// };
+/// assert!(leaf.may_have_holes());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AlphaMode {
     /// Nothing: all of the surface is there.

@@ -7,13 +7,16 @@
 
 mod background;
 mod covered;
+#[cfg(feature = "frame")]
 mod fingerprint;
 mod light;
+mod likely_up;
 mod material;
 mod object;
 mod texture;
 
 use std::collections::HashMap;
+use std::fmt::{self, Debug, Formatter};
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -26,6 +29,7 @@ pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
 use crate::accel::{Bvh, InstructionSet, MeshTree, Walk, WalkStack};
 use crate::error::{Error, Result};
+use crate::geometry::summary::Few;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Hit, Ray};
 use crate::memory;
 use crate::shape::{Mesh, Shape, Surface};
@@ -33,7 +37,19 @@ use crate::shape::{Mesh, Shape, Surface};
 /// Objects in a world, ready to be shot at from any number of threads.
 ///
 /// An object's identifier is its index in the order of insertion.
-#[derive(Debug, Clone)]
+///
+/// ```
+/// use firsthit::{DVec3, Object, Plane, Scene, Sphere, shoot};
+///
+/// let scene = Scene::new(vec![
+///     Object::new(Sphere::new(DVec3::new(0.0, 0.0, 1.0), 1.0)?).named("ball"),
+///     Object::new(Plane::new(DVec3::ZERO, DVec3::Z)?).named("ground"),
+/// ])?;
+/// let hit = shoot(&scene, DVec3::new(5.0, 0.0, 3.0), DVec3::NEG_Z);
+/// assert_eq!(scene.object(&hit).map(Object::name), Some("ground"));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone)]
 pub struct Scene {
     objects: Vec<Object>,
     /// A mesh's tree, shared by all objects that share the mesh; `None` for other shapes.
@@ -48,8 +64,22 @@ pub struct Scene {
     lights: Vec<Light>,
     instruction_set: InstructionSet,
     has_own_lights: bool,
+    /// See [`Scene::up`].
+    up: Option<DVec3>,
     /// Made when first asked for.
     fingerprint: OnceLock<String>,
+}
+
+/// A summary: the first objects, and how much there is.
+impl Debug for Scene {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Scene")
+            .field("objects", &Few(&self.objects))
+            .field("triangles", &self.triangles())
+            .field("bounds", &self.bounds)
+            .field("lights", &self.lights.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Scene {
@@ -75,6 +105,7 @@ impl Scene {
         let has_own_lights = self.has_own_lights;
         Ok(Self {
             has_own_lights,
+            up: self.up,
             ..scene.with_lights(self.lights.clone())
         })
     }
@@ -128,8 +159,22 @@ impl Scene {
             lights: Vec::new(),
             instruction_set: InstructionSet::current()?,
             has_own_lights: true,
+            up: None,
             fingerprint: OnceLock::new(),
         })
+    }
+
+    /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.
+    pub fn with_up(self, up: DVec3) -> Self {
+        Self {
+            up: Some(up),
+            ..self
+        }
+    }
+
+    /// Which way is up in the world, for default cameras: that of the file or of [`with_up`](Self::with_up), else +z.
+    pub fn up(&self) -> DVec3 {
+        self.up.unwrap_or(DVec3::Z)
     }
 
     /// The same scene with other lights.
@@ -172,6 +217,23 @@ impl Scene {
     /// The smallest box around all objects in the world, infinite ones left out; empty without any.
     pub fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    /// The support function: the largest dot product of `direction` with a point of the scene, for a direction of any length.
+    /// Infinite objects are left out; minus infinity for a scene without others.
+    ///
+    /// It is exact for every shape, where [`bounds`](Self::bounds) is a box around it.
+    ///
+    /// ```
+    /// use firsthit::{DVec3, Object, Scene, Sphere};
+    ///
+    /// let ball = Sphere::new(DVec3::new(1.0, 0.0, 0.0), 2.0)?;
+    /// let scene = Scene::new(vec![Object::new(ball)])?;
+    /// assert_eq!(scene.support(DVec3::X), 3.0);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn support(&self, direction: DVec3) -> f64 {
+        support(&self.objects, direction)
     }
 
     /// How many triangles there are in the world: those of a shared mesh once for each object.
@@ -391,6 +453,23 @@ impl Scene {
         let tree = tree.filter(|_| mesh.triangles() == moved.triangles())?;
         tree.refit(moved)
     }
+}
+
+/// See [`Scene::support`]. Objects are visited in the order of the bounds that their boxes give, until no bound that is left
+/// exceeds the largest product found: of many instances of a mesh, the vertices of a few are visited.
+pub(crate) fn support(objects: &[Object], direction: DVec3) -> f64 {
+    let bound = |(index, object): (usize, &Object)| (object.support_bound(direction), index);
+    let mut bounds: Vec<(f64, usize)> = objects.par_iter().enumerate().map(bound).collect();
+    bounds.retain(|&(bound, _)| bound < f64::INFINITY);
+    bounds.par_sort_unstable_by(|(a, _), (b, _)| b.total_cmp(a));
+    let mut farthest = f64::NEG_INFINITY;
+    for (bound, index) in bounds {
+        if bound <= farthest {
+            break;
+        }
+        farthest = farthest.max(objects[index].support(direction));
+    }
+    farthest
 }
 
 fn is_unbounded(bounds: &Bounds) -> bool {

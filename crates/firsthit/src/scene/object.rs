@@ -1,12 +1,25 @@
+use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use super::Material;
+use crate::geometry::summary::Short;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Transform};
 use crate::shape::{Mesh, Shape, Surface};
 
 /// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
 /// copied.
-#[derive(Debug, Clone, PartialEq)]
+///
+/// ```
+/// use firsthit::{Color, DVec3, Object, Sphere, Transform};
+///
+/// let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0)?)
+///     .named("ball")
+///     .colored(Color::new(0.8, 0.2, 0.2))
+///     .placed(Transform::translation(DVec3::new(0.0, 0.0, 1.0))?);
+/// assert_eq!(ball.bounds().high, DVec3::new(1.0, 1.0, 2.0));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone, PartialEq)]
 pub struct Object {
     name: String,
     shape: Shape,
@@ -14,6 +27,21 @@ pub struct Object {
     /// What a mesh's slots name; none where nobody gave the object a look.
     materials: Arc<[Material]>,
     may_have_holes: bool,
+}
+
+/// A summary: of its materials their number.
+impl Debug for Object {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let mut shown = f.debug_struct("Object");
+        shown.field("name", &Short(&self.name));
+        shown.field("shape", &self.shape);
+        if !self.transform.is_identity() {
+            let world_from_object = self.transform.world_from_object();
+            shown.field("world_from_object", world_from_object);
+        }
+        shown.field("materials", &self.materials.len());
+        shown.finish_non_exhaustive()
+    }
 }
 
 impl Object {
@@ -151,6 +179,35 @@ impl Object {
             low: bounds.low - padding,
             high: bounds.high + padding,
         }
+    }
+
+    /// The support function in the world: the largest dot product of `direction` with a point of the object, for a direction of
+    /// any length. Infinite for an infinite shape, minus infinity for one without points.
+    pub fn support(&self, direction: DVec3) -> f64 {
+        self.along(direction, |direction| self.shape.support(direction))
+    }
+
+    /// An upper bound of [`support`](Self::support) in constant time. For a mesh it is the support of its box: a vertex and the
+    /// box's corner go through the same operations, and rounding is monotone, so that it holds to the last bit.
+    pub(super) fn support_bound(&self, direction: DVec3) -> f64 {
+        self.along(direction, |direction| match &self.shape {
+            Shape::Mesh(mesh) => {
+                let Bounds { low, high } = mesh.bounds();
+                let corner = DVec3::select(direction.cmpge(DVec3::ZERO), high, low);
+                corner.dot(direction)
+            }
+            shape => shape.support(direction),
+        })
+    }
+
+    /// The support in the world, from the support in object space.
+    fn along(&self, direction: DVec3, reach: impl FnOnce(DVec3) -> f64) -> f64 {
+        if self.transform.is_identity() {
+            return reach(direction);
+        }
+        let world_from_object = self.transform.world_from_object();
+        let in_object = world_from_object.matrix3.transpose() * direction;
+        reach(in_object) + world_from_object.translation.dot(direction)
     }
 
     /// A box around it in the world: the smallest one for a mesh, and for any shape whose box stays a

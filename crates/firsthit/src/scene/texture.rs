@@ -1,5 +1,6 @@
 //! Pictures on surfaces: texels, and how a point between them gets its colour.
 
+use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
@@ -7,11 +8,30 @@ use crate::geometry::{Color, DVec2, srgb_decode};
 
 /// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0 is the
 /// top one.
-#[derive(Debug, Clone, PartialEq, Eq)]
+///
+/// ```
+/// use firsthit::Texture;
+///
+/// // Red above blue.
+/// let texture = Texture::new(1, 2, vec![[255, 0, 0, 255], [0, 0, 255, 255]])?;
+/// assert_eq!((texture.columns(), texture.rows()), (1, 2));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone, PartialEq, Eq)]
 pub struct Texture {
     columns: usize,
     rows: usize,
     texels: Vec<[u8; 4]>,
+}
+
+/// Its size: texels are many.
+impl Debug for Texture {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Texture")
+            .field("columns", &self.columns)
+            .field("rows", &self.rows)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Texture {
@@ -159,6 +179,17 @@ impl Filter {
 }
 
 /// A texture on a surface.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use firsthit::{DVec2, Texture, TextureMap};
+///
+/// let texture = Arc::new(Texture::new(1, 1, vec![[255, 255, 255, 0]])?);
+/// let map = TextureMap::new(texture, TextureMap::V_UP);
+/// assert_eq!(map.at(DVec2::splat(0.5)).map(|sample| sample.alpha), Some(0.0));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureMap {
     /// The texels; materials may share them.

@@ -1,12 +1,25 @@
+use std::fmt::{self, Debug, Formatter};
+
 use crate::error::{Error, Result};
+use crate::geometry::summary::Count;
 
 /// Values at the corners of a mesh's triangles: normals, texture coordinates, colours.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Attribute<const N: usize> {
     /// The values.
     pub values: Vec<[f32; N]>,
     /// For each triangle the indices of its corners' values; `None`: the indices of its vertices.
     pub corners: Option<Vec<[u32; 3]>>,
+}
+
+/// A summary: they are many.
+impl<const N: usize> Debug for Attribute<N> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Attribute")
+            .field("values", &Count(self.values.len(), "values"))
+            .field("has_corners", &self.corners.is_some())
+            .finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize> Attribute<N> {

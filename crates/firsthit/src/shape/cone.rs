@@ -1,10 +1,21 @@
 use super::interval::Interval;
 use super::{Crossing, Surface, require_finite, sines};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, Digest, Ray, unit};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Bounds, DVec3, Ray, unit};
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
 /// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
+///
+/// ```
+/// use firsthit::{Cone, DVec3};
+///
+/// let pointed = Cone::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 2.0), 1.0, 0.0)?;
+/// let cup = Cone::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 2.0), 0.7, 1.0)?;
+/// assert!(pointed.top_radius() < cup.top_radius());
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
     bottom: DVec3,
@@ -144,6 +155,13 @@ impl Surface for Cone {
         lid(self.bottom, self.bottom_radius).union(lid(self.top, self.top_radius))
     }
 
+    /// The larger support of the two lids, whose convex hull the cone is.
+    fn support(&self, direction: DVec3) -> f64 {
+        let across = direction.cross(self.axis).length();
+        let lid = |center: DVec3, radius: f64| center.dot(direction) + radius * across;
+        lid(self.bottom, self.bottom_radius).max(lid(self.top, self.top_radius))
+    }
+
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         let at = ray.origin - self.bottom;
         // From far away the quadratic's terms would be all rounding: start it where the line is nearest.
@@ -176,6 +194,7 @@ impl Surface for Cone {
         }
     }
 
+    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.bottom);
         digest.vector(self.top);

@@ -124,6 +124,37 @@ fn hits_lie_on_the_surface_and_in_the_bounds() {
     }
 }
 
+/// Seen from far away along `direction`, the distance to a shape is the distance to its supporting plane: the error falls off
+/// with the distance, and rounding grows with it.
+#[test]
+fn the_distance_from_far_away_is_that_to_the_supporting_plane() {
+    const AWAY: f64 = 1e7;
+    for shape in Shape::examples() {
+        let mut numbers = Numbers(2);
+        let axes = [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+        let any = std::iter::repeat_with(|| numbers.point(1.0)).take(200);
+        for direction in axes.into_iter().chain(any) {
+            let support = shape.support(direction);
+            if !shape.bounds().is_finite() {
+                assert_eq!(support, f64::INFINITY, "{shape:?} {direction}");
+                continue;
+            }
+            let far = AWAY * direction.normalize();
+            let arrived = AWAY - shape.distance(far);
+            let off = support / direction.length() - arrived;
+            assert!(off.abs() < 1e-5, "{shape:?} {direction}: {off}");
+        }
+        for ray in rays(&shape) {
+            if let Some(hit) = shape.intersect(&ray) {
+                let reach = ray.at(hit.t).dot(ray.direction);
+                let slack = TOLERANCE * (1.0 + ray.origin.length() + reach.abs());
+                let support = shape.support(ray.direction);
+                assert!(reach <= support + slack, "{shape:?} {ray:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_first_crossing_is_the_one_that_walking_finds() {
     for shape in Shape::examples() {

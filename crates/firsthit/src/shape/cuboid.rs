@@ -1,9 +1,20 @@
 use super::interval::Interval;
 use super::{Crossing, Surface, require_finite};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, Digest, Ray};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Bounds, DVec3, Ray};
 
 /// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
+///
+/// ```
+/// use firsthit::{Cuboid, DVec3};
+///
+/// let cuboid = Cuboid::new(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0))?;
+/// assert_eq!(cuboid.high(), DVec3::new(3.0, 2.0, 1.0));
+/// assert!(Cuboid::new(DVec3::ONE, DVec3::ZERO).is_err());
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid {
     bounds: Bounds,
@@ -47,6 +58,11 @@ impl Surface for Cuboid {
         self.bounds
     }
 
+    fn support(&self, direction: DVec3) -> f64 {
+        let Bounds { low, high } = self.bounds;
+        (low * direction).max(high * direction).element_sum()
+    }
+
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         let mut inside = Interval::line();
         for (axis, faces) in [[0, 1], [2, 3], [4, 5]].into_iter().enumerate() {
@@ -75,6 +91,7 @@ impl Surface for Cuboid {
             .unwrap_or(DVec3::NAN)
     }
 
+    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.bounds.low);
         digest.vector(self.bounds.high);

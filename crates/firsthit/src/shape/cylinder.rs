@@ -1,8 +1,18 @@
 use super::{Cone, Crossing, Surface};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Digest, Ray};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Bounds, DVec3, Ray};
 
 /// A round bar with both lids. Its primitives: 0 the side, 1 the bottom, 2 the top.
+///
+/// ```
+/// use firsthit::{Cylinder, DVec3};
+///
+/// let bar = Cylinder::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 5.0), 0.1)?;
+/// assert_eq!(bar.radius(), 0.1);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder {
     /// A cone that does not taper is all there is to it.
@@ -44,6 +54,10 @@ impl Surface for Cylinder {
         self.cone.bounds()
     }
 
+    fn support(&self, direction: DVec3) -> f64 {
+        self.cone.support(direction)
+    }
+
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         self.cone.intersect(ray)
     }
@@ -52,6 +66,7 @@ impl Surface for Cylinder {
         self.cone.normal(point, primitive)
     }
 
+    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         self.cone.digest(digest);
     }

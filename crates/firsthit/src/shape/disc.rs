@@ -1,9 +1,19 @@
 use super::plane::Plane;
 use super::{Crossing, Surface, require_positive, sines};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Digest, Ray};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Bounds, DVec3, Ray};
 
 /// The part of a plane within `radius` of `center`.
+///
+/// ```
+/// use firsthit::{DVec3, Disc};
+///
+/// let disc = Disc::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0), 2.0)?;
+/// assert_eq!(disc.facing(), DVec3::Z);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disc {
     plane: Plane,
@@ -51,6 +61,11 @@ impl Surface for Disc {
         }
     }
 
+    fn support(&self, direction: DVec3) -> f64 {
+        let across = direction.cross(self.facing()).length();
+        self.center.dot(direction) + self.radius * across
+    }
+
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         let t = self.plane.crossing(ray)?;
         let inside = (ray.at(t) - self.center).length_squared() <= self.radius * self.radius;
@@ -61,6 +76,7 @@ impl Surface for Disc {
         self.plane.normal(point, primitive)
     }
 
+    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         self.plane.digest(digest);
         digest.vector(self.center);

@@ -1,15 +1,32 @@
+#[cfg(feature = "frame")]
 mod digest;
+mod surface;
 
+use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use super::attribute::check_indices;
 use super::triangle::{Shear, TriangleHit};
-use super::{Attribute, Crossing, Positions, Property, PropertyOf, PropertyValues, Surface};
+use super::{Attribute, Crossing, Positions, Property, PropertyOf, PropertyValues};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, Digest, Ray, moderation, unit};
+use crate::geometry::{Bounds, DVec2, DVec3, Ray, moderation, unit};
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
-#[derive(Debug, Clone, PartialEq)]
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use firsthit::{DVec3, Mesh, Object, Positions, Scene, shoot};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2], [0, 2, 3]])?;
+/// // Objects that share the Arc share the mesh and its tree.
+/// let scene = Scene::new(vec![Object::new(Arc::new(mesh))])?;
+/// let hit = shoot(&scene, DVec3::new(0.2, 0.7, 9.0), DVec3::NEG_Z);
+/// assert_eq!((hit.t, hit.primitive), (9.0, 1));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone, PartialEq)]
 pub struct Mesh {
     positions: Arc<Positions>,
     triangles: Vec<[u32; 3]>,
@@ -21,6 +38,29 @@ pub struct Mesh {
     alphas: Option<Attribute<1>>,
     slots: Option<Vec<u32>>,
     properties: Vec<Property>,
+}
+
+/// A summary: meshes are large.
+impl Debug for Mesh {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let has = [
+            ("faces", self.faces.is_some()),
+            ("normals", self.normals.is_some()),
+            ("uvs", self.uvs.is_some()),
+            ("colors", self.colors.is_some()),
+            ("alphas", self.alphas.is_some()),
+            ("slots", self.slots.is_some()),
+        ];
+        let has: Vec<_> = has.iter().filter(|(_, has)| *has).collect();
+        let has: Vec<_> = has.into_iter().map(|(name, _)| name).collect();
+        f.debug_struct("Mesh")
+            .field("triangles", &self.triangles.len())
+            .field("vertices", &self.positions.len())
+            .field("bounds", &self.bounds)
+            .field("has", &has)
+            .field("properties", &self.properties.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Mesh {
@@ -345,94 +385,6 @@ where
         low: DVec3::from(low.map(Into::into)),
         high: DVec3::from(high.map(Into::into)),
     })
-}
-
-impl Surface for Arc<Mesh> {
-    fn bounds(&self) -> Bounds {
-        Mesh::bounds(self)
-    }
-
-    /// Brute force over all triangles: scenes put a tree over them.
-    fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        self.first_crossing(ray, &Shear::new(ray))
-    }
-
-    fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
-        usize::try_from(primitive).map_or(DVec3::NAN, |triangle| Mesh::normal(self, triangle))
-    }
-
-    fn digest(&self, digest: &mut Digest) {
-        Mesh::digest(self, digest);
-    }
-}
-
-#[cfg(test)]
-impl super::conformance::Conforming for Arc<Mesh> {
-    /// An octahedron and a pyramid that leans.
-    fn examples() -> Vec<Self> {
-        let mesh = |points: &[[f64; 3]], triangles: &[[u32; 3]]| {
-            Self::new(Mesh::new(Positions::compact(points.to_vec()), triangles.to_vec()).unwrap())
-        };
-        let tips = [
-            [1., 0., 0.],
-            [0., 1., 0.],
-            [-1., 0., 0.],
-            [0., -1., 0.],
-            [0., 0., 1.],
-            [0., 0., -1.],
-        ];
-        let around = [[0, 1], [1, 2], [2, 3], [3, 0]];
-        let sides: Vec<_> = around
-            .iter()
-            .flat_map(|&[a, b]| [[a, b, 4], [b, a, 5]])
-            .collect();
-        let pyramid = [
-            [0.1, 0., 0.],
-            [2., 0., 0.3],
-            [2., 2., 0.],
-            [0., 2.2, 0.],
-            [0.7, 0.1, 3.1],
-        ];
-        let faces = [
-            [0, 3, 2],
-            [0, 2, 1],
-            [0, 1, 4],
-            [1, 2, 4],
-            [2, 3, 4],
-            [3, 0, 4],
-        ];
-        vec![mesh(&tips, &sides), mesh(&pyramid, &faces)]
-    }
-
-    /// To the nearest triangle; inside, where every normal points away, negative.
-    fn distance(&self, point: DVec3) -> f64 {
-        let to = |triangle| {
-            let [a, b, c] = self.corners(triangle);
-            let inside = [(a, b), (b, c), (c, a)]
-                .iter()
-                .all(|&(p, q)| (q - p).cross(point - p).dot(Mesh::normal(self, triangle)) >= 0.0);
-            let edge = |p: DVec3, q: DVec3| {
-                let along = ((point - p).dot(q - p) / (q - p).length_squared()).clamp(0.0, 1.0);
-                (point - p - along * (q - p)).length()
-            };
-            let height = (point - a).dot(Mesh::normal(self, triangle));
-            if inside {
-                height.abs()
-            } else {
-                edge(a, b).min(edge(b, c)).min(edge(c, a))
-            }
-        };
-        let distance = (0..self.triangles.len())
-            .map(to)
-            .fold(f64::INFINITY, f64::min);
-        let behind =
-            |triangle| (point - self.corners(triangle)[0]).dot(Mesh::normal(self, triangle)) < 0.0;
-        if (0..self.triangles.len()).all(behind) {
-            -distance
-        } else {
-            distance
-        }
-    }
 }
 
 #[cfg(test)]

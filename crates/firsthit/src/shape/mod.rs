@@ -30,7 +30,9 @@ pub use property::{Property, PropertyOf, PropertyValues};
 pub use sphere::Sphere;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, Digest, Ray};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Bounds, DVec2, DVec3, Ray};
 
 /// Where a ray crosses a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +60,10 @@ pub trait Surface {
     /// A box around the shape; everything for an infinite one.
     fn bounds(&self) -> Bounds;
 
+    /// The support function: the largest dot product of `direction` with a point of the shape, for a direction of any length.
+    /// Infinite for an infinite shape, minus infinity for one without points.
+    fn support(&self, direction: DVec3) -> f64;
+
     /// The first crossing that [the ray holds](Ray::holds); at the same `t` the lower primitive. Surfaces are
     /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length whose
     /// square float64 can hold (what scenes are shot at with may have any length).
@@ -67,6 +73,7 @@ pub trait Surface {
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3;
 
     /// Adds every number that the shape is made from: two shapes that differ anywhere differ here.
+    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest);
 }
 
@@ -74,6 +81,14 @@ pub trait Surface {
 macro_rules! shapes {
     ($($(#[$doc:meta])* $name:literal => $kind:ident($type:ty);)*) => {
         /// Any shape.
+        ///
+        /// ```
+        /// use firsthit::{DVec3, Shape, Sphere};
+        ///
+        /// let shape = Shape::from(Sphere::new(DVec3::ZERO, 1.0)?);
+        /// assert_eq!(shape.name(), "sphere");
+        /// # Ok::<(), firsthit::Error>(())
+        /// ```
         #[derive(Debug, Clone, PartialEq)]
         pub enum Shape {
             $($(#[$doc])* $kind($type),)*
@@ -94,6 +109,10 @@ macro_rules! shapes {
                 match self { $(Self::$kind(shape) => Surface::bounds(shape),)* }
             }
 
+            fn support(&self, direction: DVec3) -> f64 {
+                match self { $(Self::$kind(shape) => Surface::support(shape, direction),)* }
+            }
+
             fn intersect(&self, ray: &Ray) -> Option<Crossing> {
                 match self { $(Self::$kind(shape) => Surface::intersect(shape, ray),)* }
             }
@@ -102,6 +121,7 @@ macro_rules! shapes {
                 match self { $(Self::$kind(shape) => Surface::normal(shape, point, primitive),)* }
             }
 
+            #[cfg(feature = "frame")]
             fn digest(&self, digest: &mut Digest) {
                 digest.word(self.name());
                 match self { $(Self::$kind(shape) => Surface::digest(shape, digest),)* }
@@ -117,7 +137,7 @@ macro_rules! shapes {
         #[cfg(test)]
         impl Shape {
             /// Examples of every shape, for the tests that all shapes must pass.
-            fn examples() -> Vec<Self> {
+            pub(crate) fn examples() -> Vec<Self> {
                 let mut all = Vec::new();
                 $(all.extend(<$type as conformance::Conforming>::examples().into_iter().map(Self::from));)*
                 all

@@ -1,8 +1,19 @@
 use super::{Crossing, Surface, require_direction, require_finite};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Digest, Ray, unit};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Bounds, DVec3, Ray, unit};
 
 /// The infinite plane through a point.
+///
+/// ```
+/// use firsthit::{DVec3, Object, Plane, Scene};
+///
+/// let ground = Object::new(Plane::new(DVec3::ZERO, DVec3::Z)?);
+/// // It has no end: bounds and default cameras leave it out.
+/// assert!(Scene::new(vec![ground])?.bounds().is_empty());
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
     point: DVec3,
@@ -47,6 +58,10 @@ impl Surface for Plane {
         Bounds::EVERYTHING
     }
 
+    fn support(&self, _direction: DVec3) -> f64 {
+        f64::INFINITY
+    }
+
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         self.crossing(ray).map(|t| Crossing::at(t, 0))
     }
@@ -55,6 +70,7 @@ impl Surface for Plane {
         self.normal
     }
 
+    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.point);
         digest.vector(self.normal);

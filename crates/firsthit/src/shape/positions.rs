@@ -1,13 +1,36 @@
+use std::fmt::{self, Debug, Formatter};
+
 use crate::geometry::DVec3;
+use crate::geometry::summary::Count;
 
 /// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
 /// which halves the memory, float64 otherwise.
-#[derive(Debug, Clone, PartialEq)]
+///
+/// ```
+/// use firsthit::Positions;
+///
+/// assert!(matches!(Positions::compact(vec![[0.5, 1.0, 2.0]]), Positions::Single(_)));
+/// assert!(matches!(Positions::compact(vec![[0.1, 1.0, 2.0]]), Positions::Double(_)));
+/// ```
+#[derive(Clone, PartialEq)]
 pub enum Positions {
     /// Every coordinate is a float32.
     Single(Vec<[f32; 3]>),
     /// At least one coordinate needs float64.
     Double(Vec<[f64; 3]>),
+}
+
+/// A summary: they are many.
+impl Debug for Positions {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let kind = match self {
+            Self::Single(_) => "Single",
+            Self::Double(_) => "Double",
+        };
+        f.debug_tuple(kind)
+            .field(&Count(self.len(), "points"))
+            .finish()
+    }
 }
 
 impl Positions {

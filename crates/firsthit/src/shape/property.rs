@@ -1,4 +1,7 @@
+use std::fmt::{self, Debug, Formatter};
+
 use crate::error::{Error, Result};
+use crate::geometry::summary::Count;
 
 /// Numbers that a file gives to a mesh by name, such as a scan's quality: one for each vertex or polygon. Rays do
 /// not ask for them.
@@ -22,12 +25,25 @@ pub enum PropertyOf {
 }
 
 /// A property's numbers, as small as they can be without a loss.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub enum PropertyValues {
     /// Numbers that float32 holds exactly.
     Single(Vec<f32>),
     /// Others.
     Double(Vec<f64>),
+}
+
+/// A summary: they are many.
+impl Debug for PropertyValues {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let kind = match self {
+            Self::Single(_) => "Single",
+            Self::Double(_) => "Double",
+        };
+        f.debug_tuple(kind)
+            .field(&Count(self.len(), "numbers"))
+            .finish()
+    }
 }
 
 impl PropertyValues {

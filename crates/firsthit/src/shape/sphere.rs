@@ -1,8 +1,18 @@
 use super::{Crossing, Surface, require_finite, require_positive};
 use crate::error::Result;
-use crate::geometry::{Bounds, DVec3, Digest, Ray, unit};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Bounds, DVec3, Ray, unit};
 
 /// All points at `radius` from `center`.
+///
+/// ```
+/// use firsthit::{DVec3, Sphere};
+///
+/// let sphere = Sphere::new(DVec3::new(0.0, 0.0, 1.0), 2.0)?;
+/// assert_eq!((sphere.center(), sphere.radius()), (DVec3::Z, 2.0));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     center: DVec3,
@@ -42,6 +52,10 @@ impl Surface for Sphere {
         }
     }
 
+    fn support(&self, direction: DVec3) -> f64 {
+        self.center.dot(direction) + self.radius * direction.length()
+    }
+
     /// Stable roots: Haines, Günther and Akenine-Möller, "Precision Improvements for Ray/Sphere
     /// Intersection", Ray Tracing Gems (2019), chapter 7.
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
@@ -67,6 +81,7 @@ impl Surface for Sphere {
         unit(point - self.center)
     }
 
+    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.center);
         digest.numbers(&[self.radius]);

@@ -99,12 +99,14 @@ fn cameras_are_where_their_nodes_are() {
     assert!(parallel.name.is_empty());
     // As pictures: its own shape, or another one with square pixels and the same height.
     let bounds = firsthit::Bounds::EMPTY;
-    let own = wide.described(None).camera(bounds, DVec3::Y).unwrap();
+    let support = |_: DVec3| f64::NEG_INFINITY;
+    let own = wide.described(None).camera(bounds, support, DVec3::Y);
+    let own = own.unwrap();
     assert_eq!((own.columns(), own.rows()), (1024, 512));
     for camera in &cameras {
         let square = camera
             .described(Some((300, 300)))
-            .camera(bounds, DVec3::Y)
+            .camera(bounds, support, DVec3::Y)
             .unwrap();
         let view = square.view();
         assert!((view.width - view.height).abs() < 1e-12, "{view:?}");

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit};
-use firsthit::{DVec3, Hit, Mesh, Object, Positions, Ray, Scene};
+use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Projection, Ray, Scene};
 
 /// Reproducible numbers (a linear congruential generator of Knuth's).
 pub struct Numbers(u64);
@@ -150,4 +150,18 @@ pub fn rays(points: &[DVec3], count: usize, seed: u64) -> Vec<Ray> {
             }
         })
         .collect()
+}
+
+/// Where a point is in the picture: from -1 at the left and the lower edge to 1 at the right and the upper one.
+pub fn seen(camera: &Camera, point: DVec3) -> DVec2 {
+    let view = camera.view();
+    let v = point - camera.position();
+    let depth = v.dot(camera.aim());
+    assert!(depth > 0.0, "{point} is behind the camera");
+    let scale = match view.projection {
+        Projection::Perspective => view.focal_length / depth,
+        Projection::Orthographic => 1.0,
+    };
+    let size = DVec2::new(view.width, view.height);
+    2.0 * scale * DVec2::new(v.dot(camera.right()), v.dot(camera.upwards())) / size
 }

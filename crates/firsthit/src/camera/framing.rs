@@ -1,0 +1,184 @@
+//! Places a camera so that a scene, given by its support function, fills the picture.
+//!
+//! A scene is inside a half-space if its support along the plane's normal is at most the plane's offset. For a perspective camera:
+//!
+//! 1. The left and the right plane of the view frustum, and likewise the upper and the lower one, make a wedge of known slope.
+//!    Two values of the support function say from which depth on the scene fits into a wedge.
+//! 2. The eye is put at the smaller of the two wedges' depths: there the scene touches both planes of one wedge.
+//! 3. The other wedge has room. The eye is centred in it by narrowing the wedge until it touches on both sides, by false position.
+//!
+//! An orthographic viewplane is the scene's extent along the two axes of the picture.
+
+use super::{View, require};
+use crate::error::Result;
+use crate::geometry::DVec3;
+
+/// The ratio of the picture's size to that of the scene in it.
+pub(super) const MARGIN: f64 = 1.05;
+
+/// The directions of a camera.
+pub(super) struct Frame {
+    pub(super) right: DVec3,
+    pub(super) upwards: DVec3,
+    pub(super) aim: DVec3,
+}
+
+/// The scene's extent along an axis.
+#[derive(Clone, Copy)]
+struct Stretch {
+    low: f64,
+    high: f64,
+}
+
+impl Stretch {
+    fn of(axis: DVec3, support: &impl Fn(DVec3) -> f64) -> Result<Self> {
+        Ok(Self {
+            low: -finite(-axis, support)?,
+            high: finite(axis, support)?,
+        })
+    }
+
+    fn middle(self) -> f64 {
+        0.5 * self.low + 0.5 * self.high
+    }
+
+    fn length(self) -> f64 {
+        self.high - self.low
+    }
+
+    fn farthest(self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+}
+
+/// Two planes through the eye that open to both sides by `slope` for each unit of depth, with the scene's support along their
+/// normals.
+struct Wedge {
+    slope: f64,
+    right: f64,
+    left: f64,
+}
+
+impl Wedge {
+    fn of(
+        (across, aim): (DVec3, DVec3),
+        slope: f64,
+        support: &impl Fn(DVec3) -> f64,
+    ) -> Result<Self> {
+        Ok(Self {
+            slope,
+            right: finite(across - slope * aim, support)?,
+            left: finite(-across - slope * aim, support)?,
+        })
+    }
+
+    /// The largest depth at which the scene fits into the wedge.
+    fn depth(&self) -> f64 {
+        -(self.right + self.left) / (2.0 * self.slope)
+    }
+
+    /// By how much the scene is too wide for the wedge of an eye at `depth`; negative where there is room.
+    fn excess(&self, depth: f64) -> f64 {
+        self.right + self.left + 2.0 * self.slope * depth
+    }
+
+    /// The position across at which both planes have the same room.
+    fn middle(&self) -> f64 {
+        0.5 * (self.right - self.left)
+    }
+
+    /// The positions across at which the scene fits into the wedge of an eye at `depth`: the first and the last.
+    fn range(&self, depth: f64) -> (f64, f64) {
+        let opening = self.slope * depth;
+        (self.right + opening, -self.left - opening)
+    }
+}
+
+impl Frame {
+    /// The view whose eye is where the scene touches the margin at two opposite edges and is centred between the others.
+    pub(super) fn perspective(&self, view: View, support: &impl Fn(DVec3) -> f64) -> Result<View> {
+        let slope = |size: f64| 0.5 * size / view.focal_length / MARGIN;
+        let deep = Stretch::of(self.aim, support)?;
+        let wide = Wedge::of((self.right, self.aim), slope(view.width), support)?;
+        let high = Wedge::of((self.upwards, self.aim), slope(view.height), support)?;
+        let farthest = deep.farthest().max(wide.right.abs()).max(high.right.abs());
+        // The eye stays off the scene, also where that is a line along the aim.
+        let nearest = deep.low - smallest(farthest).max(1e-6 * deep.length());
+        let depth = wide.depth().min(high.depth()).min(nearest);
+        let x = self.centred(self.right, (&wide, depth), deep, support)?;
+        let y = self.centred(self.upwards, (&high, depth), deep, support)?;
+        Ok(View {
+            position: x * self.right + y * self.upwards + depth * self.aim,
+            ..view
+        })
+    }
+
+    /// The position across, for an eye at `depth`, at which a narrower wedge touches the scene on both sides.
+    ///
+    /// The excess of a wedge falls with its slope, at a rate of twice the depth at which it touches the scene. That depth is not
+    /// known, so the slope is found by false position. Three steps leave less than a hundredth of half the picture.
+    fn centred(
+        &self,
+        across: DVec3,
+        (wedge, depth): (&Wedge, f64),
+        deep: Stretch,
+        support: &impl Fn(DVec3) -> f64,
+    ) -> Result<f64> {
+        let room = wedge.excess(depth);
+        let (least, most) = wedge.range(depth);
+        // The wedge touches already, or rounding has left nothing of the depth.
+        if room >= -1e-9 * wedge.slope * (deep.high - depth) || least >= most {
+            return Ok(wedge.middle());
+        }
+        let (mut slope, mut excess) = (wedge.slope, room);
+        let mut rate = 2.0 * (deep.middle() - depth);
+        let mut position = wedge.middle();
+        for _ in 0..3 {
+            // A wedge keeps a positive slope.
+            let next = (slope + excess / rate).max(1e-3 * slope);
+            let narrower = Wedge::of((across, self.aim), next, support)?;
+            position = narrower.middle();
+            let left = narrower.excess(depth);
+            let measured = (left - excess) / (slope - next);
+            (slope, excess) = (next, left);
+            if measured.is_nan() || measured <= 0.0 || left.abs() < 1e-3 * room.abs() {
+                break;
+            }
+            rate = measured;
+        }
+        Ok(position.clamp(least, most))
+    }
+
+    /// The view with the scene in the middle of its viewplane, and the camera well in front of the scene.
+    pub(super) fn orthographic(&self, view: View, support: &impl Fn(DVec3) -> f64) -> Result<View> {
+        let [wide, high, deep] = [self.right, self.upwards, self.aim];
+        let wide = Stretch::of(wide, support)?;
+        let high = Stretch::of(high, support)?;
+        let deep = Stretch::of(deep, support)?;
+        let aspect = view.width / view.height;
+        let farthest = [wide, high, deep].map(Stretch::farthest);
+        let smallest = smallest(farthest.into_iter().fold(0.0, f64::max));
+        let smallest = smallest.max(1e-6 * deep.length());
+        let height = MARGIN * high.length().max(wide.length() / aspect).max(smallest);
+        let width = height * aspect;
+        let depth = deep.low - 0.5 * width.max(height).max(deep.length());
+        Ok(View {
+            position: wide.middle() * self.right + high.middle() * self.upwards + depth * self.aim,
+            width,
+            height,
+            ..view
+        })
+    }
+}
+
+/// The smallest size that a scene this far from the origin counts as: well above the rounding of its coordinates.
+pub(super) fn smallest(farthest: f64) -> f64 {
+    1e-12 * farthest.max(1e-30)
+}
+
+fn finite(direction: DVec3, support: &impl Fn(DVec3) -> f64) -> Result<f64> {
+    let reach = support(direction);
+    let got = format!("{reach} along {direction}");
+    require("support", "finite, to be framed", reach.is_finite(), got)?;
+    Ok(reach)
+}

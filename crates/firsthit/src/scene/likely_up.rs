@@ -1,0 +1,171 @@
+//! Guesses which way is up from the triangles: most things stand on a flat base.
+
+use rayon::prelude::*;
+
+use super::{Object, Scene};
+use crate::geometry::DVec3;
+use crate::shape::Mesh;
+
+/// The base and the lid are the lowest and the highest part of the scene, this share of its height.
+const LAYER: f64 = 0.02;
+
+/// A triangle is flat if the cosine between its normal and the axis is at least this.
+const FLAT: f64 = 0.9;
+
+/// A base has at least this share of the area that faces down.
+const BASE: f64 = 0.2;
+
+/// A base must be this many times larger than the base along the other axis.
+const CLEARLY: f64 = 10.0;
+
+/// Areas projected along y and along z: of all triangles, of the flat ones in the base, and of those in the lid.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    all: [f64; 2],
+    bottom: [f64; 2],
+    top: [f64; 2],
+}
+
+impl Seen {
+    fn and(self, other: Self) -> Self {
+        let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
+        Self {
+            all: sum(self.all, other.all),
+            bottom: sum(self.bottom, other.bottom),
+            top: sum(self.top, other.top),
+        }
+    }
+}
+
+impl Scene {
+    /// Guesses whether +y or +z is up, for a file that does not say. `convention` is the format's own answer, and is
+    /// returned unless it is +y or +z and the scene clearly stands on a flat base along the other of the two: the base is large,
+    /// the lid is not, and there is hardly a base along `convention`.
+    ///
+    /// Busts, bottles and figures on a pedestal are recognised. Scenes without a base, and those with flat sides all around,
+    /// as most machine parts have, keep the convention. Takes time linear in the number of triangles.
+    pub fn likely_up(&self, convention: DVec3) -> DVec3 {
+        let (mine, other) = match convention {
+            DVec3::Y => (0, 1),
+            DVec3::Z => (1, 0),
+            _ => return convention,
+        };
+        let seen = self.objects().iter().map(|object| self.seen(object));
+        let seen = seen.fold(Seen::default(), Seen::and);
+        // Half of the projected area faces down.
+        let share = |part: [f64; 2], axis: usize| part[axis] / (0.5 * seen.all[axis]);
+        let base = share(seen.bottom, other);
+        let stands = base > BASE
+            && base > 2.0 * share(seen.top, other)
+            && base > CLEARLY * share(seen.bottom, mine);
+        if stands {
+            [DVec3::Y, DVec3::Z][other]
+        } else {
+            convention
+        }
+    }
+
+    fn seen(&self, object: &Object) -> Seen {
+        let Some(mesh) = object.mesh() else {
+            return Seen::default();
+        };
+        let triangles = mesh.triangles().len();
+        // Parts of one size, added in their order: the sums are the same for any number of threads.
+        let parts = (0..triangles.div_ceil(PART)).into_par_iter().map(|part| {
+            let triangles = part * PART..triangles.min((part + 1) * PART);
+            let seen = triangles.map(|triangle| self.seen_of(object, mesh, triangle));
+            seen.fold(Seen::default(), Seen::and)
+        });
+        let parts: Vec<Seen> = parts.collect();
+        parts.into_iter().fold(Seen::default(), Seen::and)
+    }
+
+    fn seen_of(&self, object: &Object, mesh: &Mesh, triangle: usize) -> Seen {
+        let world_from_object = object.transform().world_from_object();
+        let corners = mesh.corners(triangle);
+        let [a, b, c] = corners.map(|corner| world_from_object.transform_point3(corner));
+        let area = (b - a).cross(c - a);
+        let (low, size) = (self.bounds().low, self.bounds().size());
+        let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
+        let mut seen = Seen::default();
+        for (k, axis) in [1, 2].into_iter().enumerate() {
+            let along = 0.5 * area[axis].abs();
+            seen.all[k] = along;
+            if along < FLAT * 0.5 * area.length() {
+                continue;
+            }
+            let layer = LAYER * size[axis];
+            if highest[axis] <= low[axis] + layer {
+                seen.bottom[k] = along;
+            }
+            if lowest[axis] >= self.bounds().high[axis] - layer {
+                seen.top[k] = along;
+            }
+        }
+        seen
+    }
+}
+
+/// How many triangles are added up at a time.
+const PART: usize = 1 << 15;
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geometry::{DAffine3, DQuat, Transform};
+    use crate::shape::Positions;
+
+    /// A pyramid on its base, its tip along +y.
+    fn pyramid() -> Object {
+        let points = [
+            [-1., 0., -1.],
+            [1., 0., -1.],
+            [1., 0., 1.],
+            [-1., 0., 1.],
+            [0.1, 3., 0.2],
+        ];
+        let sides = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        let triangles = [vec![[0, 2, 1], [0, 3, 2]], sides.to_vec()].concat();
+        let mesh = Mesh::new(Positions::compact(points.to_vec()), triangles).unwrap();
+        Object::new(Arc::new(mesh))
+    }
+
+    fn turned(object: Object, quarters: f64) -> Scene {
+        let turn = DQuat::from_rotation_x(quarters * std::f64::consts::FRAC_PI_2);
+        let transform = Transform::new(DAffine3::from_quat(turn)).unwrap();
+        Scene::new(vec![object.placed(transform)]).unwrap()
+    }
+
+    #[test]
+    fn what_stands_on_a_base_is_upright_whatever_the_convention() {
+        for convention in [DVec3::Y, DVec3::Z] {
+            assert_eq!(turned(pyramid(), 0.0).likely_up(convention), DVec3::Y);
+            assert_eq!(turned(pyramid(), 1.0).likely_up(convention), DVec3::Z);
+            // On its head it would stand on nothing.
+            assert_eq!(turned(pyramid(), 2.0).likely_up(convention), convention);
+        }
+        assert_eq!(turned(pyramid(), 1.0).likely_up(DVec3::X), DVec3::X);
+    }
+
+    #[test]
+    fn without_a_base_the_convention_holds() {
+        let mesh = |points: &[[f64; 3]], triangles: &[[u32; 3]]| {
+            let mesh = Mesh::new(Positions::compact(points.to_vec()), triangles.to_vec());
+            Object::new(Arc::new(mesh.unwrap()))
+        };
+        // A sheet has as much of a lid as of a base.
+        let sheet = mesh(
+            &[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]],
+            &[[0, 1, 2], [0, 2, 3]],
+        );
+        for convention in [DVec3::Y, DVec3::Z] {
+            assert_eq!(turned(sheet.clone(), 0.0).likely_up(convention), convention);
+            assert_eq!(
+                Scene::new(vec![]).unwrap().likely_up(convention),
+                convention
+            );
+        }
+    }
+}
