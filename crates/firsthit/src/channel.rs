@@ -212,48 +212,65 @@ impl Kind {
         matches!(self.make, Make::Color)
     }
 
-    /// The channel, by all threads of the current rayon pool. `shade` is called for the `color` channel.
+    /// The channel, by all threads of the current rayon pool. `shade` is called for the `color` channel, and `watch`
+    /// is told of every ray once.
     ///
     /// # Errors
     ///
     /// [`Error::Limit`] when it does not fit into memory, [`Error::Argument`] for a channel that needs a
     /// camera where there is none, [`Error::Interrupted`] when `watch` stops it.
     pub fn make(&self, shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Channel> {
-        let count = shots.rays.len();
-        let all = || (0..count).into_par_iter().with_min_len(1024);
+        let Shots {
+            scene, rays, hits, ..
+        } = *shots;
+        let count = rays.len();
         let data = match self.make {
             Make::Doubles(value) => {
                 let mut values = filled(count.saturating_mul(self.components), f64::NAN)?;
-                values
-                    .par_chunks_mut(self.components)
-                    .with_min_len(1024)
-                    .enumerate()
-                    .for_each(|(k, out)| {
-                        value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k), out);
-                    });
+                each(&mut values, self.components, watch, |k, out| {
+                    value(scene, &rays.ray(k), &hits.get(k), out);
+                })?;
                 Data::Float64(values)
             }
-            Make::Integers(value) => Data::Int32(
-                all()
-                    .map(|k| value(shots.scene, &shots.hits.get(k)))
-                    .collect(),
-            ),
-            Make::Flags(value) => Data::Bool(
-                all()
-                    .map(|k| value(shots.scene, &shots.rays.ray(k), &shots.hits.get(k)))
-                    .collect(),
-            ),
+            Make::Integers(value) => {
+                let mut values = filled(count, -1)?;
+                each(&mut values, 1, watch, |k, out| {
+                    out[0] = value(scene, &hits.get(k));
+                })?;
+                Data::Int32(values)
+            }
+            Make::Flags(value) => {
+                let mut values = filled(count, false)?;
+                each(&mut values, 1, watch, |k, out| {
+                    out[0] = value(scene, &rays.ray(k), &hits.get(k));
+                })?;
+                Data::Bool(values)
+            }
             Make::Distance(value) => {
                 let camera = shots.camera.ok_or_else(|| {
                     Error::argument("channel", "one that rays without a camera have", self.name)
                 })?;
                 let columns = camera.columns();
-                let distance = |k| value(camera, k / columns, k % columns, shots.hits.t[k]);
-                Data::Float64(all().map(distance).collect())
+                let mut values = filled(count, f64::INFINITY)?;
+                each(&mut values, 1, watch, |k, out| {
+                    out[0] = value(camera, k / columns, k % columns, hits.t[k]);
+                })?;
+                Data::Float64(values)
             }
-            Make::Color => colors(shots, shade, watch)?,
+            Make::Color if shade.is_transparent() => {
+                return Ok(self.transparent_channel(colors::<4>(shots, shade, watch)?));
+            }
+            Make::Color => colors::<3>(shots, shade, watch)?,
         };
         Ok(self.channel(data))
+    }
+
+    /// The channel of colours before a transparent background: four components, of which the last is the coverage (alpha).
+    pub fn transparent_channel(&self, data: Data) -> Channel {
+        let mut channel = self.channel(data);
+        channel.components = 4;
+        channel.description.about = "linear red, green, blue (Rec. 709), premultiplied by coverage; coverage (alpha); 0 for a miss";
+        channel
     }
 
     /// The channel of this kind with `data`, which [`Frame::push`](crate::image::Frame::push) checks.
@@ -272,26 +289,56 @@ impl Kind {
     }
 }
 
+/// How many rays a thread takes at a time, for channels other than colours.
+const MADE: usize = 1 << 12;
+
+/// Fills `values`, `components` for each ray, with all threads of the current rayon pool; few rays by the calling thread alone.
+fn each<T: Send>(
+    values: &mut [T],
+    components: usize,
+    watch: &dyn Watch,
+    fill: impl Fn(usize, &mut [T]) + Sync,
+) -> Result<()> {
+    let size = MADE * components;
+    let chunk = |(chunk, values): (usize, &mut [T])| {
+        if watch.is_stopped() {
+            return Err(Error::Interrupted);
+        }
+        let rays = values.chunks_mut(components).enumerate();
+        rays.for_each(|(k, out)| fill(chunk * MADE + k, out));
+        watch.advance((values.len() / components) as u64);
+        Ok(())
+    };
+    if values.len() <= size {
+        values.chunks_mut(size).enumerate().try_for_each(chunk)
+    } else {
+        values.par_chunks_mut(size).enumerate().try_for_each(chunk)
+    }
+}
+
 /// How many pixels are shaded at a time: many enough for their shadow rays to go together, few enough for slow shaders.
 pub(crate) const SHADED: usize = 256;
 
-fn colors(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
-    let mut values = zeroed::<f32>(shots.rays.len().saturating_mul(3))?;
+/// `N` numbers for each ray: red, green, blue, and with `N` = 4 the coverage, 1 for a hit and 0 for a miss.
+fn colors<const N: usize>(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
+    let mut values = zeroed::<f32>(shots.rays.len().saturating_mul(N))?;
     values
-        .par_chunks_mut(3 * SHADED)
+        .par_chunks_mut(N * SHADED)
         .enumerate()
         .try_for_each(|(chunk, out)| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
-            let (first, count) = (chunk * SHADED, out.len() / 3);
+            let (first, count) = (chunk * SHADED, out.len() / N);
             let mut rays = vec![Ray::new(DVec3::ZERO, DVec3::ZERO); count];
             shots.rays.read(first, &mut rays);
             let hits = shots.hits.part(first..first + count);
             let mut colors = vec![Color::ZERO; count];
             shade.shade_all(&rays, &hits, &mut colors);
-            for (color, out) in colors.into_iter().zip(out.chunks_mut(3)) {
-                out.copy_from_slice(&single(color));
+            let numbers = colors.into_iter().zip(&hits.t);
+            for ((color, &t), out) in numbers.zip(out.chunks_mut(N)) {
+                let covered = f64::from(u8::from(t < f64::INFINITY));
+                out.copy_from_slice(&single_of::<N>(color, covered));
             }
             watch.advance(count as u64);
             Ok(())
@@ -299,11 +346,12 @@ fn colors(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Dat
     Ok(Data::Float32(values))
 }
 
-/// A colour as it is stored.
+/// A colour as it is stored: three numbers, or four with the coverage.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "colours are stored as float32"
 )]
-pub(crate) fn single(color: Color) -> [f32; 3] {
-    color.to_array().map(|x| x as f32)
+pub(crate) fn single_of<const N: usize>(color: Color, covered: f64) -> [f32; N] {
+    let all = [color.x, color.y, color.z, covered];
+    std::array::from_fn(|k| all[k] as f32)
 }

@@ -6,15 +6,66 @@
 //!                  scene
 //! ```
 //!
+//! Two lines make a picture of a file:
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use firsthit::io::{LoadSettings, load};
+//! use firsthit::{Render, Result};
+//!
+//! fn main() -> Result<()> {
+//!     let scene = load(Path::new("part.stl"), &LoadSettings::default())?.into_scene()?;
+//!     Render::new(&scene).samples(16).frame()?.save("part.png")
+//! }
+//! ```
+//!
+//! The loop over rays, without a picture:
+//!
+//! ```
+//! use firsthit::{Camera, DVec3, Object, Result, Scene, Sphere, shoot};
+//!
+//! fn main() -> Result<()> {
+//!     let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+//!     let camera = Camera::look_at(DVec3::new(0.0, -5.0, 2.0), DVec3::ZERO, DVec3::Z, 45.0, 3, 4)?;
+//!     for row in 0..camera.rows() {
+//!         for column in 0..camera.columns() {
+//!             let ray = camera.ray(row, column);
+//!             let hit = shoot(&scene, ray.origin, ray.direction);
+//!             println!("{row} {column}: {} {}", hit.t, hit.object);
+//!         }
+//!     }
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # The loop
+//!
 //! 1. A [`Camera`] turns a pixel into a ray: a start `p` and a direction `u_r` of length one.
 //! 2. [`shoot()`]`(scene, p, u_r)` finds the first [`Hit`] on it: the parameter `t`, and the object `o`; a
 //!    ray that meets nothing has `t` = infinity.
 //! 3. [`Shade::shade`]`(t, p, u_r, o)` gives the colour, for misses too.
-//! 4. [`render`](render::render) does this for all pixels, with all cores, and stores the colours and whatever else
-//!    was asked for in a [`Frame`](image::Frame).
+//! 4. [`render()`] does this for all pixels, with all cores, and stores the colours and other channels in
+//!    a [`Frame`](image::Frame); [`Render`] is the same with defaults.
 //!
 //! Each step can be replaced, and a caller may enter or leave at any arrow.
 //! `examples/minimal.rs` is the loop by hand; `ARCHITECTURE.md` says where what is and why.
+//!
+//! # Features
+//!
+//! All are on by default, and none changes a result.
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `io` | `gltf`, `obj`, `ply`, `stl` and `scene-file`, the formats that [`io`] reads; each is a feature too |
+//! | `image` | `exr`, `png` and `npy` (with NPZ), the formats that [`image`] writes; each is a feature too |
+//! | `load` | [`io`] without a format; each of its formats enables it |
+//! | `frame` | [`channel`], [`image`], [`render()`] and [`Render`] without a format; each of `image`'s formats enables it |
+//!
+//! `scene-file` enables `image`, since scene files name their outputs.
+//!
+//! With `default-features = false` the crate has cameras, shapes, scenes, trees, [`shoot()`] and shaders, and depends on little more
+//! than the vector maths and the threads.
 //!
 //! # The symbols
 //!
@@ -27,16 +78,31 @@
 //! | `p`, `u_r` | [`Ray::origin`], [`Ray::direction`] | the ray `p + t * u_r`, `t > 0` |
 //! | `t`, `o` | [`Hit::t`], [`Hit::object`] | the ray's parameter, and the object's identifier |
 
+#![cfg_attr(
+    not(all(feature = "io", feature = "image")),
+    allow(
+        dead_code,
+        unused_imports,
+        unused_macros,
+        reason = "some code serves only formats that are not enabled"
+    )
+)]
+
 pub mod accel;
 pub mod camera;
+#[cfg(feature = "frame")]
 pub mod channel;
 pub mod error;
 pub mod example;
 pub mod geometry;
+#[cfg(feature = "frame")]
 pub mod image;
+#[cfg(feature = "load")]
 pub mod io;
 mod memory;
+#[cfg(feature = "frame")]
 pub mod render;
+#[cfg(feature = "frame")]
 mod sampling;
 pub mod scene;
 pub mod shade;
@@ -51,7 +117,8 @@ pub use error::{Error, Result};
 pub use geometry::{
     Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Hit, Ray, Rays, Transform,
 };
-pub use render::render;
+#[cfg(feature = "frame")]
+pub use render::{Render, render};
 pub use scene::{AlphaMode, Background, Light, Material, Object, Scene, Texture, TextureMap};
 pub use shade::{Shade, Shader, Shading};
 pub use shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};

@@ -6,9 +6,11 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
-use firsthit::channel::kind;
+use firsthit::channel::{KINDS, Kind, Shots, kind};
 use firsthit::image::{Data, Frame};
+use firsthit::render::work;
 use firsthit::shade::Lambert;
+use firsthit::shoot::shoot_all;
 use firsthit::watch::Watch;
 use firsthit::{
     Background, Camera, Color, Cuboid, DVec3, Disc, Error, Hit, Light, Object, Plane, RayStart,
@@ -388,4 +390,47 @@ fn a_stopped_picture_is_interrupted() {
         &Stopped,
     );
     assert!(matches!(result, Err(Error::Interrupted)));
+}
+
+#[test]
+fn channels_are_interrupted_too() {
+    struct Stopped;
+    impl Watch for Stopped {
+        fn is_stopped(&self) -> bool {
+            true
+        }
+    }
+    let (scene, camera) = (example::scene().unwrap(), small_camera());
+    let hits = shoot_all(&scene, &camera, &()).unwrap();
+    let shots = Shots {
+        scene: &scene,
+        rays: &camera,
+        hits: &hits,
+        camera: Some(&camera),
+    };
+    let shade = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
+    for kind in KINDS {
+        let result = kind.make(&shots, &shade, &Stopped);
+        assert!(matches!(result, Err(Error::Interrupted)), "{}", kind.name);
+    }
+}
+
+#[test]
+fn a_watch_is_told_of_all_the_work_that_was_announced() {
+    #[derive(Default)]
+    struct Counted(std::sync::atomic::AtomicU64);
+    impl Watch for Counted {
+        fn advance(&self, rays: u64) {
+            self.0.fetch_add(rays, std::sync::atomic::Ordering::Relaxed);
+        }
+    }
+    let (scene, camera) = (example::scene().unwrap(), small_camera());
+    let shade = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
+    let kinds: Vec<&Kind> = KINDS.iter().collect();
+    for samples in [1, 4] {
+        let watch = Counted::default();
+        render(&scene, &camera, &shade, &kinds, samples, &watch).unwrap();
+        let announced = camera.pixels() as u64 + work(camera.pixels(), &kinds, samples);
+        assert_eq!(watch.0.into_inner(), announced);
+    }
 }

@@ -11,6 +11,8 @@ const BLACK: Rgb = [0; 3];
 /// How the values of one channel become bytes, with what had to be known of the whole channel first.
 pub(super) enum ColorMap {
     Color,
+    /// Colours with how much of the pixel is covered: four bytes, not three.
+    Transparent,
     Distance(Depths),
     Identifier,
     Direction,
@@ -22,6 +24,7 @@ pub(super) enum ColorMap {
 impl ColorMap {
     pub(super) fn of(channel: &Channel) -> Self {
         match channel.picture {
+            Picture::Color if channel.is_transparent() => Self::Transparent,
             Picture::Color => Self::Color,
             Picture::Distance => Self::Distance(Depths::of(channel)),
             Picture::Identifier => Self::Identifier,
@@ -32,13 +35,29 @@ impl ColorMap {
         }
     }
 
-    /// Fills `bytes`, three for every element, from `values`, `components` for every element.
+    /// How many bytes a pixel has.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Transparent => 4,
+            _ => 3,
+        }
+    }
+
+    /// Fills `bytes`, as many as [`bytes`](Self::bytes) for every element, from `values`, `components` for every element.
     pub(super) fn apply(&self, values: &[f64], components: usize, bytes: &mut [u8]) {
         if matches!(self, Self::Color) {
             // The most frequent picture, and the only one whose bytes need not know their pixel.
             let srgb = &*SRGB;
             for (byte, &value) in bytes.iter_mut().zip(values) {
                 *byte = srgb.byte(value);
+            }
+            return;
+        }
+        if matches!(self, Self::Transparent) {
+            let (pixels, _) = bytes.as_chunks_mut::<4>();
+            let (values, _) = values.as_chunks::<4>();
+            for (pixel, value) in pixels.iter_mut().zip(values) {
+                *pixel = unpremultiplied(*value);
             }
             return;
         }
@@ -67,17 +86,41 @@ impl ColorMap {
     }
 }
 
-/// How to read a picture of `channel` back, in words; nothing where it needs none.
+/// A premultiplied colour as PNG stores it, which is not premultiplied.
+fn unpremultiplied([r, g, b, alpha]: [f64; 4]) -> [u8; 4] {
+    if alpha > 0.0 {
+        let [r, g, b] = [r, g, b].map(|level| SRGB.byte(level / alpha));
+        [r, g, b, unit_byte(alpha)]
+    } else {
+        [0; 4]
+    }
+}
+
+/// How to read a picture of `channel` back, in words, with every digit; nothing where it needs none.
 pub fn legend(channel: &Channel) -> Option<String> {
+    legend_in(channel, |number| format!("{number:?}"))
+}
+
+/// [`legend`] for a reader who wants no more than six digits.
+pub fn short_legend(channel: &Channel) -> Option<String> {
+    legend_in(channel, |number| {
+        let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
+        format!("{rounded:?}")
+    })
+}
+
+fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> {
     let name = channel.name;
     match ColorMap::of(channel) {
-        ColorMap::Color | ColorMap::Fraction | ColorMap::Mask => None,
+        ColorMap::Color | ColorMap::Transparent | ColorMap::Fraction | ColorMap::Mask => None,
         ColorMap::Distance(depths) if depths.range.is_empty() => {
             Some(format!("{name}: nothing but misses"))
         }
         ColorMap::Distance(Depths { range, middle }) => Some(format!(
-            "{name} from {:?} (yellow) to {:?} (violet), half of it nearer than {middle:?}; misses black",
-            range.low, range.high
+            "{name} from {} (yellow) to {} (violet), half of it nearer than {}; misses black",
+            text(range.low),
+            text(range.high),
+            text(middle)
         )),
         ColorMap::Identifier => Some(format!("{name}: a colour for each number; misses black")),
         ColorMap::Direction => Some(format!(
@@ -86,11 +129,13 @@ pub fn legend(channel: &Channel) -> Option<String> {
         ColorMap::Position(ranges) if ranges[0].is_empty() => {
             Some(format!("{name}: nothing but misses"))
         }
-        ColorMap::Position([x, y, z]) => Some(format!(
-            "{name}: x from {:?} to {:?} as red, y from {:?} to {:?} as green, \
-             z from {:?} to {:?} as blue, linear; misses black",
-            x.low, x.high, y.low, y.high, z.low, z.high
-        )),
+        ColorMap::Position(ranges) => {
+            let [x, y, z] =
+                ranges.map(|Range { low, high }| format!("{} to {}", text(low), text(high)));
+            Some(format!(
+                "{name}: x from {x} as red, y from {y} as green, z from {z} as blue, linear; misses black"
+            ))
+        }
     }
 }
 
@@ -184,6 +229,12 @@ pub(super) fn unit_byte(unit: f64) -> u8 {
     {
         (unit * 255.0).round() as u8
     }
+}
+
+/// Each identifier's own colour as bytes of red, green and blue, the same in every picture; misses, which are
+/// negative, are black.
+pub fn color_of_identifier(identifier: i32) -> [u8; 3] {
+    identifier_color(f64::from(identifier))
 }
 
 /// Each identifier's own colour, the same in every picture; misses are black.

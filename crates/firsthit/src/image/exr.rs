@@ -43,6 +43,8 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
 pub(super) fn stored(channel: &Channel) -> Stored {
     let names = match (channel.name, channel.components) {
         ("color", 3) => ["R", "G", "B"].map(str::to_owned).to_vec(),
+        // OpenEXR's colours are premultiplied, as ours are.
+        ("color", 4) => ["R", "G", "B", "A"].map(str::to_owned).to_vec(),
         ("z", 1) => vec!["Z".to_owned()],
         (name, 1) => vec![name.to_owned()],
         (name, 2) => ["U", "V"].map(|axis| format!("{name}.{axis}")).to_vec(),
@@ -50,15 +52,11 @@ pub(super) fn stored(channel: &Channel) -> Stored {
         ("position", 3) => ["P.X", "P.Y", "P.Z"].map(str::to_owned).to_vec(),
         (name, components) => (0..components).map(|k| format!("{name}.{k}")).collect(),
     };
-    match (&channel.data, channel.picture) {
-        (Data::Float64(_), picture) => {
-            Stored::new(names, "float32", Encoding::Rounded, picture.miss())
-        }
-        (Data::Float32(_), picture) => {
-            Stored::new(names, "float32", Encoding::Exact, picture.miss())
-        }
-        (Data::Int32(_), _) => Stored::new(names, "uint32", Encoding::TwosComplement, "4294967295"),
-        (Data::Bool(_), _) => Stored::new(names, "uint32", Encoding::Exact, "0"),
+    match channel.data {
+        Data::Float64(_) => Stored::new(names, "float32", Encoding::Rounded, channel.miss()),
+        Data::Float32(_) => Stored::new(names, "float32", Encoding::Exact, channel.miss()),
+        Data::Int32(_) => Stored::new(names, "uint32", Encoding::TwosComplement, "4294967295"),
+        Data::Bool(_) => Stored::new(names, "uint32", Encoding::Exact, "0"),
     }
 }
 

@@ -1,15 +1,22 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+#[cfg(feature = "exr")]
+use super::exr;
 use super::file::{write_whole, write_with_sidecar};
 use super::metadata::{Metadata, Stored};
+#[cfg(feature = "png")]
+use super::png;
 use super::read::Output;
-use super::{Channel, Frame, exr, npy, npz, png};
+use super::{Channel, Frame};
+#[cfg(feature = "npy")]
+use super::{npy, npz};
 use crate::error::{Error, Result, escaped};
 use crate::watch::Watch;
 
 /// The file formats. This list is the only place that knows all of them.
 pub const FORMATS: &[Format] = &[
+    #[cfg(feature = "png")]
     Format {
         name: "png",
         extensions: &["png"],
@@ -22,6 +29,7 @@ pub const FORMATS: &[Format] = &[
         encode: png::encode,
         decode: super::read::png::decode,
     },
+    #[cfg(feature = "exr")]
     Format {
         name: "exr",
         extensions: &["exr"],
@@ -34,6 +42,7 @@ pub const FORMATS: &[Format] = &[
         encode: exr::encode,
         decode: super::read::exr::decode,
     },
+    #[cfg(feature = "npy")]
     Format {
         name: "npy",
         extensions: &["npy"],
@@ -48,6 +57,7 @@ pub const FORMATS: &[Format] = &[
         },
         decode: super::read::npy::decode,
     },
+    #[cfg(feature = "npy")]
     Format {
         name: "npz",
         extensions: &["npz"],

@@ -1,10 +1,26 @@
+use std::fmt::{self, Debug, Formatter};
+use std::path::Path;
+
 use super::{Metadata, Origin};
 use crate::error::{Error, Result};
+use crate::geometry::summary::Count;
 
 /// What a picture or a batch of rays gave: named channels over the same elements.
 ///
 /// Elements are in row-major order; row 0 of a picture is its top.
-#[derive(Debug, Clone)]
+///
+/// ```
+/// use firsthit::{DVec3, Object, Render, Scene, Sphere, image::Data};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let frame = Render::new(&scene).size(30, 40).channels(&["color", "object"]).frame()?;
+/// let Some(Data::Int32(object)) = frame.channel("object").map(|channel| &channel.data) else {
+///     unreachable!("identifiers are whole numbers")
+/// };
+/// assert_eq!((object[0], object[15 * 40 + 20]), (-1, 0));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone)]
 pub struct Frame {
     pub(super) shape: Vec<usize>,
     pub(super) channels: Vec<Channel>,
@@ -53,7 +69,7 @@ pub enum Unit {
 }
 
 /// The values of a [`Channel`], as they are stored in files.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub enum Data {
     /// Double precision.
     Float64(Vec<f64>),
@@ -69,7 +85,7 @@ pub enum Data {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Picture {
-    /// Linear colours, three floats: shown as sRGB.
+    /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the coverage (alpha) from 0 to 1.
     Color,
     /// Distances, one float: from near, yellow, to far, violet.
     Distance,
@@ -83,6 +99,33 @@ pub enum Picture {
     Fraction,
     /// Booleans, one each: white where true.
     Mask,
+}
+
+/// A summary: its shape and its channels.
+impl Debug for Frame {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Frame")
+            .field("shape", &self.shape)
+            .field("channels", &ByName(&self.channels))
+            .finish_non_exhaustive()
+    }
+}
+
+struct ByName<'a>(&'a [Channel]);
+
+impl Debug for ByName<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let channels = self.0.iter();
+        let channels = channels.map(|channel| (channel.name, &channel.data));
+        f.debug_map().entries(channels).finish()
+    }
+}
+
+/// A summary: values are many.
+impl Debug for Data {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        Count(self.len(), self.kind()).fmt(f)
+    }
 }
 
 impl Frame {
@@ -109,6 +152,33 @@ impl Frame {
     pub fn metadata(&self) -> Metadata {
         let all: Vec<&Channel> = self.channels.iter().collect();
         Metadata::of(self, &all, |_| None)
+    }
+
+    /// Writes it to a file, whole or not at all, in the format that the path's extension names (see
+    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels.
+    ///
+    /// ```no_run
+    /// use firsthit::{Render, Scene};
+    ///
+    /// let scene = Scene::new(vec![])?;
+    /// Render::new(&scene).channels(&["color", "z"]).frame()?.save("all.exr")?;
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write`](super::write()).
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        super::write(self, path.as_ref())
+    }
+
+    /// Writes one of its channels to a file, otherwise as [`save`](Self::save).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write_channel`](super::write_channel).
+    pub fn save_channel(&self, name: &str, path: impl AsRef<Path>) -> Result<()> {
+        super::write_channel(self, name, path.as_ref())
     }
 
     /// Adds `channel` after the others.
@@ -164,6 +234,22 @@ impl Frame {
     /// The channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
+    }
+}
+
+impl Channel {
+    /// The value of a miss, as metadata say it.
+    pub fn miss(&self) -> &'static str {
+        if self.is_transparent() {
+            "transparent"
+        } else {
+            self.picture.miss()
+        }
+    }
+
+    /// Whether these are colours with coverage (alpha).
+    pub fn is_transparent(&self) -> bool {
+        self.picture == Picture::Color && self.components == 4
     }
 }
 
@@ -236,7 +322,8 @@ impl Picture {
     fn fits(self, channel: &Channel) -> bool {
         let floats = matches!(channel.data, Data::Float64(_) | Data::Float32(_));
         match self {
-            Self::Color | Self::Direction | Self::Position => floats && channel.components == 3,
+            Self::Color => floats && matches!(channel.components, 3 | 4),
+            Self::Direction | Self::Position => floats && channel.components == 3,
             Self::Distance => floats && channel.components == 1,
             Self::Fraction => floats && (1..=3).contains(&channel.components),
             Self::Identifier => matches!(channel.data, Data::Int32(_)) && channel.components == 1,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Channel, Frame};
+use super::{Channel, Frame, Picture};
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
 pub(super) const KEY: &str = "firsthit";
@@ -110,7 +110,7 @@ pub struct ChannelRecord {
     pub unit: Option<String>,
     /// The frame that the numbers are in: `world`, `camera`, `ray`, `triangle` or `texture`.
     pub frame: Option<String>,
-    /// Its value for a ray that met nothing: `inf`, `-1`, `nan`, `false` or `background`.
+    /// Its value for a ray that met nothing: `inf`, `-1`, `nan`, `false`, `background` or `transparent`.
     pub miss: String,
     /// How this file stores it; `None` where the numbers are in memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -190,7 +190,7 @@ impl Metadata {
         } = frame.origin.clone();
         let has_colors = channels
             .iter()
-            .any(|channel| channel.picture.miss() == "background");
+            .any(|channel| channel.picture == Picture::Color);
         Self {
             metadata_version: METADATA_VERSION,
             firsthit: env!("CARGO_PKG_VERSION").to_owned(),
@@ -249,7 +249,7 @@ impl ChannelRecord {
             components: channel.components as u64,
             unit: description.unit.name(has_camera).map(str::to_owned),
             frame: description.frame.map(str::to_owned),
-            miss: channel.picture.miss().to_owned(),
+            miss: channel.miss().to_owned(),
             stored,
         }
     }
@@ -270,11 +270,6 @@ impl Stored {
 
     /// The channel's own numbers, under some names.
     pub(super) fn exact(channel: &Channel, names: Vec<String>) -> Self {
-        Self::new(
-            names,
-            channel.data.kind(),
-            Encoding::Exact,
-            channel.picture.miss(),
-        )
+        Self::new(names, channel.data.kind(), Encoding::Exact, channel.miss())
     }
 }

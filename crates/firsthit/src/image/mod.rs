@@ -7,21 +7,29 @@
 //! Colours are linear in a frame and in NPY and NPZ; only PNG applies the sRGB curve. Nothing is ever
 //! filtered, tone-mapped or resized here, and the same frame gives the same bytes on every machine.
 
+#[cfg(feature = "png")]
 mod colormap;
 mod compare;
+#[cfg(feature = "exr")]
 mod exr;
 mod file;
 mod format;
 mod frame;
 mod metadata;
+#[cfg(feature = "npy")]
 mod npy;
+#[cfg(feature = "npy")]
 mod npz;
+#[cfg(feature = "png")]
 mod png;
 mod read;
+#[cfg(feature = "png")]
 mod srgb;
+#[cfg(feature = "png")]
 mod steps;
 
-pub use colormap::legend;
+#[cfg(feature = "png")]
+pub use colormap::{color_of_identifier, legend, short_legend};
 pub use compare::{Difference, compare};
 pub use file::{sidecar_of, write_whole};
 pub use format::{
@@ -32,5 +40,6 @@ pub use metadata::{
     CameraRecord, ChannelRecord, Encoding, Intrinsics, METADATA_VERSION, Metadata, Origin, Pixels,
     Pose, Stored,
 };
+#[cfg(feature = "npy")]
 pub use read::npy::check_claims as check_npy_claims;
 pub use read::{Array, Numbers, Output, read, read_bytes};

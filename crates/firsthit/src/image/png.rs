@@ -40,11 +40,15 @@ pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
         };
     }
     let miss = if channel.picture == Picture::Color {
-        channel.picture.miss()
+        channel.miss()
     } else {
         "black"
     };
-    let names = names(&["red", "green", "blue"]);
+    let names = names(if channel.is_transparent() {
+        &["red", "green", "blue", "alpha"]
+    } else {
+        &["red", "green", "blue"]
+    });
     Stored {
         legend: legend(channel),
         ..Stored::new(names, "uint8", Encoding::Picture, miss)
@@ -63,20 +67,27 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         steps::encode(channel, scale, columns, &mut writer)?;
         writer.finish()?;
     } else {
-        let mut writer = header((rows, columns), ColorType::Rgb, &text, out)?;
+        let color = if channel.is_transparent() {
+            ColorType::Rgba
+        } else {
+            ColorType::Rgb
+        };
+        let mut writer = header((rows, columns), color, &text, out)?;
         let mut writer = writer.stream_writer_with_size(CHUNK)?;
-        encode_colors(channel, columns, &mut writer)?;
+        encode_colors(channel, columns * color.samples(), &mut writer)?;
         writer.finish()?;
     }
     Ok(())
 }
 
-fn encode_colors(channel: &Channel, columns: usize, out: &mut dyn Write) -> io::Result<()> {
+/// Writes the picture in rows of `row` bytes.
+fn encode_colors(channel: &Channel, row: usize, out: &mut dyn Write) -> io::Result<()> {
     let map = ColorMap::of(channel);
-    let mut values = Vec::with_capacity(columns * channel.components);
-    let mut bytes = vec![0; columns * 3];
-    for start in (0..channel.data.len()).step_by(columns * channel.components) {
-        let end = start + columns * channel.components;
+    let values_of_row = row / map.bytes() * channel.components;
+    let mut values = Vec::with_capacity(values_of_row);
+    let mut bytes = vec![0; row];
+    for start in (0..channel.data.len()).step_by(values_of_row) {
+        let end = start + values_of_row;
         values.clear();
         values.extend((start..end).map(|index| channel.data.value(index)));
         map.apply(&values, channel.components, &mut bytes);
@@ -95,11 +106,11 @@ fn header<'a>(
     let side = |pixels: usize| u32::try_from(pixels).map_err(io::Error::other);
     let mut encoder = Encoder::new(out, side(columns)?, side(rows)?);
     encoder.set_color(color);
-    if color == ColorType::Rgb {
+    if color == ColorType::Grayscale {
+        encoder.set_depth(BitDepth::Sixteen);
+    } else {
         encoder.set_depth(BitDepth::Eight);
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    } else {
-        encoder.set_depth(BitDepth::Sixteen);
     }
     encoder.set_compression(Compression::Fast);
     // Before the pixels: readers that stop at the last row see it too.

@@ -34,6 +34,12 @@ pub trait Shade: Sync {
             *color = self.shade(hit.t, ray.origin, ray.direction, &hit);
         }
     }
+
+    /// Whether misses are transparent, as with [`Background::Transparent`]. Colours then get a fourth number, the pixel's coverage,
+    /// and the shader must return black for misses.
+    fn is_transparent(&self) -> bool {
+        false
+    }
 }
 
 impl<F: Fn(f64, DVec3, DVec3, &Hit) -> Color + Sync> Shade for F {
@@ -50,6 +56,14 @@ type Shot = (Ray, Hit);
 macro_rules! shaders {
     ($($(#[$doc:meta])* $name:literal => $kind:ident($settings:ty), $shade:path;)*) => {
         /// The shaders that come with the library, by name.
+        ///
+        /// ```
+        /// use firsthit::Shader;
+        ///
+        /// assert_eq!(Shader::default(), Shader::named("lambert")?);
+        /// assert_eq!(Shader::NAMES, ["lambert", "unlit", "normal"]);
+        /// # Ok::<(), firsthit::Error>(())
+        /// ```
         #[derive(Debug, Clone, PartialEq)]
         pub enum Shader {
             $($(#[$doc])* $kind($settings),)*
@@ -92,6 +106,29 @@ shaders! {
     "normal" => Normal(()), normal::shade;
 }
 
+impl Shader {
+    /// The [`Shade`] that applies this shader to `scene`, before [`Background::NEUTRAL`]; see [`Shading::background`] for another.
+    ///
+    /// ```
+    /// use firsthit::{Color, DVec3, Object, Scene, Shade, Shader, Sphere, shoot};
+    ///
+    /// let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0)?).colored(Color::new(1.0, 0.5, 0.0));
+    /// let scene = Scene::new(vec![ball])?;
+    /// let (p, u_r) = (DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+    /// let hit = shoot(&scene, p, u_r);
+    /// let color = Shader::named("unlit")?.on(&scene).shade(hit.t, p, u_r, &hit);
+    /// assert_eq!(color, Color::new(1.0, 0.5, 0.0));
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn on(self, scene: &Scene) -> Shading<'_> {
+        Shading {
+            scene,
+            shader: self,
+            background: Background::NEUTRAL,
+        }
+    }
+}
+
 impl Default for Shader {
     fn default() -> Self {
         Self::Lambert(Lambert::default())
@@ -99,6 +136,17 @@ impl Default for Shader {
 }
 
 /// A [`Shader`] at work: with the scene that it looks at, and what misses see.
+///
+/// ```
+/// use firsthit::{Background, Color, DVec3, Hit, Scene, Shade, Shader, Shading};
+///
+/// let scene = Scene::new(vec![])?;
+/// let white = Background::Uniform(Color::ONE);
+/// let shading = Shading { background: white, ..Shader::default().on(&scene) };
+/// let color = shading.shade(f64::INFINITY, DVec3::ZERO, DVec3::X, &Hit::MISS);
+/// assert_eq!(color, Color::ONE);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Shading<'a> {
     /// Where to look up what was hit.
@@ -110,6 +158,10 @@ pub struct Shading<'a> {
 }
 
 impl Shade for Shading<'_> {
+    fn is_transparent(&self) -> bool {
+        self.background == Background::Transparent
+    }
+
     fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color {
         if t == f64::INFINITY {
             return self.background.color(u_r);

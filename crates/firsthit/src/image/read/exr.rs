@@ -119,7 +119,7 @@ impl Planes {
         Ok(planes)
     }
 
-    /// The channels that `metadata` know, then those that go together by custom, then the others.
+    /// The channels that `metadata` know, then those that go together by convention, then the others.
     fn into_arrays(mut self, metadata: Option<&Metadata>) -> Result<Vec<Array>, String> {
         let mut arrays = Vec::new();
         let records = metadata.map_or(&[][..], |metadata| &metadata.channels);

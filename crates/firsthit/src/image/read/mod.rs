@@ -15,9 +15,13 @@
     )
 )]
 
+#[cfg(feature = "exr")]
 pub(super) mod exr;
+#[cfg(feature = "npy")]
 pub(super) mod npy;
+#[cfg(feature = "npy")]
 pub(super) mod npz;
+#[cfg(feature = "png")]
 pub(super) mod png;
 
 use std::fs::{self, File};
@@ -104,6 +108,13 @@ impl Numbers {
 /// [`Error::Argument`] for an extension that no format has, [`Error::Read`] if the system refuses,
 /// [`Error::Parse`] for content that is no such file, that is damaged, or that would take more than 4 GiB.
 pub fn read(path: &Path) -> Result<Output> {
+    // A folder is refused as such, before its extension is.
+    if path.is_dir() {
+        return Err(Error::Read {
+            path: path.to_owned(),
+            source: io::Error::new(io::ErrorKind::InvalidInput, "a folder, not a file"),
+        });
+    }
     let format = format_of(path)?;
     let bytes = regular_file(path, MOST_BYTES)?;
     let mut output = (format.decode)(&bytes, MOST_BYTES).map_err(|what| wrong(path, what))?;

@@ -1,0 +1,219 @@
+//! A builder for [`render()`], with defaults.
+
+use std::fmt::{self, Debug, Formatter};
+
+use super::{BACKGROUND, SAMPLES, framing_camera, render, shoulder_light};
+use crate::camera::{Camera, StandardView};
+use crate::channel;
+use crate::error::Result;
+use crate::geometry::DVec3;
+use crate::image::Frame;
+use crate::scene::{Background, Scene};
+use crate::shade::{Shade, Shader, Shading};
+use crate::watch::Watch;
+
+/// A picture to be made of a scene. The defaults are those of the command line: a three-quarter view from above that fills 768
+/// rows of 1024 pixels, four samples per pixel, and a light over the camera's shoulder if the scene has none.
+///
+/// ```
+/// use firsthit::{Color, DVec3, Object, Render, Scene, Shader, Sphere, camera::StandardView};
+///
+/// let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0)?).colored(Color::new(0.8, 0.2, 0.2));
+/// let scene = Scene::new(vec![ball])?;
+/// let frame = Render::new(&scene)
+///     .view(StandardView::Front)
+///     .size(30, 40)
+///     .channels(&["color", "z"])
+///     .shade(Shader::default())
+///     .frame()?;
+/// assert_eq!(frame.shape(), [30, 40]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+///
+/// [`render()`] is the same without defaults.
+#[derive(Debug, Clone)]
+#[must_use = "nothing is rendered before `frame` is called"]
+pub struct Render<'a> {
+    scene: &'a Scene,
+    camera: Option<Camera>,
+    view: StandardView,
+    up: Option<DVec3>,
+    size: [usize; 2],
+    look: Look<'a>,
+    background: Background,
+    samples: u32,
+    channels: &'a [&'a str],
+    watch: Follower<'a>,
+}
+
+/// What gives rays their colours.
+#[derive(Clone)]
+pub enum Look<'a> {
+    /// A shader of the library, with the scene and the background of the picture.
+    Shader(Shader),
+    /// Any other [`Shade`], which decides the colours of misses too.
+    Own(&'a dyn Shade),
+}
+
+impl Debug for Look<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shader(shader) => f.debug_tuple("Shader").field(shader).finish(),
+            Self::Own(_) => f.debug_tuple("Own").finish_non_exhaustive(),
+        }
+    }
+}
+
+impl From<Shader> for Look<'_> {
+    fn from(shader: Shader) -> Self {
+        Self::Shader(shader)
+    }
+}
+
+impl<'a, S: Shade> From<&'a S> for Look<'a> {
+    fn from(shade: &'a S) -> Self {
+        Self::Own(shade)
+    }
+}
+
+impl<'a> From<&'a dyn Shade> for Look<'a> {
+    fn from(shade: &'a dyn Shade) -> Self {
+        Self::Own(shade)
+    }
+}
+
+/// A [`Watch`] that can be debugged.
+#[derive(Clone, Copy)]
+struct Follower<'a>(&'a dyn Watch);
+
+impl Debug for Follower<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("..")
+    }
+}
+
+impl<'a> Render<'a> {
+    /// A picture of `scene`.
+    pub fn new(scene: &'a Scene) -> Self {
+        Self {
+            scene,
+            camera: None,
+            view: StandardView::default(),
+            up: None,
+            size: [768, 1024],
+            look: Look::Shader(Shader::default()),
+            background: BACKGROUND,
+            samples: SAMPLES,
+            channels: &["color"],
+            watch: Follower(&()),
+        }
+    }
+
+    /// Through a camera, in place of `view`, `up` and `size`.
+    pub fn camera(self, camera: Camera) -> Self {
+        Self {
+            camera: Some(camera),
+            ..self
+        }
+    }
+
+    /// In a standard view; [`StandardView::Iso`] by default.
+    pub fn view(self, view: StandardView) -> Self {
+        Self { view, ..self }
+    }
+
+    /// With `up` upwards; [`Scene::up`] by default.
+    pub fn up(self, up: DVec3) -> Self {
+        Self {
+            up: Some(up),
+            ..self
+        }
+    }
+
+    /// With `rows` and `columns` of pixels.
+    pub fn size(self, rows: usize, columns: usize) -> Self {
+        Self {
+            size: [rows, columns],
+            ..self
+        }
+    }
+
+    /// With the colours of a [`Shader`], or of a reference to any other [`Shade`], such as a closure.
+    ///
+    /// ```
+    /// use firsthit::{Color, DVec3, Hit, Object, Render, Scene, Shader, Sphere};
+    ///
+    /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+    /// let fog = |t: f64, _p: DVec3, _u_r: DVec3, _o: &Hit| Color::splat(libm::exp(-t));
+    /// let small = Render::new(&scene).size(3, 4);
+    /// let frames = [small.clone().shade(&fog).frame()?, small.shade(Shader::named("normal")?).frame()?];
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn shade(self, look: impl Into<Look<'a>>) -> Self {
+        Self {
+            look: look.into(),
+            ..self
+        }
+    }
+
+    /// Before a background, which is the colour of misses for the library's shaders; [`BACKGROUND`] by default.
+    pub fn background(self, background: Background) -> Self {
+        Self { background, ..self }
+    }
+
+    /// With the mean of so many samples as a pixel's colour; 1 is the pixel's centre. [`SAMPLES`] by default.
+    pub fn samples(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// With these channels, by their names in [`channel::KINDS`]; `color` alone by default.
+    pub fn channels(self, channels: &'a [&'a str]) -> Self {
+        Self { channels, ..self }
+    }
+
+    /// Reporting progress to `watch`, which may stop it.
+    pub fn watch(self, watch: &'a dyn Watch) -> Self {
+        Self {
+            watch: Follower(watch),
+            ..self
+        }
+    }
+
+    /// Makes the picture, with all threads of the current rayon pool.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`render()`] and [`framing_camera`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel.
+    pub fn frame(self) -> Result<Frame> {
+        let kinds = self.channels.iter().map(|name| channel::kind(name));
+        let kinds = kinds.collect::<Result<Vec<_>>>()?;
+        let camera = self.camera.map_or_else(
+            || {
+                let up = self.up.unwrap_or_else(|| self.scene.up());
+                framing_camera(self.scene, up, self.view, self.size)
+            },
+            Ok,
+        )?;
+        let picture = |shade: &dyn Shade| {
+            let watch = self.watch.0;
+            render(self.scene, &camera, shade, &kinds, self.samples, watch)
+        };
+        let shader = match self.look {
+            Look::Own(shade) => return picture(shade),
+            Look::Shader(shader) => shader,
+        };
+        let lit;
+        let scene = if self.scene.lights().is_empty() {
+            let light = shoulder_light(&camera);
+            lit = self.scene.clone().with_borrowed_lights(vec![light]);
+            &lit
+        } else {
+            self.scene
+        };
+        picture(&Shading {
+            scene,
+            shader,
+            background: self.background,
+        })
+    }
+}
