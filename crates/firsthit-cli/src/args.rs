@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use firsthit::{Color, DVec3, RayStart};
+use firsthit::camera::StandardView;
+use firsthit::{Background, Color, DVec3, RayStart};
 
+use crate::completion::ChannelNames;
 use crate::help;
+use crate::output::Source;
 use crate::values::{self, LightArg, Sky, Target};
 
 /// The general raycaster: what does this ray meet first?
@@ -63,7 +66,11 @@ pub(crate) struct CameraArgs {
     /// below replace what it says [default: a scene file's first, of other files none]
     #[arg(long, value_name = "NAME|NUMBER", allow_hyphen_values = true)]
     pub(crate) camera: Option<String>,
-    /// Where the camera is [default: far enough to see everything]
+    /// Fit the model into the picture in a standard view, in place of the file's camera. The front faces -y if z is up,
+    /// +z if y is up [default: iso, a three-quarter view from above]
+    #[arg(long, value_name = "VIEW", value_parser = values::view(), conflicts_with_all = ["position", "aim", "look_at"])]
+    pub(crate) view: Option<StandardView>,
+    /// Where the camera is [default: where the model fills the picture]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) position: Option<DVec3>,
     /// The direction it looks in
@@ -72,8 +79,9 @@ pub(crate) struct CameraArgs {
     /// The point it looks at; auto is the middle of the scene [default: auto]
     #[arg(long, value_name = "X,Y,Z|auto", value_parser = values::target, allow_hyphen_values = true)]
     pub(crate) look_at: Option<Target>,
-    /// Which way is up [default: the format's custom, 0,1,0 for glTF and OBJ, 0,0,1 for PLY and STL; or,
-    /// where the camera looks along that, 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
+    /// Which way is up [default: 0,1,0 for glTF and OBJ, 0,0,1 for PLY and STL. Without a position or an aim, OBJ, PLY
+    /// and STL files that clearly stand on a flat base along y or z are seen upright. If the camera looks along that
+    /// axis: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
     /// Degrees from the picture's lower to its upper edge [default: 45]
@@ -122,19 +130,23 @@ pub(crate) struct PictureArgs {
     pub(crate) output: Vec<PathBuf>,
     /// What to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
     /// normal, position, barycentric, uv, front [default: color]
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(Source::Camera), hide_possible_values = true)]
     pub(crate) channels: Vec<String>,
+    /// Write a table beside a picture of objects: each object's number, name, colour in the picture (sRGB) and count
+    /// of pixels, as .csv or .json
+    #[arg(long, value_name = "FILE")]
+    pub(crate) legend: Option<PathBuf>,
     /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene
     /// units and 0 a miss, instead of as pictures to look at
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) png_scale: Option<f64>,
-    /// Antialiasing: the colour is the mean of this many points of a pixel [default: 1]
+    /// Antialiasing: the colour is the mean of this many points of a pixel; 1 is the pixel's centre [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
 }
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Colour and light (linear, Rec. 709)")]
+#[command(next_help_heading = "Colour and light (COLOR: see below)")]
 pub(crate) struct LightingArgs {
     /// How hits get their colour [default: lambert]
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Shader::NAMES))]
@@ -144,19 +156,19 @@ pub(crate) struct LightingArgs {
     #[arg(long, value_name = "KIND:X,Y,Z", value_parser = values::light, allow_hyphen_values = true)]
     pub(crate) light: Vec<LightArg>,
     /// Light from everywhere [default: 0.25,0.25,0.25]
-    #[arg(long, value_name = "R,G,B", value_parser = values::color, allow_hyphen_values = true)]
+    #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) ambient: Option<Color>,
     /// Leave out the shadows
     #[arg(long)]
     pub(crate) no_shadows: bool,
     /// The colour of all objects that the file gives none [default: 0.6,0.6,0.6]
-    #[arg(long, value_name = "R,G,B", value_parser = values::color, allow_hyphen_values = true)]
+    #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) color: Option<Color>,
-    /// The colour where nothing is hit [default: 0.85,0.87,0.9]
-    #[arg(long, value_name = "R,G,B", value_parser = values::color, conflicts_with = "sky", allow_hyphen_values = true)]
-    pub(crate) background: Option<Color>,
+    /// The colour where nothing is hit, or transparent [default: 0.12,0.17,0.24]
+    #[arg(long, value_name = "COLOR", value_parser = values::background, conflicts_with = "sky", allow_hyphen_values = true)]
+    pub(crate) background: Option<Background>,
     /// A sky where nothing is hit: the colours of the horizon and of the zenith
-    #[arg(long, value_name = "R,G,B:R,G,B", value_parser = values::sky, allow_hyphen_values = true)]
+    #[arg(long, value_name = "COLOR:COLOR", value_parser = values::sky, allow_hyphen_values = true)]
     pub(crate) sky: Option<Sky>,
 }
 
@@ -164,7 +176,7 @@ pub(crate) struct LightingArgs {
 #[command(next_help_heading = "General")]
 pub(crate) struct LoadArgs {
     /// Fail where a file has triangles that cannot be used (NaN, infinite or enormous corners) instead of
-    /// leaving them out
+    /// leaving them out, and where a text file seems to be truncated instead of warning
     #[arg(long)]
     pub(crate) strict: bool,
     /// How much memory the file's content may take, unpacked; in bytes, or with K, M, G or T for their
@@ -186,6 +198,10 @@ pub(crate) struct RunArgs {
     /// Say nothing but warnings and errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
+    /// Report the run, with its warnings, as one JSON object on standard output, or on standard error if the results
+    /// go to standard output
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -193,7 +209,8 @@ pub(crate) struct RunArgs {
 pub(crate) struct ShootArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The rays, or only their origins: .npy, .npz or .csv, - for standard input
+    /// The rays, or only their origins: .npy, .npz or .csv, - for standard input. CSV from standard input to CSV on
+    /// standard output is answered line by line, as it comes
     pub(crate) rays: PathBuf,
     /// The rays' directions, if RAYS are only origins
     pub(crate) directions: Option<PathBuf>,
@@ -210,6 +227,8 @@ pub(crate) struct ShootArgs {
         long,
         value_name = "NAMES",
         value_delimiter = ',',
+        value_parser = ChannelNames(Source::Rays),
+        hide_possible_values = true,
         default_value = "t,object,primitive"
     )]
     pub(crate) channels: Vec<String>,
@@ -260,10 +279,12 @@ pub(crate) struct DiffArgs {
         long,
         value_name = "NAMES",
         value_delimiter = ',',
+        value_parser = ChannelNames(Source::Camera),
+        hide_possible_values = true,
         visible_alias = "channel"
     )]
     pub(crate) channels: Vec<String>,
-    /// As JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`
+    /// As JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`, warnings
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -283,6 +304,8 @@ pub(crate) struct DemoArgs {
         long,
         value_name = "NAMES",
         value_delimiter = ',',
+        value_parser = ChannelNames(Source::Camera),
+        hide_possible_values = true,
         default_value = "color"
     )]
     pub(crate) channels: Vec<String>,

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use firsthit::camera::{Aim, Description, Lens};
+use firsthit::camera::{Aim, Description, Lens, StandardView};
 use firsthit::error::{escape_controls, escaped};
 use firsthit::io::{Model, NamedCamera};
-use firsthit::{Bounds, Camera, DVec3, Projection};
+use firsthit::{Camera, DVec3, Projection, Scene};
 
 use crate::args::CameraArgs;
 use crate::failure::Failure;
@@ -18,14 +18,21 @@ const MOST_PIXELS: usize = 1 << 28;
 /// Scenes that reach further have no place from which a camera sees them: squares are infinite there.
 const FARTHEST: f64 = 1e150;
 
-/// The camera that the arguments describe, in place of what the camera of `file`, `base`, says; what both
+/// The camera of a picture, and what of it was guessed: in words, each with the option that says otherwise.
+pub(crate) struct Chosen {
+    pub(crate) camera: Camera,
+    pub(crate) guessed: Vec<String>,
+}
+
+/// The camera that the arguments describe, in place of what the camera of the model's file, `base`, says; what both
 /// leave open, the scene decides.
 pub(crate) fn camera(
     args: &CameraArgs,
     (file, base): (&Path, &Description),
-    bounds: Bounds,
-    up: DVec3,
-) -> Result<Camera, Failure> {
+    scene: &Scene,
+    model: &Model,
+) -> Result<Chosen, Failure> {
+    let bounds = scene.bounds();
     let described = described(args, base)?;
     match args.size {
         Some(size) => check_size("--size", size)?,
@@ -42,7 +49,50 @@ pub(crate) fn camera(
             span(bounds)
         )));
     }
-    Ok(described.camera(bounds, up)?)
+    let support = |direction| scene.support(direction);
+    // With a position or an aim, up is the format's convention: it must not depend on the model.
+    let up = if described.position.is_none() && !matches!(described.aim, Some(Aim::Along(_))) {
+        likely_up(scene, model)
+    } else {
+        model.up
+    };
+    let is_guessed = described.up.is_none() && model.up_is_guessed;
+    Ok(Chosen {
+        camera: described.camera(bounds, support, up)?,
+        guessed: guessed(&described, is_guessed.then_some(up)),
+    })
+}
+
+fn likely_up(scene: &Scene, model: &Model) -> DVec3 {
+    if model.up_is_guessed {
+        scene.likely_up(model.up)
+    } else {
+        model.up
+    }
+}
+
+/// What was guessed of the camera.
+fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
+    let mut guessed = Vec::new();
+    if let Some(up) = up {
+        guessed.push(format!("up {} (--up)", axis(up)));
+    }
+    match (described.position, described.aim) {
+        (None, Some(Aim::Along(_))) => guessed.push("all in the picture (--position)".into()),
+        (None, None | Some(Aim::Centre)) => {
+            guessed.push(format!("view {} (--view)", StandardView::default().name()));
+        }
+        (Some(_), None) => guessed.push("aim at the middle (--look-at)".into()),
+        _ => {}
+    }
+    guessed
+}
+
+/// A direction, an axis by its name.
+fn axis(direction: DVec3) -> String {
+    let axes = [(DVec3::X, "+x"), (DVec3::Y, "+y"), (DVec3::Z, "+z")];
+    let named = axes.into_iter().find(|&(axis, _)| axis == direction);
+    named.map_or_else(|| triple(direction), |(_, name)| name.to_owned())
 }
 
 /// What the file says of the camera that is asked for, or that it is to be looked through.
@@ -127,11 +177,19 @@ pub(crate) fn check_size(what: &str, (columns, rows): (usize, usize)) -> Result<
 
 /// The description with each word of the arguments in place of the file's.
 fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failure> {
-    let aim = match (args.aim, args.look_at) {
-        (Some(aim), _) => Some(Aim::Along(aim)),
-        (None, Some(Target::Point(target))) => Some(Aim::At(target)),
-        (None, Some(Target::Auto)) => Some(Aim::Centre),
-        (None, None) => base.aim,
+    let from_anywhere = Description {
+        position: None,
+        up: None,
+        ..*base
+    };
+    // A view replaces the position and the up of the file's camera.
+    let base = args.view.map_or(base, |_| &from_anywhere);
+    let aim = match (args.view, args.aim, args.look_at) {
+        (Some(view), ..) => Some(Aim::View(view)),
+        (_, Some(aim), _) => Some(Aim::Along(aim)),
+        (_, _, Some(Target::Point(target))) => Some(Aim::At(target)),
+        (_, _, Some(Target::Auto)) => Some(Aim::Centre),
+        _ => base.aim,
     };
     let projection = if args.orthographic {
         Some(Projection::Orthographic)

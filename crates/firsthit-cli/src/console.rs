@@ -2,18 +2,86 @@
 
 use std::fmt::Display;
 use std::io::Write;
-use std::sync::Once;
+use std::sync::{Mutex, Once, PoisonError};
+
+use serde_json::{Value, json};
 
 /// Says one line. That nobody listens any more (`2>&1 | head -1`) is no reason to fail, as `eprintln!` would.
 pub(crate) fn say(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Says a warning for each of the lines.
+/// Prints each warning, or keeps it for the report of `--json`.
 pub(crate) fn warn<T: Display>(warnings: &[T]) {
-    for warning in warnings {
-        say(format_args!("firsthit: warning: {warning}"));
+    let warnings = warnings.iter().map(ToString::to_string);
+    with_report(|report| match report {
+        Some(report) => report.warnings.extend(warnings),
+        None => warnings.for_each(|warning| say(format_args!("firsthit: warning: {warning}"))),
+    });
+}
+
+/// The report of `--json`: one object for the run.
+#[derive(Debug, Default)]
+struct Report {
+    warnings: Vec<String>,
+    /// Whether standard output is taken by data.
+    is_beside_data: bool,
+}
+
+static REPORT: Mutex<Option<Report>> = Mutex::new(None);
+
+fn with_report<T>(work: impl FnOnce(&mut Option<Report>) -> T) -> T {
+    work(&mut REPORT.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Starts a report if one `is_wanted`; warnings are then kept for it.
+pub(crate) fn begin_report(is_wanted: bool) {
+    with_report(|report| *report = is_wanted.then(Report::default));
+}
+
+/// Sends the report to standard error, since standard output takes data.
+pub(crate) fn report_beside_data() {
+    with_report(|report| {
+        if let Some(report) = report {
+            report.is_beside_data = true;
+        }
+    });
+}
+
+/// Takes the warnings kept so far.
+pub(crate) fn kept_warnings() -> Vec<String> {
+    with_report(|report| {
+        report
+            .as_mut()
+            .map_or_else(Vec::new, |r| std::mem::take(&mut r.warnings))
+    })
+}
+
+/// Prints the report: `done`, with the warnings added.
+pub(crate) fn end_report(mut done: Value) -> std::io::Result<()> {
+    let Some(Report {
+        warnings,
+        is_beside_data,
+    }) = with_report(Option::take)
+    else {
+        return Ok(());
+    };
+    if let Some(fields) = done.as_object_mut() {
+        fields.insert("warnings".to_owned(), json!(warnings));
     }
+    if is_beside_data {
+        say(format_args!("{done:#}"));
+        return Ok(());
+    }
+    writeln!(std::io::stdout().lock(), "{done:#}")
+}
+
+/// Prints the report of a failure. Returns whether it went to standard error, where it replaces the line for people.
+pub(crate) fn end_report_with_error(message: &str, exit_code: u8) -> bool {
+    let is_beside_data = with_report(|report| report.as_ref().is_some_and(|r| r.is_beside_data));
+    // A closed stream is no second failure.
+    let _ = end_report(json!({ "error": message, "exit_code": exit_code }));
+    is_beside_data
 }
 
 /// Says, once, that Ctrl-C was heard: who was at work says it, or the handler when that takes too long.

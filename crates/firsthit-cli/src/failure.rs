@@ -7,7 +7,7 @@ use std::path::Path;
 use firsthit::Error;
 use firsthit::error::escaped;
 
-use crate::console::{say, say_interrupted};
+use crate::console::{end_report_with_error, say, say_interrupted};
 
 const DIFFERENT: u8 = 1;
 pub(crate) const USAGE: u8 = 2;
@@ -44,6 +44,14 @@ impl Failure {
         Self {
             code: NOT_WRITTEN,
             message: Some(message.to_string()),
+        }
+    }
+
+    /// A panic, by its message.
+    pub(crate) fn bug(text: &str) -> Self {
+        Self {
+            code: INTERNAL,
+            message: Some(format!("a bug in firsthit, please report it: {text}")),
         }
     }
 
@@ -89,9 +97,12 @@ impl Failure {
 
     /// Says it on standard error, and returns the exit code.
     pub(crate) fn report(self) -> u8 {
+        let message = self.message.unwrap_or_default();
         if self.code == INTERRUPTED {
-            say_interrupted();
-        } else if let Some(message) = self.message {
+            if !end_report_with_error("interrupted", self.code) {
+                say_interrupted();
+            }
+        } else if !message.is_empty() && !end_report_with_error(&message, self.code) {
             say(format_args!("firsthit: error: {message}"));
         }
         self.code

@@ -8,7 +8,7 @@ use firsthit::channel::KINDS;
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   firsthit demo                         the embedded scene, no file needed
-  firsthit render bunny.ply             frames the model and writes bunny.png
+  firsthit render bunny.ply             fills the picture with it, in bunny.png
   firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
       -o color.png -o all.npz --channels color,t,z,object,normal
   firsthit render scene.toml            what a scene file says, as it says
@@ -17,12 +17,15 @@ Examples:
   firsthit info all.npz                 from which camera and scene it is
   firsthit diff all.npz again.exr       whether two outputs are the same
 
+With --json, render, shoot, demo, info and diff report the run as one JSON object; that of a failure has error and exit_code.
+
 Exit codes: 0 done, 1 the outputs differ (diff), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
   firsthit render bunny.ply
+  firsthit render bunny.ply --up 0,1,0 --view front --orthographic
   firsthit render part.stl --position 200,300,100 --aim -2,-3,-1 --up 0,0,1 \\
       --focal-length 35 --viewplane 36x24 --size 720x480
   firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
@@ -31,7 +34,10 @@ Examples:
   firsthit render part.stl --channels color,z,object,normal -o part.exr
   firsthit render part.stl --channels z -o depth.png --png-scale 0.001
 
-Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3";
+Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3
+
+A COLOR is linear red,green,blue with Rec. 709 primaries, from 0 to 1 (--color 0.2,0.3,0.5), or sRGB, which is \
+decoded to linear: '#rrggbb' in quotes, or a name of CSS such as steelblue.";
 
 pub(crate) const SHOOT_EXAMPLES: &str = "\
 Examples:
@@ -42,7 +48,11 @@ Examples:
 
 Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
 as .npz with the entries origins and directions (or origin, and direction or dir) or rays, or as .csv \
-with six numbers in a line. Directions of any length will do: t counts in lengths of the direction.";
+with six numbers in a line. Directions may have any length: t counts in lengths of the direction.
+
+A program can keep shoot running behind a pipe, and read the answer to each line before it sends the next. The header comes \
+with the first answer; comments and blank lines have no answer. A wrong line ends the run with exit code 3, after the answers \
+to the lines before it.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

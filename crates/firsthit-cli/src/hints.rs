@@ -19,10 +19,6 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: &Hits) -> Vec<String> 
             } else {
                 "the camera looks past the scene, or it is too small or too far away to be seen"
             };
-            let bounds = Bounds {
-                low: rounded(bounds.low),
-                high: rounded(bounds.high),
-            };
             hints.push(format!(
                 "nothing was hit: {how}: bounds {}, try --look-at auto",
                 span(bounds)
@@ -35,7 +31,7 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: &Hits) -> Vec<String> 
     hints
 }
 
-/// A box as text, to the last digit.
+/// A box as text.
 pub(crate) fn span(bounds: Bounds) -> String {
     format!("{} to {}", triple(bounds.low), triple(bounds.high))
 }
@@ -45,17 +41,18 @@ pub(crate) fn triple(v: DVec3) -> String {
     format!("{},{},{}", number(v.x), number(v.y), number(v.z))
 }
 
-/// A number as the command line has it, without hundreds of zeros.
+/// `x` rounded to six significant digits. JSON has all digits.
+pub(crate) fn six_digits(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// A number to six digits, in exponential notation if it would have many zeros.
 pub(crate) fn number(x: f64) -> String {
+    let x = six_digits(x);
     if x == 0.0 || (1e-9..1e16).contains(&x.abs()) {
         return x.to_string();
     }
     format!("{x:e}")
-}
-
-/// To six digits: enough to aim by.
-fn rounded(v: DVec3) -> DVec3 {
-    v.map(|x| format!("{x:.5e}").parse().unwrap_or(x))
 }
 
 fn looks_away(camera: &Camera, bounds: Bounds) -> bool {

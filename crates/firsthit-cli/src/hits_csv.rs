@@ -1,14 +1,25 @@
 //! Hits as CSV.
 
 use std::io::{self, Write};
+use std::ops::Range;
 
 use firsthit::image::{Data, Frame};
 
 /// One line for each ray, after a header; a channel of several numbers makes several columns.
 pub(crate) fn write_csv(frame: &Frame, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "{}", header(frame).join(","))?;
+    write_header(frame, out)?;
     let count: usize = frame.shape().iter().product();
-    for row in 0..count {
+    write_rows(frame, 0..count, out)
+}
+
+/// The names of the columns.
+pub(crate) fn write_header(frame: &Frame, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{}", header(frame).join(","))
+}
+
+/// The lines of some rays.
+pub(crate) fn write_rows(frame: &Frame, rows: Range<usize>, out: &mut dyn Write) -> io::Result<()> {
+    for row in rows {
         let mut separator = "";
         for channel in frame.channels() {
             for k in row * channel.components..(row + 1) * channel.components {

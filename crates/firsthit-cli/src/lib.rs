@@ -3,12 +3,14 @@
 mod args;
 mod camera;
 mod commands;
+mod completion;
 mod console;
 mod exhaustion;
 mod failure;
 mod help;
 mod hints;
 mod hits_csv;
+mod legend;
 mod loading;
 mod output;
 mod progress;
@@ -20,7 +22,7 @@ use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex};
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 use args::{Cli, Command};
 use failure::Failure;
@@ -33,7 +35,9 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
-    let cli = match Cli::try_parse_from(args) {
+    let args: Vec<OsString> = args.into_iter().map(Into::into).collect();
+    console::begin_report(usage::wants_json(&args));
+    let cli = match parse(args) {
         Ok(cli) => cli,
         Err(error) => return usage::report(&error),
     };
@@ -55,12 +59,15 @@ where
             let text = last
                 .lock()
                 .map_or_else(|_| String::new(), |text| text.clone());
-            console::say(format_args!(
-                "firsthit: error: a bug in firsthit, please report it: {text}"
-            ));
-            failure::INTERNAL
+            Failure::bug(&text).report()
         }
     }
+}
+
+fn parse(args: Vec<OsString>) -> Result<Cli, clap::Error> {
+    // `firsthit render -V` names the program, not a program firsthit-render.
+    let command = Cli::command().mut_subcommands(|command| command.display_name("firsthit"));
+    Cli::from_arg_matches(&command.try_get_matches_from(args)?)
 }
 
 fn dispatch(cli: Cli) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use firsthit::io::{LoadSettings, Model, load};
-use firsthit::{Color, Scene};
+use firsthit::{Color, Object, Scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::args::{LoadArgs, RunArgs};
@@ -30,6 +30,11 @@ pub(crate) fn read(
         max_texture: args.max_texture,
     };
     let mut model = load(path, &settings)?;
+    let is_neutral = |object: &Object| object.materials().is_empty();
+    if neutral.is_some() && !model.objects.iter().any(is_neutral) {
+        let why = "--color does nothing here: every object has a material of its own";
+        model.warnings.push(why.to_owned());
+    }
     let objects = std::mem::take(&mut model.objects)
         .into_iter()
         .map(|object| match neutral {

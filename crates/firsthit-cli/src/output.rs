@@ -7,8 +7,12 @@ use std::sync::atomic::AtomicBool;
 use firsthit::channel::{KINDS, Kind};
 use firsthit::error::{escape_controls, escaped};
 use firsthit::image::{
-    self, FORMATS, Format, Frame, Holds, Picture, WriteSettings, legend, sidecar_of, write_whole,
+    self, FORMATS, Format, Frame, Holds, Picture, WriteSettings, short_legend, sidecar_of,
+    write_whole,
 };
+use firsthit::io::nearest_word;
+
+use serde_json::{Value, json};
 
 use crate::console::say;
 use crate::failure::Failure;
@@ -28,6 +32,11 @@ pub(crate) enum Source {
 }
 
 impl Source {
+    /// The channels that can be asked for.
+    pub(crate) fn channels(self) -> impl Iterator<Item = &'static Kind> {
+        KINDS.iter().filter(move |kind| self.has(kind))
+    }
+
     fn has(self, kind: &Kind) -> bool {
         self == Self::Camera || !(kind.needs_camera() || kind.needs_shade())
     }
@@ -59,10 +68,11 @@ pub(crate) fn kinds(
             name => name,
         };
         let Some(kind) = KINDS.iter().find(|kind| kind.name == wanted) else {
-            let known = KINDS.iter().filter(|kind| source.has(kind));
-            let known: Vec<&str> = known.map(|kind| kind.name).collect();
+            let known: Vec<&str> = source.channels().map(|kind| kind.name).collect();
+            let meant = nearest_word(wanted, known.iter().copied());
+            let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
             return Err(Failure::usage(format!(
-                "--channels: there is no channel \"{}\", only {}",
+                "--channels: there is no channel \"{}\", only {}{meant}",
                 escape_controls(wanted),
                 known.join(", ")
             )));
@@ -172,6 +182,9 @@ pub(crate) fn targets(
 }
 
 fn format(path: &Path, source: Source) -> Result<Option<&'static Format>, Failure> {
+    if path.is_dir() {
+        return Err(is_folder(path));
+    }
     let wanted = path.extension().unwrap_or_default();
     let mut forms = source.forms();
     let found = forms.find(|(extension, _)| wanted.eq_ignore_ascii_case(extension));
@@ -183,6 +196,10 @@ fn format(path: &Path, source: Source) -> Result<Option<&'static Format>, Failur
             known.join(", ")
         ))
     })
+}
+
+fn is_folder(path: &Path) -> Failure {
+    Failure::not_written(format!("{}: is a folder, not a file", escaped(path)))
 }
 
 /// The channel for a file that holds one: the only one there is, or the colours.
@@ -221,6 +238,22 @@ pub(crate) fn check_all_go_somewhere(
             names(targets)
         ))),
     }
+}
+
+/// Refuses a further output that is one of the files already.
+pub(crate) fn check_other(
+    path: &Path,
+    orders: &[Order],
+    inputs: &[PathBuf],
+) -> Result<(), Failure> {
+    let targets = orders.iter().flat_map(|order| &order.targets);
+    let other = Target {
+        path: path.to_owned(),
+        format: None,
+        channel: None,
+    };
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    check_paths(targets.chain([&other]), &inputs)
 }
 
 fn check_paths<'a>(
@@ -263,7 +296,7 @@ fn place(path: &Path) -> Result<PathBuf, Failure> {
     let refused = |what: &str| Err(Failure::not_written(format!("{}: {what}", escaped(path))));
     if let Ok(there) = path.metadata() {
         if there.is_dir() {
-            return refused("is a folder, not a file");
+            return Err(is_folder(path));
         }
         if there.is_file() && there.permissions().readonly() {
             return refused("the file is read-only");
@@ -299,15 +332,43 @@ fn is_png(target: &Target) -> bool {
     target.format.is_some_and(|format| format.name == "png")
 }
 
-/// Writes all files, each whole or not at all; returns what to say about them.
+/// What `--json` says of files: their names, what is in them, and how to read a picture back.
+pub(crate) fn as_json(
+    targets: &[Target],
+    kinds: &[&Kind],
+    legends: &[Option<String>],
+) -> Vec<Value> {
+    let one = |(target, legend): (&Target, &Option<String>)| {
+        let channels: Vec<&str> = match target.channel {
+            Some(name) => vec![name],
+            None => kinds.iter().map(|kind| kind.name).collect(),
+        };
+        json!({
+            "file": target.path.to_string_lossy(),
+            "channels": channels,
+            "legend": legend,
+        })
+    };
+    let legends = legends.iter().chain(std::iter::repeat(&None));
+    targets.iter().zip(legends).map(one).collect()
+}
+
+/// Whether one of the files is standard output by another name.
+pub(crate) fn take_stdout<'a>(targets: impl IntoIterator<Item = &'a Target>) -> bool {
+    const NAMES: [&str; 3] = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+    let mut targets = targets.into_iter();
+    targets.any(|target| NAMES.iter().any(|name| target.path == Path::new(name)))
+}
+
+/// Writes all files, each whole or not at all; returns how to read each back, where that takes words.
 pub(crate) fn write(
     frame: &Frame,
     targets: &[Target],
     settings: WriteSettings,
     interrupted: &AtomicBool,
-) -> Result<Vec<String>, Failure> {
+) -> Result<Vec<Option<String>>, Failure> {
     let watch = Interrupt(interrupted);
-    let mut lines = Vec::new();
+    let mut legends = Vec::new();
     // All of them, or none because of what one cannot hold.
     for target in targets {
         if let Some(format) = target.format {
@@ -326,20 +387,29 @@ pub(crate) fn write(
         }
         let shown = channel.filter(|_| is_png(target));
         let shown = shown.and_then(|name| frame.channel(name));
-        lines.extend(shown.and_then(|channel| said(channel, settings, path)));
+        legends.push(shown.and_then(|channel| legend(channel, settings)));
     }
-    Ok(lines)
+    Ok(legends)
 }
 
 /// How to read a picture back.
-fn said(channel: &image::Channel, settings: WriteSettings, path: &Path) -> Option<String> {
-    let text = match settings.png_scale {
+fn legend(channel: &image::Channel, settings: WriteSettings) -> Option<String> {
+    match settings.png_scale {
         Some(scale) if channel.picture == Picture::Distance => {
-            format!("{} in steps of {scale}, 16 bits; misses 0", channel.name)
+            let name = channel.name;
+            Some(format!("{name} in steps of {scale}, 16 bits; misses 0"))
         }
-        _ => legend(channel)?,
-    };
-    Some(format!("{}: {text}", escaped(path)))
+        _ => short_legend(channel),
+    }
+}
+
+/// Says how to read pictures back.
+pub(crate) fn say_legends(targets: &[Target], legends: &[Option<String>]) {
+    for (target, legend) in targets.iter().zip(legends) {
+        if let Some(legend) = legend {
+            say(format_args!("{}: {legend}", escaped(&target.path)));
+        }
+    }
 }
 
 /// The files' names, for a line of text.

@@ -1,9 +1,12 @@
 //! What clap says, in the one line that every error of the program has.
 
-use clap::error::{Error, ErrorKind};
+use std::ffi::OsString;
+use std::path::Path;
+
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use firsthit::error::escape_controls;
 
-use crate::console::say;
+use crate::console::{end_report_with_error, say};
 use crate::failure::USAGE;
 
 /// Prints what was asked for, help or version, or what is wrong with the command line; returns the exit
@@ -16,9 +19,54 @@ pub(crate) fn report(error: &Error) -> u8 {
             // A closed pipe (`firsthit --help | head -1`) is nothing to complain about.
             let _ = error.print();
         }
-        _ => say(format_args!("firsthit: error: {}", line(error))),
+        _ => {
+            let line = file_for_command(error).unwrap_or_else(|| line(error));
+            end_report_with_error(&line, USAGE);
+            say(format_args!("firsthit: error: {line}"));
+        }
     }
     u8::try_from(error.exit_code()).unwrap_or(USAGE)
+}
+
+/// Whether `--json` is among the arguments, before it is known whether they make sense.
+pub(crate) fn wants_json(args: &[OsString]) -> bool {
+    let options = args.iter().skip(1).take_while(|&arg| arg != "--");
+    options.into_iter().any(|arg| arg == "--json")
+}
+
+/// What to say to somebody who names a file where a command belongs.
+fn file_for_command(error: &Error) -> Option<String> {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return None;
+    };
+    let path = Path::new(word);
+    let shown = escape_controls(word);
+    if path.is_dir() {
+        return Some(format!("{shown} is a folder, not a command; see --help"));
+    }
+    let extension = |name: &Path| {
+        let extension = name.extension().unwrap_or_default().to_string_lossy();
+        extension.to_ascii_lowercase()
+    };
+    let is_output = firsthit::image::format_of(path).is_ok();
+    let is_model = match extension(path).as_str() {
+        "gz" => true,
+        extension => firsthit::io::extensions().any(|known| known == extension),
+    };
+    if !(is_output || is_model || path.is_file()) {
+        return None;
+    }
+    let command = if is_output { "info" } else { "render" };
+    // As it would have to be typed.
+    let is_plain = |c: char| c.is_alphanumeric() || "._-/+:,@%".contains(c);
+    let typed = if shown.chars().all(is_plain) {
+        shown.clone()
+    } else {
+        format!("'{}'", shown.replace('\'', r"'\''"))
+    };
+    Some(format!(
+        "{shown} is a file, not a command; did you mean firsthit {command} {typed}? see --help"
+    ))
 }
 
 /// clap's message and tips; its usage is left to `--help`.

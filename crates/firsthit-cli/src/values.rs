@@ -1,6 +1,10 @@
 //! How values are written on the command line.
 
-use firsthit::{Color, DVec3};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use firsthit::camera::StandardView;
+use firsthit::geometry::{COLOR_NAMES, color_of};
+use firsthit::io::nearest_word;
+use firsthit::{Background, Color, DVec3};
 
 /// A camera's target: a point, or the middle of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +35,11 @@ fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f
     numbers
         .and_then(|numbers| numbers.try_into().ok())
         .ok_or_else(|| format!("expected {form}"))
+}
+
+/// The name of a view.
+pub(crate) fn view() -> impl TypedValueParser<Value = StandardView> {
+    PossibleValuesParser::new(StandardView::NAMES).try_map(|name| name.parse())
 }
 
 /// A number of bytes, such as `500M`.
@@ -68,14 +77,39 @@ pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     .map(DVec3::from)
 }
 
+/// Linear numbers, or sRGB in the ways of CSS.
 pub(crate) fn color(text: &str) -> Result<Color, String> {
-    let form = "linear red, green and blue, such as 0.2,0.3,0.5";
+    let form = "linear red, green and blue, such as 0.2,0.3,0.5, or sRGB as '#rrggbb' or a CSS name such as steelblue";
+    let text = text.trim();
+    if let Some(color) = color_of(text) {
+        return Ok(color);
+    }
+    if text.eq_ignore_ascii_case(TRANSPARENT) {
+        return Err("only a background can be transparent".into());
+    }
+    let names = COLOR_NAMES.iter().map(|&(name, _)| name);
+    if let Some(meant) = nearest_word(text, names) {
+        return Err(format!("expected {form}; did you mean {meant}?"));
+    }
     let color = numbers::<3>(text, ',', form).map(Color::from)?;
     if color.min_element() < 0.0 {
         Err(format!("expected {form}, none of them negative"))
     } else {
         Ok(color)
     }
+}
+
+const TRANSPARENT: &str = "transparent";
+
+/// A colour, or `transparent`.
+pub(crate) fn background(text: &str) -> Result<Background, String> {
+    if text.trim().eq_ignore_ascii_case(TRANSPARENT) {
+        return Ok(Background::Transparent);
+    }
+    let with_transparent = |form: String| format!("{form}, or transparent");
+    color(text)
+        .map(Background::Uniform)
+        .map_err(with_transparent)
 }
 
 pub(crate) fn sky(text: &str) -> Result<Sky, String> {
@@ -190,6 +224,29 @@ mod tests {
         assert_eq!(vector("-1, 2.5,3e2"), Ok(DVec3::new(-1.0, 2.5, 300.0)));
         for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "inf,0,0"] {
             assert!(vector(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn colours_are_linear_numbers_levels_or_names() {
+        assert_eq!(color("1,0.5,0"), Ok(Color::new(1.0, 0.5, 0.0)));
+        assert_eq!(color("#ff0000"), Ok(Color::new(1.0, 0.0, 0.0)));
+        assert_eq!(color("Blue"), Ok(Color::new(0.0, 0.0, 1.0)));
+        assert!(
+            color("stelblue")
+                .unwrap_err()
+                .ends_with("did you mean steelblue?")
+        );
+        assert_eq!(background("transparent"), Ok(Background::Transparent));
+        for wrong in [
+            "",
+            "#ff00",
+            "1,0",
+            "nothing at all",
+            "transparent",
+            "-1,0,0",
+        ] {
+            assert!(color(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -16,7 +16,11 @@ use crate::output::{self, Source};
 const DEFAULT_SAMPLES: u32 = 16;
 
 pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let kinds = output::kinds(&args.channels, Source::Camera, args.run.quiet)?;
+    let kinds = output::kinds(
+        &args.channels,
+        Source::Camera,
+        args.run.quiet || args.run.json,
+    )?;
     check_size("--size", args.size)?;
     if args.samples.is_some() && !kinds.iter().any(|kind| kind.needs_shade()) {
         warn(&[format!("--samples does nothing {WITHOUT_COLOR}")]);
@@ -46,6 +50,8 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
             shade: &shade,
             samples: args.samples.unwrap_or(DEFAULT_SAMPLES),
             settings,
+            guessed: &[],
+            legend: None,
         };
         picture(&job, &orders, &args.run, interrupted)
     })

@@ -3,11 +3,13 @@ use std::path::Path;
 
 use firsthit::error::{escape_controls, escaped};
 use firsthit::image::{Array, Difference, Holds, Output, compare, format_of, read};
+use firsthit::io::nearest_word;
 use serde_json::{Value, json};
 
 use crate::args::DiffArgs;
-use crate::console::warn;
+use crate::console::{kept_warnings, warn};
 use crate::failure::Failure;
+use crate::hints::six_digits;
 
 /// One channel of both files.
 struct Compared {
@@ -120,11 +122,13 @@ fn pairs<'a>(
         };
         (output.array(name).or(only)).ok_or_else(|| {
             let known: Vec<String> = output.arrays.iter().map(name_of).collect();
+            let meant = nearest_word(name, known.iter().map(String::as_str));
+            let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
             Failure::usage(format!(
                 "--channels: {} has no channel \"{}\", only {}",
                 escaped(path),
                 escape_controls(name),
-                escape_controls(&known.join(", "))
+                escape_controls(&(known.join(", ") + &meant))
             ))
         })
     };
@@ -176,8 +180,13 @@ impl Comparison {
             "channels": self.channels.iter().map(Compared::json).collect::<Vec<_>>(),
             "only_in_a": self.only_in_a,
             "only_in_b": self.only_in_b,
+            "warnings": kept_warnings(),
         })
     }
+}
+
+fn short(x: f64) -> String {
+    format!("{:?}", six_digits(x))
 }
 
 impl Compared {
@@ -189,15 +198,20 @@ impl Compared {
         let Some([a, b]) = found.values else {
             return format!("{}: equal", self.name);
         };
+        // With six digits where they differ in those, else with all.
+        let [a, b] = match [a, b].map(short) {
+            [short_a, short_b] if short_a == short_b => [a, b].map(|x| format!("{x:?}")),
+            both => both,
+        };
         let ulps = found.ulps.map_or(String::new(), |ulps| {
             format!(", {ulps} ulp of {}", found.compared_as)
         });
         format!(
-            "{}: {} of {} differ; largest difference {:?} ({a:?} and {b:?}) at {}{ulps}",
+            "{}: {} of {} differ; largest difference {} ({a} and {b}) at {}{ulps}",
             self.name,
             found.differing,
             found.elements,
-            found.largest,
+            short(found.largest),
             self.place(found.element),
         )
     }
@@ -208,7 +222,7 @@ impl Compared {
             Err(why) => return json!({ "name": self.name, "incomparable": why }),
         };
         // JSON has neither infinity nor NaN.
-        let number = |x: f64| {
+        let in_json = |x: f64| {
             if x.is_finite() {
                 json!(x)
             } else {
@@ -223,8 +237,8 @@ impl Compared {
             "name": self.name,
             "elements": found.elements,
             "differing": found.differing,
-            "largest": number(found.largest),
-            "values": found.values.map(|values| values.map(number)),
+            "largest": in_json(found.largest),
+            "values": found.values.map(|values| values.map(in_json)),
             "at": place,
             "ulps": found.ulps,
             "compared_as": found.compared_as,

@@ -8,7 +8,7 @@ use firsthit::{AlphaMode, Light, Material, Projection, Scene, Texture};
 use serde_json::{Value, json};
 
 use crate::camera::labelled;
-use crate::hints::triple;
+use crate::hints::{number, triple};
 
 pub(super) fn cameras_as_json(cameras: &[NamedCamera]) -> Vec<Value> {
     let camera = |camera: &NamedCamera| {
@@ -119,16 +119,16 @@ pub(super) fn as_text(model: &Model, scene: &Scene) -> Vec<String> {
     lines
 }
 
-fn camera_line(number: usize, camera: &NamedCamera) -> String {
+fn camera_line(place: usize, camera: &NamedCamera) -> String {
     let view = &camera.view;
     let sees = match view.projection {
         Projection::Perspective => {
             let angle = 2.0 * (view.height / 2.0 / view.focal_length).atan();
-            format!("{:.6} degrees", angle.to_degrees())
+            format!("{} degrees", number(angle.to_degrees()))
         }
-        Projection::Orthographic => format!("{} high", view.height),
+        Projection::Orthographic => format!("{} high", number(view.height)),
     };
-    let (label, kind) = (labelled(number, camera), view.projection.name());
+    let (label, kind) = (labelled(place, camera), view.projection.name());
     let (position, aim) = (triple(view.position), triple(view.aim));
     format!("{label}  ({kind}, {sees}, at {position}, aim {aim})")
 }

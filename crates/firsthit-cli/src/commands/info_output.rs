@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::console::warn;
 use crate::failure::Failure;
+use crate::hints::{number, triple};
 
 /// As text or as JSON, with a line break at the end.
 pub(super) fn text(path: &Path, format: &Format, as_json: bool) -> Result<String, Failure> {
@@ -92,7 +93,12 @@ fn describe(metadata: &Metadata, lines: &mut Vec<String>) {
 }
 
 fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
-    let triple = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
+    let triple = |v: [f64; 3]| triple(v.into());
+    let row = |row: &[f64]| {
+        let row: Vec<String> = row.iter().map(|&x| number(x)).collect();
+        format!("[{}]", row.join(", "))
+    };
+    let matrix = |rows: Vec<String>| format!("[{}]", rows.join(", "));
     say(
         "camera",
         format!(
@@ -103,23 +109,32 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
     say("  position", triple(camera.position));
     say("  aim", triple(camera.aim));
     say("  up", triple(camera.up));
-    say("  focal_length", camera.focal_length.to_string());
-    say("  viewplane", format!("{}x{}", camera.width, camera.height));
+    say("  focal_length", number(camera.focal_length));
+    say(
+        "  viewplane",
+        format!("{}x{}", number(camera.width), number(camera.height)),
+    );
     if let Some(intrinsics) = &camera.intrinsics {
         let center = intrinsics.first_pixel_center;
         say(
             "  K",
             format!(
-                "{:?} (camera axes {}; the first pixel's centre is at {center})",
-                intrinsics.k, intrinsics.axes
+                "{} (camera axes {}; the first pixel's centre is at {center})",
+                matrix(intrinsics.k.iter().map(|k| row(k)).collect()),
+                intrinsics.axes
             ),
         );
     }
     say(
         "  pose",
         format!(
-            "{:?} (world from camera, axes {})",
-            camera.pose.world_from_camera, camera.pose.axes
+            "{} (world from camera, axes {})",
+            matrix(
+                (camera.pose.world_from_camera.iter())
+                    .map(|r| row(r))
+                    .collect()
+            ),
+            camera.pose.axes
         ),
     );
 }

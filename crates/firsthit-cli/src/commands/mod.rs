@@ -9,3 +9,4 @@ mod info_output;
 pub(crate) mod render;
 pub(crate) mod schema;
 pub(crate) mod shoot;
+mod shoot_stream;

@@ -2,16 +2,19 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use firsthit::geometry::meant_as_levels;
 use firsthit::image::WriteSettings;
 use firsthit::io::{Model, Output};
-use firsthit::render::{develop, shoulder_light};
+use firsthit::render::{BACKGROUND, SAMPLES, develop, shoulder_light, work};
 use firsthit::shoot::shoot_all;
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
+use serde_json::{Value, json};
 
 use crate::args::{LightingArgs, RenderArgs, RunArgs};
-use crate::camera::{camera, check, of_file};
-use crate::console::{counted, say, warn};
+use crate::camera::{Chosen, camera, check, of_file};
+use crate::console::{counted, end_report, report_beside_data, say, warn};
 use crate::failure::Failure;
+use crate::legend;
 use crate::loading::{self, Loaded, with_threads};
 use crate::output::{self, Order, Source};
 use crate::progress::Progress;
@@ -31,35 +34,31 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
         .then(|| orders(args, &[]))
         .transpose()?;
     output::kinds(&args.picture.channels, Source::Camera, true)?;
+    if let Some(orders) = &asked {
+        check_legend(args, orders, &[])?;
+    }
     with_threads(&args.run, || {
         let Loaded {
             scene,
-            up,
             warnings,
             model,
+            ..
         } = loading::read(&args.file, &args.load, args.light.color)?;
-        let is_of_file = asked.is_none() && args.picture.channels.is_empty();
-        let blamed = |failure: Failure| {
-            if is_of_file {
-                failure.in_file(&args.file)
-            } else {
-                failure
-            }
-        };
-        let orders = asked.map_or_else(|| orders(args, &model.outputs), Ok);
-        let orders = orders.map_err(blamed)?;
-        output::check_not_inputs(&orders, &model.files).map_err(blamed)?;
+        let orders = all_orders(args, asked, &model)?;
         let shader = shader(&args.light, model.shader.as_ref())?;
         warn(&idle_options(args, &orders, &shader));
+        warn(&doubtful_colors(&args.light));
         warn(&warnings);
         let base = of_file(&args.camera, &model)?;
-        let camera = camera(&args.camera, (&args.file, &base), scene.bounds(), up)?;
-        let lights = lights(&args.light, &model, &scene, &camera);
-        let scene = if args.light.light.is_empty() && model.lights.is_empty() {
-            scene.with_borrowed_lights(lights)
-        } else {
-            scene.with_lights(lights)
-        };
+        let chosen = camera(&args.camera, (&args.file, &base), &scene, &model)?;
+        let Chosen {
+            camera,
+            mut guessed,
+        } = chosen;
+        let (scene, is_light_guessed) = lit(scene, &args.light, &model, &camera);
+        if is_light_guessed && shader.name() == DEFAULT_SHADER && orders.iter().any(needs_shade) {
+            guessed.push("light over the shoulder (--light)".into());
+        }
         let shade = Shading {
             scene: &scene,
             shader,
@@ -69,11 +68,41 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             scene: &scene,
             camera: &camera,
             shade: &shade,
-            samples: args.picture.samples.or(model.samples).unwrap_or(1),
+            samples: args.picture.samples.or(model.samples).unwrap_or(SAMPLES),
             settings: settings(args.picture.png_scale, &orders),
+            guessed: &guessed,
+            legend: args.picture.legend.as_deref(),
         };
         picture(&job, &orders, &args.run, interrupted)
     })
+}
+
+/// What goes where, none of it over an input. `asked` is what the command line says already.
+fn all_orders(
+    args: &RenderArgs,
+    asked: Option<Vec<Order>>,
+    model: &Model,
+) -> Result<Vec<Order>, Failure> {
+    let is_of_file = asked.is_none() && args.picture.channels.is_empty();
+    let blamed = |failure: Failure| {
+        if is_of_file {
+            failure.in_file(&args.file)
+        } else {
+            failure
+        }
+    };
+    let orders = asked.map_or_else(|| orders(args, &model.outputs), Ok);
+    let orders = orders.map_err(blamed)?;
+    output::check_not_inputs(&orders, &model.files).map_err(blamed)?;
+    check_legend(args, &orders, &model.files)?;
+    Ok(orders)
+}
+
+fn check_legend(args: &RenderArgs, orders: &[Order], inputs: &[PathBuf]) -> Result<(), Failure> {
+    match &args.picture.legend {
+        Some(path) => legend::check(path, orders, inputs),
+        None => Ok(()),
+    }
 }
 
 /// What goes where: as the command line says, else as the file says, else a picture with the file's name.
@@ -96,7 +125,7 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         let paths = of_file.iter().map(|output| output.path.clone());
         paths.map(|path| (path, channels)).collect()
     };
-    output::orders(&outputs, &[&args.file], args.run.quiet)
+    output::orders(&outputs, &[&args.file], args.run.quiet || args.run.json)
 }
 
 /// The input's name with the extension of a picture, in the current folder.
@@ -117,6 +146,10 @@ pub(crate) struct Job<'a> {
     pub(crate) shade: &'a Shading<'a>,
     pub(crate) samples: u32,
     pub(crate) settings: WriteSettings,
+    /// What was guessed, in words, each with the option that says otherwise.
+    pub(crate) guessed: &'a [String],
+    /// The file of `--legend`.
+    pub(crate) legend: Option<&'a Path>,
 }
 
 /// How files are written; says so where the scale does nothing.
@@ -135,40 +168,84 @@ pub(crate) fn picture(
     interrupted: &AtomicBool,
 ) -> Result<(), Failure> {
     let started = Instant::now();
+    if output::take_stdout(orders.iter().flat_map(|order| &order.targets)) {
+        report_beside_data();
+    }
     let &Job {
         scene,
         camera,
         shade,
         samples,
         settings,
+        guessed,
+        legend,
     } = job;
     let pixels = camera.pixels() as u64;
-    let shaded = orders.iter().filter(|order| needs_shade(order)).count() as u64;
-    let work = pixels * (1 + shaded * u64::from(samples));
-    let progress = Progress::new(work, args.quiet, interrupted);
+    let of_order = |order: &Order| work(camera.pixels(), &order.kinds, samples);
+    let total = pixels + orders.iter().map(of_order).sum::<u64>();
+    let progress = Progress::new(total, args.quiet, interrupted);
     let hits = shoot_all(scene, camera, &progress)?;
     let mut legends = Vec::new();
     for Order { kinds, targets } in orders {
         let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
-        legends.extend(output::write(&frame, targets, settings, interrupted)?);
+        legends.push(output::write(&frame, targets, settings, interrupted)?);
+    }
+    if let Some(path) = legend {
+        legend::write(path, scene, &hits, interrupted)?;
     }
     drop(progress);
     warn(&crate::hints::hints(scene, camera, &hits));
-    if !args.quiet {
-        let hit = hits.t.iter().filter(|&&t| t < f64::INFINITY).count();
+    let hit = hits.count_hit();
+    let seconds = started.elapsed().as_secs_f64();
+    if args.json {
+        let done = done(job, orders, &legends, (hit, seconds));
+        end_report(done).map_err(|error| Failure::stdout(&error))?;
+    } else if !args.quiet {
+        let guessed = if guessed.is_empty() {
+            String::new()
+        } else {
+            format!("; guessed: {}", guessed.join(", "))
+        };
         say(format_args!(
-            "{}: {} x {} pixels, {:.1} % hit, {}, {}, {:.2} s",
+            "{}: {} x {} pixels, {:.1} % hit, {}, {}, {:.2} s{guessed}",
             output::names(orders.iter().flat_map(|order| &order.targets)),
             camera.columns(),
             camera.rows(),
             100.0 * hit as f64 / pixels as f64,
             counted(scene.objects().len() as u64, "object"),
             counted(scene.triangles(), "triangle"),
-            started.elapsed().as_secs_f64(),
+            seconds,
         ));
-        legends.iter().for_each(say);
+        for (order, legends) in orders.iter().zip(&legends) {
+            output::say_legends(&order.targets, legends);
+        }
     }
     Ok(())
+}
+
+/// What `--json` says of a picture.
+fn done(
+    job: &Job<'_>,
+    orders: &[Order],
+    legends: &[Vec<Option<String>>],
+    (hits, seconds): (usize, f64),
+) -> Value {
+    let of_order = |(order, legends): (&Order, &Vec<Option<String>>)| {
+        output::as_json(&order.targets, &order.kinds, legends)
+    };
+    let outputs = orders.iter().zip(legends).flat_map(of_order);
+    json!({
+        "outputs": outputs.collect::<Vec<_>>(),
+        "legend_file": job.legend.map(Path::to_string_lossy),
+        "columns": job.camera.columns(),
+        "rows": job.camera.rows(),
+        "hits": hits,
+        "samples": job.samples,
+        "guessed": job.guessed,
+        "objects": job.scene.objects().len(),
+        "triangles": job.scene.triangles(),
+        "seconds": seconds,
+    })
 }
 
 /// Says of options that would do nothing that they do: whoever gives them may expect something else, or
@@ -213,6 +290,30 @@ fn idle_options(args: &RenderArgs, orders: &[Order], shader: &Shader) -> Vec<Str
     idle
 }
 
+/// Warns of linear colours that look like levels of sRGB.
+fn doubtful_colors(light: &LightingArgs) -> Vec<String> {
+    let of_background = match light.background {
+        Some(Background::Uniform(color)) => Some(color),
+        _ => None,
+    };
+    let colors = [
+        ("--ambient", light.ambient),
+        ("--color", light.color),
+        ("--background", of_background),
+        ("--sky", light.sky.map(|sky| sky.horizon)),
+        ("--sky", light.sky.map(|sky| sky.zenith)),
+    ];
+    let doubt = |(name, color): (&str, Option<Color>)| {
+        let color = color?;
+        let meant = meant_as_levels(color)?;
+        let given = crate::hints::triple(color);
+        Some(format!(
+            "{name} {given}: colours are linear, from 0 to 1; levels from 0 to 255 are written '{meant}'"
+        ))
+    };
+    colors.into_iter().filter_map(doubt).collect()
+}
+
 fn needs_shade(order: &Order) -> bool {
     order.kinds.iter().any(|kind| kind.needs_shade())
 }
@@ -239,10 +340,18 @@ fn background(args: &LightingArgs, model: &Model, camera: &Camera) -> Background
             zenith: sky.zenith,
             up: camera.view().up,
         },
-        (None, Some(color)) => Background::Uniform(color),
-        (None, None) => model
-            .background
-            .unwrap_or(Background::Uniform(Color::new(0.85, 0.87, 0.9))),
+        (None, Some(background)) => background,
+        (None, None) => model.background.unwrap_or(BACKGROUND),
+    }
+}
+
+/// The scene with its lights, and whether they are guessed.
+fn lit(scene: Scene, args: &LightingArgs, model: &Model, camera: &Camera) -> (Scene, bool) {
+    let lights = lights(args, model, &scene, camera);
+    if args.light.is_empty() && model.lights.is_empty() {
+        (scene.with_borrowed_lights(lights), true)
+    } else {
+        (scene.with_lights(lights), false)
     }
 }
 

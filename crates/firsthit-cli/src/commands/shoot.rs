@@ -1,30 +1,46 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use firsthit::channel::{Kind, Shots};
 use firsthit::image::{Frame, WriteSettings};
-use firsthit::render::origin;
+use firsthit::render::{origin, work};
 use firsthit::shoot::{Hits, shoot_all};
 use firsthit::{Background, Rays as _, Scene, Shader, Shading};
+use serde_json::{Value, json};
 
+use super::shoot_stream;
 use crate::args::{ShootArgs, StreamFormat};
-use crate::console::{counted, say, warn};
+use crate::console::{counted, end_report, report_beside_data, say, warn};
 use crate::failure::Failure;
 use crate::hits_csv::write_csv;
 use crate::loading::{self, Loaded, with_threads};
-use crate::output::{self, Source, Target};
+use crate::output::{self, Target};
 use crate::progress::Progress;
-use crate::rays::{self, RayArrays};
+use crate::rays::{self, Feed, RayArrays, RayLines};
 
 /// Where a result goes.
 struct Sinks {
     files: Vec<Target>,
     stdout: Option<StreamFormat>,
+    is_quiet: bool,
 }
 
 impl Sinks {
+    /// What `--json` says of them.
+    fn as_json(&self, kinds: &[&Kind]) -> Vec<Value> {
+        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        let stdout = self.stdout.map(|_| json!({"file": "-", "channels": names}));
+        let files = output::as_json(&self.files, kinds, &[]);
+        stdout.into_iter().chain(files).collect()
+    }
+
+    /// Whether lines of rays can be answered one by one.
+    fn is_csv_stream(&self) -> bool {
+        self.stdout == Some(StreamFormat::Csv) && self.files.is_empty()
+    }
+
     fn names(&self) -> String {
         match (self.stdout, &self.files[..]) {
             (Some(_), []) => "standard output".into(),
@@ -34,53 +50,131 @@ impl Sinks {
     }
 }
 
+/// How many rays there were, and how many of them hit.
+#[derive(Debug, Default)]
+pub(super) struct Counts {
+    pub(super) rays: u64,
+    pub(super) hits: u64,
+}
+
+/// Where rays come from.
+enum Source {
+    Arrays(RayArrays),
+    /// Answered as they arrive, if they are text.
+    Stdin(Feed),
+}
+
+/// The limits of all rays, if given.
+fn ends(args: &ShootArgs) -> Result<(Option<f64>, Option<f64>), Failure> {
+    if let (Some(t_min), Some(t_max)) = (args.t_min, args.t_max)
+        && t_min >= t_max
+    {
+        return Err(Failure::usage("--t-min must be below --t-max"));
+    }
+    Ok((args.t_min, args.t_max))
+}
+
 pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let kinds = output::kinds(&args.channels, Source::Rays, args.run.quiet)?;
+    // Before anything fails: failures are reported too.
+    if args.output.is_empty() || args.output.iter().any(|path| path == Path::new("-")) {
+        report_beside_data();
+    }
+    let kinds = output::kinds(
+        &args.channels,
+        output::Source::Rays,
+        args.run.quiet || args.run.json,
+    )?;
     let sinks = sinks(args, &kinds)?;
+    if output::take_stdout(&sinks.files) {
+        report_beside_data();
+    }
     let started = Instant::now();
     with_threads(&args.run, || {
-        let ends = (args.t_min, args.t_max);
-        if let (Some(t_min), Some(t_max)) = ends
-            && t_min >= t_max
-        {
-            return Err(Failure::usage("--t-min must be below --t-max"));
-        }
-        let rays = rays::read(&args.rays, args.directions.as_deref(), ends)?;
+        let ends = ends(args)?;
+        let source = source(args, &sinks, ends)?;
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, None)?;
         warn(&warnings);
-        let progress = Progress::new(rays.len() as u64, args.run.quiet, interrupted);
-        let hits = shoot_all(&scene, &rays, &progress)?;
-        let frame = frame(&scene, &rays, &hits, &kinds, &progress)?;
-        drop(progress);
-        // Files first: a reader of standard output who has had enough ends the program.
-        output::write(&frame, &sinks.files, WriteSettings::default(), interrupted)?;
-        if let Some(format) = sinks.stdout {
-            stream(&frame, format)?;
-        }
-        if scene.bounds().is_empty() && !rays.is_empty() {
+        let counts = match source {
+            Source::Arrays(rays) => all_at_once(&rays, &scene, &kinds, &sinks, interrupted)?,
+            Source::Stdin(feed) => {
+                let is_stopped = || interrupted.load(Ordering::Relaxed);
+                if rays::is_text(&feed.mark(&is_stopped)?) {
+                    let lines = RayLines::new(ends);
+                    shoot_stream::answer(&feed, lines, (&scene, &kinds), interrupted)?
+                } else {
+                    let rays = rays::read_bytes(feed.all(&is_stopped)?, ends)?;
+                    all_at_once(&rays, &scene, &kinds, &sinks, interrupted)?
+                }
+            }
+        };
+        if scene.bounds().is_empty() && counts.rays > 0 {
             warn(&["nothing was hit: there is nothing to see"]);
         }
-        if !args.run.quiet {
-            let hit = hits.t.iter().filter(|&&t| t < f64::INFINITY).count();
-            let share = if rays.is_empty() {
-                0.0
-            } else {
-                100.0 * hit as f64 / rays.len() as f64
-            };
+        let seconds = started.elapsed().as_secs_f64();
+        if args.run.json {
+            let done = json!({
+                "outputs": sinks.as_json(&kinds),
+                "rays": counts.rays,
+                "hits": counts.hits,
+                "objects": scene.objects().len(),
+                "triangles": scene.triangles(),
+                "seconds": seconds,
+            });
+            end_report(done).map_err(|error| Failure::stdout(&error))?;
+        } else if !args.run.quiet {
+            let share = 100.0 * counts.hits as f64 / counts.rays.max(1) as f64;
             say(format_args!(
-                "{}: {}, {share:.1} % hit, {:.2} s",
+                "{}: {}, {share:.1} % hit, {seconds:.2} s",
                 sinks.names(),
-                counted(rays.len() as u64, "ray"),
-                started.elapsed().as_secs_f64()
+                counted(counts.rays, "ray"),
             ));
         }
         Ok(())
     })
 }
 
-fn frame(
+/// The rays. A stream that may be answered line by line is not waited for here.
+fn source(
+    args: &ShootArgs,
+    sinks: &Sinks,
+    ends: (Option<f64>, Option<f64>),
+) -> Result<Source, Failure> {
+    let is_pipe = args.rays.as_path() == Path::new("-") && args.directions.is_none();
+    if is_pipe
+        && sinks.is_csv_stream()
+        && let Some(feed) = Feed::new()
+    {
+        return Ok(Source::Stdin(feed));
+    }
+    rays::read(&args.rays, args.directions.as_deref(), ends).map(Source::Arrays)
+}
+
+fn all_at_once(
+    rays: &RayArrays,
+    scene: &Scene,
+    kinds: &[&Kind],
+    sinks: &Sinks,
+    interrupted: &AtomicBool,
+) -> Result<Counts, Failure> {
+    let is_quiet = sinks.is_quiet;
+    let total = rays.len() as u64 + work(rays.len(), kinds, 1);
+    let progress = Progress::new(total, is_quiet, interrupted);
+    let hits = shoot_all(scene, rays, &progress)?;
+    let frame = frame(scene, rays, &hits, kinds, &progress)?;
+    drop(progress);
+    // Files first: a reader of standard output who has had enough ends the program.
+    output::write(&frame, &sinks.files, WriteSettings::default(), interrupted)?;
+    if let Some(format) = sinks.stdout {
+        stream(&frame, format)?;
+    }
+    let hits = hits.count_hit() as u64;
+    let rays = rays.len() as u64;
+    Ok(Counts { rays, hits })
+}
+
+pub(super) fn frame(
     scene: &Scene,
     rays: &RayArrays,
     hits: &Hits,
@@ -117,7 +211,7 @@ fn sinks(args: &ShootArgs, kinds: &[&'static Kind]) -> Result<Sinks, Failure> {
         .collect();
     let inputs = [Some(&args.file), Some(&args.rays), args.directions.as_ref()];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-    let files = output::targets(&files, kinds, Source::Rays, &inputs)?;
+    let files = output::targets(&files, kinds, output::Source::Rays, &inputs)?;
     if !streams {
         if args.format.is_some() {
             return Err(Failure::usage(
@@ -133,7 +227,12 @@ fn sinks(args: &ShootArgs, kinds: &[&'static Kind]) -> Result<Sinks, Failure> {
         ));
     }
     let stdout = streams.then_some(format);
-    Ok(Sinks { files, stdout })
+    let is_quiet = args.run.quiet;
+    Ok(Sinks {
+        files,
+        stdout,
+        is_quiet,
+    })
 }
 
 fn stream(frame: &Frame, format: StreamFormat) -> Result<(), Failure> {

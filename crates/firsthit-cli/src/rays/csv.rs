@@ -4,41 +4,79 @@ use super::Table;
 
 /// Lines of numbers; the first one may be a header, lines with # are comments.
 pub(super) fn csv(bytes: &[u8]) -> Result<Table, String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .flexible(true)
-        .from_reader(bytes);
-    let mut table = Table::default();
-    let mut record = csv::ByteRecord::new();
-    let mut columns = None;
-    while reader
-        .read_byte_record(&mut record)
-        .map_err(|error| error.to_string())?
-    {
-        let line = record.position().map_or(0, csv::Position::line);
-        let numbers: Vec<Option<f64>> = record.iter().map(number).collect();
-        let expected = *columns.get_or_insert(numbers.len());
-        if numbers.len() != expected {
-            let got = numbers.len();
+    let mut lines = Lines::default();
+    let mut values = Vec::new();
+    lines.read(bytes, &mut values)?;
+    // No rays are rays too.
+    let columns = lines.columns.unwrap_or(6);
+    Ok(Table { columns, values })
+}
+
+/// What is known of a text that is read in parts.
+#[derive(Debug, Default)]
+pub(super) struct Lines {
+    /// How many numbers each line has, from the first on.
+    pub(super) columns: Option<usize>,
+    /// How many lines came before the part that is being read.
+    before: u64,
+}
+
+impl Lines {
+    /// Adds the numbers of the next lines, which are whole, to `values`: of all lines before one that is wrong.
+    pub(super) fn read(&mut self, bytes: &[u8], values: &mut Vec<f64>) -> Result<(), String> {
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .flexible(true)
+            .from_reader(bytes);
+        let mut record = csv::ByteRecord::new();
+        while reader
+            .read_byte_record(&mut record)
+            .map_err(|error| error.to_string())?
+        {
+            let line = self.before + record.position().map_or(0, csv::Position::line);
+            self.record(&record, line, values)?;
+        }
+        // A break more is a piece more.
+        self.before += bytes.split(|&byte| byte == b'\n').count() as u64 - 1;
+        Ok(())
+    }
+
+    fn record(
+        &mut self,
+        record: &csv::ByteRecord,
+        line: u64,
+        values: &mut Vec<f64>,
+    ) -> Result<(), String> {
+        if record.len() == 1 && record.get(0).is_some_and(<[u8]>::is_empty) {
+            // Blanks alone.
+            return Ok(());
+        }
+        let is_first = self.columns.is_none();
+        let expected = *self.columns.get_or_insert(record.len());
+        if record.len() != expected {
+            let got = record.len();
             return Err(format!(
                 "line {line}: expected {expected} numbers, got {got}"
             ));
         }
-        let is_first = table.values.is_empty() && table.columns == 0;
-        table.columns = expected;
-        if is_first && numbers.iter().all(Option::is_none) {
+        if is_first && record.iter().all(|field| number(field).is_none()) {
             // A header is a first line in which nothing is a number.
-            continue;
+            return Ok(());
         }
-        let numbers: Option<Vec<f64>> = numbers.into_iter().collect();
-        let expected = || format!("line {line}: expected numbers with commas between them");
-        table.values.extend(numbers.ok_or_else(expected)?);
+        let start = values.len();
+        for field in record {
+            let Some(number) = number(field) else {
+                values.truncate(start);
+                return Err(format!(
+                    "line {line}: expected numbers with commas between them"
+                ));
+            };
+            values.push(number);
+        }
+        Ok(())
     }
-    // No rays are rays too.
-    table.columns = columns.unwrap_or(6);
-    Ok(table)
 }
 
 fn number(field: &[u8]) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 mod csv;
 mod npy;
+mod stdin;
 
 use std::fmt::Display;
 use std::fs::File;
@@ -11,6 +12,7 @@ use std::path::Path;
 use firsthit::{DVec3, Ray, Rays};
 
 use crate::failure::Failure;
+pub(crate) use stdin::Feed;
 
 type Triples = Vec<[f64; 3]>;
 
@@ -21,6 +23,53 @@ pub(crate) struct RayArrays {
     t_min: f64,
     t_max: f64,
 }
+
+/// Rays of lines that come bit by bit.
+pub(crate) struct RayLines {
+    lines: csv::Lines,
+    ends: (f64, f64),
+}
+
+impl RayLines {
+    pub(crate) fn new((t_min, t_max): (Option<f64>, Option<f64>)) -> Self {
+        Self {
+            lines: csv::Lines::default(),
+            ends: (t_min.unwrap_or(0.0), t_max.unwrap_or(f64::INFINITY)),
+        }
+    }
+
+    /// The rays of some more lines; and, where a line is wrong, why: the rays are then those before it.
+    pub(crate) fn read(&mut self, bytes: &[u8]) -> (RayArrays, Result<(), Failure>) {
+        let mut values = Vec::new();
+        let read = self.lines.read(bytes, &mut values);
+        let columns = self.lines.columns.unwrap_or(6);
+        let table = Table { columns, values };
+        let (t_min, t_max) = self.ends;
+        let mut rays = RayArrays {
+            origins: Vec::new(),
+            directions: Vec::new(),
+            t_min,
+            t_max,
+        };
+        let of_table = origins_and_directions(std::slice::from_ref(&table));
+        let read = match of_table {
+            Ok((origins, directions)) => {
+                (rays.origins, rays.directions) = (origins, directions);
+                read
+            }
+            Err(what) => read.and(Err(what)),
+        };
+        (rays, read.map_err(|what| bad(Path::new("-"), &what)))
+    }
+}
+
+/// Whether a text of rays begins so, and not an array.
+pub(crate) fn is_text(mark: &[u8]) -> bool {
+    !mark.starts_with(NPY) && !mark.starts_with(NPZ)
+}
+
+const NPY: &[u8] = b"\x93NUMPY";
+const NPZ: &[u8] = b"PK";
 
 impl Rays for RayArrays {
     fn len(&self) -> usize {
@@ -64,7 +113,25 @@ pub(crate) fn read(
             "origins and directions are the same file; rays of shape (n, 6) need no second one",
         ));
     }
-    let mut tables = load(rays)?;
+    let tables = load(rays)?;
+    arrays(tables, (rays, directions), (t_min, t_max))
+}
+
+/// [`read`] where the bytes of standard input are there already.
+pub(crate) fn read_bytes(
+    bytes: Vec<u8>,
+    ends: (Option<f64>, Option<f64>),
+) -> Result<RayArrays, Failure> {
+    let rays = Path::new("-");
+    let tables = tables(bytes).map_err(|what| bad(rays, &what))?;
+    arrays(tables, (rays, None), ends)
+}
+
+fn arrays(
+    mut tables: Vec<Table>,
+    (rays, directions): (&Path, Option<&Path>),
+    (t_min, t_max): (Option<f64>, Option<f64>),
+) -> Result<RayArrays, Failure> {
     if let Some(path) = directions {
         tables.extend(load(path)?);
     }
@@ -117,6 +184,9 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     if path == Path::new("-") {
         io::stdin().lock().read_to_end(&mut bytes)?;
     } else {
+        if path.is_dir() {
+            return Err(io::Error::other("a folder, not a file"));
+        }
         File::open(path)?.read_to_end(&mut bytes)?;
     }
     Ok(bytes)
@@ -124,9 +194,9 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
 
 /// The arrays in a file, whose kind its first bytes tell.
 fn tables(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
-    if bytes.starts_with(b"\x93NUMPY") {
+    if bytes.starts_with(NPY) {
         Ok(vec![npy::npy(&bytes)?])
-    } else if bytes.starts_with(b"PK") {
+    } else if bytes.starts_with(NPZ) {
         npy::npz(bytes)
     } else {
         Ok(vec![csv::csv(&bytes)?])

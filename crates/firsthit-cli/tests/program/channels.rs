@@ -215,3 +215,76 @@ fn samples_change_colours_alone_and_always_alike() {
         assert_eq!(one[name], four[name], "{name}");
     }
 }
+
+#[test]
+fn a_misspelt_channel_is_told_which_is_meant() {
+    let lab = Lab::with_square();
+    for (arguments, meant) in [
+        ("render square.ply --channels normals", "normal"),
+        (
+            "render square.ply --channels color,objects -o a.npz",
+            "object",
+        ),
+        ("shoot square.ply rays.npy --channels t,postion", "position"),
+        ("demo --channels rnage", "range"),
+    ] {
+        lab.fails(arguments, 2, &format!("did you mean {meant}?"));
+    }
+    lab.ok("render square.ply --size 8x8 --channels t,object -o a.npz");
+    lab.fails(
+        "diff a.npz a.npz --channels objct",
+        2,
+        "did you mean object?",
+    );
+    lab.fails(
+        "render square.ply --channels xyzzy",
+        2,
+        "only color, t, range",
+    );
+    // Blanks around names are nobody's mistake.
+    let spaced = lab
+        .command("render square.ply --size 8x8 -o b.npz --channels")
+        .arg("t, object")
+        .output();
+    assert!(spaced.unwrap().status.success());
+}
+
+#[test]
+fn numbers_in_sentences_have_at_most_six_digits() {
+    let lab = Lab::new();
+    let third =
+        crate::support::SQUARE.replace("-1 -1 0", "-1.23456789 -1.000000123 0.333333333333");
+    lab.write("square.ply", third);
+    let longest = |text: &str| -> usize {
+        let pieces = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+        let digits = |piece: &str| {
+            piece
+                .trim_start_matches(['0', '.'])
+                .chars()
+                .filter(char::is_ascii_digit)
+                .count()
+        };
+        pieces.map(digits).max().unwrap_or(0)
+    };
+    for arguments in [
+        "render square.ply --size 32x24 --channels z,position,color -o a-{channel}.png",
+        "render square.ply --size 32x24 --channels z,normal -o a.exr --position 0.1,0.2,7.123456789 --look-at 0,0,0",
+        "render square.ply --size 32x24 --position 0.1,0.2,7.123456789 --aim 0,0.123456789,1",
+        "info square.ply",
+    ] {
+        let outcome = lab.ok(arguments);
+        let said = format!("{}{}", outcome.stderr, outcome.text());
+        assert!(longest(&said) <= 6, "{arguments}: {said}");
+    }
+    // The fingerprint is no number.
+    let info = lab.ok("info a.exr");
+    let lines = info
+        .text()
+        .lines()
+        .filter(|line| !line.starts_with("scene"));
+    for line in lines {
+        assert!(longest(line) <= 6 || line.contains("4294967295"), "{line}");
+    }
+    let exact = lab.ok("info square.ply --json");
+    assert!(exact.text().contains("0.333333333333"), "{}", exact.text());
+}

@@ -164,7 +164,7 @@ fn files_that_hold_no_rays_are_bad_input() {
         3,
         "none.npy: No such file",
     );
-    lab.fails("shoot square.ply . -o hits.npz", 3, "directory");
+    lab.fails("shoot square.ply . -o hits.npz", 3, "a folder, not a file");
     lab.fails("shoot none.ply rays.csv -o hits.npz", 3, "");
 }
 
@@ -209,4 +209,14 @@ fn arrays_that_lie_are_bad_input() {
         3,
         "nested more than 8 deep",
     );
+}
+
+#[test]
+fn lines_of_blanks_are_blank_lines() {
+    let lab = Lab::with_square();
+    lab.write(
+        "rays.csv",
+        "  \n0,0,10,0,0,-1\n \t \n5,0,10,0,0,-1\n0,0,-8,0,0,2\n\n",
+    );
+    assert_eq!(hits(&lab, "rays.csv"), HITS);
 }

@@ -54,7 +54,7 @@ fn the_examples_of_the_help_work() {
         lab.ok(&format!("{arguments} --size 48x32"));
         count += 1;
     }
-    assert_eq!(count, 6);
+    assert_eq!(count, 7);
 }
 
 #[test]
@@ -125,4 +125,95 @@ fn wrong_usage_is_one_line_with_a_way_on() {
     let nothing = lab.run("");
     assert_eq!((nothing.code, nothing.text()), (2, ""));
     assert!(nothing.stderr.contains("Usage: firsthit <COMMAND>"));
+}
+
+#[test]
+fn a_file_in_place_of_a_command_is_told_which_command_is_meant() {
+    let lab = Lab::with_square();
+    let meant = |arguments: &str, words: &str| lab.fails(arguments, 2, words);
+    meant(
+        "square.ply",
+        "square.ply is a file, not a command; did you mean firsthit render square.ply?",
+    );
+    // It need not be there, nor alone.
+    meant(
+        "part.STL --size 3x3",
+        "did you mean firsthit render part.STL?",
+    );
+    meant("scene.toml", "firsthit render scene.toml?");
+    meant("a.ply.gz", "firsthit render a.ply.gz?");
+    meant("all.npz", "firsthit info all.npz?");
+    lab.write("odd", "x");
+    meant("odd", "odd is a file");
+    lab.write("two words.ply", "x");
+    let outcome = lab.command("").arg("two words.ply").output().unwrap();
+    let said = String::from_utf8(outcome.stderr).unwrap();
+    assert!(said.contains("firsthit render 'two words.ply'?"), "{said}");
+    std::fs::create_dir(lab.path("folder")).unwrap();
+    meant("folder", "folder is a folder, not a command");
+    // A slip of the finger is one still.
+    meant("rendr", "a similar subcommand exists: 'render'");
+}
+
+#[test]
+fn a_folder_is_told_to_be_one_by_every_command_that_reads() {
+    let lab = Lab::with_square();
+    for name in ["models", "models.glb", "out.exr"] {
+        std::fs::create_dir(lab.path(name)).unwrap();
+        for arguments in [
+            format!("render {name}"),
+            format!("info {name}"),
+            format!("shoot {name} rays.csv"),
+            format!("shoot square.ply {name}"),
+            format!("shoot square.ply rays.csv {name}"),
+            format!("diff {name} {name}"),
+        ] {
+            lab.write("rays.csv", "0,0,1,0,0,-1\n");
+            lab.fails(&arguments, 3, &format!("{name}: a folder, not a file"));
+        }
+        lab.fails(
+            &format!("render square.ply -o {name}"),
+            4,
+            "is a folder, not a file",
+        );
+    }
+}
+
+#[test]
+fn the_version_can_be_asked_of_every_command() {
+    let lab = Lab::new();
+    for command in [
+        "render",
+        "shoot",
+        "info",
+        "diff",
+        "demo",
+        "schema",
+        "completions",
+    ] {
+        for option in ["-V", "--version"] {
+            let outcome = lab.ok(&format!("{command} {option}"));
+            let text = outcome.text().trim_end();
+            let version = concat!("firsthit ", env!("CARGO_PKG_VERSION"));
+            assert_eq!(text, version, "{command}");
+        }
+    }
+}
+
+#[test]
+fn shells_complete_the_names_of_channels() {
+    let lab = Lab::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let completions = lab.ok(&format!("completions {shell}"));
+        // Fish has a line for each.
+        let text = completions.text().replace("\\t''\n", " ");
+        let of_channels = |line: &&str| {
+            ["barycentric", "primitive"]
+                .iter()
+                .all(|name| line.contains(name))
+        };
+        let lines = text.lines().filter(of_channels);
+        // Of render, shoot, diff and demo.
+        assert!(lines.count() >= 4, "{shell}");
+    }
 }
