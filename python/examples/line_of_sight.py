@@ -11,4 +11,5 @@ plan = fh.Camera((5, 5, 9), (0, 0, -1), (0, 1, 0), 1, 10, 10, 400, 400, projecti
 points = scene.shoot(plan).position  # (400, 400, 3)
 seen = ~scene.occluded(eye, points - eye, t_max=1 - 1e-9)  # up to just before each point
 print(f"{seen.mean():.1%} of the plan is seen")
-fh.render(scene, plan, shade=lambda hits: seen[..., None] * [1, 1, 1]).save("line_of_sight.png")
+picture = fh.render(scene, plan, shade=lambda hits: seen[..., None] * [1, 1, 1], samples=1)
+picture.save("line_of_sight.png")

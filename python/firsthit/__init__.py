@@ -13,6 +13,7 @@ identifiers and ``nan`` elsewhere.
 (array([ 4., inf]), array([ 0, -1], dtype=int32))
 """
 
+from . import _firsthit
 from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
@@ -22,11 +23,13 @@ from ._info import info
 from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._load import load
 from ._material import Material, Texture
-from ._scene import Object, Scene
+from ._object import Object
+from ._scene import Scene
 from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 
-__version__ = info()["version"]
+# Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
+__version__ = _firsthit.version()
 
 __all__ = [
     "Box",

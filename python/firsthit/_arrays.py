@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from . import _firsthit
+from ._errors import FirsthitWarning
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     import numpy.typing as npt
 
+_PLAIN = (np.ndarray, list, tuple)
+_FLOAT64 = np.dtype(np.float64)
+
 #: How many rays go to the native half at a time where they are copied for it: what is made beside
 #: the result stays below 64 MB.
 CHUNK = 1 << 19
+
+
+def settle(immutable: object, **values: object) -> None:
+    """Give something its attributes that cannot be changed later."""
+    for name, value in values.items():
+        object.__setattr__(immutable, name, value)
 
 
 def vector(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:
@@ -23,6 +37,36 @@ def vector(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:
         raise ValueError(f"{name} must be three numbers, got an array of shape {array.shape}")
     x, y, z = array.astype(np.float64).tolist()
     return x, y, z
+
+
+def color_of(
+    name: str, value: npt.ArrayLike, *, is_light: bool = False, others: tuple[str, ...] = ()
+) -> tuple[float, float, float]:
+    """Return a linear colour: of three numbers, sRGB as ``#rrggbb``, or a CSS name.
+
+    Only lights are brighter than white on purpose, or take light away.
+    """
+    if isinstance(value, str):
+        named, meant = _firsthit.named_color(value.strip(), others)
+        if named is None:
+            hint = "" if meant is None else f"; did you mean {meant!r}?"
+            forms = ", ".join(("three linear numbers", "'#rrggbb'", *map(repr, others)))
+            raise ValueError(f"{name} must be {forms} or a CSS name, got {value!r}{hint}")
+        red, green, blue = named
+        return red, green, blue
+    made = vector(name, value)
+    if not all(map(math.isfinite, made)) or (min(made) < 0.0 and not is_light):
+        wanted = "finite" if is_light else "finite and not negative"
+        raise ValueError(f"{name} must be {wanted}, got {made}")
+    levels = None if is_light else _firsthit.meant_as_levels(made)
+    if levels is not None:
+        warnings.warn(
+            f"{name} {made} is brighter than white: colours are linear, from 0 to 1; "
+            f"levels from 0 to 255 are written {levels!r}",
+            FirsthitWarning,
+            stacklevel=3,
+        )
+    return made
 
 
 def number(name: str, value: npt.ArrayLike) -> float:
@@ -46,7 +90,8 @@ def count(name: str, value: object) -> int:
 
 def numbers(name: str, value: Any) -> npt.NDArray[Any]:
     """Return an array of real numbers, not copied where it is one already."""
-    if not isinstance(value, np.ndarray) and not hasattr(value, "__array__"):
+    # Asked first what it mostly is: a call with one ray takes little longer than this.
+    if type(value) not in _PLAIN and not hasattr(value, "__array__"):
         if hasattr(value, "__dlpack__"):
             value = np.from_dlpack(value)
         elif isinstance(value, dict | set | str | bytes):
@@ -103,12 +148,16 @@ def flat(view: npt.NDArray[Any], part: slice, trailing: int) -> npt.NDArray[np.f
     leading = view.shape[: view.ndim - trailing]
     rest = view.shape[view.ndim - trailing :]
     if len(leading) == 1:
-        return _plain(view[part])
+        return plain(view[part])
     if view.flags.c_contiguous or not leading:
-        return _plain(view.reshape(-1, *rest)[part])
+        return plain(view.reshape(-1, *rest)[part])
     index = np.unravel_index(np.arange(part.start, part.stop), leading)
-    return _plain(view[index])
+    return plain(view[index])
 
 
-def _plain(view: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
-    return np.require(view, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
+def plain(view: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    """Return an array as C-contiguous, aligned float64: itself where it is that already."""
+    if view.dtype != _FLOAT64:
+        return view.astype(_FLOAT64, order="C")
+    flags = view.flags
+    return view if flags.c_contiguous and flags.aligned else view.copy(order="C")

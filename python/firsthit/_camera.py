@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +12,17 @@ from ._arrays import count, number, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-Projection = Literal["perspective", "orthographic"]
-RayStart = Literal["viewplane", "eye"]
+    from ._scene import Scene
+    from .typing import Projection, RayStart, Vector, ViewName
+
+    #: Position, aim and up; focal length, width and height; rows and columns; projection and where
+    #: rays start.
+    View = tuple[
+        tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
+        tuple[float, float, float],
+        tuple[int, int],
+        tuple[Projection, RayStart],
+    ]
 
 
 class Camera:
@@ -79,13 +88,27 @@ class Camera:
             number("height", height),
             count("rows", rows),
             count("columns", columns),
-            str(projection),
-            str(ray_start),
+            projection,
+            ray_start,
         )
+        self._native, self._is_taken = self._made(again=False), False
+
+    _native: _firsthit.Camera
+    #: Whether the arguments were taken from a camera: its aim is then to stay as it is, bit by bit.
+    _is_taken: bool
+
+    def _made(self, *, again: bool) -> _firsthit.Camera:
         where, aimed, upward, focal, wide, high, down, across, kind, start = self._arguments
-        self._native = _firsthit.Camera(
-            where, aimed, upward, focal, (wide, high), (down, across), kind, start
+        return _firsthit.Camera(
+            where, aimed, upward, focal, (wide, high), (down, across), str(kind), str(start), again
         )
+
+    @classmethod
+    def _again(cls, view: View) -> Camera:
+        """Return the camera from which the view was taken."""
+        vectors, lengths, pixels, words = view
+        position, aim, up = (vector("view", each) for each in vectors)
+        return _taken(cls, position, aim, up, *lengths, *pixels, *words)
 
     @classmethod
     def look_at(
@@ -127,6 +150,60 @@ class Camera:
         focal, width, height = _firsthit.Camera.lens(degrees, down, across)
         aim = np.subtract(there, where)
         return cls(where, aim, up, focal, width, height, down, across, projection, ray_start)
+
+    @classmethod
+    def framing(
+        cls,
+        scene: Scene,
+        rows: int | None = None,
+        columns: int | None = None,
+        view: ViewName = "iso",
+        up: npt.ArrayLike | None = None,
+    ) -> Camera:
+        """Make a camera from which all of a scene is seen and fills the picture.
+
+        It is what the program looks through where nothing else is said: with square pixels, a
+        vertical field of view of 45 degrees and a margin of a twentieth. Its rays start at the eye.
+
+        Parameters
+        ----------
+        scene : Scene
+            What to see. Infinite objects do not count; with nothing to see, it is somewhere.
+        rows, columns : int, optional
+            Pixels down and across. If one is left out, the picture is 4:3; if both are, it is 768
+            rows of 1024.
+        view : {"iso", "front", "back", "left", "right", "top", "bottom"}
+            Where from: ``iso`` is three quarters, from above. The front is the side that faces -y
+            where z is up, and +z where y is up.
+        up : (3,) array_like, optional
+            Which way is up in the world; the scene's own `Scene.up` if left out.
+
+        Returns
+        -------
+        Camera
+            Above things where ``up`` is above, whichever direction that is.
+
+        Raises
+        ------
+        ValueError
+            For a view that nobody knows, an ``up`` that is no direction, no pixels, and a scene
+            that reaches so far that there is no place to see it from.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> camera = fh.Camera.framing(scene, rows=480, columns=640, view="front")
+        >>> float(camera.aim[1])
+        1.0
+        """
+        above = scene.up if up is None else vector("up", up)
+        down = None if rows is None else count("rows", rows)
+        across = None if columns is None else count("columns", columns)
+        native = _firsthit.Camera.framing(scene._native(), above, str(view), down, across)
+        return cls._again(native.view())
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
@@ -179,12 +256,12 @@ class Camera:
         return self._arguments[7]
 
     @property
-    def projection(self) -> str:
+    def projection(self) -> Projection:
         """``perspective`` or ``orthographic``."""
         return self._arguments[8]
 
     @property
-    def ray_start(self) -> str:
+    def ray_start(self) -> RayStart:
         """``viewplane`` or ``eye``."""
         return self._arguments[9]
 
@@ -201,7 +278,11 @@ class Camera:
         return origins.reshape(shape), directions.reshape(shape)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Camera) and self._arguments == other._arguments
+        if not isinstance(other, Camera):
+            return False
+        # The arguments may be the same and the aim, made of length one once more, not.
+        same_frame = self._native.frame() == other._native.frame()
+        return self._arguments == other._arguments and same_frame
 
     def __hash__(self) -> int:
         return hash(self._arguments)
@@ -222,6 +303,29 @@ class Camera:
         pairs = zip(names, self._arguments, strict=True)
         return f"Camera({', '.join(f'{name}={value!r}' for name, value in pairs)})"
 
-    def __reduce__(self) -> tuple[type[Camera], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         """Pickle by what it was made from."""
+        if self._is_taken:
+            return _taken, (type(self), *self._arguments)
         return type(self), self._arguments
+
+
+def _taken(
+    kind: type[Camera],
+    position: Vector,
+    aim: Vector,
+    up: Vector,
+    focal_length: float,
+    width: float,
+    height: float,
+    rows: int,
+    columns: int,
+    projection: Projection,
+    ray_start: RayStart,
+) -> Camera:
+    """Return the camera from which the arguments were taken."""
+    camera = kind.__new__(kind)
+    lengths = focal_length, width, height
+    camera._arguments = (position, aim, up, *lengths, rows, columns, projection, ray_start)
+    camera._native, camera._is_taken = camera._made(again=True), True
+    return camera

@@ -11,8 +11,7 @@ from ._camera import Camera
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ._camera import Projection, RayStart
-    from ._shapes import Vector
+    from ._camera import View
 
 
 @dataclass(frozen=True)
@@ -72,8 +71,8 @@ def _resized(camera: Camera, columns: int, rows: int) -> Camera:
         camera.height,
         rows,
         columns,
-        camera.projection,  # type: ignore[arg-type]
-        camera.ray_start,  # type: ignore[arg-type]
+        camera.projection,
+        camera.ray_start,
     )
 
 
@@ -91,13 +90,13 @@ def find(cameras: Sequence[NamedCamera], name: str | int) -> NamedCamera:
 
 def from_native(
     name: str,
-    vectors: tuple[Vector, Vector, Vector],
-    lengths: Vector,
-    pixels: tuple[int, int],
-    words: tuple[Projection, RayStart],
+    view: View,
     has_size: bool,  # noqa: FBT001 - as the native half sends it
+    *,
+    settled: bool,
 ) -> NamedCamera:
-    """Return the camera that the native half read."""
-    position, aim, up = vectors
-    made = Camera(position, aim, up, *lengths, *pixels, *words)
-    return NamedCamera(name, made, has_size)
+    """Return the camera that the native half read; it is as it is where it is ``settled``."""
+    (position, aim, up), lengths, pixels, words = view
+    if settled:
+        return NamedCamera(name, Camera._again(view), has_size)
+    return NamedCamera(name, Camera(position, aim, up, *lengths, *pixels, *words), has_size)

@@ -1,12 +1,12 @@
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypedDict, final
 
 import numpy as np
 import numpy.typing as npt
 
-from ._camera import Projection, RayStart
-from ._material import AlphaMode
+from ._camera import View
+from .typing import AlphaMode, ShaderName
 
 __all__ = [
     "Camera",
@@ -18,16 +18,21 @@ __all__ = [
     "channel_names",
     "check_material",
     "check_transform",
+    "defaults",
     "instruction_set",
     "load",
+    "meant_as_levels",
     "metadata",
+    "named_color",
     "occluded",
     "png",
     "read",
     "render",
+    "render_work",
     "run_program",
     "shoot",
     "shoot_camera",
+    "srgb_levels",
     "version",
     "write",
 ]
@@ -42,14 +47,8 @@ _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
 _Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool]
 _MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
 _MaterialOut = tuple[_Vector, float, _MapOut | None, _MapOut | None, AlphaMode, float, bool, bool]
-_CameraOut = tuple[
-    str,
-    tuple[_Vector, _Vector, _Vector],
-    _Vector,
-    tuple[int, int],
-    tuple[Projection, RayStart],
-    bool,
-]
+_CameraOut = tuple[str, View, bool]
+_Report = Callable[[int], object]
 
 class _Model(TypedDict):
     meshes: list[Mesh]
@@ -60,8 +59,10 @@ class _Model(TypedDict):
     cameras: list[_CameraOut]
     lights: list[_Light]
     background: list[_Vector] | None
-    shading: tuple[str, _Vector | None, bool, int] | None
+    shading: tuple[ShaderName, _Vector | None, bool, int] | None
+    has_view: bool
     up: _Vector
+    up_is_guessed: bool
     warnings: list[str]
 
 def version() -> str: ...
@@ -80,7 +81,13 @@ class Camera:
         pixels: tuple[int, int],
         projection: str,
         ray_start: str,
+        again: bool,
     ) -> Camera: ...
+    @staticmethod
+    def framing(
+        scene: Scene, up: _Vector, view: str, rows: int | None, columns: int | None
+    ) -> Camera: ...
+    def view(self) -> View: ...
     @staticmethod
     def lens(
         vertical_fov_degrees: float, rows: int, columns: int
@@ -89,6 +96,12 @@ class Camera:
     def rays(
         self, rows: tuple[int, int], sample: tuple[int, int] | None
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+    def rays_of(
+        self, pixels: npt.NDArray[np.int64]
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+    def distances(
+        self, is_range: bool, pixels: npt.NDArray[np.int64], t: npt.NDArray[np.float64]
+    ) -> npt.NDArray[np.float64]: ...
 
 @final
 class Mesh:
@@ -138,25 +151,42 @@ class Scene:
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
+    def likely_up(self, convention: _Vector) -> _Vector: ...
 
 def check_transform(rows: list[list[float]]) -> None: ...
 def check_material(candidate: _Material) -> None: ...
+def srgb_levels() -> list[float]: ...
+def named_color(text: str, others: Sequence[str]) -> tuple[list[float] | None, str | None]: ...
+def meant_as_levels(color: Sequence[float]) -> str | None: ...
 def load(path: Path, strict: bool, max_memory: int, max_texture: int) -> _Model: ...
-def shoot(scene: Scene, rays: _Rays, threads: int, out: _Hits) -> None: ...
-def shoot_camera(scene: Scene, camera: Camera, threads: int, out: _Hits) -> None: ...
-def occluded(scene: Scene, rays: _Rays, threads: int) -> npt.NDArray[np.bool_]: ...
+def shoot(scene: Scene, rays: _Rays, threads: int, out: _Hits, report: _Report | None) -> None: ...
+def shoot_camera(
+    scene: Scene, camera: Camera, threads: int, out: _Hits, report: _Report | None
+) -> None: ...
+def occluded(
+    scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.bool_], report: _Report | None
+) -> None: ...
 def channel(
-    scene: Scene, name: str, rays: _Rays | None, camera: Camera | None, hits: Any
+    scene: Scene,
+    name: str,
+    rays: _Rays | None,
+    camera: Camera | None,
+    hits: Any,
+    threads: int,
+    report: _Report | None,
 ) -> npt.NDArray[Any]: ...
 def channel_names() -> list[tuple[str, str]]: ...
 def render(
     scene: Scene,
     camera: Camera,
     channels: Sequence[str],
-    shading: tuple[str, list[_Vector], _Vector | None, bool],
+    shading: tuple[str, list[_Vector] | None, _Vector | None, bool],
     samples: int,
     threads: int,
+    report: _Report | None,
 ) -> tuple[list[npt.NDArray[Any]], str]: ...
+def defaults() -> tuple[int, list[_Vector]]: ...
+def render_work(camera: Camera, channels: Sequence[str], samples: int) -> int: ...
 def metadata(
     shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]], origin: str
 ) -> str: ...

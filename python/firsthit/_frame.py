@@ -6,24 +6,35 @@ import json
 import os
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import count, number, threads_or_all, vector
+from ._arrays import color_of, count, number, threads_or_all
 from ._camera import Camera
 from ._errors import FirsthitWarning
-from ._hits import Hits
 from ._lights import Sky, background_native
-from ._scene import Scene, _rays
+from ._progress import following, later
+from ._rays import Rays
+from ._scene import Scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import ItemsView, Iterator, KeysView, Sequence, ValuesView
 
     import numpy.typing as npt
 
-    OwnShade = Callable[[Hits], npt.ArrayLike]
+    from ._hits import Hits
+    from ._progress import Report
+    from .typing import (
+        ChannelName,
+        DistanceName,
+        IdentifierName,
+        OwnShade,
+        Progress,
+        ShaderName,
+        VectorName,
+    )
 
 #: About how many rays an own shader sees at a time when there are several samples.
 _BATCH = 1 << 18
@@ -32,8 +43,11 @@ _BATCH = 1 << 18
 class Frame:
     """A picture: named channels over the same pixels, row 0 at the top.
 
-    ``frame["z"]`` is a channel's array, (rows, columns) or (rows, columns, k). In a notebook a
-    frame shows itself.
+    ``frame["z"]`` is a channel's array, (rows, columns) or (rows, columns, k), and ``items()``,
+    ``keys()`` and ``values()`` are as of a dict. In a notebook a frame shows itself.
+
+    Type checkers are told the types of what `render` makes; those of a file may be others, see
+    `load`.
     """
 
     def __init__(
@@ -106,8 +120,9 @@ class Frame:
             return self._metadata
         if self._origin == "{}":
             return {}
-        channels = [(name, array.reshape(-1)[:0]) for name, array in self._channels.items()]
-        made: dict[str, Any] = json.loads(_firsthit.metadata(self._shape, channels, self._origin))
+        # Of one pixel: what is said depends on types and components alone.
+        pixel = [(name, array[:1, :1].reshape(-1)) for name, array in self._channels.items()]
+        made: dict[str, Any] = json.loads(_firsthit.metadata(self._shape, pixel, self._origin))
         return made
 
     @property
@@ -120,11 +135,38 @@ class Frame:
         """The channels' names."""
         return tuple(self._channels)
 
+    @overload
+    def __getitem__(self, name: Literal["color"]) -> npt.NDArray[np.float32]: ...
+
+    @overload
+    def __getitem__(self, name: DistanceName | VectorName) -> npt.NDArray[np.float64]: ...
+
+    @overload
+    def __getitem__(self, name: IdentifierName) -> npt.NDArray[np.int32]: ...
+
+    @overload
+    def __getitem__(self, name: Literal["front"]) -> npt.NDArray[np.bool_]: ...
+
+    @overload
+    def __getitem__(self, name: str) -> npt.NDArray[Any]: ...
+
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         """Return a channel's array."""
         if name not in self._channels:
             raise KeyError(f"no channel {name!r}; there are {', '.join(self._channels)}")
         return self._channels[name]
+
+    def keys(self) -> KeysView[str]:
+        """Return the channels' names, as of a dict."""
+        return self._channels.keys()
+
+    def values(self) -> ValuesView[npt.NDArray[Any]]:
+        """Return the channels' arrays, as of a dict."""
+        return self._channels.values()
+
+    def items(self) -> ItemsView[str, npt.NDArray[Any]]:
+        """Return names and arrays, as of a dict."""
+        return self._channels.items()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._channels)
@@ -189,41 +231,52 @@ class Frame:
 
 def render(
     scene: Scene,
-    camera: Camera,
+    camera: Camera | None = None,
     *,
-    channels: Sequence[str] = ("color",),
+    channels: ChannelName | Sequence[ChannelName] = ("color",),
     background: Sky | npt.ArrayLike | None = None,
     samples: int | None = None,
-    shade: str | OwnShade | None = None,
+    shade: ShaderName | OwnShade | None = None,
     ambient: npt.ArrayLike | None = None,
     shadows: bool | None = None,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> Frame:
     """Make a picture.
+
+    ``fh.render(fh.load(path)).save("out.png")`` is what the program makes of the same file.
 
     Parameters
     ----------
     scene : Scene
         What to see.
-    camera : Camera
-        From where.
+    camera : Camera, optional
+        From where; if left out, from where the scene's file says it is to be seen (only scene files
+        do), else `Camera.framing`.
     channels : sequence of str
         ``color`` (float32, linear), ``t``, ``range``, ``z`` (float64), ``object``, ``primitive``,
         ``face`` (int32), ``normal``, ``position``, ``barycentric``, ``uv`` (float64), ``front``.
-    background : Sky or (3,) array_like, optional
-        What misses see, or its linear colour; the scene's own if left out, or black.
+    background : Sky, (3,) array_like or str, optional
+        What misses see: a sky, linear numbers, sRGB as ``"#rrggbb"``, a CSS name, or
+        ``"transparent"``. The scene's own if left out, or a dark blue grey. Colours before a
+        transparent background are (rows, columns, 4): the last number is the pixel's coverage
+        (alpha), and the others are premultiplied by it.
     samples : int, optional
         Points of each pixel whose mean is its colour; all other channels are of pixel centres.
-        This and what follows are the scene's own `Shading` if left out.
+        This and what follows are the scene's own `Shading` if left out, which has 4 where nobody
+        says.
     shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. ``shade(hits)`` gets `Hits`, misses included, and returns linear
-        colours of shape (..., 3); the background is then its own affair.
-    ambient : (3,) array_like, optional
+        colours of shape (..., 3); the background is then its own affair. It is called for each of
+        the ``samples``, and for parts of large pictures.
+    ambient : (3,) array_like or str, optional
         Lambert's light from everywhere.
     shadows : bool, optional
         Whether Lambert's lights are blocked by things.
     threads : int, optional
         How many to use; all cores if left out. The result is the same for any number.
+    progress : bool or callable, optional
+        As for `Scene.shoot`; every sample of a pixel and every channel counts.
 
     Returns
     -------
@@ -241,10 +294,9 @@ def render(
     >>> float(frame["z"][1, 1])
     4.0
     """
-    if not isinstance(scene, Scene) or not isinstance(camera, Camera):
+    if not isinstance(scene, Scene) or not isinstance(camera, Camera | None):
         raise TypeError("render takes a Scene and a Camera")
-    names = _names(channels)
-    said = scene.shading
+    names, said = _names(channels), scene.shading
     shade = said.shade if shade is None else shade
     ambient = said.ambient if ambient is None else ambient
     shadows = said.shadows if shadows is None else shadows
@@ -252,18 +304,23 @@ def render(
     use = threads_or_all(threads)
     if many < 1:
         raise ValueError(f"samples must be at least 1, got {many}")
-    if background is None:
-        background = (0.0, 0.0, 0.0) if scene.background is None else scene.background
-    back = background_native(background)
-    light = None if ambient is None else vector("ambient", ambient)
+    background = scene.background if background is None else background
+    back = None if background is None else background_native(background)
+    light = None if ambient is None else color_of("ambient", ambient)
     own = None if isinstance(shade, str) else shade
     shading = (shade if isinstance(shade, str) else "unlit", back, light, bool(shadows))
     asked = [name for name in names if own is None or name != "color"]
+    camera = scene._view() if camera is None else camera
     shape = (camera.rows, camera.columns)
-    arrays, origin = _firsthit.render(scene._native(), camera._native, asked, shading, many, use)
-    made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
-    if own is not None and "color" in names:
-        made["color"] = _own_colors(scene, camera, own, many, threads)
+    work = _firsthit.render_work(camera._native, asked, many)
+    owned = shape[0] * shape[1] * many if own is not None and "color" in names else 0
+    with following(progress, work + owned) as report:
+        arrays, origin = _firsthit.render(
+            scene._native(), camera._native, asked, shading, many, use, report
+        )
+        made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
+        if own is not None and "color" in names:
+            made["color"] = _own_colors(scene, camera, own, (many, use), later(report, work))
     return Frame(shape, {name: made[name] for name in names}, origin)
 
 
@@ -292,9 +349,9 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
     return None if said is None else json.loads(said)
 
 
-def _names(channels: Sequence[str]) -> list[str]:
+def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:
     known = [name for name, _ in _firsthit.channel_names()]
-    asked = [channels] if isinstance(channels, str) else list(channels)
+    asked: Sequence[str] = [channels] if isinstance(channels, str) else list(channels)
     for name in asked:
         if name not in known:
             raise ValueError(f"channels must be among {', '.join(known)}, got {name!r}")
@@ -315,33 +372,29 @@ def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
 
 
 def _own_colors(
-    scene: Scene, camera: Camera, shade: OwnShade, samples: int, threads: int | None
+    scene: Scene,
+    camera: Camera,
+    shade: OwnShade,
+    how: tuple[int, int],
+    report: Report | None,
 ) -> npt.NDArray[np.float32]:
+    samples, threads = how
+    native = scene._native()
     if samples == 1:
-        return _colors(shade, scene.shoot(camera, threads=threads)).astype(np.float32)
+        hits = scene._shot_by(native, camera, threads, report)
+        return _colors(shade, hits).astype(np.float32)
     colors = np.empty((camera.rows, camera.columns, 3), np.float32)
     step = max(1, _BATCH // camera.columns)
+    done = 0
     for row in range(0, camera.rows, step):
         last = min(row + step, camera.rows)
         total = np.zeros((last - row, camera.columns, 3))
         for sample in range(samples):
-            total += _colors(
-                shade, _sampled(scene, camera, (row, last), (sample, samples), threads)
-            )
+            origins, directions = camera._native.rays((row, last), (sample, samples))
+            rays = Rays.of(origins.reshape(total.shape), directions.reshape(total.shape))
+            hits = scene._shot(native, rays, threads, later(report, done))
+            hits._camera = camera
+            total += _colors(shade, hits)
+            done += rays.length
         colors[row:last] = total / samples
     return colors
-
-
-def _sampled(
-    scene: Scene,
-    camera: Camera,
-    rows: tuple[int, int],
-    sample: tuple[int, int],
-    threads: int | None,
-) -> Hits:
-    """Hits of the rays through one of the sample points of each pixel of some rows."""
-    origins, directions = camera._native.rays(rows, sample)
-    shape = (rows[1] - rows[0], camera.columns, 3)
-    rays = _rays(origins.reshape(shape), directions.reshape(shape), 0.0, np.inf)
-    hits = scene.shoot(rays[0], rays[1], threads=threads)
-    return Hits._of_rays(scene, rays, hits._arrays, camera)

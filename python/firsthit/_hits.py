@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, flat
-from ._memory import empty
+from ._arrays import chunks, threads_or_all
+from ._memory import SMALL, empty
+from ._progress import following, later
+from ._rays import Rays
+from .typing import ChannelName
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
+    from types import EllipsisType
 
     import numpy.typing as npt
 
     from ._camera import Camera
+    from ._progress import Report
     from ._scene import Scene
+    from .typing import IdentifierName, Progress, VectorName
 
     Arrays = tuple[
         npt.NDArray[np.float64],
@@ -24,10 +30,33 @@ if TYPE_CHECKING:
         npt.NDArray[np.int32],
         npt.NDArray[np.float64],
     ]
+    Index = npt.ArrayLike | slice | EllipsisType | None | tuple[Any, ...]
+
+#: How many numbers a channel has for each ray, where that is not one.
+_COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2}
+
+#: What can be asked about a camera's hits, and about those of other rays.
+_OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
+    name for name in get_args(ChannelName) if name != "color"
+)
+_OF_RAYS = tuple(name for name in _OF_A_CAMERA if name not in ("range", "z"))
+
+#: What is neither float64 nor one of the arrays.
+_DTYPES: dict[str, type[np.generic]] = {"front": np.bool_, "face": np.int32}
+
+#: Below so many rays, four arrays of theirs are nothing to the system.
+_FEW = SMALL // 16
 
 
 def hits_arrays(length: int) -> Arrays:
     """Return arrays for so many hits; their elements are anything."""
+    if length < _FEW:
+        return (
+            np.empty(length, np.float64),
+            np.empty(length, np.int32),
+            np.empty(length, np.int32),
+            np.empty((length, 2), np.float64),
+        )
     return (
         empty((length,), np.float64),
         empty((length,), np.int32),
@@ -39,47 +68,57 @@ def hits_arrays(length: int) -> Arrays:
 class Hits:
     """What rays met first, as arrays of the rays' shape.
 
-    ``t, o = hits`` is the pair of distances and objects. A miss has ``t``, ``range`` and ``z`` of
-    infinity, ``object`` and ``primitive`` of -1, and NaN in all else. What is not asked for is not
-    computed.
+    ``t, o = hits`` unpacks distances and objects; ``len(hits)`` and ``hits[mask]`` index the rays,
+    as of an array of their shape; ``hits.to_dict()`` is a table. A miss has ``t``, ``range`` and
+    ``z`` of infinity, ``object`` and ``primitive`` of -1, and NaN elsewhere. Other channels are
+    computed when they are first read.
     """
 
     def __init__(self) -> None:
         raise TypeError("Hits are made by Scene.shoot")
 
     _scene: Scene
-    _camera: Camera | None
-    _rays: tuple[npt.NDArray[Any], ...] | None
+    _native_scene: _firsthit.Scene
     _arrays: Arrays
     _shape: tuple[int, ...]
+    #: As many as the rays were shot with.
+    _threads: int
     _made: dict[str, npt.NDArray[Any]]
+    _camera: Camera | None = None
+    #: Where no camera makes them, or one makes several for a pixel.
+    _rays: Rays | None = None
+    #: The camera's pixels, counted row by row, where these are not all.
+    _pixels: npt.NDArray[np.int64] | None = None
 
     @classmethod
-    def _of(cls, scene: Scene, arrays: Arrays, shape: tuple[int, ...]) -> Hits:
+    def _of(
+        cls,
+        scene: Scene,
+        native: _firsthit.Scene,
+        arrays: Arrays,
+        shape: tuple[int, ...],
+        threads: int,
+    ) -> Hits:
+        """Return hits whose rays are still to be told; ``native`` is what was shot at."""
         hits = cls.__new__(cls)
-        hits._scene, hits._arrays, hits._shape, hits._made = scene, arrays, shape, {}
-        hits._native_scene = scene._native()
-        hits._camera, hits._rays = None, None
+        hits._scene, hits._native_scene, hits._arrays = scene, native, arrays
+        hits._shape, hits._threads, hits._made = shape, threads, {}
         return hits
 
-    _native_scene: _firsthit.Scene
-
     @classmethod
-    def _of_camera(cls, scene: Scene, camera: Camera, arrays: Arrays) -> Hits:
-        hits = cls._of(scene, arrays, (camera.rows, camera.columns))
+    def _of_camera(
+        cls, scene: Scene, native: _firsthit.Scene, arrays: Arrays, camera: Camera, threads: int
+    ) -> Hits:
+        hits = cls._of(scene, native, arrays, (camera.rows, camera.columns), threads)
         hits._camera = camera
         return hits
 
     @classmethod
     def _of_rays(
-        cls,
-        scene: Scene,
-        rays: tuple[npt.NDArray[Any], ...],
-        arrays: Arrays,
-        camera: Camera | None = None,
+        cls, scene: Scene, native: _firsthit.Scene, arrays: Arrays, rays: Rays, threads: int
     ) -> Hits:
-        hits = cls._of(scene, arrays, rays[2].shape)
-        hits._rays, hits._camera = rays, camera
+        hits = cls._of(scene, native, arrays, rays.shape, threads)
+        hits._rays = rays
         return hits
 
     @property
@@ -94,7 +133,7 @@ class Hits:
         In lengths of the directions, for a camera a distance from the rays' start. float32 for
         float32 rays, else float64.
         """
-        if self._is_single():
+        if self._rays is not None and self._rays.is_single():
             if "t" not in self._made:
                 self._made["t"] = self._arrays[0].astype(np.float32)
             return self._made["t"].reshape(self._shape)
@@ -113,52 +152,42 @@ class Hits:
     @property
     def face(self) -> npt.NDArray[np.int32]:
         """The identifiers of the file's polygons that triangles were part of, (...) int32."""
-        return self._channel("face")
+        return self.channel("face")
 
     @property
     def barycentric(self) -> npt.NDArray[np.float64]:
         """The weights of a triangle's corners 0, 1, 2, (..., 3); NaN for other shapes."""
-        return self._channel("barycentric", 3)
+        return self.channel("barycentric")
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
         """Where the hits are in the world, (..., 3)."""
-        return self._channel("position", 3)
+        return self.channel("position")
 
     @property
     def normal(self) -> npt.NDArray[np.float64]:
         """The geometric normals in the world, (..., 3), of length one, outwards."""
-        return self._channel("normal", 3)
+        return self.channel("normal")
 
     @property
     def front(self) -> npt.NDArray[np.bool_]:
         """Whether the side was met that the normal points to, (...) bool; false for a miss."""
-        return self._channel("front")
+        return self.channel("front")
 
     @property
     def uv(self) -> npt.NDArray[np.float64]:
         """The texture coordinates, (..., 2); NaN where there are none."""
-        return self._channel("uv", 2)
+        return self.channel("uv")
 
     @property
     def range(self) -> npt.NDArray[np.float64]:
         """The distance from the camera's position along the ray, (...); for a camera's hits."""
-        camera = self._of_a_camera("range")
-        if self._rays is None:
-            return self._channel("range")
-        if camera.projection == "orthographic":
-            return self.z
-        behind = np.linalg.norm(self.origin - camera.position, axis=-1)
-        return np.asarray(self._arrays[0].reshape(self._shape) + behind)
+        return self.channel("range")
 
     @property
     def z(self) -> npt.NDArray[np.float64]:
         """The distance from the camera's position along its aim, (...); for a camera's hits."""
-        camera = self._of_a_camera("z")
-        if self._rays is None:
-            return self._channel("z")
-        along = (self.position - camera.position) @ camera.aim
-        return np.where(self.object < 0, np.inf, along)
+        return self.channel("z")
 
     @property
     def origin(self) -> npt.NDArray[Any]:
@@ -169,6 +198,180 @@ class Hits:
     def direction(self) -> npt.NDArray[Any]:
         """The rays' directions, (..., 3)."""
         return self._both()[1]
+
+    @property
+    def channels(self) -> tuple[ChannelName, ...]:
+        """The names of all that can be asked about these hits."""
+        return _OF_RAYS if self._camera is None else _OF_A_CAMERA
+
+    @overload
+    def channel(
+        self,
+        name: Literal["t"],
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.floating[Any]]: ...
+
+    @overload
+    def channel(
+        self,
+        name: Literal["range", "z"] | VectorName,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.float64]: ...
+
+    @overload
+    def channel(
+        self,
+        name: IdentifierName,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.int32]: ...
+
+    @overload
+    def channel(
+        self,
+        name: Literal["front"],
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.bool_]: ...
+
+    @overload
+    def channel(
+        self,
+        name: ChannelName,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[Any]: ...
+
+    def channel(
+        self,
+        name: ChannelName,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[Any]:
+        """Compute a channel: as the attribute of that name, with a choice of threads and progress.
+
+        Parameters
+        ----------
+        name : str
+            One of `channels`.
+        threads : int, optional
+            How many to use; as many as the rays were shot with if left out.
+        progress : bool or callable, optional
+            As for `Scene.shoot`. A channel that was computed before reports nothing.
+
+        Returns
+        -------
+        (...) or (..., k) array
+            The same memory at every call.
+
+        Raises
+        ------
+        ValueError
+            For a name that is none of `channels`.
+        AttributeError
+            For ``range`` and ``z`` of rays that no camera made.
+        """
+        if name in ("t", "object", "primitive"):
+            made: npt.NDArray[Any] = getattr(self, name)
+            return made
+        if name in ("range", "z"):
+            self._of_a_camera(name)
+        elif name not in self.channels:
+            raise ValueError(f"channel must be among {', '.join(self.channels)}, got {name!r}")
+        if name not in self._made:
+            use = self._threads if threads is None else threads_or_all(threads)
+            with following(progress, len(self._arrays[0])) as report:
+                self._made[name] = self._compute(name, use, report)
+        components = _COMPONENTS.get(name, 1)
+        shape = self._shape if components == 1 else (*self._shape, components)
+        return self._made[name].reshape(shape)
+
+    def items(self) -> Iterator[tuple[ChannelName, npt.NDArray[Any]]]:
+        """Yield the name and the array of each channel, computed when it is reached."""
+        for name in self.channels:
+            yield name, self.channel(name)
+
+    def to_dict(self, channels: Sequence[ChannelName] | None = None) -> dict[str, npt.NDArray[Any]]:
+        """Return the hits as a table: its columns by name.
+
+        ``pandas.DataFrame(hits.to_dict())`` and its like take it.
+
+        Parameters
+        ----------
+        channels : sequence of str, optional
+            Some of `channels`; all of them if left out.
+
+        Returns
+        -------
+        dict of str to (n,) array
+            A row for each ray, in the order of the rays. A camera's hits begin with the columns
+            ``row`` and ``column``, their pixel. A channel of several numbers has as many columns,
+            called as in the program's CSV: ``position_x``, ``barycentric_0``, ``uv_u``, and so on.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
+        >>> hits.to_dict(["t", "normal"])
+        {'t': array([ 4., inf]), 'normal_x': array([ 0., nan]), 'normal_y': array([ 0., nan]),
+        'normal_z': array([ 1., nan])}
+        """
+        table: dict[str, npt.NDArray[Any]] = {}
+        if self._camera is not None and self._rays is None:
+            pixels = np.arange(len(self._arrays[0])) if self._pixels is None else self._pixels
+            table["row"], table["column"] = np.divmod(pixels, self._camera.columns)
+        for name in self.channels if channels is None else channels:
+            array = self.channel(name)
+            components = _COMPONENTS.get(name, 1)
+            if components == 1:
+                table[name] = array.reshape(-1)
+                continue
+            letters = "012" if name == "barycentric" else "uv" if components == 2 else "xyz"
+            columns = array.reshape(-1, components)
+            for k, letter in enumerate(letters):
+                table[f"{name}_{letter}"] = columns[:, k]
+        return table
+
+    def __getitem__(self, index: Index) -> Hits:
+        """Return some of the hits, as an array of their shape would: by a mask, a slice, ..."""
+        if isinstance(index, str):
+            raise TypeError(f"hits take a mask, a slice or numbers; write hits.channel({index!r})")
+        length = len(self._arrays[0])
+        everything: Any = np.arange(length).reshape(self._shape)
+        numbers = everything[index]
+        # The native half takes contiguous arrays only; a column of an index array has gaps.
+        chosen = np.ascontiguousarray(np.reshape(numbers, -1))
+        some = Hits.__new__(Hits)
+        some.__dict__.update(self.__dict__)
+        t, identifiers, primitive, barycentric = self._arrays
+        some._arrays = t[chosen], identifiers[chosen], primitive[chosen], barycentric[chosen]
+        some._shape, some._made = np.shape(numbers), {}
+        if self._rays is not None:
+            some._rays = self._rays.take(chosen, some._shape)
+        else:
+            some._pixels = chosen if self._pixels is None else self._pixels[chosen]
+        return some
+
+    def __len__(self) -> int:
+        """Return how many there are along the first axis, as of an array."""
+        if not self._shape:
+            raise TypeError("the hit of one ray has no length")
+        return self._shape[0]
+
+    def __bool__(self) -> bool:
+        """Hits are there, even if none of the rays met anything."""
+        return True
 
     def __iter__(self) -> Iterator[npt.NDArray[Any]]:
         """Yield ``t`` and ``object``, for ``t, o = hits``."""
@@ -188,12 +391,6 @@ class Hits:
         self.__dict__.update(state)
         self._native_scene = self._scene._native()
 
-    def _is_single(self) -> bool:
-        if self._rays is None:
-            return False
-        single = (array.dtype.kind == "f" and array.dtype.itemsize <= 4 for array in self._rays[:2])
-        return all(single)
-
     def _of_a_camera(self, name: str) -> Camera:
         if self._camera is None:
             raise AttributeError(f"{name} is for hits of a camera: rays alone do not know of one")
@@ -201,30 +398,49 @@ class Hits:
 
     def _both(self) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
         if self._rays is not None:
-            return self._rays[0], self._rays[1]
-        if "origin" not in self._made and self._camera is not None:
-            self._made["origin"], self._made["direction"] = self._camera.rays()
+            return self._rays.origins(), self._rays.directions()
+        if "origin" not in self._made:
+            camera = self._of_a_camera("origin")
+            pixels = self._pixels
+            both = camera.rays() if pixels is None else camera._native.rays_of(pixels)
+            shape = (*self._shape, 3)
+            self._made["origin"], self._made["direction"] = (each.reshape(shape) for each in both)
         return self._made["origin"], self._made["direction"]
 
-    def _channel(self, name: str, components: int = 1) -> npt.NDArray[Any]:
-        if name not in self._made:
-            self._made[name] = self._compute(name, components)
-        shape = self._shape if components == 1 else (*self._shape, components)
-        return self._made[name].reshape(shape)
-
-    def _compute(self, name: str, components: int) -> npt.NDArray[Any]:
-        if self._rays is None:
+    def _compute(self, name: str, threads: int, report: Report | None) -> npt.NDArray[Any]:
+        if self._rays is None and self._pixels is None:
             camera = self._of_a_camera(name)._native
-            return _firsthit.channel(self._native_scene, name, None, camera, self._arrays)
+            return _firsthit.channel(
+                self._native_scene, name, None, camera, self._arrays, threads, report
+            )
+        if name in ("range", "z"):
+            return self._distance(name, report)
+        return self._compute_of_rays(name, threads, report)
+
+    def _distance(self, name: str, report: Report | None) -> npt.NDArray[Any]:
+        camera, t = self._of_a_camera(name), self._arrays[0]
+        if self._pixels is not None:
+            made: npt.NDArray[Any] = camera._native.distances(name == "range", self._pixels, t)
+        elif name == "z" or camera.projection == "orthographic":
+            along = (self.position - camera.position) @ camera.aim
+            made = np.where(self.object < 0, np.inf, along)
+        else:
+            behind = np.linalg.norm(self.origin - camera.position, axis=-1)
+            made = t + behind.reshape(-1)
+        if report is not None:
+            report(len(t))
+        return made
+
+    def _compute_of_rays(self, name: str, threads: int, report: Report | None) -> npt.NDArray[Any]:
+        rays = self._rays if self._rays is not None else Rays.of(*self._both())
         pieces = []
-        limits = np.zeros(1), np.full(1, np.inf)
-        for part in chunks(len(self._arrays[0])):
-            rays = flat(self._rays[0], part, 1), flat(self._rays[1], part, 1), *limits
+        for part in chunks(rays.length):
             hits = tuple(np.ascontiguousarray(array[part]) for array in self._arrays)
-            pieces.append(_firsthit.channel(self._native_scene, name, rays, None, hits))
+            told = later(report, part.start)
+            native = rays.part(part, limits=False)
+            pieces.append(
+                _firsthit.channel(self._native_scene, name, native, None, hits, threads, told)
+            )
         if len(pieces) == 1:
             return pieces[0]
-        if pieces:
-            return np.concatenate(pieces)
-        dtype = {"front": np.bool_, "face": np.int32}.get(name, np.float64)
-        return np.empty(0, dtype)
+        return np.concatenate(pieces) if pieces else np.empty(0, _DTYPES.get(name, np.float64))

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import _cameras, _firsthit
-from ._arrays import count
+from ._arrays import count, settle
+from ._arrays import vector as as_vector
 from ._errors import FirsthitWarning
 from ._lights import DirectionalLight, Light, PointLight, Sky, SpotLight
 from ._material import Material, Texture
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Sequence
 
-    from ._shapes import Vector
+    from .typing import Vector
 
 
 def load(
@@ -36,7 +37,8 @@ def load(
     path : path-like
         The file; its extension tells the format.
     strict : bool
-        Whether triangles that cannot be used are an error instead of a warning.
+        Whether unusable triangles, and a text file that seems to be truncated, are
+        errors instead of warnings.
     max_memory : int
         How many bytes of memory the file's content may take.
     max_texture : int
@@ -46,7 +48,7 @@ def load(
     -------
     Scene
         An object for each of the file's, with names, transforms and materials; with the file's
-        lights, cameras, background and shading.
+        lights, cameras, background, shading and up.
 
     Raises
     ------
@@ -65,7 +67,8 @@ def load(
     for doubt in model["warnings"]:
         warnings.warn(doubt, FirsthitWarning, stacklevel=2)
     scene = Scene()
-    scene._up = model["up"]
+    scene.up = model["up"]
+    scene._up_is_guessed = model["up_is_guessed"]
     meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
     materials = _Materials(model["textures"])
     for name, shape, rows, looks in model["objects"]:
@@ -74,10 +77,17 @@ def load(
         scene.add(made, name=name, transform=rows, material=looked or None)
     for light in model["lights"]:
         scene.add_light(_light(*light))
-    scene._cameras = tuple(_cameras.from_native(*camera) for camera in model["cameras"])
+    scene._has_view = model["has_view"]
+    # Those of scene files were cameras already.
+    scene._cameras = tuple(
+        _cameras.from_native(*camera, settled=model["has_view"]) for camera in model["cameras"]
+    )
     background = model["background"]
     if background is not None:
-        scene.background = Sky(*background) if len(background) == 3 else background[0]
+        if not background:
+            scene.background = "transparent"
+        else:
+            scene.background = Sky(*background) if len(background) == 3 else background[0]
     if model["shading"] is not None:
         scene.shading = Shading(*model["shading"])
     return scene
@@ -103,10 +113,17 @@ def _light(
     color: Vector,
     cone: tuple[Vector, tuple[float, float]] | None,
 ) -> Light:
+    # Colours are set afterwards: those of a file are its own affair, however bright.
+    if kind == "directional":
+        parallel = DirectionalLight(vector)
+        settle(parallel, color=as_vector("color", color))
+        return parallel
+    light: PointLight | SpotLight = PointLight(vector)
     if cone is not None:
-        direction, angles = cone
-        return SpotLight(vector, direction, color, *angles)
-    return PointLight(vector, color) if kind == "point" else DirectionalLight(vector, color)
+        direction, (inner, outer) = cone
+        light = SpotLight(vector, direction, inner_angle=inner, outer_angle=outer)
+    settle(light, intensity=as_vector("intensity", color))
+    return light
 
 
 class _Materials:
@@ -121,7 +138,9 @@ class _Materials:
         if look not in self._made:
             color, alpha, texture, alpha_texture, mode, cutoff, unlit, both = look
             maps = self._texture(texture), self._texture(alpha_texture)
-            self._made[look] = Material(color, alpha, *maps, mode, cutoff, unlit, both)
+            made = Material((1, 1, 1), alpha, *maps, mode, cutoff, unlit, both)
+            settle(made, color=as_vector("color", color))
+            self._made[look] = made
         return self._made[look]
 
     def _texture(self, made: _firsthit._MapOut | None) -> Texture | None:

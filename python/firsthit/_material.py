@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import number, numbers, vector
+from ._arrays import color_of, number, numbers, settle, vector
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._shapes import Vector
-
-Wrap = Literal["repeat", "mirror", "clamp"]
-Filter = Literal["linear", "nearest"]
-AlphaMode = Literal["opaque", "mask", "blend"]
+    from .typing import AlphaMode, Filter, Vector, Wrap
 
 #: Texture coordinates whose v runs upwards, as in OBJ and PLY: rows of the map to the picture.
 _V_UP = ((1.0, 0.0, 0.0), (0.0, -1.0, 1.0))
@@ -142,14 +138,15 @@ def _rows(picture_from_uv: npt.ArrayLike) -> tuple[Vector, Vector]:
     return vector("picture_from_uv", rows[0]), vector("picture_from_uv", rows[1])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Material:
     """What a surface looks like, and where it has holes.
 
     Parameters
     ----------
-    color : (3,) array_like
-        Linear; the mesh's own colours and the texture multiply it.
+    color : (3,) array_like or str
+        Linear numbers, or sRGB as ``"#rrggbb"`` or a CSS name; the mesh's own colours and the
+        texture multiply it.
     alpha : float
         From 0, not there, to 1, opaque; multiplied likewise.
     texture : Texture, optional
@@ -178,19 +175,29 @@ class Material:
     (1.0, 0.0, 0.0)
     """
 
-    color: Vector = (1.0, 1.0, 1.0)
-    alpha: float = 1.0
-    texture: Texture | None = None
-    alpha_texture: Texture | None = None
-    alpha_mode: AlphaMode = "opaque"
-    cutoff: float = 0.5
-    unlit: bool = False
-    double_sided: bool = True
+    color: Vector
+    alpha: float
+    texture: Texture | None
+    alpha_texture: Texture | None
+    alpha_mode: AlphaMode
+    cutoff: float
+    unlit: bool
+    double_sided: bool
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "color", vector("color", self.color))
-        object.__setattr__(self, "alpha", number("alpha", self.alpha))
-        object.__setattr__(self, "cutoff", number("cutoff", self.cutoff))
+    def __init__(
+        self,
+        color: npt.ArrayLike = (1.0, 1.0, 1.0),
+        alpha: float = 1.0,
+        texture: Texture | None = None,
+        alpha_texture: Texture | None = None,
+        alpha_mode: AlphaMode = "opaque",
+        cutoff: float = 0.5,
+        unlit: bool = False,  # noqa: FBT001, FBT002 - a material's words, mostly given by name
+        double_sided: bool = True,  # noqa: FBT001, FBT002 - as above
+    ) -> None:
+        settle(self, color=color_of("color", color), alpha=number("alpha", alpha))
+        settle(self, texture=texture, alpha_texture=alpha_texture, alpha_mode=alpha_mode)
+        settle(self, cutoff=number("cutoff", cutoff), unlit=unlit, double_sided=double_sided)
         for name in ("texture", "alpha_texture"):
             if not isinstance(getattr(self, name), Texture | None):
                 raise TypeError(f"{name} must be a Texture, got {getattr(self, name)!r}")

@@ -7,6 +7,7 @@ again. A view of an array is an owner of it, as is a ``memoryview`` or another l
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 from typing import Any
@@ -26,6 +27,8 @@ _lock = threading.Lock()
 
 def empty(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:
     """Return an array whose elements are anything, like `numpy.empty`."""
+    if math.prod(shape) * np.dtype(dtype).itemsize < SMALL:
+        return np.empty(shape, dtype)
     # Whoever comes in between, a signal's handler or a process forked meanwhile, does without.
     if not hasattr(sys, "getrefcount") or not _lock.acquire(blocking=False):
         return np.empty(shape, dtype)

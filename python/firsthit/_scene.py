@@ -2,79 +2,32 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from . import _firsthit
-from ._arrays import chunks, flat, is_flat, numbers, threads_or_all, vector
+from . import _firsthit, _foreign
+from ._arrays import color_of, numbers, threads_or_all, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._hits import Hits, hits_arrays
-from ._lights import Light, Sky
-from ._material import Material
+from ._lights import TRANSPARENT, Light, Sky, is_transparent
+from ._object import Object, affine, placed
+from ._progress import following, later
+from ._rays import Rays
 from ._shading import Shading
-from ._shapes import Mesh, Shape, Vector
+from ._shapes import Shape
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import numpy.typing as npt
 
-
-class Object:
-    """A shape somewhere in a scene, as `Scene.add` made it. Read only."""
-
-    def __init__(
-        self,
-        shape: Shape,
-        name: str,
-        transform: npt.NDArray[np.float64] | None,
-        materials: tuple[Material, ...],
-    ) -> None:
-        self._shape, self._name, self._transform = shape, name, transform
-        self._materials = materials
-
-    @property
-    def shape(self) -> Shape:
-        """The shape, in object space."""
-        return self._shape
-
-    @property
-    def name(self) -> str:
-        """Its name; may be empty."""
-        return self._name
-
-    @property
-    def transform(self) -> npt.NDArray[np.float64]:
-        """From object space to the world, (4, 4): a copy."""
-        return np.eye(4) if self._transform is None else self._transform.copy()
-
-    @property
-    def color(self) -> Vector | None:
-        """Its linear colour, that of its first material; ``None`` where nobody gave one."""
-        return self._materials[0].color if self._materials else None
-
-    @property
-    def materials(self) -> tuple[Material, ...]:
-        """Its materials, in the order of a mesh's slots; none where nobody gave it a look."""
-        return self._materials
-
-    @property
-    def triangles(self) -> int:
-        """How many triangles it has; 0 for shapes that are no mesh."""
-        return self._shape._mesh.counts()[1] if isinstance(self._shape, Mesh) else 0
-
-    def __repr__(self) -> str:
-        return f"Object({self._name!r}, {self._shape!r})"
-
-    def _native(
-        self,
-    ) -> tuple[_firsthit.Shape, str, list[list[float]] | None, list[_firsthit._Material]]:
-        rows = None if self._transform is None else self._transform.tolist()
-        materials = [material._native() for material in self._materials]
-        return self._shape._native(), self._name, rows, materials
+    from ._material import Material
+    from ._progress import Report
+    from .typing import MeshLike, Progress, SceneLike, Vector
 
 
 class Scene:
@@ -99,42 +52,75 @@ class Scene:
         self._objects: list[Object] = []
         self._lights: list[Light] = []
         self._cameras: tuple[NamedCamera, ...] = ()
-        self._background: Sky | Vector | None = None
+        self._background: Sky | Vector | str | None = None
         self._shading = Shading()
         self._up: Vector = (0.0, 0.0, 1.0)
+        #: Whether that is only the convention of the file's format.
+        self._up_is_guessed = False
+        #: Whether the first camera is the one to look through, as in scene files.
+        self._has_view = False
+        #: What rays are shot at; ``None`` after a change.
+        self._current: _firsthit.Scene | None = None
+        #: What was built last, of which the next takes what did not change.
         self._built: _firsthit.Scene | None = None
-        self._is_current = False
         self._lock = threading.Lock()
 
+    @overload
     def add(
         self,
-        shape: Shape | Any,
+        shape: Shape | MeshLike,
         *,
         name: str = "",
         transform: npt.ArrayLike | None = None,
         color: npt.ArrayLike | None = None,
         material: Material | Sequence[Material] | None = None,
-    ) -> int:
-        """Add an object.
+    ) -> int: ...
+
+    @overload
+    def add(
+        self,
+        shape: SceneLike,
+        *,
+        transform: npt.ArrayLike | None = None,
+        color: npt.ArrayLike | None = None,
+        material: Material | Sequence[Material] | None = None,
+    ) -> tuple[int, ...]: ...
+
+    def add(
+        self,
+        shape: Shape | MeshLike | SceneLike,
+        *,
+        name: str = "",
+        transform: npt.ArrayLike | None = None,
+        color: npt.ArrayLike | None = None,
+        material: Material | Sequence[Material] | None = None,
+    ) -> int | tuple[int, ...]:
+        """Add an object, or all objects of another package's scene.
 
         Parameters
         ----------
-        shape : Shape
-            A `Mesh`, `Sphere`, ..., or anything with ``vertices`` and ``faces``. Objects may share
-            one: nothing is copied.
+        shape : Shape, or another package's mesh or scene
+            A `Mesh`, `Sphere`, ..., which objects may share: nothing is copied. Or anything with
+            ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``. Or a ``trimesh.Scene``: each
+            of its nodes with a mesh becomes an object with the node's name and transform; nodes
+            share their meshes. Colours of trimesh's vertices and faces (which are taken for sRGB),
+            a material's colour and its picture come along; what is no mesh is left out with a
+            warning.
         name : str
-            Need not be unique.
+            Need not be unique. A scene's objects have their own.
         transform : (4, 4) or (3, 4) array_like, optional
             From object space to the world, applied to columns: any affine map that can be undone.
-        color : (3,) array_like, optional
-            Its linear colour; a light grey if left out, white for a mesh with colours of its own.
+            Of a scene, from its world to this one.
+        color : (3,) array_like or str, optional
+            Its colour: linear numbers, or sRGB as ``"#rrggbb"`` or a CSS name. A light grey if left
+            out, white for a mesh with colours of its own.
         material : Material or sequence of Material, optional
             In place of ``color``: its look, or one for each of a mesh's ``slots``.
 
         Returns
         -------
-        int
-            The object's identifier.
+        int or tuple of int
+            The object's identifier; of a scene those of its objects, in the order of its nodes.
 
         Raises
         ------
@@ -142,23 +128,37 @@ class Scene:
             For a transform that flattens space, and for values of a wrong shape or type.
         TypeError
             For something that is no shape.
+
+        Warns
+        -----
+        FirsthitWarning
+            For what is left out of another package's scene.
         """
-        if not isinstance(shape, Shape):
-            if not (hasattr(shape, "vertices") and hasattr(shape, "faces")):
-                raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
-            shape = Mesh(shape)
-        matrix = None if transform is None else _affine(transform)
-        made = Object(shape, str(name), matrix, _materials(shape, color, material))
+        matrix = None if transform is None else affine(transform)
+        if _foreign.is_scene(shape):
+            if name:
+                raise ValueError(f"name must be left out with a scene, got {name!r}")
+            parts = list(_foreign.objects(shape))
+        elif isinstance(shape, Shape):
+            parts = [_foreign.Part(str(name), shape)]
+        elif hasattr(shape, "vertices") and hasattr(shape, "faces"):
+            parts = [_foreign.Part(str(name), *_foreign.mesh(shape))]
+        else:
+            raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
+        made = [placed(part, matrix, color, material) for part in parts]
         with self._lock:
-            self._objects.append(made)
-            self._is_current = False
-            return len(self._objects) - 1
+            first = len(self._objects)
+            self._objects.extend(made)
+            self._current = None
+        if _foreign.is_scene(shape):
+            return tuple(range(first, first + len(made)))
+        return first
 
     def add_light(self, light: Light) -> None:
         """Add a light; a scene without any is lit from behind the camera's left shoulder."""
         with self._lock:
             self._lights.append(light)
-            self._is_current = False
+            self._current = None
 
     @property
     def objects(self) -> tuple[Object, ...]:
@@ -200,16 +200,35 @@ class Scene:
         return find(self._cameras, name).at(columns=columns, rows=rows)
 
     @property
-    def background(self) -> Sky | Vector | None:
-        """What rays see that meet nothing, where `render` is not told: a sky or a linear colour."""
+    def up(self) -> Vector:
+        """Which way is up in the world, where `Camera.framing` and `render` are not told.
+
+        That of the file: as a scene file says, +y for glTF. OBJ, STL and PLY files do not say: it
+        is the other of +y and +z where the meshes plainly stand on a flat foot that way, else +y
+        for OBJ and +z for STL and PLY. Of other scenes +z.
+        """
+        return vector("up", self._native().likely_up(self._up)) if self._up_is_guessed else self._up
+
+    @up.setter
+    def up(self, up: npt.ArrayLike) -> None:
+        direction = vector("up", up)
+        if not (any(direction) and all(map(math.isfinite, direction))):
+            raise ValueError(f"up must be a finite direction, not zero, got {direction}")
+        self._up, self._up_is_guessed = direction, False
+
+    @property
+    def background(self) -> Sky | Vector | str | None:
+        """What misses see where `render` is not told: a sky, a linear colour or "transparent"."""
         return self._background
 
     @background.setter
     def background(self, background: Sky | npt.ArrayLike | None) -> None:
         if background is None or isinstance(background, Sky):
             self._background = background
+        elif is_transparent(background):
+            self._background = "transparent"
         else:
-            self._background = vector("background", background)
+            self._background = color_of("background", background, others=(TRANSPARENT,))
 
     @property
     def shading(self) -> Shading:
@@ -229,13 +248,19 @@ class Scene:
         return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
 
     def _native(self) -> _firsthit.Scene:
+        current = self._current
+        if current is not None:
+            return current
         with self._lock:
-            if self._built is None or not self._is_current:
+            if self._current is None:
                 objects = [made._native() for made in self._objects]
                 lights = [light._native() for light in self._lights]
-                self._built = _firsthit.Scene(objects, lights, self._built)
-                self._is_current = True
-            return self._built
+                self._current = self._built = _firsthit.Scene(objects, lights, self._built)
+            return self._current
+
+    def _view(self) -> Camera:
+        """Return the camera to look through where nobody says."""
+        return self._cameras[0].camera if self._has_view else Camera.framing(self)
 
     def shoot(
         self,
@@ -243,8 +268,9 @@ class Scene:
         directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
-        t_max: npt.ArrayLike = np.inf,
+        t_max: npt.ArrayLike = math.inf,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> Hits:
         """Find the first object that each ray meets.
 
@@ -257,7 +283,12 @@ class Scene:
             Where rays begin and end: what is met has ``t_min < t <= t_max``. Below zero,
             ``t_min`` is as good as zero: nothing behind an origin is met.
         threads : int, optional
-            How many to use; all cores if left out. The result is the same for any number.
+            How many to use, here and for the attributes of the hits; all cores if left out. The
+            result is the same for any number.
+        progress : bool or callable, optional
+            ``True`` shows a bar (by tqdm, where that is installed). A function is called with how
+            many rays are done and how many there are, about twenty times a second and at the end,
+            in the calling thread; what it raises ends the work.
 
         Returns
         -------
@@ -282,23 +313,42 @@ class Scene:
         >>> hits.normal[0]
         array([0., 0., 1.])
         """
-        use = threads_or_all(threads)
+        use = 0 if threads is None else threads_or_all(threads)
         if isinstance(origins, Camera):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
-            if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, np.inf)):
+            if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, math.inf)):
                 raise ValueError("t_min and t_max must be left out with a camera")
-            out = hits_arrays(origins.rows * origins.columns)
-            _firsthit.shoot_camera(self._native(), origins._native, use, out)
-            return Hits._of_camera(self, origins, out)
-        rays = _rays(origins, directions, t_min, t_max)
-        native, length = self._native(), int(np.prod(rays[2].shape))
-        out = hits_arrays(length)
-        for part in _parts(rays, length):
+            with following(progress, origins.rows * origins.columns) as report:
+                return self._shot_by(self._native(), origins, use, report)
+        rays = Rays.of(origins, directions, t_min, t_max)
+        if progress is None:
+            return self._shot(self._native(), rays, use, None)
+        with following(progress, rays.length) as report:
+            return self._shot(self._native(), rays, use, report)
+
+    def _shot_by(
+        self, native: _firsthit.Scene, camera: Camera, threads: int, report: Report | None
+    ) -> Hits:
+        """Shoot a camera's rays at what was built."""
+        out = hits_arrays(camera.rows * camera.columns)
+        _firsthit.shoot_camera(native, camera._native, threads, out, report)
+        return Hits._of_camera(self, native, out, camera, threads)
+
+    def _shot(
+        self, native: _firsthit.Scene, rays: Rays, threads: int, report: Report | None
+    ) -> Hits:
+        """Shoot rays at what was built."""
+        out = hits_arrays(rays.length)
+        parts = rays.parts()
+        if len(parts) == 1:
+            _firsthit.shoot(native, rays.part(parts[0]), threads, out, report)
+            return Hits._of_rays(self, native, out, rays, threads)
+        for part in parts:
             t, identifiers, primitive, barycentric = out
             pieces = t[part], identifiers[part], primitive[part], barycentric[part]
-            _firsthit.shoot(native, _part(rays, part), use, pieces)
-        return Hits._of_rays(self, rays, out)
+            _firsthit.shoot(native, rays.part(part), threads, pieces, later(report, part.start))
+        return Hits._of_rays(self, native, out, rays, threads)
 
     def occluded(
         self,
@@ -306,14 +356,15 @@ class Scene:
         directions: npt.ArrayLike,
         *,
         t_min: npt.ArrayLike = 0.0,
-        t_max: npt.ArrayLike = np.inf,
+        t_max: npt.ArrayLike = math.inf,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Tell whether each ray meets anything. Sooner known than what it meets first.
 
         Parameters
         ----------
-        origins, directions, t_min, t_max, threads
+        origins, directions, t_min, t_max, threads, progress
             As for `shoot`.
 
         Returns
@@ -331,13 +382,16 @@ class Scene:
         >>> bool(scene.occluded(eye, [0, 0, -3], t_max=1.0))  # is the target seen?
         False
         """
-        use = threads_or_all(threads)
-        rays = _rays(origins, directions, t_min, t_max)
-        shape = rays[2].shape
-        found = np.empty(int(np.prod(shape)), np.bool_)
-        for part in _parts(rays, len(found)):
-            found[part] = _firsthit.occluded(self._native(), _part(rays, part), use)
-        return found.reshape(shape)
+        use = 0 if threads is None else threads_or_all(threads)
+        rays = Rays.of(origins, directions, t_min, t_max)
+        found = np.empty(rays.length, np.bool_)
+        # Once: what others add meanwhile is for the next call.
+        native = self._native()
+        with following(progress, rays.length) as report:
+            for part in rays.parts():
+                told = later(report, part.start)
+                _firsthit.occluded(native, rays.part(part), use, found[part], told)
+        return found.reshape(rays.shape)
 
     def __repr__(self) -> str:
         triangles = sum(made.triangles for made in self._objects)
@@ -346,8 +400,7 @@ class Scene:
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the objects; what is built from them is built again."""
-        kept = ("_objects", "_lights", "_cameras", "_background", "_shading", "_up")
-        return {name: self.__dict__[name] for name in kept}
+        return {name: self.__dict__[name] for name in _KEPT}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__()  # type: ignore[misc]
@@ -356,97 +409,25 @@ class Scene:
     def __copy__(self) -> Scene:
         """Copy: the shapes are shared, the lists are not."""
         other = Scene()
-        other._objects, other._lights = list(self._objects), list(self._lights)
-        other._cameras, other._background = self._cameras, self._background
-        other._shading, other._up = self._shading, self._up
         with self._lock:
-            other._built, other._is_current = self._built, self._is_current
+            other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
+            other._objects, other._lights = list(self._objects), list(self._lights)
+            other._current, other._built = self._current, self._built
         return other
 
 
-Rays = tuple["npt.NDArray[Any]", "npt.NDArray[Any]", "npt.NDArray[Any]", "npt.NDArray[Any]"]
-
-
-def _rays(origins: Any, directions: Any, t_min: npt.ArrayLike, t_max: npt.ArrayLike) -> Rays:
-    """Origins, directions and both limits, as views of one leading shape."""
-    if directions is None:
-        raise ValueError("directions must be given, except with a camera")
-    starts, ways = numbers("origins", origins), numbers("directions", directions)
-    for name, array in (("origins", starts), ("directions", ways)):
-        if array.ndim == 0 or array.shape[-1] != 3:
-            raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
-    begins, ends = numbers("t_min", t_min), numbers("t_max", t_max)
-    leading = starts.shape[:-1], ways.shape[:-1], begins.shape, ends.shape
-    try:
-        shape = np.broadcast_shapes(*leading)
-    except ValueError:
-        raise ValueError(
-            f"origins {starts.shape}, directions {ways.shape}, t_min {begins.shape} and "
-            f"t_max {ends.shape} must broadcast against each other"
-        ) from None
-    to = (*shape, 3)
-    begins, ends = np.broadcast_to(begins, shape), np.broadcast_to(ends, shape)
-    return np.broadcast_to(starts, to), np.broadcast_to(ways, to), begins, ends
-
-
-def _parts(rays: Rays, length: int) -> list[slice]:
-    """Return what goes to the native half at a time: all, where nothing of it is copied."""
-    origins, directions, *limits = rays
-    one_go = is_flat(origins) and is_flat(directions)
-    one_go = one_go and all(is_flat(limit) or _is_one(limit) for limit in limits)
-    return [slice(0, length)] if one_go else list(chunks(length))
-
-
-def _is_one(limits: npt.NDArray[Any]) -> bool:
-    """Tell whether all limits are one number."""
-    return limits.strides == (0,) * limits.ndim and limits.size > 0
-
-
-def _part(rays: Rays, part: slice) -> tuple[npt.NDArray[np.float64], ...]:
-    origins, directions, t_min, t_max = rays
-    return (
-        flat(origins, part, 1),
-        flat(directions, part, 1),
-        _limit(t_min, part),
-        _limit(t_max, part),
-    )
-
-
-def _limit(limits: npt.NDArray[Any], part: slice) -> npt.NDArray[np.float64]:
-    if _is_one(limits):
-        return limits.reshape(-1)[:1].astype(np.float64)
-    return flat(limits, part, 0)
+#: What a scene is, beside what is built from it.
+_KEPT = (
+    "_objects",
+    "_lights",
+    "_cameras",
+    "_has_view",
+    "_background",
+    "_shading",
+    "_up",
+    "_up_is_guessed",
+)
 
 
 def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:
     return bool(np.all(numbers(name, given) == number))
-
-
-def _affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    matrix = numbers("transform", transform).astype(np.float64)
-    if matrix.shape == (3, 4):
-        matrix = np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]])
-    if matrix.shape != (4, 4):
-        raise ValueError(f"transform must have the shape (4, 4) or (3, 4), got {matrix.shape}")
-    if not np.array_equal(matrix[3], [0, 0, 0, 1]):
-        raise ValueError(f"transform must have the last row 0, 0, 0, 1, got {matrix[3]}")
-    # Refused here, not at the first shot.
-    _firsthit.check_transform(matrix.tolist())
-    return matrix
-
-
-def _materials(
-    shape: Shape, color: npt.ArrayLike | None, material: Material | Sequence[Material] | None
-) -> tuple[Material, ...]:
-    if material is not None:
-        if color is not None:
-            raise ValueError("color must be left out with a material, which has its own")
-        made = (material,) if isinstance(material, Material) else tuple(material)
-        for each in made:
-            if not isinstance(each, Material):
-                raise TypeError(f"material must be a Material or several, got {each!r}")
-        return made
-    if color is None:
-        painted = isinstance(shape, Mesh) and shape.colors is not None
-        return (Material(),) if painted else ()
-    return (Material(vector("color", color)),)

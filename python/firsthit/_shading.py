@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
-from ._arrays import count, vector
+from . import _firsthit
+from ._arrays import color_of, count, settle
+from .typing import ShaderName
 
 if TYPE_CHECKING:
-    from ._shapes import Vector
+    import numpy.typing as npt
 
-_SHADERS = ("lambert", "unlit", "normal")
+    from .typing import Vector
+
+_SHADERS = get_args(ShaderName)
+
+#: Points of a pixel where nobody says, the program's own.
+SAMPLES: int = _firsthit.defaults()[0]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Shading:
     """How hits get their colour, where `render` is not told.
 
@@ -21,23 +28,30 @@ class Shading:
     ----------
     shade : {"lambert", "unlit", "normal"}
         The shader.
-    ambient : (3,) array_like, optional
+    ambient : (3,) array_like or str, optional
         Lambert's light from everywhere.
     shadows : bool
         Whether Lambert's lights are blocked by things.
     samples : int
-        Points of each pixel whose mean is its colour.
+        Points of each pixel whose mean is its colour; 4 if left out.
     """
 
-    shade: str = "lambert"
-    ambient: Vector | None = None
-    shadows: bool = True
-    samples: int = 1
+    shade: ShaderName
+    ambient: Vector | None
+    shadows: bool
+    samples: int
 
-    def __post_init__(self) -> None:
-        if self.shade not in _SHADERS:
-            raise ValueError(f"shade must be one of {', '.join(_SHADERS)}, got {self.shade!r}")
-        if self.ambient is not None:
-            object.__setattr__(self, "ambient", vector("ambient", self.ambient))
-        if count("samples", self.samples) < 1:
-            raise ValueError(f"samples must be at least 1, got {self.samples}")
+    def __init__(
+        self,
+        shade: ShaderName = "lambert",
+        ambient: npt.ArrayLike | None = None,
+        shadows: bool = True,  # noqa: FBT001, FBT002 - as scene files have it, mostly given by name
+        samples: int = SAMPLES,
+    ) -> None:
+        if shade not in _SHADERS:
+            raise ValueError(f"shade must be one of {', '.join(_SHADERS)}, got {shade!r}")
+        many = count("samples", samples)
+        if many < 1:
+            raise ValueError(f"samples must be at least 1, got {many}")
+        light = None if ambient is None else color_of("ambient", ambient)
+        settle(self, shade=shade, ambient=light, shadows=shadows, samples=many)

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._arrays import number, numbers, table, vector
+from ._arrays import number, numbers, settle, table, vector
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import numpy.typing as npt
 
-Vector = tuple[float, float, float]
+    from .typing import MeshLike, Vector
 
 
 class Shape:
@@ -25,12 +25,7 @@ class Shape:
         raise NotImplementedError
 
 
-def _settle(shape: object, **values: object) -> None:
-    for name, value in values.items():
-        object.__setattr__(shape, name, value)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Sphere(Shape):
     """A sphere.
 
@@ -56,15 +51,15 @@ class Sphere(Shape):
     center: Vector
     radius: float
 
-    def __post_init__(self) -> None:
-        _settle(self, center=vector("center", self.center), radius=number("radius", self.radius))
+    def __init__(self, center: npt.ArrayLike, radius: float) -> None:
+        settle(self, center=vector("center", center), radius=number("radius", radius))
         self._native()
 
     def _native(self) -> _firsthit.Shape:
         return _firsthit.Shape.sphere(self.center, self.radius)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Plane(Shape):
     """An infinite plane.
 
@@ -79,15 +74,15 @@ class Plane(Shape):
     point: Vector
     normal: Vector
 
-    def __post_init__(self) -> None:
-        _settle(self, point=vector("point", self.point), normal=vector("normal", self.normal))
+    def __init__(self, point: npt.ArrayLike, normal: npt.ArrayLike) -> None:
+        settle(self, point=vector("point", point), normal=vector("normal", normal))
         self._native()
 
     def _native(self) -> _firsthit.Shape:
         return _firsthit.Shape.plane(self.point, self.normal)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Disc(Shape):
     """A flat round disc.
 
@@ -105,16 +100,16 @@ class Disc(Shape):
     normal: Vector
     radius: float
 
-    def __post_init__(self) -> None:
-        center, normal = vector("center", self.center), vector("normal", self.normal)
-        _settle(self, center=center, normal=normal, radius=number("radius", self.radius))
+    def __init__(self, center: npt.ArrayLike, normal: npt.ArrayLike, radius: float) -> None:
+        settle(self, center=vector("center", center), normal=vector("normal", normal))
+        settle(self, radius=number("radius", radius))
         self._native()
 
     def _native(self) -> _firsthit.Shape:
         return _firsthit.Shape.disc(self.center, self.normal, self.radius)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Box(Shape):
     """A box with its sides along the axes. Primitives 0 to 5 are -x, +x, -y, +y, -z, +z.
 
@@ -127,15 +122,15 @@ class Box(Shape):
     low: Vector
     high: Vector
 
-    def __post_init__(self) -> None:
-        _settle(self, low=vector("low", self.low), high=vector("high", self.high))
+    def __init__(self, low: npt.ArrayLike, high: npt.ArrayLike) -> None:
+        settle(self, low=vector("low", low), high=vector("high", high))
         self._native()
 
     def _native(self) -> _firsthit.Shape:
         return _firsthit.Shape.box(self.low, self.high)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Cylinder(Shape):
     """A cylinder with both lids. Primitives: 0 the side, 1 the bottom, 2 the top.
 
@@ -151,16 +146,16 @@ class Cylinder(Shape):
     top: Vector
     radius: float
 
-    def __post_init__(self) -> None:
-        bottom, top = vector("bottom", self.bottom), vector("top", self.top)
-        _settle(self, bottom=bottom, top=top, radius=number("radius", self.radius))
+    def __init__(self, bottom: npt.ArrayLike, top: npt.ArrayLike, radius: float) -> None:
+        settle(self, bottom=vector("bottom", bottom), top=vector("top", top))
+        settle(self, radius=number("radius", radius))
         self._native()
 
     def _native(self) -> _firsthit.Shape:
         return _firsthit.Shape.cylinder(self.bottom, self.top, self.radius)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Cone(Shape):
     """A cone with its lids, or with a ``top_radius`` the lower part of one.
 
@@ -179,12 +174,14 @@ class Cone(Shape):
     bottom: Vector
     top: Vector
     radius: float
-    top_radius: float = 0.0
+    top_radius: float
 
-    def __post_init__(self) -> None:
-        bottom, top = vector("bottom", self.bottom), vector("top", self.top)
-        _settle(self, bottom=bottom, top=top, radius=number("radius", self.radius))
-        _settle(self, top_radius=number("top_radius", self.top_radius))
+    def __init__(
+        self, bottom: npt.ArrayLike, top: npt.ArrayLike, radius: float, top_radius: float = 0.0
+    ) -> None:
+        settle(self, bottom=vector("bottom", bottom), top=vector("top", top))
+        settle(self, radius=number("radius", radius))
+        settle(self, top_radius=number("top_radius", top_radius))
         self._native()
 
     def _native(self) -> _firsthit.Shape:
@@ -196,7 +193,7 @@ class Mesh(Shape):
 
     Parameters
     ----------
-    vertices : (n, 3) array_like
+    vertices : (n, 3) array_like, or a mesh of another package
         Any real type; stored as float32 where that loses nothing, else as float64.
     triangles : (m, 3) array_like of int
         Indices of vertices. May be left out when ``vertices`` is an object that has ``vertices``
@@ -234,7 +231,7 @@ class Mesh(Shape):
 
     def __init__(
         self,
-        vertices: Any,
+        vertices: npt.ArrayLike | MeshLike,
         triangles: npt.ArrayLike | None = None,
         normals: npt.ArrayLike | None = None,
         uvs: npt.ArrayLike | None = None,
@@ -246,9 +243,10 @@ class Mesh(Shape):
         face_properties: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
         if triangles is None:
-            if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
+            other: Any = vertices
+            if not (hasattr(other, "vertices") and hasattr(other, "faces")):
                 raise ValueError("triangles must be given with an array of vertices")
-            vertices, triangles = vertices.vertices, vertices.faces
+            vertices, triangles = other.vertices, other.faces
         points = table("vertices", vertices, 3, np.float64)
         corners = _indices(triangles, len(points))
         optional = [("normals", normals, 3), ("uvs", uvs, 2), ("colors", colors, 3)]

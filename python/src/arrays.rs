@@ -2,55 +2,67 @@
 
 use firsthit::shoot::HitSlices;
 use firsthit::{DVec2, DVec3, Hits, Ray, Rays};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
+use numpy::{
+    PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArray2,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Rays in arrays of the interpreter.
+/// Rays in arrays of the interpreter: of each array one element for all rays, or one for each.
 pub(crate) struct RaySlices<'a> {
+    count: usize,
     origins: &'a [[f64; 3]],
     directions: &'a [[f64; 3]],
-    /// One for all, or one for each.
     t_min: &'a [f64],
     t_max: &'a [f64],
 }
 
 impl Rays for RaySlices<'_> {
     fn len(&self) -> usize {
-        self.origins.len()
+        self.count
     }
 
     fn ray(&self, index: usize) -> Ray {
         let ray = Ray::new(
-            DVec3::from(self.origins[index]),
-            DVec3::from(self.directions[index]),
+            DVec3::from(*of(self.origins, index)),
+            DVec3::from(*of(self.directions, index)),
         );
-        let of = |limits: &[f64]| limits.get(index).or(limits.first()).copied();
-        ray.beyond(of(self.t_min).unwrap_or(0.0))
-            .up_to(of(self.t_max).unwrap_or(f64::INFINITY))
+        ray.beyond(*of(self.t_min, index))
+            .up_to(*of(self.t_max, index))
     }
 }
 
-/// Arrays of rays as they come: C-contiguous float64 of the shapes (n, 3), (n, 3), and twice (n,) or (1,).
+/// The element of a ray: its own, or the one for all.
+fn of<T>(elements: &[T], index: usize) -> &T {
+    elements.get(index).unwrap_or(&elements[0])
+}
+
+/// Arrays of rays as they come: C-contiguous float64, twice of 3 n or 3 numbers, and twice of n or 1.
 #[derive(FromPyObject)]
 pub(crate) struct RayArrays<'py>(
-    PyReadonlyArray2<'py, f64>,
-    PyReadonlyArray2<'py, f64>,
-    PyReadonlyArray1<'py, f64>,
-    PyReadonlyArray1<'py, f64>,
+    PyReadonlyArrayDyn<'py, f64>,
+    PyReadonlyArrayDyn<'py, f64>,
+    PyReadonlyArrayDyn<'py, f64>,
+    PyReadonlyArrayDyn<'py, f64>,
 );
 
 impl RayArrays<'_> {
-    pub(crate) fn slices(&self) -> PyResult<RaySlices<'_>> {
+    /// For so many rays.
+    pub(crate) fn slices(&self, count: usize) -> PyResult<RaySlices<'_>> {
         let rays = RaySlices {
+            count,
             origins: self.0.as_slice().map_err(not_contiguous)?.as_chunks().0,
             directions: self.1.as_slice().map_err(not_contiguous)?.as_chunks().0,
             t_min: self.2.as_slice().map_err(not_contiguous)?,
             t_max: self.3.as_slice().map_err(not_contiguous)?,
         };
-        let count = rays.origins.len();
-        let fits = |limits: &[f64]| limits.len() == count || limits.len() == 1;
-        if rays.directions.len() == count && fits(rays.t_min) && fits(rays.t_max) {
+        let counts = [
+            rays.origins.len(),
+            rays.directions.len(),
+            rays.t_min.len(),
+            rays.t_max.len(),
+        ];
+        if counts.iter().all(|&each| each == count || each == 1) {
             Ok(rays)
         } else {
             Err(PyValueError::new_err("expected arrays of one length"))
@@ -68,8 +80,7 @@ pub(crate) struct HitsOut<'py>(
 );
 
 impl HitsOut<'_> {
-    /// For so many hits.
-    pub(crate) fn slices(&mut self, count: usize) -> PyResult<HitSlices<'_>> {
+    pub(crate) fn slices(&mut self) -> PyResult<(HitSlices<'_>, usize)> {
         let weights = self.3.as_slice_mut().map_err(not_contiguous)?;
         let slices = HitSlices {
             t: self.0.as_slice_mut().map_err(not_contiguous)?,
@@ -77,10 +88,9 @@ impl HitsOut<'_> {
             primitive: self.2.as_slice_mut().map_err(not_contiguous)?,
             barycentric: bytemuck::cast_slice_mut(weights.as_chunks_mut::<2>().0),
         };
-        if slices.count() == Some(count) {
-            Ok(slices)
-        } else {
-            Err(PyValueError::new_err("expected an element for each ray"))
+        match slices.count() {
+            Some(count) => Ok((slices, count)),
+            None => Err(PyValueError::new_err("expected an element for each ray")),
         }
     }
 }

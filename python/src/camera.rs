@@ -1,11 +1,16 @@
 //! The camera.
 
-use firsthit::{DVec3, RayStart, View};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use firsthit::camera::Description;
+use firsthit::render::{framing_camera, sample_ray};
+use firsthit::{DVec3, Ray, RayStart, Rays, View};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::arrays::not_contiguous;
 use crate::errors::raise;
+use crate::run::run;
+use crate::scene::Scene;
 
 /// A checked camera.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -16,8 +21,8 @@ type CameraFrame = ([f64; 3], [f64; 3], [f64; 3], [f64; 3]);
 
 #[pymethods]
 impl Camera {
+    /// The camera of a view; `again` where that was taken from a camera, and is to stay as it is to the last bit.
     #[new]
-    #[pyo3(signature = (position, aim, up, focal_length, size, pixels, projection, ray_start))]
     #[expect(
         clippy::too_many_arguments,
         reason = "a camera's words, sent by the Python half alone"
@@ -32,6 +37,7 @@ impl Camera {
         pixels: [usize; 2],
         projection: &str,
         ray_start: &str,
+        again: bool,
     ) -> PyResult<Self> {
         let ray_start = match ray_start {
             "viewplane" => RayStart::Viewplane,
@@ -41,8 +47,13 @@ impl Camera {
                 return Err(PyValueError::new_err(text));
             }
         };
+        let make = if again {
+            firsthit::Camera::again
+        } else {
+            firsthit::Camera::new
+        };
         let camera = projection.parse().and_then(|projection| {
-            firsthit::Camera::new(View {
+            make(View {
                 position: DVec3::from(position),
                 aim: DVec3::from(aim),
                 up: DVec3::from(up),
@@ -56,6 +67,35 @@ impl Camera {
             })
         });
         camera.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// The camera that sees all of a scene; rows and columns that are left out are the usual ones.
+    #[staticmethod]
+    fn framing(
+        py: Python<'_>,
+        scene: &Scene,
+        up: [f64; 3],
+        view: &str,
+        rows: Option<usize>,
+        columns: Option<usize>,
+    ) -> PyResult<Self> {
+        let view = view.parse().map_err(|error| raise(py, &error))?;
+        let sized = Description {
+            rows,
+            columns,
+            ..Description::default()
+        };
+        let (columns, rows) = sized.size();
+        let up = DVec3::from(up);
+        run(py, 0, |_| {
+            framing_camera(&scene.0, up, view, [rows, columns])
+        })
+        .map(Self)
+    }
+
+    /// What the camera is made from.
+    fn view(&self) -> ViewOut {
+        view_out(self.0.view())
     }
 
     /// The viewplane of a field of view: focal length, width, height.
@@ -104,20 +144,104 @@ impl Camera {
             rows.0.saturating_mul(columns),
             last_row.saturating_mul(columns),
         );
-        let mut origins = Vec::new();
-        let mut directions = Vec::new();
-        for values in [&mut origins, &mut directions] {
-            let room = values.try_reserve_exact(last.saturating_sub(first).saturating_mul(3));
-            room.map_err(|_| PyMemoryError::new_err("the rays of so many pixels"))?;
-        }
-        for index in first..last {
-            let (k, count) = sample.unwrap_or((0, 1));
-            let ray = firsthit::render::sample_ray(&self.0, index, k, count);
-            origins.extend(ray.origin.to_array());
-            directions.extend(ray.direction.to_array());
-        }
-        let count = origins.len() / 3;
-        let array = |values| PyArray1::from_vec(py, values).reshape([count, 3]);
-        Ok((array(origins)?, array(directions)?))
+        let (k, count) = sample.unwrap_or((0, 1));
+        let ray = |index| sample_ray(&self.0, index, k, count);
+        ray_arrays(py, (first..last).map(ray))
     }
+
+    /// Origins and directions of the rays through the centres of some pixels, counted row by row.
+    #[expect(clippy::type_complexity, reason = "two arrays")]
+    fn rays_of<'py>(
+        &self,
+        py: Python<'py>,
+        pixels: PyReadonlyArray1<'py, i64>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let pixels = self.checked(&pixels)?;
+        ray_arrays(py, pixels.map(|pixel| Rays::ray(&self.0, pixel)))
+    }
+
+    /// `range` or `z` of the hits at `t` of some pixels, counted row by row.
+    fn distances<'py>(
+        &self,
+        py: Python<'py>,
+        is_range: bool,
+        pixels: PyReadonlyArray1<'py, i64>,
+        t: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let camera = &self.0;
+        let distance = |(pixel, &t): (usize, &f64)| {
+            let (row, column) = (pixel / camera.columns(), pixel % camera.columns());
+            if is_range {
+                camera.range(row, column, t)
+            } else {
+                camera.z(row, column, t)
+            }
+        };
+        let t = t.as_slice().map_err(not_contiguous)?;
+        let distances = self.checked(&pixels)?.zip(t).map(distance).collect();
+        Ok(PyArray1::from_vec(py, distances))
+    }
+}
+
+impl Camera {
+    /// Pixels, all of which the camera has.
+    fn checked(
+        &self,
+        pixels: &PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<impl ExactSizeIterator<Item = usize>> {
+        let pixels = pixels.as_slice().map_err(not_contiguous)?;
+        let checked = pixels.iter().map(|&pixel| usize::try_from(pixel));
+        let checked: Result<Vec<usize>, _> = checked.collect();
+        let checked = checked.ok().filter(|pixels| {
+            let largest = pixels.iter().max();
+            largest.is_none_or(|&largest| largest < self.0.pixels())
+        });
+        let outside = || PyValueError::new_err("expected pixels of the camera");
+        Ok(checked.ok_or_else(outside)?.into_iter())
+    }
+}
+
+/// The two arrays of rays.
+#[expect(clippy::type_complexity, reason = "two arrays")]
+fn ray_arrays(
+    py: Python<'_>,
+    rays: impl ExactSizeIterator<Item = Ray>,
+) -> PyResult<(Bound<'_, PyArray2<f64>>, Bound<'_, PyArray2<f64>>)> {
+    let count = rays.len();
+    let mut origins = Vec::new();
+    let mut directions = Vec::new();
+    for values in [&mut origins, &mut directions] {
+        let room = values.try_reserve_exact(count.saturating_mul(3));
+        room.map_err(|_| PyMemoryError::new_err("the rays of so many pixels"))?;
+    }
+    for ray in rays {
+        origins.extend(ray.origin.to_array());
+        directions.extend(ray.direction.to_array());
+    }
+    let array = |values| PyArray1::from_vec(py, values).reshape([count, 3]);
+    Ok((array(origins)?, array(directions)?))
+}
+
+/// Position, aim and up; focal length, width and height; rows and columns; projection and ray start.
+pub(crate) type ViewOut = ([[f64; 3]; 3], [f64; 3], [usize; 2], [&'static str; 2]);
+
+pub(crate) fn view_out(view: &View) -> ViewOut {
+    let &View {
+        position,
+        aim,
+        up,
+        focal_length,
+        width,
+        height,
+        rows,
+        columns,
+        projection,
+        ray_start,
+    } = view;
+    (
+        [position, aim, up].map(|vector| vector.to_array()),
+        [focal_length, width, height],
+        [rows, columns],
+        [projection.name(), ray_start.name()],
+    )
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use firsthit::channel::{self, Kind};
 use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
-use firsthit::render::shoulder_light;
+use firsthit::render::{BACKGROUND, SAMPLES, shoulder_light, work};
 use firsthit::shade::Lambert;
 use firsthit::{Background, Color, Shader, Shading};
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -15,15 +15,48 @@ use pyo3::types::PyBytes;
 use crate::arrays::not_contiguous;
 use crate::camera::Camera;
 use crate::errors::raise;
-use crate::run::run;
+use crate::load::background_out;
+use crate::run::{run, run_reported};
 use crate::scene::Scene;
 
-/// How to shade: the shader's name, the background (a colour, or horizon, zenith and up), the ambient light if not the usual, shadows.
+/// How to shade: the shader's name, the background (nothing: transparent; a colour; or horizon, zenith and up) and the ambient
+/// light if not the usual ones, shadows.
 #[derive(FromPyObject)]
-pub(crate) struct ShadingIn(String, Vec<[f64; 3]>, Option<[f64; 3]>, bool);
+pub(crate) struct ShadingIn(String, Option<Vec<[f64; 3]>>, Option<[f64; 3]>, bool);
+
+/// The table's rows of some channels.
+fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<&'static Kind>> {
+    let kinds = channels.iter().map(|name| channel::kind(name));
+    kinds
+        .collect::<firsthit::Result<_>>()
+        .map_err(|error| raise(py, &error))
+}
+
+/// How many rays [`render`] reports.
+#[pyfunction]
+pub(crate) fn render_work(
+    py: Python<'_>,
+    camera: &Camera,
+    channels: Vec<String>,
+    samples: u32,
+) -> PyResult<u64> {
+    let pixels = camera.0.pixels();
+    let developed = work(pixels, &kinds(py, &channels)?, samples);
+    Ok(developed.saturating_add(pixels as u64))
+}
+
+/// The samples of a pixel, and the background (a colour, or horizon, zenith and up), where nobody says.
+#[pyfunction]
+pub(crate) fn defaults() -> (u32, Vec<[f64; 3]>) {
+    (SAMPLES, background_out(BACKGROUND))
+}
 
 /// Renders channels: a flat array for each, in their order, and the JSON of where they come from.
 #[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "what to see and how to work, sent by the Python half alone"
+)]
 pub(crate) fn render<'py>(
     py: Python<'py>,
     scene: &Scene,
@@ -32,11 +65,9 @@ pub(crate) fn render<'py>(
     shading: ShadingIn,
     samples: u32,
     threads: usize,
+    report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
-    let kinds = channels.iter().map(|name| channel::kind(name));
-    let kinds: Vec<&Kind> = kinds
-        .collect::<firsthit::Result<_>>()
-        .map_err(|error| raise(py, &error))?;
+    let kinds = kinds(py, &channels)?;
     let ShadingIn(name, background, ambient, shadows) = shading;
     let mut shader = Shader::named(&name).map_err(|error| raise(py, &error))?;
     if let Shader::Lambert(lambert) = &mut shader {
@@ -50,20 +81,22 @@ pub(crate) fn render<'py>(
     } else {
         scene.0.clone()
     };
-    let background = match background.as_slice() {
-        &[horizon, zenith, up] => Background::Gradient {
+    let background = match background.as_deref() {
+        None => BACKGROUND,
+        Some(&[horizon, zenith, up]) => Background::Gradient {
             horizon: Color::from(horizon),
             zenith: Color::from(zenith),
             up: up.into(),
         },
-        colors => Background::Uniform(colors.first().copied().unwrap_or_default().into()),
+        Some([]) => Background::Transparent,
+        Some(&[color, ..]) => Background::Uniform(color.into()),
     };
     let shade = Shading {
         scene: &scene,
         shader,
         background,
     };
-    let frame = run(py, threads, |stop| {
+    let frame = run_reported(py, threads, report.as_ref(), |stop| {
         firsthit::render(&scene, &camera.0, &shade, &kinds, samples, stop)
     })?;
     let origin = serde_json::to_string(frame.origin());
@@ -83,7 +116,7 @@ pub(crate) fn array(py: Python<'_>, data: Data) -> Bound<'_, PyAny> {
     }
 }
 
-/// What there is to be said about a frame of channels of some types, as JSON.
+/// What there is to be said about a frame of that shape, of whose channels one pixel is given, as JSON.
 #[pyfunction]
 pub(crate) fn metadata(
     py: Python<'_>,
@@ -91,7 +124,7 @@ pub(crate) fn metadata(
     channels: Vec<(String, Bound<'_, PyAny>)>,
     origin: &str,
 ) -> PyResult<String> {
-    let mut metadata = frame(py, vec![0, 0], channels, origin)?.metadata();
+    let mut metadata = frame(py, vec![1, 1], channels, origin)?.metadata();
     metadata.shape = shape;
     Ok(metadata.to_json())
 }
@@ -108,7 +141,15 @@ fn frame(
     let mut frame = Frame::new(shape).from_origin(origin);
     for (name, array) in arrays {
         let kind = channel::kind(&name).map_err(|error| raise(py, &error))?;
-        let channel = kind.channel(data(&array)?);
+        let data = data(&array)?;
+        // Colours with a fourth number say so by how many there are.
+        let elements: usize = frame.shape().iter().product();
+        let is_transparent = kind.needs_shade() && elements > 0 && data.len() == 4 * elements;
+        let channel = if is_transparent {
+            kind.transparent_channel(data)
+        } else {
+            kind.channel(data)
+        };
         frame.push(channel).map_err(|error| raise(py, &error))?;
     }
     Ok(frame)

@@ -27,11 +27,11 @@ mod _firsthit {
     #[pymodule_export]
     use crate::camera::Camera;
     #[pymodule_export]
-    use crate::frame::{metadata, png, read, render, write};
+    use crate::frame::{defaults, metadata, png, read, render, render_work, write};
     #[pymodule_export]
     use crate::load::load;
     #[pymodule_export]
-    use crate::material::{Texels, check_material};
+    use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
     #[pymodule_export]
     use crate::scene::{Scene, check_transform};
     #[pymodule_export]

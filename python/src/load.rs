@@ -4,9 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firsthit::io::{LoadSettings, Model, NamedCamera};
-use firsthit::{Background, DAffine3, Light, Object, RayStart, Shader, Shape, View};
+use firsthit::render::SAMPLES;
+use firsthit::{Background, DAffine3, Light, Object, Shader, Shape};
 use pyo3::prelude::*;
 
+use crate::camera::{ViewOut, view_out};
 use crate::material::{MaterialOut, Texels, material_out};
 use crate::run::run;
 use crate::shape::Mesh;
@@ -21,16 +23,8 @@ enum ShapeOut {
 /// Name, shape, the rows of the transform, materials.
 type ObjectOut = (String, ShapeOut, Option<[[f64; 4]; 4]>, Vec<MaterialOut>);
 
-/// Name; position, aim and up; focal length, width and height; rows and columns; projection and ray start; whether
-/// rows, columns and width are the file's own.
-type CameraOut = (
-    String,
-    [[f64; 3]; 3],
-    [f64; 3],
-    [usize; 2],
-    [&'static str; 2],
-    bool,
-);
+/// Name; what it is made from; whether rows, columns and width are the file's own.
+type CameraOut = (String, ViewOut, bool);
 
 /// Kind, direction or position, colour or intensity; of a spot light its direction and its inner and outer angle.
 type LightOut = (
@@ -54,7 +48,10 @@ pub(crate) struct ModelOut {
     /// One colour, or horizon, zenith and up.
     background: Option<Vec<[f64; 3]>>,
     shading: Option<ShadingOut>,
+    /// Whether the first camera is the one to look through.
+    has_view: bool,
     up: [f64; 3],
+    up_is_guessed: bool,
     warnings: Vec<String>,
 }
 
@@ -97,7 +94,9 @@ fn taken_apart(model: &Model) -> ModelOut {
         lights: model.lights.iter().map(light_out).collect(),
         background: model.background.map(background_out),
         shading: shading_out(model),
+        has_view: model.has_view,
         up: model.up.to_array(),
+        up_is_guessed: model.up_is_guessed,
         warnings: model.warnings.clone(),
     }
 }
@@ -171,30 +170,7 @@ fn rows(affine: &DAffine3) -> [[f64; 4]; 4] {
 }
 
 fn camera_out(camera: &NamedCamera) -> CameraOut {
-    let View {
-        position,
-        aim,
-        up,
-        focal_length,
-        width,
-        height,
-        rows,
-        columns,
-        projection,
-        ray_start,
-    } = camera.view;
-    let start = match ray_start {
-        RayStart::Viewplane => "viewplane",
-        RayStart::Eye => "eye",
-    };
-    (
-        camera.name.clone(),
-        [position, aim, up].map(|vector| vector.to_array()),
-        [focal_length, width, height],
-        [rows, columns],
-        [projection.name(), start],
-        camera.has_size,
-    )
+    (camera.name.clone(), view_out(&camera.view), camera.has_size)
 }
 
 fn light_out(light: &Light) -> LightOut {
@@ -229,11 +205,13 @@ fn shading_out(model: &Model) -> Option<ShadingOut> {
         Shader::Lambert(lambert) => (Some(lambert.ambient.to_array()), lambert.shadows),
         _ => (None, true),
     };
-    Some((shader.name(), ambient, shadows, model.samples.unwrap_or(1)))
+    let samples = model.samples.unwrap_or(SAMPLES);
+    Some((shader.name(), ambient, shadows, samples))
 }
 
-fn background_out(background: Background) -> Vec<[f64; 3]> {
+pub(crate) fn background_out(background: Background) -> Vec<[f64; 3]> {
     match background {
+        Background::Transparent => Vec::new(),
         Background::Uniform(color) => vec![color.to_array()],
         Background::Gradient {
             horizon,

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use firsthit::geometry::{self, COLOR_NAMES, color_of};
+use firsthit::io::nearest_word;
 use firsthit::scene::{AlphaMode, Filter, Wrap};
 use firsthit::{Color, Material, Texture, TextureMap};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
@@ -156,4 +158,31 @@ pub(crate) fn material_out(
 fn name_of<T: Copy + PartialEq>(value: T, known: &[(&'static str, T)]) -> &'static str {
     let found = known.iter().find(|&&(_, known)| known == value);
     found.map_or("", |&(name, _)| name)
+}
+
+/// The linear colour that a text names; else the name of a colour, or one of `others`, that was probably meant.
+#[pyfunction]
+pub(crate) fn named_color(text: &str, others: Vec<String>) -> (Option<[f64; 3]>, Option<String>) {
+    let names = COLOR_NAMES.iter().map(|&(name, _)| name);
+    let names = names.chain(others.iter().map(String::as_str));
+    let color = color_of(text).map(Color::into);
+    let meant = match color {
+        Some(_) => None,
+        None => nearest_word(text, names).map(str::to_owned),
+    };
+    (color, meant)
+}
+
+/// The sRGB colour that was probably meant by numbers up to 255.
+#[pyfunction]
+pub(crate) fn meant_as_levels(color: [f64; 3]) -> Option<String> {
+    geometry::meant_as_levels(color.into())
+}
+
+/// The linear value of each of the 256 levels of sRGB.
+#[pyfunction]
+pub(crate) fn srgb_levels() -> Vec<f64> {
+    (0..=u8::MAX)
+        .map(|level| geometry::srgb_decode(f64::from(level) / 255.0))
+        .collect()
 }

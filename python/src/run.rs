@@ -1,6 +1,6 @@
 //! Work without the interpreter's lock, with its own threads, that Ctrl-C ends.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -15,17 +15,32 @@ use crate::errors::raise;
 /// How often the interpreter is asked whether Ctrl-C was pressed.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Tells the work to stop.
+/// Stops the work and counts the rays done.
 #[derive(Debug, Default)]
-pub(crate) struct Stop(AtomicBool);
+pub(crate) struct Stop {
+    is_stopped: AtomicBool,
+    done: AtomicU64,
+}
 
 impl Watch for Stop {
+    fn advance(&self, rays: u64) {
+        self.done.fetch_add(rays, Ordering::Relaxed);
+    }
+
     fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.is_stopped.load(Ordering::Relaxed)
     }
 }
 
-/// So many threads (0: all cores), or as many as the system grants: the result is the same.
+/// The caller's progress function, if there is one: it is called with the number of rays done.
+pub(crate) type Report<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Calls `report` with the number of rays done.
+pub(crate) fn report_done(report: Report<'_, '_>, done: usize) -> PyResult<()> {
+    report.map_or(Ok(()), |report| report.call1((done,)).map(drop))
+}
+
+/// A pool of `threads` threads (0: all cores), or of as many as the system grants: the result is the same.
 fn pool(threads: usize) -> std::result::Result<ThreadPool, ThreadPoolBuildError> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let mut threads = if threads == 0 { cores() } else { threads };
@@ -37,15 +52,27 @@ fn pool(threads: usize) -> std::result::Result<ThreadPool, ThreadPoolBuildError>
     }
 }
 
-/// Does `work` with `threads` threads (0: all cores) while other Python threads run.
-///
-/// The threads live as long as the call: a pool that outlived it would not survive `fork`. Making them
-/// takes about a tenth of a millisecond. A panic is a bug of ours and becomes a `RuntimeError`.
+/// [`run_reported`] without a report.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
     threads: usize,
     work: impl FnOnce(&Stop) -> Result<T> + Send,
 ) -> PyResult<T> {
+    run_reported(py, threads, None, work)
+}
+
+/// Does `work` with `threads` threads (0: all cores) while other Python threads run. Now and then, and at the end,
+/// it calls `report` with the number of rays done. An exception from `report` ends the work.
+///
+/// The threads live as long as the call: a pool that outlived it would not survive `fork`. Making them
+/// takes about a tenth of a millisecond. A panic is a bug of ours and becomes a `RuntimeError`.
+pub(crate) fn run_reported<T: Send>(
+    py: Python<'_>,
+    threads: usize,
+    report: Report<'_, '_>,
+    work: impl FnOnce(&Stop) -> Result<T> + Send,
+) -> PyResult<T> {
+    let listener = report.map(|report| report.clone().unbind());
     let pool =
         pool(threads).map_err(|error| PyMemoryError::new_err(format!("threads: {error}")))?;
     let stop = Stop::default();
@@ -61,13 +88,19 @@ pub(crate) fn run<T: Send>(
             });
             let mut signal = None;
             while waiting.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
-                // Signals are the main thread's business; elsewhere this does nothing.
-                #[expect(
-                    clippy::redundant_closure_for_method_calls,
-                    reason = "lifetimes need it"
-                )]
-                if let Err(error) = Python::attach(|py| py.check_signals()) {
-                    stop.0.store(true, Ordering::Relaxed);
+                // After the first the work is on its way out.
+                if signal.is_some() {
+                    continue;
+                }
+                let done = stop.done.load(Ordering::Relaxed);
+                let asked = Python::attach(|py| {
+                    // Signals are the main thread's business; elsewhere this does nothing.
+                    py.check_signals()?;
+                    let listener = listener.as_ref();
+                    listener.map_or(Ok(()), |report| report.call1(py, (done,)).map(drop))
+                });
+                if let Err(error) = asked {
+                    stop.is_stopped.store(true, Ordering::Relaxed);
                     signal = Some(error);
                 }
             }
@@ -78,7 +111,14 @@ pub(crate) fn run<T: Send>(
         return Err(signal);
     }
     match result {
-        Ok(result) => result.map_err(|error: Error| raise(py, &error)),
+        Ok(result) => {
+            let result = result.map_err(|error: Error| raise(py, &error))?;
+            report_done(
+                report,
+                usize::try_from(stop.done.into_inner()).unwrap_or(usize::MAX),
+            )?;
+            Ok(result)
+        }
         Err(panic) => {
             let text = panic.downcast_ref::<String>().cloned();
             let text = text.or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned()));

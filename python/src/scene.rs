@@ -47,6 +47,12 @@ impl Scene {
         Ok(Self(scene.with_lights(lights)))
     }
 
+    /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.
+    fn likely_up(&self, py: Python<'_>, convention: [f64; 3]) -> PyResult<[f64; 3]> {
+        let up = run(py, 0, |_| Ok(self.0.likely_up(DVec3::from(convention))))?;
+        Ok(up.to_array())
+    }
+
     /// The two corners of the box around all objects, or `None`.
     fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         let bounds = self.0.bounds();

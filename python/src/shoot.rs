@@ -1,17 +1,17 @@
 //! Rays to hits, and what can be asked about them.
 
 use firsthit::channel::{KINDS, Shots, kind};
-use firsthit::shoot::{Trees, any_hit, first_hit, occluded_all, shoot_all_to};
+use firsthit::shoot::{HitSlices, Trees, any_hit, first_hit, occluded_all, shoot_all_to};
 use firsthit::{Color, DVec3, Hit, Rays};
-use numpy::PyArray1;
+use numpy::PyReadwriteArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{HitsIn, HitsOut, RayArrays};
+use crate::arrays::{HitsIn, HitsOut, RayArrays, not_contiguous};
 use crate::camera::Camera;
 use crate::errors::raise;
 use crate::frame::array;
-use crate::run::run;
+use crate::run::{Report, report_done, run_reported};
 use crate::scene::Scene;
 
 /// Fewer rays than this are done at once: making threads would take longer.
@@ -25,16 +25,30 @@ pub(crate) fn shoot<'py>(
     rays: RayArrays<'py>,
     threads: usize,
     mut out: HitsOut<'py>,
+    report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<()> {
-    let rays = rays.slices()?;
-    let mut out = out.slices(rays.len())?;
+    let (out, count) = out.slices()?;
+    let rays = rays.slices(count)?;
+    shoot_to(py, scene, &rays, threads, out, report.as_ref())
+}
+
+fn shoot_to<R: Rays>(
+    py: Python<'_>,
+    scene: &Scene,
+    rays: &R,
+    threads: usize,
+    mut out: HitSlices<'_>,
+    report: Report<'_, '_>,
+) -> PyResult<()> {
     if rays.len() < FEW {
         for k in 0..rays.len() {
             out.put(k, &first_hit::<Trees>(&scene.0, &rays.ray(k)));
         }
-        return Ok(());
+        return report_done(report, rays.len());
     }
-    run(py, threads, |stop| shoot_all_to(&scene.0, &rays, out, stop))
+    run_reported(py, threads, report, |stop| {
+        shoot_all_to(&scene.0, rays, out, stop)
+    })
 }
 
 /// The first hits of a camera's rays through its pixels' centres, written to `out`.
@@ -45,34 +59,46 @@ pub(crate) fn shoot_camera<'py>(
     camera: &Camera,
     threads: usize,
     mut out: HitsOut<'py>,
+    report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<()> {
-    let out = out.slices(camera.0.len())?;
-    run(py, threads, |stop| {
-        shoot_all_to(&scene.0, &camera.0, out, stop)
-    })
+    let (out, count) = out.slices()?;
+    if count != camera.0.len() {
+        return Err(PyValueError::new_err("expected an element for each pixel"));
+    }
+    shoot_to(py, scene, &camera.0, threads, out, report.as_ref())
 }
 
-/// Whether rays in arrays meet anything.
+/// Whether rays in arrays meet anything, written to `out`.
 #[pyfunction]
 pub(crate) fn occluded<'py>(
     py: Python<'py>,
     scene: &Scene,
     rays: RayArrays<'py>,
     threads: usize,
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let rays = rays.slices()?;
-    let found = if rays.len() < FEW {
-        (0..rays.len())
-            .map(|k| any_hit(&scene.0, &rays.ray(k)))
-            .collect()
-    } else {
-        run(py, threads, |stop| occluded_all(&scene.0, &rays, stop))?
-    };
-    Ok(PyArray1::from_vec(py, found))
+    mut out: PyReadwriteArray1<'py, bool>,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<()> {
+    let out = out.as_slice_mut().map_err(not_contiguous)?;
+    let rays = rays.slices(out.len())?;
+    if rays.len() < FEW {
+        for (k, found) in out.iter_mut().enumerate() {
+            *found = any_hit(&scene.0, &rays.ray(k));
+        }
+        return report_done(report.as_ref(), rays.len());
+    }
+    let found = run_reported(py, threads, report.as_ref(), |stop| {
+        occluded_all(&scene.0, &rays, stop)
+    })?;
+    out.copy_from_slice(&found);
+    Ok(())
 }
 
 /// A channel of the hits of rays, or of a camera's rays.
 #[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "rays, hits and how to work, sent by the Python half alone"
+)]
 pub(crate) fn channel<'py>(
     py: Python<'py>,
     scene: &Scene,
@@ -80,10 +106,13 @@ pub(crate) fn channel<'py>(
     rays: Option<RayArrays<'py>>,
     camera: Option<&Camera>,
     hits: HitsIn<'py>,
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let kind = kind(name).map_err(|error| raise(py, &error))?;
     let hits = hits.hits()?;
-    let slices = rays.as_ref().map(RayArrays::slices).transpose()?;
+    let slices = rays.as_ref().map(|rays| rays.slices(hits.len()));
+    let slices = slices.transpose()?;
     let camera = camera.map(|camera| &camera.0);
     let rays: &dyn Rays = match (&slices, camera) {
         (Some(slices), _) => slices,
@@ -102,7 +131,14 @@ pub(crate) fn channel<'py>(
         camera,
     };
     let black = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
-    let made = run(py, 0, |stop| kind.make(&shots, &black, stop))?;
+    let report = report.as_ref();
+    let made = if hits.len() < FEW {
+        let made = kind.make(&shots, &black, &());
+        report_done(report, hits.len())?;
+        made.map_err(|error| raise(py, &error))?
+    } else {
+        run_reported(py, threads, report, |stop| kind.make(&shots, &black, stop))?
+    };
     Ok(array(py, made.data))
 }
 

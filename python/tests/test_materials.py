@@ -25,7 +25,7 @@ def colors_at(scene, points):
     """What an unlit picture sees straight down on the points."""
     camera = fh.Camera((0.5, 0.5, 2), (0, 0, -1), (0, 1, 0), 1, 1, 1, 2, 2, "orthographic")
     assert len(points) == 4
-    return fh.render(scene, camera, shade="unlit")["color"].reshape(4, 3)
+    return fh.render(scene, camera, shade="unlit", samples=1)["color"].reshape(4, 3)
 
 
 def test_texels_are_seen_where_they_are():
@@ -110,9 +110,10 @@ def test_a_file_s_meshes_keep_their_attributes(tmp_path):
 def test_skies_are_seen_by_rays_that_miss():
     camera = fh.Camera((0, 0, 0), (0, 0, 1), (0, 1, 0), 1, 1, 1, 1, 1)
     scene = fh.Scene()
-    assert fh.render(scene, camera)["color"].tolist() == [[[0, 0, 0]]]
+    program_s = np.float32([0.12, 0.17, 0.24])
+    np.testing.assert_array_equal(fh.render(scene, camera, samples=1)["color"], [[program_s]])
     scene.background = fh.Sky(horizon=(1, 1, 1), zenith=(0, 0, 1))
-    assert fh.render(scene, camera)["color"].tolist() == [[[0, 0, 1]]]
+    assert fh.render(scene, camera, samples=1)["color"].tolist() == [[[0, 0, 1]]]
     assert fh.render(scene, camera, background=(1, 0, 0))["color"].tolist() == [[[1, 0, 0]]]
 
 
@@ -152,3 +153,57 @@ def test_numbers_by_name_come_along(tmp_path):
         assert made.face_properties["label"].tolist() == [1073741825]
     with pytest.raises(ValueError, match="as many as vertices"):
         fh.Mesh(SQUARE, HALVES, vertex_properties={"quality": [1, 2]})
+
+
+@pytest.mark.parametrize(
+    ("text", "linear"),
+    [
+        ("white", (1, 1, 1)),
+        ("Black", (0, 0, 0)),
+        ("#ff0000", (1, 0, 0)),
+        # IEC 61966-2-1: 0x80 is 128 / 255.
+        ("#808080", (((128 / 255 + 0.055) / 1.055) ** 2.4,) * 3),
+    ],
+)
+def test_colours_are_css_names_and_srgb_too(text, linear):
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1), color=text)
+    scene.background = text
+    for color in (
+        scene.objects[0].color,
+        scene.background,
+        fh.Material(text).color,
+        fh.Sky(text, "white").horizon,
+        fh.Shading(ambient=text).ambient,
+        fh.DirectionalLight((0, 0, -1), text).color,
+        fh.PointLight((0, 0, 9), text).intensity,
+    ):
+        np.testing.assert_allclose(color, linear, rtol=1e-12)
+    camera = fh.Camera.framing(scene, rows=3, columns=4)
+    frame = fh.render(scene, camera, background=text, samples=1)
+    np.testing.assert_allclose(frame["color"][0, 0], linear, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("color", "message"),
+    [
+        ("tomatoe", "'#rrggbb' or a CSS name, got 'tomatoe'; did you mean 'tomato'"),
+        ("#f6", "'#rrggbb' or a CSS name, got '#f6'"),
+        ("transparent", "got 'transparent'"),
+        ((np.nan, 0, 0), "finite and not negative"),
+        ((-1, 0, 0), r"finite and not negative, got \(-1.0, 0.0, 0.0\)"),
+        ((np.inf, 0, 0), "finite and not negative"),
+    ],
+)
+def test_what_is_no_colour_is_refused_where_it_is_given(color, message):
+    with pytest.raises(ValueError, match=message):
+        fh.Scene().add(fh.Sphere((0, 0, 0), 1), color=color)
+    with pytest.raises(ValueError, match=r"transparant.*did you mean 'transparent'"):
+        fh.Scene().background = "transparant"
+
+
+def test_levels_up_to_255_are_a_warning_but_for_lights():
+    with pytest.warns(fh.FirsthitWarning, match="written '#ff8000'"):
+        fh.Material((255, 128, 0))
+    assert fh.PointLight((0, 0, 9), (255, 128, 0)).intensity == (255, 128, 0)
+    assert fh.DirectionalLight((0, 0, 1), (-1, 0, 0)).color == (-1, 0, 0)

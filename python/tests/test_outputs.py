@@ -6,7 +6,7 @@ import re
 import firsthit as fh
 import numpy as np
 import pytest
-from support import ROOT
+from support import ROOT, ball
 
 ROWS, COLUMNS = 20, 30
 CHANNELS = ("color", "t", "range", "z", "object", "primitive", "normal", "position", "uv", "front")
@@ -269,3 +269,14 @@ def test_what_16_bits_do_not_hold_is_refused_with_its_pixel(frame, tmp_path):
     with pytest.raises(ValueError, match=r"t is [\d.]+ at row \d+, column \d+; a scale of"):
         frame.save(tmp_path / "{channel}.png", png_scale=1e-5)
     assert not (tmp_path / "t.png").exists()
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.npz"])
+def test_a_transparent_frame_says_what_its_file_says(name, tmp_path):
+    camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=4, columns=5)
+    frame = fh.render(ball(), camera, background="transparent", samples=4)
+    assert frame["color"].shape == (4, 5, 4)
+    frame.save(tmp_path / name)
+    said, in_file = frame.metadata["channels"][0], fh.read_metadata(tmp_path / name)["channels"][0]
+    assert said["components"] == 4
+    assert {key: in_file[key] for key in said} == said

@@ -123,3 +123,28 @@ def test_the_program_is_the_rust_one(tmp_path):
     assert run("--nonsense").returncode == 2
     assert run("demo", "--size", "32x20", "--samples", "1").returncode == 0
     assert (tmp_path / "demo.png").stat().st_size > 500
+
+
+def test_a_wrong_instruction_set_fails_the_first_call_that_needs_it_not_the_import():
+    script = """
+import firsthit as fh
+print(fh.__version__)
+scene = fh.Scene()
+scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+for call in (fh.info, lambda: scene.shoot((0, 0, 5), (0, 0, -1))):
+    try:
+        call()
+    except ValueError as error:
+        print(error)
+"""
+    child = subprocess.run(
+        [sys.executable, "-c", script],
+        env=os.environ | {"FIRSTHIT_ISA": "sse9"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    version, *errors = child.stdout.splitlines()
+    assert version == fh.__version__, child.stderr
+    assert len(errors) == 2
+    assert all(error.startswith("FIRSTHIT_ISA must be ") for error in errors)

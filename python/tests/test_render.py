@@ -137,7 +137,7 @@ def test_an_own_shader_sees_misses_too_and_is_averaged():
         fog = np.exp(-np.where(hits.object < 0, 9, hits.z))
         return np.where((hits.object < 0)[..., None], [0, 0, 1.0], fog[..., None])
 
-    frame = fh.render(ball(), small(), shade=shade, channels=("color", "object"))
+    frame = fh.render(ball(), small(), shade=shade, channels=("color", "object"), samples=1)
     assert seen == [(12, 16)]
     assert (frame["color"][frame["object"] < 0] == [0, 0, 1]).all()
     np.testing.assert_allclose(frame["color"][6, 8, 0], np.exp(-4), rtol=0.05)
@@ -146,7 +146,7 @@ def test_an_own_shader_sees_misses_too_and_is_averaged():
     border = (many[..., 2] > 0.05) & (many[..., 2] < 0.95)
     assert border.any()
     with pytest.raises(ValueError, match=r"shade must return colours of shape \(12, 16, 3\)"):
-        fh.render(ball(), small(), shade=lambda hits: hits.t)
+        fh.render(ball(), small(), shade=lambda hits: hits.t, samples=1)
 
 
 def test_own_shading_samples_the_same_points_as_the_library():
@@ -155,7 +155,7 @@ def test_own_shading_samples_the_same_points_as_the_library():
     )
     scene = fh.Scene()
     scene.add(fh.Sphere((0, 0, 0), 1), color=(1, 1, 1))
-    same = fh.render(scene, small(), shade="unlit", samples=16)
+    same = fh.render(scene, small(), shade="unlit", samples=16, background=(0, 0, 0))
     np.testing.assert_array_equal(mask["color"], same["color"])
 
 

@@ -1,0 +1,128 @@
+"""Rays in arrays of any kind, and as the native half takes them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._arrays import CHUNK, chunks, flat, is_flat, numbers, plain
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
+    Native = tuple[npt.NDArray[np.float64], ...]
+
+
+def _constant(value: float) -> npt.NDArray[np.float64]:
+    array = np.array(value)
+    array.flags.writeable = False
+    return array
+
+
+#: The limits of rays where nobody says.
+NO_MINIMUM, NO_MAXIMUM = _constant(0.0), _constant(math.inf)
+
+
+class Rays:
+    """Origins, directions and both limits, as they came. They broadcast against each other.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        The rays' shape.
+    length : int
+        How many there are.
+    arrays : tuple of array
+        Origins and directions (..., 3), ``t_min`` and ``t_max`` (...).
+    """
+
+    __slots__ = ("arrays", "length", "shape")
+
+    def __init__(self, arrays: Sequence[npt.NDArray[Any]], shape: tuple[int, ...]) -> None:
+        self.arrays, self.shape, self.length = tuple(arrays), shape, math.prod(shape)
+
+    @classmethod
+    def of(cls, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = math.inf) -> Rays:
+        """Check what a user gave."""
+        if directions is None:
+            raise ValueError("directions must be given, except with a camera")
+        starts, ways = numbers("origins", origins), numbers("directions", directions)
+        for name, array in (("origins", starts), ("directions", ways)):
+            if array.ndim == 0 or array.shape[-1] != 3:
+                raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
+        begins = NO_MINIMUM if _is(t_min, 0.0) else numbers("t_min", t_min)
+        ends = NO_MAXIMUM if _is(t_max, math.inf) else numbers("t_max", t_max)
+        leading = starts.shape[:-1], ways.shape[:-1], begins.shape, ends.shape
+        # NumPy's own way takes longer than to shoot a ray.
+        different = {shape for shape in leading if shape}
+        if len(different) <= 1:
+            return cls((starts, ways, begins, ends), different.pop() if different else ())
+        try:
+            shape = np.broadcast_shapes(*leading)
+        except ValueError:
+            raise ValueError(
+                f"origins {starts.shape}, directions {ways.shape}, t_min {begins.shape} and "
+                f"t_max {ends.shape} must broadcast against each other"
+            ) from None
+        return cls((starts, ways, begins, ends), shape)
+
+    def origins(self) -> npt.NDArray[Any]:
+        """Return the starts as a view of the shape (..., 3)."""
+        return np.broadcast_to(self.arrays[0], (*self.shape, 3))
+
+    def directions(self) -> npt.NDArray[Any]:
+        """Return the directions as a view of the shape (..., 3)."""
+        return np.broadcast_to(self.arrays[1], (*self.shape, 3))
+
+    def is_single(self) -> bool:
+        """Tell whether origins and directions are float32 or less."""
+        kinds = (array.dtype for array in self.arrays[:2])
+        return all(dtype.kind == "f" and dtype.itemsize <= 4 for dtype in kinds)
+
+    def take(self, chosen: npt.NDArray[np.int64], shape: tuple[int, ...]) -> Rays:
+        """Return some of the rays in another shape, without limits."""
+        taken = []
+        for array in self.arrays[:2]:
+            if array.size == 3:
+                taken.append(array.reshape(3))
+            else:
+                view = np.broadcast_to(array, (*self.shape, 3))
+                taken.append(view[np.unravel_index(chosen, self.shape)].reshape(*shape, 3))
+        return Rays((*taken, NO_MINIMUM, NO_MAXIMUM), shape)
+
+    def parts(self) -> list[slice]:
+        """Return what goes to the native half at a time: all, where little of it is copied."""
+        if self.length <= CHUNK or all(map(self._is_native, self.arrays, _TRAILING)):
+            return [slice(0, self.length)]
+        return list(chunks(self.length))
+
+    def part(self, part: slice, *, limits: bool = True) -> Native:
+        """Return a part of the rays as the native half takes them: one for all, or one for each."""
+        is_whole = part.stop - part.start == self.length
+        arrays = self.arrays if limits else (*self.arrays[:2], NO_MINIMUM, NO_MAXIMUM)
+        made = []
+        for array, trailing in zip(arrays, _TRAILING, strict=True):
+            is_one = array.size == 1 + 2 * trailing
+            if is_one or (is_whole and array.shape[: array.ndim - trailing] == self.shape):
+                made.append(plain(array))
+            else:
+                view = np.broadcast_to(array, self.shape + array.shape[array.ndim - trailing :])
+                made.append(flat(view, part, trailing))
+        return tuple(made)
+
+    def _is_native(self, array: npt.NDArray[Any], trailing: int) -> bool:
+        if array.size == 1 + 2 * trailing:
+            return True
+        return array.shape[: array.ndim - trailing] == self.shape and is_flat(array)
+
+
+#: How many axes each of the four arrays has beside those of the rays.
+_TRAILING = (1, 1, 0, 0)
+
+
+def _is(given: Any, number: float) -> bool:
+    return type(given) is float and given == number

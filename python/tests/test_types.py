@@ -1,0 +1,85 @@
+"""The package as type checkers see it, from a user's script."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import get_args
+
+import firsthit as fh
+import pytest
+from firsthit import typing
+from support import ball
+
+CONSUMER = Path(__file__).parent / "typed" / "consumer.py"
+
+
+@pytest.fixture
+def script(tmp_path):
+    """A copy where nothing of the clone is beside it: what is found is what is installed."""
+    return Path(shutil.copy(CONSUMER, tmp_path))
+
+
+def run(command, folder):
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_a_user_s_script_passes_mypy_strict(script):
+    pytest.importorskip("mypy")
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", script.parent / "cache"]
+    result = run([*command, script.name], script.parent)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_a_user_s_script_passes_pyright_strict(script):
+    pytest.importorskip("basedpyright")
+    settings = {"typeCheckingMode": "strict", "reportUnnecessaryTypeIgnoreComment": "error"}
+    (script.parent / "pyrightconfig.json").write_text(json.dumps(settings))
+    command = [sys.executable, "-m", "basedpyright", "--pythonpath", sys.executable, script.name]
+    result = run(command, script.parent)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_a_user_s_script_runs(script):
+    result = run([sys.executable, "-W", "error", script.name], script.parent)
+    assert result.returncode == 0, result.stderr
+
+
+def test_words_that_are_typed_are_those_that_there_are():
+    from firsthit import _firsthit
+
+    channels = [name for name, _ in _firsthit.channel_names()]
+    assert list(get_args(typing.ChannelName)) == channels
+    parts = (typing.DistanceName, typing.IdentifierName, typing.VectorName)
+    words = [word for part in parts for word in get_args(part)]
+    assert {"color", "front", *words} == set(channels)
+    told = [
+        (typing.ShaderName, lambda word: fh.render(ball(), small(), shade=word)),
+        (typing.ViewName, lambda word: fh.Camera.framing(ball(), 2, 2, view=word)),
+        (typing.Projection, lambda word: small(projection=word)),
+        (typing.RayStart, lambda word: small(ray_start=word)),
+    ]
+    for kind, make in told:
+        for word in get_args(kind):
+            make(word)
+        with pytest.raises(ValueError, match=r" must be .*, got toon") as refused:
+            make("toon")
+        listed = str(refused.value).removesuffix(", got toon").split("must be ")[1]
+        assert set(listed.removeprefix("one of ").replace(" or ", " ").split()) == set(
+            get_args(kind)
+        )
+
+
+def small(**words):
+    return fh.Camera((0, 0, 5), (0, 0, -1), (0, 1, 0), 1, 1, 1, 2, 2, **words)
+
+
+def test_arguments_are_taken_as_the_types_say_and_shown_as_tuples():
+    sphere = fh.Sphere(center=[0, 1, 2], radius=1)
+    assert repr(sphere) == "Sphere(center=(0.0, 1.0, 2.0), radius=1.0)"
+    assert sphere == fh.Sphere((0, 1, 2), 1)
+    assert repr(fh.Shading()) == "Shading(shade='lambert', ambient=None, shadows=True, samples=4)"
+    assert repr(fh.PointLight([0, 0, 1])) == (
+        "PointLight(position=(0.0, 0.0, 1.0), intensity=(1.0, 1.0, 1.0))"
+    )
