@@ -3,6 +3,10 @@
 CARGO ?= cargo
 PYTHON ?= python3
 VENV := .venv/bin
+DIST := .venv-dist/bin
+LINUX := $(filter Linux,$(shell uname))
+# What is compiled outside the workspace: its dependencies are compiled once.
+OUTSIDE := target/outside
 
 # Each fuzz target runs so many seconds.
 SECONDS_EACH ?= 900
@@ -12,13 +16,13 @@ PROGRAM := target/release/firsthit
 # How many rays `make soak` shoots; a hundred million take half an hour.
 RAYS ?= 100000000
 
-.PHONY: render soak test test-rust test-python test-scripts program attack fuzz bench bench-python check clean
+.PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages check clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
 	$(CARGO) run --release --package firsthit-cli --bin firsthit -- demo --output render.png
 
-# All there is to test.
+# All there is to test in the workspace; `test-installed` tests what people install.
 test: test-rust test-python test-scripts
 
 test-rust:
@@ -33,17 +37,50 @@ test-python: .venv/ready
 	$(VENV)/maturin develop --release --quiet
 	$(VENV)/python -m pytest
 	$(VENV)/python -m mypy.stubtest firsthit._firsthit
-	$(VENV)/mypy python/firsthit python/examples
+	$(VENV)/mypy python/firsthit python/_firsthit_program python/examples
+
+# What people install, in an environment of its own: the wheel of dist/, its source distribution, a new Cargo project.
+test-installed: dist
+	$(PYTHON) -m venv --clear $(OUTSIDE)/venv
+	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl pytest mypy
+	$(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
+
+# The wheel, the source distribution and the crates, in dist/, each checked as an index would. The wheels of Linux run
+# on any with glibc 2.17, for which zig links them. WHEEL_PROFILE=release is built sooner.
+WHEEL_PROFILE ?= dist
+MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
+CRATES := --package firsthit --package firsthit-cli
+dist: .venv-dist/ready
+	$(PYTHON) packaging/pages.py --check
+	rm -rf dist $(OUTSIDE)/package
+	$(MATURIN) sdist --out dist
+	$(MATURIN) build --quiet --profile $(WHEEL_PROFILE) $(if $(LINUX),--zig) --out dist
+	$(CARGO) package --quiet --allow-dirty $(CRATES) --target-dir $(OUTSIDE)
+	cp $(OUTSIDE)/package/*.crate dist
+	$(DIST)/twine check --strict dist/*.whl dist/*.tar.gz
+	$(DIST)/abi3audit --strict --verbose dist/*.whl
+	$(if $(LINUX),$(DIST)/auditwheel show dist/*.whl | grep '"manylinux_2_17_')
+	ls -l dist
+
+# What indexes show: see packaging/pages.py.
+pages:
+	$(PYTHON) packaging/pages.py
+
+.venv-dist/ready: packaging/requirements.txt
+	$(PYTHON) -m venv .venv-dist
+	$(DIST)/pip install --quiet --requirement packaging/requirements.txt
+	touch $@
 
 # firsthit beside Embree in one table, see docs/performance.md. For every day:
-# make bench SCENES=bunny ROWS=primary ROUNDS=3. With RECORD=1 the table is kept in benches/record/.
+# make bench SCENES=bunny ROWS=primary ROUNDS=3. ISA=avx2 measures both sides as on a machine without AVX-512. With
+# RECORD=1 the table is kept in benches/record/.
 BENCH_MACHINE = $(shell lscpu | sed -n 's/^Model name: *//p' | tr 'A-Z' 'a-z' | tr -cs 'a-z0-9\n' '-')
 bench: .venv-bench/ready target/scenes/ready
 	$(CARGO) build --release --package firsthit-bench
 	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); \
 	target/release/firsthit-bench $${embree:+--embree "$$embree"} \
 	    $(if $(SCENES),--scenes $(SCENES)) $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
-	    $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE).md)
+	    $(if $(ISA),--isa $(ISA)) $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)$(if $(ISA),-$(ISA)).md)
 
 # The same for the Python package and for whole processes.
 bench-python: .venv-bench/ready target/scenes/ready
@@ -63,6 +100,7 @@ MAKE_SCENES := ../shared/scenes/make_scenes.py
 target/scenes/ready: | .venv-bench/ready
 	mkdir -p target/scenes
 	if [ -f $(MAKE_SCENES) ]; then .venv-bench/bin/python $(MAKE_SCENES) target/scenes && touch $@; fi
+
 # Files that attack, little memory, kills: a sample of them, or (make attack) all.
 test-scripts: program
 	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM) --quick
@@ -90,9 +128,12 @@ fuzz:
 check: .venv/ready
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
+	CARGO=$(CARGO) PYTHON=$(PYTHON) .ci/features
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
-	$(VENV)/ruff check python
-	$(VENV)/ruff format --check python
+	$(VENV)/ruff check python packaging
+	$(VENV)/ruff format --check python packaging
+	$(PYTHON) packaging/pages.py --check
+	$(CARGO) metadata --locked --format-version 1 > /dev/null
 
 clean:
-	rm -rf target .venv .venv-bench render.png
+	rm -rf target dist .venv .venv-bench .venv-dist render.png

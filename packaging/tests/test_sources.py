@@ -1,0 +1,62 @@
+"""What people build from source: the source distribution, a new Cargo project, `cargo install`."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import DIST, OUTSIDE, ROOT, TESTS, build, run
+
+SMOKE = """
+import firsthit as fh
+scene = fh.load("hills.obj")
+t, o = scene.shoot([[0, 0, 9], [5, 0, 9]], [0, 0, -1])
+assert abs(t[0] - 9) < 0.2 and o[0] == 0 and o[1] == -1, (t, o)
+"""
+
+
+def test_the_source_distribution_can_be_installed(hills, tmp_path):
+    # Cargo knows sources by their place in the workspace and by their time, and an archive's are
+    # always old: it would take what it made of an earlier archive.
+    ours = ["--package=firsthit", "--package=firsthit-cli", "--package=firsthit-python"]
+    build("cargo", "clean", "--quiet", "--release", *ours, "--target-dir", OUTSIDE)
+    subprocess.run([sys.executable, "-m", "venv", tmp_path / "venv"], check=True)
+    scripts = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")
+    (archive,) = DIST.glob("*.tar.gz")
+    build(scripts / "pip", "install", "--quiet", archive, CARGO_TARGET_DIR=str(OUTSIDE))
+    shutil.copy(hills, tmp_path)
+    told = run(scripts / "python", "-c", SMOKE, cwd=tmp_path)
+    assert told.returncode == 0, told.stderr
+    told = run(scripts / "firsthit", "render", "hills.obj", "--size", "64x40", cwd=tmp_path)
+    assert told.returncode == 0, told.stderr
+    assert (tmp_path / "hills.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("profile", ["debug", "release"])
+def test_a_new_project_shoots_at_meshes_from_any_thread(profile, tmp_path):
+    (tmp_path / "src").mkdir()
+    shutil.copy(TESTS / "newcomer.rs", tmp_path / "src" / "main.rs")
+    # The versions that everything else is tested with.
+    shutil.copy(ROOT / "Cargo.lock", tmp_path)
+    # The crate as it would be published, not the workspace's folder.
+    (archive,) = DIST.glob("firsthit-[0-9]*.crate")
+    shutil.unpack_archive(archive, tmp_path, "gztar")
+    (tmp_path / "Cargo.toml").write_text(
+        '[package]\nname = "newcomer"\nversion = "0.1.0"\nedition = "2024"\n\n'
+        f'[dependencies]\nfirsthit = {{ path = "{archive.stem}" }}\n\n[workspace]\n'
+    )
+    release = ["--release"] if profile == "release" else []
+    manifest = tmp_path / "Cargo.toml"
+    build(
+        "cargo", "build", "--quiet", *release, "--manifest-path", manifest, "--target-dir", OUTSIDE
+    )
+    env = {name: value for name, value in os.environ.items() if name != "RUST_MIN_STACK"}
+    told = run(OUTSIDE / profile / "newcomer", env=env)
+    assert told.returncode == 0, told.stdout + told.stderr
+
+
+def test_cargo_install_makes_the_program(native, tmp_path):
+    told = run(native, "demo", "--size", "64x40", "--samples", "1", cwd=tmp_path)
+    assert told.returncode == 0, told.stderr
+    assert (tmp_path / "demo.png").read_bytes().startswith(b"\x89PNG")
