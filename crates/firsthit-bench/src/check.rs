@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::embree::Answers;
 use crate::firsthit_side;
+use crate::rows::Picture;
 
 /// What was compared, and what was not equal.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -97,6 +98,20 @@ impl Judge<'_> {
             judged: sample.len(),
             wrong: sample.par_iter().filter(differs).count(),
             other_outcome,
+            ..Checked::default()
+        }
+    }
+
+    /// Compares colours, three for each pixel, with those of hits that the judge finds.
+    pub(crate) fn colors(&self, colors: &[f32], picture: &Picture) -> Checked {
+        let sample = self.sample(picture.pixels(), Vec::new());
+        let bits = |color: &[f32]| color.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let differs = |&&pixel: &&usize| {
+            bits(&picture.judged(pixel)) != bits(&colors[3 * pixel..3 * pixel + 3])
+        };
+        Checked {
+            judged: sample.len(),
+            wrong: sample.par_iter().filter(differs).count(),
             ..Checked::default()
         }
     }

@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use firsthit::channel::kind;
+use firsthit::image::Data;
 use firsthit::io::LoadSettings;
 use firsthit::shape::{Mesh, Positions};
 use firsthit::shoot::{BruteForce, first_hit, occluded_all, shoot_all_into};
-use firsthit::{Hit, Hits, Object, Ray, Rays, Scene};
+use firsthit::{Camera, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Shading, render};
 
 /// The objects of a file.
 pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
@@ -15,9 +17,10 @@ pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
     Ok(model.objects)
 }
 
-/// Builds the trees.
-pub(crate) fn build(objects: &[Object]) -> Result<Scene, String> {
-    Scene::new(objects.to_vec()).map_err(|error| error.to_string())
+/// Builds the trees, to be shot at with an instruction set.
+pub(crate) fn build(objects: &[Object], set: InstructionSet) -> Result<Scene, String> {
+    let scene = Scene::new(objects.to_vec()).map_err(|error| error.to_string())?;
+    Ok(scene.with_instruction_set(set))
 }
 
 /// The same objects, with the vertices of their meshes moved a little.
@@ -48,6 +51,22 @@ pub(crate) fn first_hits(scene: &Scene, rays: &(impl Rays + ?Sized), hits: &mut 
 /// Whether each ray meets anything.
 pub(crate) fn any_hits(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
     occluded_all(scene, rays, &()).expect(STOPPED)
+}
+
+/// The colours of a picture, three numbers for each pixel.
+pub(crate) fn colors(
+    scene: &Scene,
+    camera: &Camera,
+    shading: &Shading<'_>,
+    samples: u32,
+) -> Vec<f32> {
+    let color = kind("color").expect("there is such a channel");
+    let frame = render(scene, camera, shading, &[color], samples, &()).expect(STOPPED);
+    let channel = frame.into_channels().pop();
+    match channel.expect("one was asked for").data {
+        Data::Float32(colors) => colors,
+        other => unreachable!("colours are float32, not {other:?}"),
+    }
 }
 
 const STOPPED: &str = "there is memory for a million hits, and nobody stops it";

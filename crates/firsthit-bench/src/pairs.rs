@@ -17,10 +17,11 @@ use crate::settings::Settings;
 pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
     let mut client = Client(io::stdin().lock());
     let failed = |error: io::Error| format!("--pairs: {error}");
+    let set = settings.instruction_set()?;
     for name in settings.scenes()? {
         let scene = scenes::find(&name, settings)?;
-        let built = firsthit_side::build(&scene.objects)?;
-        let mut build = || drop(black_box(firsthit_side::build(&scene.objects)));
+        let built = firsthit_side::build(&scene.objects, set)?;
+        let mut build = || drop(black_box(firsthit_side::build(&scene.objects, set)));
         client
             .time(&name, "build", built.triangles() as usize, &mut build)
             .map_err(failed)?;
@@ -32,6 +33,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
                 Shot::Pixels(camera) => firsthit_side::first_hits(&built, camera, &mut hits),
                 Shot::First(rays) => firsthit_side::first_hits(&built, &**rays, &mut hits),
                 Shot::Any(rays) => drop(black_box(firsthit_side::any_hits(&built, rays))),
+                Shot::Picture(picture) => drop(black_box(picture.render())),
             };
             client
                 .time(&name, &row.name(), shot.count(), &mut shoot)

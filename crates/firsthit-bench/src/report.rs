@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::process::Command;
 
-use firsthit::Scene;
+use firsthit::{InstructionSet, Scene};
 
 use crate::embree::Device;
 use crate::measure::{Timing, geometric_mean};
@@ -55,17 +55,22 @@ impl<'a> Report<'a> {
             rows: Vec::new(),
         };
         report.line(&machine());
+        let set = settings.instruction_set();
         report.line(&format!(
-            "firsthit {}{}; rounds: {}; pixels: {side} x {side}",
+            "firsthit {}{}, {}; rounds: {}; pixels: {side} x {side}",
             env!("CARGO_PKG_VERSION"),
             commit().map_or_else(String::new, |commit| format!(" at {commit}")),
+            set.map_or("no such instruction set", InstructionSet::name),
             settings.rounds,
             side = settings.side,
         ));
         report.line(&match device {
             Some(device) => format!(
-                "Embree {}, packets of {}, one thread, medium quality",
+                "Embree {}{}, packets of {}, one thread, medium quality",
                 device.version(),
+                settings
+                    .embree_isa()
+                    .map_or_else(String::new, |isa| format!(", isa={isa}")),
                 device.width()
             ),
             None => "Embree is not there (--embree): firsthit alone".into(),

@@ -1,5 +1,6 @@
 //! The rows of the table: which rays, and both sides' times for them.
 
+mod picture;
 mod rays;
 
 use std::cell::RefCell;
@@ -18,6 +19,7 @@ use crate::report::Report;
 use crate::scenes::{BenchScene, Look};
 use crate::settings::Settings;
 use crate::tree::Trees;
+pub(crate) use picture::Picture;
 use rays::Surface;
 
 /// A kind of rays.
@@ -37,6 +39,10 @@ pub(crate) enum Row {
     Bounce,
     /// From points all over the scene's box in all directions: the first hit
     Random,
+    /// The picture of the first row's camera, unlit, four points to a pixel, whole; of Embree the rays alone
+    Antialiased,
+    /// The picture of the first row's camera, lit and with shadows, whole; of Embree the rays alone
+    Shaded,
 }
 
 impl Row {
@@ -49,6 +55,8 @@ impl Row {
         Self::Occlusion,
         Self::Bounce,
         Self::Random,
+        Self::Antialiased,
+        Self::Shaded,
     ];
 
     /// Its name, as on the command line.
@@ -104,6 +112,7 @@ pub(crate) fn measure(
             Shot::Pixels(camera) => run.first_hits(row, &camera, &Pixels::new(&camera)),
             Shot::First(rays) => run.first_hits(row, &*rays, &Columns::new(&rays)),
             Shot::Any(rays) => run.any_hits(row, &rays),
+            Shot::Picture(picture) => run.picture(row, &picture),
         };
         report.row(&scene.name, measured);
     }
@@ -118,6 +127,8 @@ pub(crate) enum Shot {
     First(Vec<Ray>),
     /// Any hit.
     Any(Vec<Ray>),
+    /// The colours.
+    Picture(Box<Picture>),
 }
 
 impl Shot {
@@ -126,6 +137,7 @@ impl Shot {
         match self {
             Self::Pixels(camera) => camera.len(),
             Self::First(rays) | Self::Any(rays) => rays.len(),
+            Self::Picture(picture) => picture.count(),
         }
     }
 }
@@ -164,6 +176,19 @@ impl<'a> Shots<'a> {
             Row::Occlusion => Shot::Any(self.surface.around(self.look.reach, count)),
             Row::Bounce => Shot::First(self.surface.scattered()),
             Row::Random => Shot::First(rays::anywhere(self.scene.bounds(), count)),
+            Row::Antialiased => {
+                Shot::Picture(Box::new(Picture::antialiased(self.scene, self.camera)))
+            }
+            Row::Shaded => {
+                let shadows = self.surface.to_light(self.look.light);
+                let light = self.look.light;
+                Shot::Picture(Box::new(Picture::shaded(
+                    self.scene,
+                    self.camera,
+                    light,
+                    &shadows,
+                )))
+            }
         })
     }
 }
@@ -234,6 +259,30 @@ impl Run<'_> {
             speedup: measure::speedup(self.rounds, self.pool, &|| {
                 drop(black_box(firsthit_side::any_hits(scene, rays)));
             }),
+        }
+    }
+
+    /// A whole picture by firsthit, and its rays by Embree.
+    fn picture(&self, row: Row, picture: &Picture) -> Measured {
+        let render = || drop(black_box(picture.render()));
+        let theirs = |(robust, door): (bool, Door), answers: &mut Answers| {
+            if let Some(trees) = &self.trees.embree {
+                picture.trace(trees.of(robust), door, answers);
+            }
+        };
+        let count = picture.count();
+        let mut answers = Answers::new(count);
+        let mut ours = render;
+        let times = self.in_turns(count, &mut ours, &theirs, &mut answers);
+        let judge = self.judge;
+        let check = || judge.colors(&picture.render(), picture);
+        Measured {
+            row,
+            rays: count,
+            firsthit: times[0],
+            embree: times[1..].to_vec(),
+            checked: self.pool.install(check),
+            speedup: measure::speedup(self.rounds, self.pool, &render),
         }
     }
 

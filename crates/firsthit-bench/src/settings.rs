@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Parser;
+use firsthit::InstructionSet;
 
 use crate::rows::Row;
 use crate::scenes;
@@ -29,6 +30,9 @@ pub(crate) struct Settings {
     /// Pixels across and down, a multiple of 16
     #[arg(long, default_value_t = 1024, value_parser = side)]
     pub(crate) side: usize,
+    /// Both sides with the instructions of this set: portable, avx2 or avx512 [default: the fastest of this machine]
+    #[arg(long, value_name = "NAME", value_parser = set)]
+    pub(crate) isa: Option<InstructionSet>,
     /// How many triangles the judge may test for a row's sample of hits
     #[arg(long, value_name = "NUMBER", default_value_t = 300_000_000)]
     pub(crate) judge: u64,
@@ -47,7 +51,26 @@ fn side(text: &str) -> Result<usize, String> {
     }
 }
 
+fn set(name: &str) -> Result<InstructionSet, String> {
+    name.parse()
+        .map_err(|error: firsthit::Error| error.to_string())
+}
+
 impl Settings {
+    /// The one that firsthit uses.
+    pub(crate) fn instruction_set(&self) -> Result<InstructionSet, String> {
+        let current = || InstructionSet::current().map_err(|error| error.to_string());
+        self.isa.map_or_else(current, Ok)
+    }
+
+    /// What restricts Embree to the same.
+    pub(crate) fn embree_isa(&self) -> Option<&'static str> {
+        self.isa.map(|set| match set {
+            InstructionSet::Portable => "sse2",
+            set => set.name(),
+        })
+    }
+
     /// The names of the scenes to measure.
     pub(crate) fn scenes(&self) -> Result<Vec<String>, String> {
         if self.scenes.is_empty() {
@@ -66,6 +89,9 @@ impl Settings {
         if !self.rows.is_empty() {
             let rows: Vec<String> = self.rows.iter().map(|row| row.name()).collect();
             words.push(format!("ROWS={}", rows.join(",")));
+        }
+        if let Some(set) = self.isa {
+            words.push(format!("ISA={}", set.name()));
         }
         words.push(format!("JUDGE={}", self.judge));
         words.join(" ")

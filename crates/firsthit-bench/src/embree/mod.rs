@@ -16,7 +16,7 @@ mod source;
 mod trace;
 
 use std::error::Error;
-use std::ffi::c_void;
+use std::ffi::{CString, c_void};
 use std::marker::PhantomData;
 use std::path::Path;
 use std::sync::atomic::{AtomicIsize, Ordering};
@@ -68,11 +68,15 @@ pub(crate) struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// One thread, and huge pages, as Embree's manual recommends.
-    pub(crate) fn new(library: &'a Library) -> Result<Self, String> {
+    /// One thread, and huge pages, as Embree's manual recommends; with no instructions beyond those of `isa`, by Embree's
+    /// name for it.
+    pub(crate) fn new(library: &'a Library, isa: Option<&str>) -> Result<Self, String> {
         let api = &library.0;
+        let isa = isa.map_or_else(String::new, |isa| format!(",isa={isa}"));
+        let settings = CString::new(format!("threads=1,hugepages=1{isa}"));
+        let settings = settings.map_err(|error| error.to_string())?;
         // SAFETY: the text ends in a zero and is only read during the call.
-        let handle = unsafe { (api.new_device)(c"threads=1,hugepages=1".as_ptr()) };
+        let handle = unsafe { (api.new_device)(settings.as_ptr()) };
         if handle.is_null() {
             return Err("Embree makes no device".into());
         }
