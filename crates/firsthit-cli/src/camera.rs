@@ -52,7 +52,7 @@ pub(crate) fn camera(
     let support = |direction| scene.support(direction);
     // With a position or an aim, up is the format's convention: it must not depend on the model.
     let up = if described.position.is_none() && !matches!(described.aim, Some(Aim::Along(_))) {
-        likely_up(scene, model)
+        model.up_in(scene)
     } else {
         model.up
     };
@@ -61,14 +61,6 @@ pub(crate) fn camera(
         camera: described.camera(bounds, support, up)?,
         guessed: guessed(&described, is_guessed.then_some(up)),
     })
-}
-
-fn likely_up(scene: &Scene, model: &Model) -> DVec3 {
-    if model.up_is_guessed {
-        scene.likely_up(model.up)
-    } else {
-        model.up
-    }
 }
 
 /// What was guessed of the camera.

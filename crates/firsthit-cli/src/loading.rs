@@ -12,7 +12,6 @@ use crate::failure::Failure;
 /// A scene with what its file says beside it.
 pub(crate) struct Loaded {
     pub(crate) scene: Scene,
-    pub(crate) up: firsthit::DVec3,
     pub(crate) warnings: Vec<String>,
     /// What else the file says: the model without its objects.
     pub(crate) model: Model,
@@ -43,7 +42,6 @@ pub(crate) fn read(
         });
     Ok(Loaded {
         scene: Scene::new(objects.collect())?,
-        up: model.up,
         warnings: std::mem::take(&mut model.warnings),
         model,
     })

@@ -38,7 +38,6 @@ fn of_model(args: &InfoArgs) -> Result<String, Failure> {
 fn as_json(loaded: &Loaded) -> Value {
     let Loaded {
         scene,
-        up,
         warnings,
         model,
     } = loaded;
@@ -58,7 +57,7 @@ fn as_json(loaded: &Loaded) -> Value {
         "vertices": vertices(loaded),
         "bounds": corners(scene.bounds()),
         "objects": scene.objects().iter().map(object).collect::<Vec<_>>(),
-        "up": up.to_array(),
+        "up": model.up_in(scene).to_array(),
         "instruction_set": scene.instruction_set().name(),
         "cameras": info_looks::cameras_as_json(&model.cameras),
         "lights": info_looks::lights_as_json(&model.lights),
@@ -77,7 +76,7 @@ fn corners(bounds: Bounds) -> Value {
 }
 
 fn as_text(loaded: &Loaded) -> String {
-    let Loaded { scene, up, .. } = loaded;
+    let Loaded { scene, model, .. } = loaded;
     let mut lines = vec![
         format!("triangles  {}", scene.triangles()),
         format!("vertices   {}", vertices(loaded)),
@@ -89,10 +88,15 @@ fn as_text(loaded: &Loaded) -> String {
         lines.push(format!("bounds     {}", span(scene.bounds())));
         lines.push(format!("size       {x} x {y} x {z}"));
     }
-    lines.push(format!(
-        "up         {} (by the format's custom)",
-        triple(*up)
-    ));
+    let up = model.up_in(scene);
+    let source = if !model.up_is_guessed {
+        "as the file says"
+    } else if up == model.up {
+        "by the format's convention"
+    } else {
+        "guessed from a flat base"
+    };
+    lines.push(format!("up         {} ({source})", triple(up)));
     let set = scene.instruction_set().name();
     lines.push(format!("kernels    {set}"));
     lines.push(format!("objects    {}", scene.objects().len()));

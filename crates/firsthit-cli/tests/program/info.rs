@@ -46,6 +46,24 @@ fn objects_come_in_the_order_of_the_file() {
 }
 
 #[test]
+fn up_is_that_of_the_picture_with_its_source() {
+    let lab = Lab::with_square();
+    let said = |file: &str| lab.ok(&format!("info {file}")).text().to_owned();
+    assert!(said("square.ply").contains("up         0,0,1 (by the format's convention)"));
+    // A column on a base: a file of a format with y up that stands on z.
+    lab.write(
+        "column.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 3\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+    );
+    assert!(said("column.obj").contains("up         0,0,1 (guessed from a flat base)"));
+    lab.write(
+        "scene.toml",
+        "up = [1, 0, 0]\n[[objects]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n",
+    );
+    assert!(said("scene.toml").contains("up         1,0,0 (as the file says)"));
+}
+
+#[test]
 fn text_says_the_same() {
     let lab = Lab::with_square();
     let outcome = lab.ok("info square.ply");

@@ -121,13 +121,16 @@ impl Model {
     ///
     /// Those of [`Scene::new`].
     pub fn into_scene(self) -> Result<Scene> {
+        let (up, up_is_guessed) = (self.up, self.up_is_guessed);
         let scene = Scene::new(self.objects)?.with_lights(self.lights);
-        let up = if self.up_is_guessed {
-            scene.likely_up(self.up)
-        } else {
-            self.up
-        };
+        let up = up_in(&scene, up, up_is_guessed);
         Ok(scene.with_up(up))
+    }
+
+    /// Which way is up in `scene`, the scene of the objects: as the file says, or as [`Scene::likely_up`] guesses if it
+    /// does not say.
+    pub fn up_in(&self, scene: &Scene) -> DVec3 {
+        up_in(scene, self.up, self.up_is_guessed)
     }
 
     fn of(objects: Vec<Object>) -> Self {
@@ -136,6 +139,10 @@ impl Model {
             ..Self::default()
         }
     }
+}
+
+fn up_in(scene: &Scene, up: DVec3, is_guessed: bool) -> DVec3 {
+    if is_guessed { scene.likely_up(up) } else { up }
 }
 
 /// A file that a scene file asks for.
