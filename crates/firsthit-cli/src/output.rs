@@ -353,13 +353,6 @@ pub(crate) fn as_json(
     targets.iter().zip(legends).map(one).collect()
 }
 
-/// Whether one of the files is standard output by another name.
-pub(crate) fn take_stdout<'a>(targets: impl IntoIterator<Item = &'a Target>) -> bool {
-    const NAMES: [&str; 3] = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
-    let mut targets = targets.into_iter();
-    targets.any(|target| NAMES.iter().any(|name| target.path == Path::new(name)))
-}
-
 /// Writes all files, each whole or not at all; returns how to read each back, where that takes words.
 pub(crate) fn write(
     frame: &Frame,

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::args::{LightingArgs, RenderArgs, RunArgs};
 use crate::camera::{Chosen, camera, check, of_file};
-use crate::console::{counted, end_report, report_beside_data, say, warn};
+use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
 use crate::legend;
 use crate::loading::{self, Loaded, with_threads};
@@ -168,9 +168,6 @@ pub(crate) fn picture(
     interrupted: &AtomicBool,
 ) -> Result<(), Failure> {
     let started = Instant::now();
-    if output::take_stdout(orders.iter().flat_map(|order| &order.targets)) {
-        report_beside_data();
-    }
     let &Job {
         scene,
         camera,
@@ -183,7 +180,7 @@ pub(crate) fn picture(
     let pixels = camera.pixels() as u64;
     let of_order = |order: &Order| work(camera.pixels(), &order.kinds, samples);
     let total = pixels + orders.iter().map(of_order).sum::<u64>();
-    let progress = Progress::new(total, args.quiet, interrupted);
+    let progress = Progress::new(total, args.quiet || args.json, interrupted);
     let hits = shoot_all(scene, camera, &progress)?;
     let mut legends = Vec::new();
     for Order { kinds, targets } in orders {

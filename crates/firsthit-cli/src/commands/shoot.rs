@@ -85,9 +85,6 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         args.run.quiet || args.run.json,
     )?;
     let sinks = sinks(args, &kinds)?;
-    if output::take_stdout(&sinks.files) {
-        report_beside_data();
-    }
     let started = Instant::now();
     with_threads(&args.run, || {
         let ends = ends(args)?;
@@ -227,7 +224,7 @@ fn sinks(args: &ShootArgs, kinds: &[&'static Kind]) -> Result<Sinks, Failure> {
         ));
     }
     let stdout = streams.then_some(format);
-    let is_quiet = args.run.quiet;
+    let is_quiet = args.run.quiet || args.run.json;
     Ok(Sinks {
         files,
         stdout,

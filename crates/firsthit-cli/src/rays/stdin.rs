@@ -7,8 +7,10 @@ use std::time::Duration;
 
 use crate::failure::Failure;
 
-/// How many bytes are read at a time, and at most ahead of the rays that are shot.
+/// How many bytes are read at a time.
 const PIECE: usize = 1 << 18;
+
+/// How many bytes of whole lines are read ahead of the rays that are shot. A line may be longer.
 const MOST_AHEAD: usize = 1 << 26;
 
 /// How often a wait checks whether it should stop.
@@ -39,7 +41,7 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reads to the end, or until the `Feed` is dropped.
+    /// Reads to the end. Once the `Feed` is dropped, no more than one piece is read: a `read` that waits goes on waiting.
     fn fill(self: &Arc<Self>) {
         let mut piece = vec![0; PIECE];
         let mut input = io::stdin().lock();

@@ -61,6 +61,9 @@ fn warnings_are_in_the_object_and_nowhere_else() {
 #[test]
 fn where_results_take_standard_output_the_object_goes_to_standard_error() {
     let lab = Lab::with_square();
+    let outcome = lab.pipe("shoot missing.ply - --json", b"0,0,1,0,0,-1\n");
+    assert_eq!((outcome.code, outcome.text()), (3, ""));
+    assert!(object(&outcome.stderr)["error"].is_string());
     let outcome = lab.pipe("shoot square.ply - --json", b"0,0,1,0,0,-1\n");
     assert_eq!(outcome.text(), "t,object,primitive\n1,0,0\n");
     let said = object(&outcome.stderr);

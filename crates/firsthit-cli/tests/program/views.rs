@@ -152,7 +152,7 @@ fn white_and_black_models_stand_out_from_the_background() {
     }
 }
 
-/// The bust is an OBJ file with z up; the bottle too; the bunny is a PLY file with y up.
+/// All are OBJ files: the bust and the bottle have z up, the bunny y as the convention says.
 #[test]
 fn busts_and_bottles_stand_upright() {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
