@@ -163,7 +163,8 @@ class Camera:
         """Make a camera from which all of a scene is seen and fills the picture.
 
         It is what the program looks through where nothing else is said: with square pixels, a
-        vertical field of view of 45 degrees and a margin of a twentieth. Its rays start at the eye.
+        vertical field of view of 45 degrees. The picture is 1.05 times as large as the scene in
+        one of its two directions. Rays start at the eye.
 
         Parameters
         ----------

@@ -268,7 +268,8 @@ def render(
     shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. ``shade(hits)`` gets `Hits`, misses included, and returns linear
         colours of shape (..., 3); the background is then its own affair. It is called for each of
-        the ``samples``, and for parts of large pictures.
+        the ``samples``, and for parts of large pictures; ``background``, ``ambient`` and
+        ``shadows`` cannot be given with it.
     ambient : (3,) array_like or str, optional
         Lambert's light from everywhere.
     shadows : bool, optional
@@ -297,6 +298,11 @@ def render(
     if not isinstance(scene, Scene) or not isinstance(camera, Camera | None):
         raise TypeError("render takes a Scene and a Camera")
     names, said = _names(channels), scene.shading
+    given = {"background": background, "ambient": ambient, "shadows": shadows}
+    if shade is not None and not isinstance(shade, str):
+        for name, value in given.items():
+            if value is not None:
+                raise ValueError(f"{name} does nothing with a shade of one's own; leave it out")
     shade = said.shade if shade is None else shade
     ambient = said.ambient if ambient is None else ambient
     shadows = said.shadows if shadows is None else shadows

@@ -279,6 +279,7 @@ class Hits:
         AttributeError
             For ``range`` and ``z`` of rays that no camera made.
         """
+        use = self._threads if threads is None else threads_or_all(threads)
         if name in ("t", "object", "primitive"):
             made: npt.NDArray[Any] = getattr(self, name)
             return made
@@ -287,7 +288,6 @@ class Hits:
         elif name not in self.channels:
             raise ValueError(f"channel must be among {', '.join(self.channels)}, got {name!r}")
         if name not in self._made:
-            use = self._threads if threads is None else threads_or_all(threads)
             with following(progress, len(self._arrays[0])) as report:
                 self._made[name] = self._compute(name, use, report)
         components = _COMPONENTS.get(name, 1)
@@ -299,14 +299,16 @@ class Hits:
         for name in self.channels:
             yield name, self.channel(name)
 
-    def to_dict(self, channels: Sequence[ChannelName] | None = None) -> dict[str, npt.NDArray[Any]]:
+    def to_dict(
+        self, channels: ChannelName | Sequence[ChannelName] | None = None
+    ) -> dict[str, npt.NDArray[Any]]:
         """Return the hits as a table: its columns by name.
 
         ``pandas.DataFrame(hits.to_dict())`` and its like take it.
 
         Parameters
         ----------
-        channels : sequence of str, optional
+        channels : str or sequence of str, optional
             Some of `channels`; all of them if left out.
 
         Returns
@@ -331,7 +333,8 @@ class Hits:
         if self._camera is not None and self._rays is None:
             pixels = np.arange(len(self._arrays[0])) if self._pixels is None else self._pixels
             table["row"], table["column"] = np.divmod(pixels, self._camera.columns)
-        for name in self.channels if channels is None else channels:
+        names = [channels] if isinstance(channels, str) else channels
+        for name in self.channels if names is None else names:
             array = self.channel(name)
             components = _COMPONENTS.get(name, 1)
             if components == 1:
@@ -370,7 +373,7 @@ class Hits:
         return self._shape[0]
 
     def __bool__(self) -> bool:
-        """Hits are there, even if none of the rays met anything."""
+        """Return True, also if no ray hit anything: the length must not decide."""
         return True
 
     def __iter__(self) -> Iterator[npt.NDArray[Any]]:

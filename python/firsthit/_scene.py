@@ -204,8 +204,8 @@ class Scene:
         """Which way is up in the world, where `Camera.framing` and `render` are not told.
 
         That of the file: as a scene file says, +y for glTF. OBJ, STL and PLY files do not say: it
-        is the other of +y and +z where the meshes plainly stand on a flat foot that way, else +y
-        for OBJ and +z for STL and PLY. Of other scenes +z.
+        is +y for OBJ and +z for STL and PLY, unless the meshes clearly stand on a flat base along
+        the other of the two. Of other scenes +z.
         """
         return vector("up", self._native().likely_up(self._up)) if self._up_is_guessed else self._up
 

@@ -134,8 +134,9 @@ pub(crate) fn channel<'py>(
     let report = report.as_ref();
     let made = if hits.len() < FEW {
         let made = kind.make(&shots, &black, &());
+        let made = made.map_err(|error| raise(py, &error))?;
         report_done(report, hits.len())?;
-        made.map_err(|error| raise(py, &error))?
+        made
     } else {
         run_reported(py, threads, report, |stop| kind.make(&shots, &black, stop))?
     };

@@ -147,6 +147,9 @@ def test_an_own_shader_sees_misses_too_and_is_averaged():
     assert border.any()
     with pytest.raises(ValueError, match=r"shade must return colours of shape \(12, 16, 3\)"):
         fh.render(ball(), small(), shade=lambda hits: hits.t, samples=1)
+    for name, value in {"background": "red", "ambient": (1, 1, 1), "shadows": False}.items():
+        with pytest.raises(ValueError, match=f"{name} does nothing with a shade of one's own"):
+            fh.render(ball(), small(), shade=shade, **{name: value})
 
 
 def test_own_shading_samples_the_same_points_as_the_library():

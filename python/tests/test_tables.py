@@ -110,6 +110,7 @@ def test_tables_have_a_row_for_each_ray_and_the_columns_of_the_program_s_csv():
     assert {(column.ndim, len(column)) for column in table.values()} == {(1, 2)}
     np.testing.assert_array_equal(table["position_z"], [1, np.nan])
     assert list(hits.to_dict(["object", "uv"])) == ["object", "uv_u", "uv_v"]
+    assert list(hits.to_dict("uv")) == ["uv_u", "uv_v"]
 
 
 def test_tables_of_a_camera_s_hits_know_their_pixels():
