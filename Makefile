@@ -1,4 +1,4 @@
-# The commands of this house. Everything is built in target/ and .venv/, nothing outside the clone.
+# The commands of this house. Nothing is built outside the clone.
 
 CARGO ?= cargo
 PYTHON ?= python3

@@ -2,8 +2,8 @@
 
 The page, ``packaging/README.md``, is README.md without its picture and with its relative links as
 plain text: an index shows a page far from the files beside it. The repository's address stands in
-the workspace's Cargo.toml; a package has it by a line that is refused while there is no address, so
-the line is written here.
+the workspace's Cargo.toml, and packages inherit it by a line of their own. Cargo refuses that line
+while the workspace has no address, so this script adds it once there is one.
 
 With ``--check`` nothing is written: the exit code says whether anything would be.
 """
@@ -23,7 +23,10 @@ def page(readme: str) -> str:
     """Return README.md's text as it can be read away from the repository."""
     without_picture = re.sub(r"\A!\[[^]]*\]\([^)]*\)\s*", "", readme)
     links_as_text = re.sub(r"\[([^]]+)\]\((?!https?:)[^)]*\)", r"\1", without_picture)
-    return NOTE + links_as_text.replace("# the picture above, no", "# an example scene, no")
+    before, told, after = links_as_text.partition("# the picture above, no")
+    if not told:
+        raise ValueError("README.md no longer says `# the picture above, no`: this replaces it")
+    return f"{NOTE}{before}# an example scene, no{after}"
 
 
 def manifest(text: str, has_address: bool) -> str:  # noqa: FBT001
