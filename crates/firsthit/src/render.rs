@@ -47,6 +47,7 @@ pub fn render(
     samples: u32,
     watch: &dyn Watch,
 ) -> Result<Frame> {
+    check_samples(samples)?;
     let hits = shoot_all(scene, camera, watch)?;
     develop(scene, camera, &hits, shade, channels, samples, watch)
 }
@@ -65,9 +66,7 @@ pub fn develop(
     samples: u32,
     watch: &dyn Watch,
 ) -> Result<Frame> {
-    if samples == 0 {
-        return Err(Error::argument("samples", "at least 1", samples));
-    }
+    check_samples(samples)?;
     if hits.len() != camera.pixels() {
         return Err(Error::argument("hits", "one for each pixel", hits.len()));
     }
@@ -97,6 +96,13 @@ pub fn develop(
     Ok(frame)
 }
 
+fn check_samples(samples: u32) -> Result<()> {
+    if samples == 0 {
+        return Err(Error::argument("samples", "at least 1", samples));
+    }
+    Ok(())
+}
+
 /// How many rays [`develop`] reports to its watch in all. [`render`] reports `pixels` more, for the hits.
 pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
     let points = |kind: &&Kind| {
@@ -120,7 +126,7 @@ fn antialiased<const N: usize>(
     watch: &dyn Watch,
 ) -> Result<Data> {
     let mut colors = filled(camera.pixels().saturating_mul(N), 0.0_f32)?;
-    // Pixels whose points make one batch: these go nearly the same way.
+    // The pixels whose samples make one batch: neighbouring rays traverse the tree together.
     let pixels = (SHADED / samples as usize).max(1);
     colors
         .par_chunks_mut(N * pixels)

@@ -84,7 +84,7 @@ fn an_ascii_ply_is_told_wherever_it_is_cut() {
 fn what_an_obj_can_tell_of_being_cut_it_tells() {
     let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1 2 3\n";
     for (last, words) in [
-        ("f 1", "this face has less than 3 corners: 'f 1'"),
+        ("f 1", "this face has fewer than 3 corners: 'f 1'"),
         (
             "f 1/1/1 2/1/1 3/1",
             "the corners of this face are not of one form",
@@ -187,7 +187,7 @@ fn packed_files_json_and_toml_fail_by_themselves() {
     let toml = "[[objects]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = ";
     for end in 1..toml.len() {
         let cut = &toml[..end];
-        // A comment and nothing, that is all that a cut could look like otherwise.
+        // A cut in a comment or between two tables would be a whole file: there is none of these here.
         assert!(!said("a.toml", cut.as_bytes()).is_empty(), "{cut}");
     }
 }

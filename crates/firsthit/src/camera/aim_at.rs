@@ -46,8 +46,9 @@ impl Camera {
     }
 
     /// The camera of `view` moved, without turning it, so that a scene fills the picture. A perspective camera keeps its field of
-    /// view; an orthographic one gets a viewplane of the scene's size, of the same shape. The scene touches a margin of
-    /// a twentieth at two opposite edges and is centred between the others. Rays start at the eye.
+    /// view; an orthographic one gets a viewplane of the scene's size, of the same shape. The picture is
+    /// 1.05 times as large as the scene in one of its two directions and centres the scene in the other. Rays start at
+    /// the eye.
     ///
     /// `support` is the scene's support function: the largest dot product of a direction with a point of the scene
     /// ([`Scene::support`](crate::Scene::support)). It is called up to 18 times.

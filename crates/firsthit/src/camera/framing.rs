@@ -113,10 +113,10 @@ impl Frame {
         })
     }
 
-    /// The position across, for an eye at `depth`, at which a narrower wedge touches the scene on both sides.
+    /// The position across, for an eye at `depth`, at which the scene is centred.
     ///
-    /// The excess of a wedge falls with its slope, at a rate of twice the depth at which it touches the scene. That depth is not
-    /// known, so the slope is found by false position. Three steps leave less than a hundredth of half the picture.
+    /// Narrows the wedge of sight by false position until the scene touches both of its planes, and takes the middle.
+    /// Three steps leave less than a hundredth of half the picture.
     fn centred(
         &self,
         across: DVec3,

@@ -82,7 +82,7 @@ impl<'a> From<&'a dyn Shade> for Look<'a> {
     }
 }
 
-/// A [`Watch`] that can be debugged.
+/// A [`Watch`] with [`Debug`].
 #[derive(Clone, Copy)]
 struct Follower<'a>(&'a dyn Watch);
 

@@ -9,8 +9,8 @@ use crate::shape::Mesh;
 /// The base and the lid are the lowest and the highest part of the scene, this share of its height.
 const LAYER: f64 = 0.02;
 
-/// A triangle is flat if the cosine between its normal and the axis is at least this.
-const FLAT: f64 = 0.9;
+/// A triangle is level if the cosine between its normal and the axis is at least this.
+const LEVEL: f64 = 0.9;
 
 /// A base has at least this share of the area that faces down.
 const BASE: f64 = 0.2;
@@ -18,7 +18,7 @@ const BASE: f64 = 0.2;
 /// A base must be this many times larger than the base along the other axis.
 const CLEARLY: f64 = 10.0;
 
-/// Areas projected along y and along z: of all triangles, of the flat ones in the base, and of those in the lid.
+/// Areas projected along y and along z: of all triangles, of the level ones in the base, and of those in the lid.
 #[derive(Clone, Copy, Default)]
 struct Seen {
     all: [f64; 2],
@@ -91,7 +91,7 @@ impl Scene {
         for (k, axis) in [1, 2].into_iter().enumerate() {
             let along = 0.5 * area[axis].abs();
             seen.all[k] = along;
-            if along < FLAT * 0.5 * area.length() {
+            if along < LEVEL * 0.5 * area.length() {
                 continue;
             }
             let layer = LAYER * size[axis];

@@ -94,8 +94,9 @@ impl Scene {
     }
 
     /// A scene of other objects, with the same lights. What did not change is shared: the tree over a mesh
-    /// that this scene has too is not built again. Where an object's mesh has the triangles that the object in its
-    /// place has in this scene, with other vertices, the tree is fitted to these, if it is still a good one.
+    /// that this scene has too is not built again. A mesh in the place of one with the
+    /// same triangles and other vertices gets that one's tree: its boxes are fitted to the new vertices, unless that
+    /// would make a poor tree.
     ///
     /// # Errors
     ///

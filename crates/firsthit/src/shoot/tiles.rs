@@ -184,7 +184,8 @@ impl Work<'_> {
         self.first + row * Square::STRIDE
     }
 
-    /// Adds what tiles cannot do: everything where `is_tiled` is not set, else the objects that are not meshes.
+    /// Shoots single rays at what the tile leaves out: at all objects unless `is_filled`, else at those that tiles
+    /// cannot do.
     #[inline(always)]
     fn complete<L: Lanes>(
         &self,

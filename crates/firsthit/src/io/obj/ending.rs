@@ -64,7 +64,7 @@ fn incomplete<'a>(corners: impl Iterator<Item = &'a [u8]>) -> Option<&'static st
         }
     }
     if count < 3 {
-        Some("this face has less than 3 corners")
+        Some("this face has fewer than 3 corners")
     } else if last.ends_with(b"/") {
         Some("an index is missing after the slash")
     } else {

@@ -349,7 +349,7 @@ impl<'a> Reader<'a> {
     fn end_face(&mut self, line: u64) {
         if self.face.vertices.len() < 3 {
             self.warn("face", line, || {
-                "a face of less than 3 corners is not read".to_owned()
+                "a face of fewer than 3 corners is not read".to_owned()
             });
             return;
         }
