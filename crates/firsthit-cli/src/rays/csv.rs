@@ -35,31 +35,30 @@ impl Lines {
             .read_byte_record(&mut record)
             .map_err(|error| error.to_string())?
         {
-            let line = self.before + record.position().map_or(0, csv::Position::line);
-            self.record(&record, line, values)?;
+            self.record(&record, values).map_err(|what| {
+                // A record's own position is before the blank lines and the comments that were skipped.
+                let end = usize::try_from(reader.position().byte()).unwrap_or(usize::MAX);
+                let read = bytes.get(..end).unwrap_or(bytes);
+                let read = read.strip_suffix(b"\n").unwrap_or(read);
+                format!("line {}: {what}", self.before + breaks(read) + 1)
+            })?;
         }
-        // A break more is a piece more.
-        self.before += bytes.split(|&byte| byte == b'\n').count() as u64 - 1;
+        self.before += breaks(bytes);
         Ok(())
     }
 
-    fn record(
-        &mut self,
-        record: &csv::ByteRecord,
-        line: u64,
-        values: &mut Vec<f64>,
-    ) -> Result<(), String> {
-        if record.len() == 1 && record.get(0).is_some_and(<[u8]>::is_empty) {
-            // Blanks alone.
+    fn record(&mut self, record: &csv::ByteRecord, values: &mut Vec<f64>) -> Result<(), String> {
+        let first = record.get(0).unwrap_or_default();
+        let is_blank = record.len() == 1 && first.is_empty();
+        // The reader takes blanks away after it has looked for comments.
+        if is_blank || first.starts_with(b"#") {
             return Ok(());
         }
         let is_first = self.columns.is_none();
         let expected = *self.columns.get_or_insert(record.len());
         if record.len() != expected {
             let got = record.len();
-            return Err(format!(
-                "line {line}: expected {expected} numbers, got {got}"
-            ));
+            return Err(format!("expected {expected} numbers, got {got}"));
         }
         if is_first && record.iter().all(|field| number(field).is_none()) {
             // A header is a first line in which nothing is a number.
@@ -69,14 +68,18 @@ impl Lines {
         for field in record {
             let Some(number) = number(field) else {
                 values.truncate(start);
-                return Err(format!(
-                    "line {line}: expected numbers with commas between them"
-                ));
+                return Err("expected numbers with commas between them".into());
             };
             values.push(number);
         }
         Ok(())
     }
+}
+
+/// How many line breaks there are.
+fn breaks(bytes: &[u8]) -> u64 {
+    // A break more is a piece more.
+    bytes.split(|&byte| byte == b'\n').count() as u64 - 1
 }
 
 fn number(field: &[u8]) -> Option<f64> {

@@ -144,7 +144,7 @@ fn text_may_have_a_header_comments_and_spaces() {
 #[test]
 fn files_that_hold_no_rays_are_bad_input() {
     let lab = Lab::with_square();
-    let text: [(&[u8], &str); 8] = [
+    let text: [(&[u8], &str); 10] = [
         (b"1,2,3,4,5\n", "got columns: 5"),
         (b"1,2,3,4,5,6\n1,2\n", "line 2: expected 6 numbers, got 2"),
         (b"1,2,3,4,5,6\n1,2,3,4,5,x\n", "line 2: expected numbers"),
@@ -153,6 +153,11 @@ fn files_that_hold_no_rays_are_bad_input() {
         (b"1 2 3 4 5 6\n", "got columns: 1"),
         (b"\xff\xfe\x00\x01 garbage \x80\n1,2,3,4,5,6\n", "line 2"),
         (b"1,2,3,x,5,6\n", "line 1: expected numbers"),
+        (b"# a\n\n1,2,3,4,5,x", "line 3: expected numbers"),
+        (
+            b"# a\n1,2,3,4,5,6\n  # b\r\n\r\n\n1,2\r\n\n",
+            "line 6: expected 6 numbers, got 2",
+        ),
     ];
     for (bytes, words) in text {
         lab.write("rays.csv", bytes);
