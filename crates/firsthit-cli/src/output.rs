@@ -20,7 +20,7 @@ use crate::hits_csv::write_csv;
 use crate::progress::Interrupt;
 
 /// Stands for the channel's name in the name of a file.
-const PLACEHOLDER: &str = "{channel}";
+pub(crate) const PLACEHOLDER: &str = "{channel}";
 
 /// Where the numbers come from, which decides what can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -79,13 +79,20 @@ pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
 
 /// Linear numbers, or sRGB in the ways of CSS.
 pub(crate) fn color(text: &str) -> Result<Color, String> {
-    let form = "linear red, green and blue, such as 0.2,0.3,0.5, or sRGB as '#rrggbb' or a CSS name such as steelblue";
+    if text.trim().eq_ignore_ascii_case(TRANSPARENT) {
+        return Err("only a background can be transparent".into());
+    }
+    color_or(text, "")
+}
+
+/// A colour; `others` is what else the message of an error offers.
+fn color_or(text: &str, others: &str) -> Result<Color, String> {
+    let form = &format!(
+        "linear red, green and blue, such as 0.2,0.3,0.5, or sRGB as '#rrggbb' or a CSS name such as steelblue{others}"
+    );
     let text = text.trim();
     if let Some(color) = color_of(text) {
         return Ok(color);
-    }
-    if text.eq_ignore_ascii_case(TRANSPARENT) {
-        return Err("only a background can be transparent".into());
     }
     let names = COLOR_NAMES.iter().map(|&(name, _)| name);
     if let Some(meant) = nearest_word(text, names) {
@@ -106,10 +113,7 @@ pub(crate) fn background(text: &str) -> Result<Background, String> {
     if text.trim().eq_ignore_ascii_case(TRANSPARENT) {
         return Ok(Background::Transparent);
     }
-    let with_transparent = |form: String| format!("{form}, or transparent");
-    color(text)
-        .map(Background::Uniform)
-        .map_err(with_transparent)
+    color_or(text, ", or transparent").map(Background::Uniform)
 }
 
 pub(crate) fn sky(text: &str) -> Result<Sky, String> {

@@ -83,7 +83,8 @@ fn all_orders(
     asked: Option<Vec<Order>>,
     model: &Model,
 ) -> Result<Vec<Order>, Failure> {
-    let is_of_file = asked.is_none() && args.picture.channels.is_empty();
+    let is_of_file =
+        asked.is_none() && args.picture.channels.is_empty() && !model.outputs.is_empty();
     let blamed = |failure: Failure| {
         if is_of_file {
             failure.in_file(&args.file)
@@ -116,7 +117,14 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         let paths = args.picture.output.iter().cloned();
         paths.map(|path| (path, channels)).collect()
     } else if of_file.is_empty() {
-        vec![(default_output(&args.file), channels)]
+        let path = default_output(&args.file);
+        if path.to_string_lossy().contains(output::PLACEHOLDER) {
+            let name = firsthit::error::escaped(&path);
+            return Err(Failure::usage(format!(
+                "--output must be given: {name} would be a template of names"
+            )));
+        }
+        vec![(path, channels)]
     } else if args.picture.channels.is_empty() {
         let own = of_file.iter();
         own.map(|output| (output.path.clone(), &output.channels[..]))

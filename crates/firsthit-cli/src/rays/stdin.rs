@@ -13,6 +13,9 @@ const PIECE: usize = 1 << 18;
 /// How many bytes of whole lines are read ahead of the rays that are shot. A line may be longer.
 const MOST_AHEAD: usize = 1 << 26;
 
+/// How many bytes a line may have. None of numbers has a thousand.
+const LONGEST_LINE: usize = 1 << 24;
+
 /// How often a wait checks whether it should stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -92,7 +95,13 @@ impl Feed {
 
     /// All whole lines that have arrived, or the rest at the end of the input; `None` after that. Waits for a line.
     pub(crate) fn lines(&self, is_stopped: &dyn Fn() -> bool) -> Result<Option<Vec<u8>>, Failure> {
-        let mut state = self.wait(|state| state.has_line, is_stopped)?;
+        let is_too_long = |state: &State| !state.has_line && state.bytes.len() > LONGEST_LINE;
+        let is_enough = |state: &State| state.has_line || is_too_long(state);
+        let mut state = self.wait(is_enough, is_stopped)?;
+        if is_too_long(&state) {
+            let what = "standard input: a line of rays is longer than 16 MiB";
+            return Err(Failure::bad_input(what.to_owned()));
+        }
         let whole = if state.end.is_some() {
             state.bytes.len()
         } else {

@@ -257,6 +257,10 @@ fn colours_have_names_and_levels_that_are_decoded_from_srgb() {
         ("--color stelblue", "did you mean steelblue?"),
         ("--color #12345", "or sRGB as '#rrggbb'"),
         (
+            "--background stelblue",
+            "or transparent; did you mean steelblue?",
+        ),
+        (
             "--color transparent",
             "only a background can be transparent",
         ),

@@ -93,6 +93,13 @@ fn a_wrong_line_ends_the_answers_with_its_number() {
         "{}",
         outcome.stderr
     );
+    let long = lab.pipe("shoot square.ply -", &vec![b'1'; (1 << 24) + (1 << 20)]);
+    assert_eq!(long.code, 3);
+    assert!(
+        long.stderr.contains("a line of rays is longer than 16 MiB"),
+        "{}",
+        long.stderr
+    );
     let none = lab.pipe("shoot square.ply - --channels t", b"");
     assert_eq!((none.code, none.text()), (0, "t\n"));
     let three = lab.pipe("shoot square.ply -", b"0,0,1\n");

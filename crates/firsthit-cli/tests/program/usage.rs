@@ -94,6 +94,17 @@ fn shells_get_completions() {
 }
 
 #[test]
+fn an_input_s_name_is_no_template_of_names() {
+    let lab = Lab::with_square();
+    std::fs::copy(lab.path("square.ply"), lab.path("{channel}.ply")).unwrap();
+    lab.fails(
+        "render {channel}.ply --size 8x8",
+        2,
+        "--output must be given: {channel}.png would be a template",
+    );
+}
+
+#[test]
 fn wrong_usage_is_one_line_with_a_way_on() {
     let lab = Lab::with_square();
     for (arguments, words) in [
