@@ -122,10 +122,9 @@ def threads_or_all(threads: int | None) -> int:
     """Return the number of threads, 0 for all there are."""
     if threads is None:
         return 0
-    whole = count("threads", threads)
-    if not 1 <= whole <= 1024:
-        raise ValueError(f"threads must be from 1 to 1024, or None for all cores, got {whole}")
-    return whole
+    if not (hasattr(threads, "__index__") and 1 <= threads <= 1024):
+        raise ValueError(f"threads must be from 1 to 1024, or None for all cores, got {threads!r}")
+    return count("threads", threads)
 
 
 def is_flat(view: npt.NDArray[Any]) -> bool:

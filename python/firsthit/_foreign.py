@@ -47,7 +47,12 @@ def objects(scene: SceneLike) -> Iterator[Part]:
         if name not in made:
             made[name] = mesh(thing)
         shape, material = made[name]
-        yield Part(str(node), shape, material, np.asarray(matrix, np.float64))
+        placed = np.asarray(matrix, np.float64)
+        if not np.linalg.det(placed[:3, :3]):
+            what = f"node {node!r} is left out: its transform flattens space"
+            warnings.warn(what, FirsthitWarning, stacklevel=3)
+            continue
+        yield Part(str(node), shape, material, placed)
 
 
 def mesh(thing: Any) -> tuple[Mesh, Material | None]:
@@ -77,6 +82,9 @@ def _material(look: Any, *, has_uvs: bool) -> Material:
 
     Both have linear colours in eight bits; their pictures are sRGB.
     """
+    if hasattr(look, "materials"):
+        what = "a mesh's several materials are left out: it is white"
+        warnings.warn(what, FirsthitWarning, stacklevel=5)
     color = _first(look, "baseColorFactor", "diffuse")
     levels = np.full(4, 255.0) if color is None else np.asarray(color, np.float64)
     # trimesh has eight bits, but leaves floats that it was given.

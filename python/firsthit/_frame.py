@@ -308,8 +308,8 @@ def render(
     shadows = said.shadows if shadows is None else shadows
     many = said.samples if samples is None else count("samples", samples)
     use = threads_or_all(threads)
-    if many < 1:
-        raise ValueError(f"samples must be at least 1, got {many}")
+    if not 1 <= many < 2**32:
+        raise ValueError(f"samples must be from 1 to 4294967295, got {many}")
     background = scene.background if background is None else background
     back = None if background is None else background_native(background)
     light = None if ambient is None else color_of("ambient", ambient)
@@ -320,13 +320,13 @@ def render(
     shape = (camera.rows, camera.columns)
     work = _firsthit.render_work(camera._native, asked, many)
     owned = shape[0] * shape[1] * many if own is not None and "color" in names else 0
+    native = scene._native()
     with following(progress, work + owned) as report:
-        arrays, origin = _firsthit.render(
-            scene._native(), camera._native, asked, shading, many, use, report
-        )
+        arrays, origin = _firsthit.render(native, camera._native, asked, shading, many, use, report)
         made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
-            made["color"] = _own_colors(scene, camera, own, (many, use), later(report, work))
+            how = (many, use)
+            made["color"] = _own_colors((scene, native), camera, own, how, later(report, work))
     return Frame(shape, {name: made[name] for name in names}, origin)
 
 
@@ -378,14 +378,13 @@ def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
 
 
 def _own_colors(
-    scene: Scene,
+    scenes: tuple[Scene, _firsthit.Scene],
     camera: Camera,
     shade: OwnShade,
     how: tuple[int, int],
     report: Report | None,
 ) -> npt.NDArray[np.float32]:
-    samples, threads = how
-    native = scene._native()
+    (scene, native), (samples, threads) = scenes, how
     if samples == 1:
         hits = scene._shot_by(native, camera, threads, report)
         return _colors(shade, hits).astype(np.float32)

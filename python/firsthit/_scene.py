@@ -105,7 +105,8 @@ class Scene:
             of its nodes with a mesh becomes an object with the node's name and transform; nodes
             share their meshes. Colours of trimesh's vertices and faces (which are taken for sRGB),
             a material's colour and its picture come along; what is no mesh is left out with a
-            warning.
+            warning. Scenes of other packages do not say which way is up: set `up` if it is not +z;
+            trimesh leaves those of glTF files with +y.
         name : str
             Need not be unique. A scene's objects have their own.
         transform : (4, 4) or (3, 4) array_like, optional

@@ -118,6 +118,25 @@ def test_a_file_by_way_of_trimesh_is_the_file(tmp_path):
         np.testing.assert_array_equal(same, ours["object"] == k)
 
 
+def test_flat_nodes_and_several_materials_are_left_out_with_a_warning():
+    made = trimesh.Scene()
+    flat = np.diag([1.0, 1, 0, 1])
+    made.add_geometry(trimesh.creation.box(), node_name="shadow", transform=flat)
+    scene = fh.Scene()
+    with pytest.warns(fh.FirsthitWarning, match="node 'shadow' is left out: its transform"):
+        assert scene.add(made) == ()
+    box = trimesh.creation.box()
+    red, blue = (
+        trimesh.visual.material.SimpleMaterial(diffuse=color)
+        for color in ([255, 0, 0, 255], [0, 0, 255, 255])
+    )
+    box.visual = trimesh.visual.TextureVisuals(
+        uv=np.zeros((8, 2)), material=trimesh.visual.material.MultiMaterial([red, blue])
+    )
+    with pytest.warns(fh.FirsthitWarning, match="several materials are left out"):
+        scene.add(box)
+
+
 def test_a_scene_has_its_own_names():
     with pytest.raises(ValueError, match="name must be left out with a scene, got 'mine'"):
         fh.Scene().add(trimesh.Scene([trimesh.creation.box()]), name="mine")

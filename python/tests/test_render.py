@@ -152,6 +152,25 @@ def test_an_own_shader_sees_misses_too_and_is_averaged():
             fh.render(ball(), small(), shade=shade, **{name: value})
 
 
+def test_own_shading_sees_the_scene_as_it_was_when_render_began():
+    scene = ball()
+
+    def add_once(_done, _total):
+        if len(scene.objects) == 1:
+            scene.add(fh.Sphere((0, 0, 2), 1))
+
+    frame = fh.render(
+        scene,
+        small(),
+        channels=("color", "object"),
+        samples=1,
+        progress=add_once,
+        shade=lambda hits: np.repeat(hits.object[..., None], 3, -1),
+    )
+    assert len(scene.objects) == 2
+    np.testing.assert_array_equal(frame["color"][..., 0], frame["object"])
+
+
 def test_own_shading_samples_the_same_points_as_the_library():
     mask = fh.render(
         ball(), small(), shade=lambda hits: (hits.object >= 0)[..., None] * np.ones(3), samples=16
@@ -174,7 +193,7 @@ def test_the_same_picture_for_any_number_of_threads(threads):
     ("change", "words"),
     [
         ({"channels": ("depth",)}, "channels must be among color, t, range, z"),
-        ({"samples": 0}, "samples must be at least 1"),
+        ({"samples": 0}, "samples must be from 1 to 4294967295"),
         ({"shade": "toon"}, "shader must be one of lambert unlit normal, got toon"),
         ({"background": (1, 2)}, "background must be three numbers"),
         ({"threads": 0}, "threads must be from 1 to 1024"),
