@@ -49,10 +49,12 @@ impl Transform {
         let undone = left < 1e-3;
         if !(world_from_object.is_finite() && object_from_world.is_finite() && undone) {
             let expected = "an affine map that can be undone";
+            let rows = world_from_object.matrix3.transpose().to_cols_array_2d();
+            let moved = world_from_object.translation.to_array();
             return Err(Error::argument(
                 "transform",
                 expected,
-                format!("{world_from_object:?}"),
+                format!("rows {rows:?}, moved by {moved:?}"),
             ));
         }
         Ok(Self {
