@@ -164,7 +164,8 @@ class Camera:
 
         It is what the program looks through where nothing else is said: with square pixels, a
         vertical field of view of 45 degrees. The picture is 1.05 times as large as the scene in
-        one of its two directions. Rays start at the eye.
+        one of its two directions. Rays start at the eye, which stays away from the scene by at
+        least a millionth of its depth: a scene that is narrower than that looks small.
 
         Parameters
         ----------

@@ -48,7 +48,8 @@ impl Camera {
     /// The camera of `view` moved, without turning it, so that a scene fills the picture. A perspective camera keeps its field of
     /// view; an orthographic one gets a viewplane of the scene's size, of the same shape. The picture is
     /// 1.05 times as large as the scene in one of its two directions and centres the scene in the other. Rays start at
-    /// the eye.
+    /// the eye. The eye stays away from the scene by at least a millionth of its depth, and by 1e-12 of its distance from
+    /// the origin: a scene that is narrower than that looks small.
     ///
     /// `support` is the scene's support function: the largest dot product of a direction with a point of the scene
     /// ([`Scene::support`](crate::Scene::support)). It is called up to 18 times.
