@@ -1,6 +1,6 @@
 //! Cameras made from what they should show.
 
-use super::framing::Frame;
+use super::framing::Axes;
 use super::{Camera, Projection, RayStart, View, require};
 use crate::error::Result;
 use crate::geometry::{DVec3, unit};
@@ -73,14 +73,14 @@ impl Camera {
             ray_start: RayStart::Eye,
             ..view
         })?;
-        let frame = Frame {
+        let axes = Axes {
             right: camera.right,
             upwards: camera.upwards,
             aim: camera.aim(),
         };
         let view = match view.projection {
-            Projection::Perspective => frame.perspective(camera.view, &support)?,
-            Projection::Orthographic => frame.orthographic(camera.view, &support)?,
+            Projection::Perspective => axes.perspective(camera.view, &support)?,
+            Projection::Orthographic => axes.orthographic(camera.view, &support)?,
         };
         Self::new(view)
     }

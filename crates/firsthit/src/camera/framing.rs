@@ -17,7 +17,7 @@ use crate::geometry::DVec3;
 pub(super) const MARGIN: f64 = 1.05;
 
 /// The directions of a camera.
-pub(super) struct Frame {
+pub(super) struct Axes {
     pub(super) right: DVec3,
     pub(super) upwards: DVec3,
     pub(super) aim: DVec3,
@@ -25,12 +25,12 @@ pub(super) struct Frame {
 
 /// The scene's extent along an axis.
 #[derive(Clone, Copy)]
-struct Stretch {
+struct Extent {
     low: f64,
     high: f64,
 }
 
-impl Stretch {
+impl Extent {
     fn of(axis: DVec3, support: &impl Fn(DVec3) -> f64) -> Result<Self> {
         Ok(Self {
             low: -finite(-axis, support)?,
@@ -94,11 +94,11 @@ impl Wedge {
     }
 }
 
-impl Frame {
+impl Axes {
     /// The view whose eye is where the scene touches the margin at two opposite edges and is centred between the others.
     pub(super) fn perspective(&self, view: View, support: &impl Fn(DVec3) -> f64) -> Result<View> {
         let slope = |size: f64| 0.5 * size / view.focal_length / MARGIN;
-        let deep = Stretch::of(self.aim, support)?;
+        let deep = Extent::of(self.aim, support)?;
         let wide = Wedge::of((self.right, self.aim), slope(view.width), support)?;
         let high = Wedge::of((self.upwards, self.aim), slope(view.height), support)?;
         let farthest = deep.farthest().max(wide.right.abs()).max(high.right.abs());
@@ -121,7 +121,7 @@ impl Frame {
         &self,
         across: DVec3,
         (wedge, depth): (&Wedge, f64),
-        deep: Stretch,
+        deep: Extent,
         support: &impl Fn(DVec3) -> f64,
     ) -> Result<f64> {
         let room = wedge.excess(depth);
@@ -152,11 +152,11 @@ impl Frame {
     /// The view with the scene in the middle of its viewplane, and the camera well in front of the scene.
     pub(super) fn orthographic(&self, view: View, support: &impl Fn(DVec3) -> f64) -> Result<View> {
         let [wide, high, deep] = [self.right, self.upwards, self.aim];
-        let wide = Stretch::of(wide, support)?;
-        let high = Stretch::of(high, support)?;
-        let deep = Stretch::of(deep, support)?;
+        let wide = Extent::of(wide, support)?;
+        let high = Extent::of(high, support)?;
+        let deep = Extent::of(deep, support)?;
         let aspect = view.width / view.height;
-        let farthest = [wide, high, deep].map(Stretch::farthest);
+        let farthest = [wide, high, deep].map(Extent::farthest);
         let smallest = smallest(farthest.into_iter().fold(0.0, f64::max));
         let smallest = smallest.max(1e-6 * deep.length());
         let height = MARGIN * high.length().max(wide.length() / aspect).max(smallest);
