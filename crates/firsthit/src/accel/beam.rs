@@ -36,7 +36,7 @@ pub(super) fn beam<L: Lanes, Q: Question>(
     let packet = search.packet;
     let mut questions: [Q; RAYS] = std::array::from_fn(|lane| Q::new(packet.limits(lane)));
     let is_done = beam.run(l, stack, search, &mut questions);
-    search.close(number, (beam.rays, is_done), &questions, answers);
+    search.close(l, number, (beam.rays, is_done), &questions, answers);
     is_done
 }
 

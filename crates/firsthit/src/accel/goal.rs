@@ -6,9 +6,10 @@ use super::filter::Candidates;
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
 use super::packet::{Limits, Packet};
-use crate::shape::triangle::{Shear, TriangleHit};
+use crate::geometry::Ray;
+use crate::shape::triangle::{self, Doubtful, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
-use crate::simd::{Aligned, LANES, Lanes};
+use crate::simd::{Aligned, Kernel, LANES, Lanes};
 
 /// What to do with a leaf's candidates.
 pub(crate) trait Goal {
@@ -29,15 +30,16 @@ pub(crate) trait Question: Goal {
     /// Before the first leaf; with the ray's limits, see [`Packet::limits`].
     fn new(limits: Limits) -> Self;
     /// Takes note of a single candidate, the triangle in a lane of a leaf, between two depths.
-    fn meet_one(
+    fn meet_one<L: Lanes>(
         &mut self,
+        l: L,
         place: &Place<'_>,
         triangle: (u32, usize),
         depths: (f32, f32),
         is_certain: bool,
     );
     /// After the last one.
-    fn answer(&self, place: &Place<'_>) -> Self::Answer;
+    fn answer<L: Lanes>(&self, l: L, place: &Place<'_>) -> Self::Answer;
     /// Without a tree.
     fn from_crossing(crossing: Option<Crossing>) -> Self::Answer;
 }
@@ -54,16 +56,61 @@ pub(crate) struct Place<'a> {
 impl Place<'_> {
     /// The judge's word about a triangle.
     #[inline(always)]
-    fn decide(&self, leaf: &Meshlet, lane: usize) -> Option<TriangleHit> {
+    fn decide<L: Lanes>(&self, l: L, leaf: &Meshlet, lane: usize) -> Option<TriangleHit> {
         let corners = self.tree.corners(self.mesh, leaf, lane);
         let ray = self.packet.ray(self.lane);
-        let hit = Shear::new(&ray).intersect_ahead(corners)?;
+        let hit = Shear::new(&ray).intersect_by(corners, |doubtful| l.call(Settling(doubtful)))?;
         ray.holds(hit.t).then_some(hit)
+    }
+
+    /// The same about a triangle that the ray meets for certain.
+    #[inline(always)]
+    fn locate<L: Lanes>(&self, l: L, leaf: &Meshlet, lane: usize) -> Option<TriangleHit> {
+        let corners = self.tree.corners(self.mesh, leaf, lane);
+        let ray = self.packet.ray(self.lane);
+        let hit = triangle::locate(&ray, corners, |doubtful| l.call(Settling(doubtful)))?;
+        ray.holds(hit.t).then_some(hit)
+    }
+
+    /// Whether `new` is the first of the two.
+    #[inline(always)]
+    fn precedes<L: Lanes>(&self, l: L, new: &Crossing, old: &Crossing) -> bool {
+        if triangle::are_close(new.t, old.t) {
+            let ray = self.packet.ray(self.lane);
+            let nearest = |crossing| l.call(Nearest(self.mesh, &ray, crossing));
+            (nearest(new), new.primitive) < (nearest(old), old.primitive)
+        } else {
+            new.t < old.t
+        }
     }
 
     #[inline(always)]
     fn crossing(&self, leaf: &Meshlet, lane: usize, hit: TriangleHit) -> Crossing {
         hit.crossing(self.tree.triangle(leaf, lane).cast_signed())
+    }
+}
+
+/// What exact arithmetic says of a triangle, in a function of its own, which is rarely called.
+struct Settling(Doubtful);
+
+impl Kernel for Settling {
+    type Output = Option<TriangleHit>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> Self::Output {
+        self.0.settle_in_place()
+    }
+}
+
+/// The float64 nearest to the exact `t` of a crossing.
+struct Nearest<'a>(&'a Mesh, &'a Ray, &'a Crossing);
+
+impl Kernel for Nearest<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> f64 {
+        self.0.nearest_t(self.1, self.2)
     }
 }
 
@@ -86,14 +133,14 @@ enum Best {
 
 impl Best {
     #[inline(always)]
-    fn decided(&self, place: &Place<'_>) -> Option<Crossing> {
+    fn decided<L: Lanes>(&self, l: L, place: &Place<'_>) -> Option<Crossing> {
         match *self {
             Self::None => None,
             Self::Decided { crossing, .. } => Some(crossing),
             Self::Pending { leaf, lane, .. } => {
                 let leaf = &place.tree.leaves[leaf as usize];
                 place
-                    .decide(leaf, lane)
+                    .locate(l, leaf, lane)
                     .map(|hit| place.crossing(leaf, lane, hit))
             }
         }
@@ -109,16 +156,15 @@ pub(crate) struct First {
 impl First {
     /// Lets float64 decide between the best so far and a candidate.
     #[inline(always)]
-    fn compare(&mut self, place: &Place<'_>, leaf: u32, lane: usize) {
+    fn compare<L: Lanes>(&mut self, l: L, place: &Place<'_>, leaf: u32, lane: usize) {
         let leaf = &place.tree.leaves[leaf as usize];
-        let Some(hit) = place.decide(leaf, lane) else {
+        let Some(hit) = place.decide(l, leaf, lane) else {
             return;
         };
         let new = place.crossing(leaf, lane, hit);
-        let old = self.best.decided(place);
-        let is_first = |old: Crossing| (new.t, new.primitive) < (old.t, old.primitive);
+        let old = self.best.decided(l, place);
         let crossing = match old {
-            Some(old) if !is_first(old) => old,
+            Some(old) if !place.precedes(l, &new, &old) => old,
             _ => new,
         };
         let low = place.packet.depth_below(place.lane, crossing.t);
@@ -146,8 +192,9 @@ impl Question for First {
     }
 
     #[inline(always)]
-    fn meet_one(
+    fn meet_one<L: Lanes>(
         &mut self,
+        l: L,
         place: &Place<'_>,
         (leaf, lane): (u32, usize),
         (low, high): (f32, f32),
@@ -169,13 +216,13 @@ impl Question for First {
             };
             self.limit = self.limit.min(high);
         } else {
-            self.compare(place, leaf, lane);
+            self.compare(l, place, leaf, lane);
         }
     }
 
     #[inline(always)]
-    fn answer(&self, place: &Place<'_>) -> Self::Answer {
-        self.best.decided(place)
+    fn answer<L: Lanes>(&self, l: L, place: &Place<'_>) -> Self::Answer {
+        self.best.decided(l, place)
     }
 
     #[inline(always)]
@@ -202,6 +249,7 @@ impl Goal for First {
             }
             let is_certain = candidates.certain >> lane & 1 == 1;
             self.meet_one(
+                l,
                 place,
                 (leaf, lane),
                 (lows.0[lane], highs.0[lane]),
@@ -236,8 +284,9 @@ impl Question for Any {
     }
 
     #[inline(always)]
-    fn meet_one(
+    fn meet_one<L: Lanes>(
         &mut self,
+        l: L,
         place: &Place<'_>,
         (leaf, lane): (u32, usize),
         (low, high): (f32, f32),
@@ -248,14 +297,14 @@ impl Question for Any {
         }
         let leaf = &place.tree.leaves[leaf as usize];
         let is_inside = is_certain && low > self.limits.beyond && high < self.limits.within;
-        if is_inside || place.decide(leaf, lane).is_some() {
+        if is_inside || place.decide(l, leaf, lane).is_some() {
             self.is_found = true;
             self.limit = -1.0;
         }
     }
 
     #[inline(always)]
-    fn answer(&self, _: &Place<'_>) -> Self::Answer {
+    fn answer<L: Lanes>(&self, _: L, _: &Place<'_>) -> Self::Answer {
         self.is_found
     }
 
@@ -280,7 +329,7 @@ impl Goal for Any {
         while possible != 0 && !self.is_found {
             let lane = possible.trailing_zeros() as usize;
             possible &= possible - 1;
-            self.is_found = place.decide(leaf, lane).is_some();
+            self.is_found = place.decide(l, leaf, lane).is_some();
         }
         if self.is_found {
             self.limit = -1.0;

@@ -79,7 +79,7 @@ pub(super) fn masked<L: Lanes, Q: Question>(
             alive &= !visit(l, search, index & !LEAF, here, &mut questions);
         }
     }
-    search.close(number, (rays, is_done), &questions, answers);
+    search.close(l, number, (rays, is_done), &questions, answers);
     is_done
 }
 

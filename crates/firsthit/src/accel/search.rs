@@ -35,8 +35,9 @@ impl<'a> Search<'a> {
 
     /// Answers those of `rays` that have found what they ask for, and all of them where the search for them `is_done`.
     #[inline(always)]
-    pub(super) fn close<Q: Question>(
+    pub(super) fn close<L: Lanes, Q: Question>(
         &mut self,
+        l: L,
         number: usize,
         (rays, is_done): (u16, bool),
         questions: &[Q; RAYS],
@@ -44,7 +45,7 @@ impl<'a> Search<'a> {
     ) {
         for (lane, question) in questions.iter().enumerate() {
             if rays >> lane & 1 == 1 && (is_done || question.limit() < 0.0) {
-                answers.take(number, lane, question.answer(&self.place(lane)));
+                answers.take(number, lane, question.answer(l, &self.place(lane)));
                 self.open &= !(1 << lane);
             }
         }

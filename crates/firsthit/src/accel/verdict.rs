@@ -1,7 +1,7 @@
 //! The judge's last word for eight rays at once, each with a triangle that it is known to meet.
 //!
-//! Operation for operation what `shape/triangle.rs` does in one lane, so the bits are the same; what goes a way
-//! of its own there (an axis unlike its neighbours', tiny triangles, `t` by cancellation) is left to it.
+//! It is the code of `shape/triangle/place.rs`, in lanes, so the bits are the same. What is special (triangles seen
+//! edge-on, numbers of extreme sizes) is left to a single lane of `shape/triangle.rs`.
 
 #![expect(
     clippy::needless_range_loop,
@@ -10,22 +10,18 @@
 
 use super::mesh_tree::MeshTree;
 use crate::geometry::DVec3;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::shape::Mesh;
-use crate::shape::triangle::FAR;
-use crate::simd::{Aligned, LANES, Lanes, WIDE};
+use crate::shape::triangle::{Plain, PlainStart, Plane, Start};
+use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE};
 
-/// Eight rays, in the space of a mesh, along [`axes`].
+/// Eight rays, in the space of a mesh.
 pub(crate) struct Pencil<L: Lanes> {
     pub(crate) origin: [L::Doubles; 3],
     pub(crate) direction: [L::Doubles; 3],
 }
 
-/// The order of the axes for rays that go mostly along the axis `z`: that one is the last.
-pub(crate) fn axes(z: usize) -> [usize; 3] {
-    [(z + 1) % 3, (z + 2) % 3, z]
-}
-
-/// The corners of sixteen triangles in lanes, corner by corner and axis by axis, along [`axes`].
+/// The corners of sixteen triangles in lanes, corner by corner and axis by axis.
 #[expect(
     clippy::large_enum_variant,
     reason = "it lives for a block, on the stack"
@@ -48,14 +44,13 @@ impl Corners {
     pub(crate) fn new<L: Lanes>(
         l: L,
         (tree, mesh): (&MeshTree, &Mesh),
-        axes: [usize; 3],
         (slots, wanted): (&[f32; LANES], u16),
         triangles: &mut [f32; LANES],
     ) -> Self {
         if tree.is_exact {
-            Self::scaled(l, tree, axes, (slots, wanted), triangles)
+            Self::scaled(l, tree, (slots, wanted), triangles)
         } else {
-            Self::whole(tree, mesh, axes, (slots, wanted), triangles)
+            Self::whole(tree, mesh, (slots, wanted), triangles)
         }
     }
 
@@ -64,7 +59,6 @@ impl Corners {
     fn scaled<L: Lanes>(
         l: L,
         tree: &MeshTree,
-        axes: [usize; 3],
         (slots, wanted): (&[f32; LANES], u16),
         triangles: &mut [f32; LANES],
     ) -> Self {
@@ -83,7 +77,7 @@ impl Corners {
             for corner in 0..3 {
                 let vertices = l.permute_by(l.load_places(&leaf.corners[corner]), all);
                 for axis in 0..3 {
-                    let along = l.load(&leaf.vertices[axes[axis] % 3]);
+                    let along = l.load(&leaf.vertices[axis]);
                     let lanes = &mut corners[corner][axis];
                     *lanes = l.select(here, l.permute_by(along, vertices), *lanes);
                 }
@@ -96,7 +90,7 @@ impl Corners {
                 l.store(corners[corner][axis], &mut out.0[corner][axis]);
             }
         }
-        let origin = axes.map(|axis| tree.space.origin[axis % 3]);
+        let origin = tree.space.origin.to_array();
         let is_elsewhere = tree.space.origin != DVec3::ZERO;
         Self::Scaled(out, tree.space.unscale, is_elsewhere.then_some(origin))
     }
@@ -106,7 +100,6 @@ impl Corners {
     fn whole(
         tree: &MeshTree,
         mesh: &Mesh,
-        axes: [usize; 3],
         (slots, wanted): (&[f32; LANES], u16),
         triangles: &mut [f32; LANES],
     ) -> Self {
@@ -119,20 +112,20 @@ impl Corners {
             triangles[lane] = f32::from_bits(tree.triangle_in(slot));
             let corners: [DVec3; 3] = tree.corners_in(mesh, slot);
             for (out, corner) in out.0.iter_mut().zip(corners) {
-                for (out, axis) in out.iter_mut().zip(axes) {
-                    out[lane / WIDE][lane % WIDE] = corner[axis % 3];
+                for (axis, out) in out.iter_mut().enumerate() {
+                    out[lane / WIDE][lane % WIDE] = corner[axis];
                 }
             }
         }
         Self::Whole(out)
     }
 
-    /// Eight of them in float64, relative to where rays start.
+    /// Eight of them in float64.
     #[inline(always)]
-    fn half<L: Lanes>(&self, l: L, half: usize, start: &[L::Doubles; 3]) -> [[L::Doubles; 3]; 3] {
-        let mut out = [*start; 3];
+    fn half<L: Lanes>(&self, l: L, half: usize) -> [[L::Doubles; 3]; 3] {
+        let mut out = [[l.splat64(0.0); 3]; 3];
         match self {
-            // The unit is a power of two, so products are exact, and fused or not the differences are the same.
+            // The unit is a power of two, so products are exact.
             Self::Scaled(corners, unscale, origin) => {
                 let unscale = l.splat64(*unscale);
                 for corner in 0..3 {
@@ -140,11 +133,9 @@ impl Corners {
                         let lanes =
                             l.load_widened(&corners.0[corner][axis].as_chunks().0[half % 2]);
                         out[corner][axis] = match origin {
-                            None => l.fused_mul_sub64(lanes, unscale, start[axis]),
+                            None => l.mul64(lanes, unscale),
                             Some(origin) => {
-                                let minus = l.splat64(-origin[axis]);
-                                let place = l.fused_mul_sub64(lanes, unscale, minus);
-                                l.sub64(place, start[axis])
+                                l.fused_mul_add64(lanes, unscale, l.splat64(origin[axis]))
                             }
                         };
                     }
@@ -153,8 +144,7 @@ impl Corners {
             Self::Whole(corners) => {
                 for corner in 0..3 {
                     for axis in 0..3 {
-                        let place = l.load64(&corners.0[corner][axis][half % 2]);
-                        out[corner][axis] = l.sub64(place, start[axis]);
+                        out[corner][axis] = l.load64(&corners.0[corner][axis][half % 2]);
                     }
                 }
             }
@@ -163,53 +153,171 @@ impl Corners {
     }
 }
 
-/// `t` and the weights of corners 1 and 2, and in which lanes they are the judge's: those whose rays go mostly along
-/// the axis `z`, and where nothing is special.
+/// `t` and the weights of corners 1 and 2, and in which of the lanes `wanted` they are the judge's: those where nothing is
+/// special.
 #[inline(always)]
 pub(crate) fn verdict<L: Lanes>(
     l: L,
-    z: usize,
     rays: &Pencil<L>,
     corners: &Corners,
     half: usize,
+    wanted: u8,
 ) -> (u8, [L::Doubles; 3]) {
-    let d = &rays.direction;
-    let [p, q, r] = [l.abs64(d[0]), l.abs64(d[1]), l.abs64(d[2])];
-    // As the judge chooses: of equal ones the first.
-    let along = match z {
-        0 => l.le64(p, r) & l.le64(q, r),
-        1 => l.le64(p, r) & !(l.le64(r, q) & l.le64(p, q)),
-        _ => !(l.le64(q, p) & l.le64(r, p)) & !l.le64(r, q),
+    let a = InLanes(l);
+    let corners = corners.half(l, half);
+    let triangles = Plain::new(a, &corners);
+    let (enough, start) = triangles.seen_from(a, &rays.origin);
+    let place = triangles.place(a, &start, &rays.direction);
+    let (sound, place) = if enough & wanted == wanted {
+        (enough, place)
+    } else {
+        in_double(l, rays, &corners, (enough, place))
     };
-    let scale = l.div64(l.splat64(1.0), d[2]);
-    let slope = [
-        quotient(l, d[0], d[2], scale),
-        quotient(l, d[1], d[2], scale),
-    ];
-    let corners = corners.half(l, half, &rays.origin);
-    macro_rules! sheared {
-        ($corner:literal) => {{
-            let [across, upwards, along] = corners[$corner];
-            [
-                l.sub64(across, l.mul64(slope[0], along)),
-                l.sub64(upwards, l.mul64(slope[1], along)),
-                along,
-            ]
-        }};
+    (sound & ahead(l, place[0]), place)
+}
+
+/// Where `t` is positive and finite.
+#[inline(always)]
+fn ahead<L: Lanes>(l: L, t: L::Doubles) -> u8 {
+    l.lt64(l.splat64(0.0), t) & l.lt64(t, l.splat64(f64::INFINITY))
+}
+
+/// The lanes that are not `sound` in twice the digits.
+#[inline(always)]
+fn in_double<L: Lanes>(
+    l: L,
+    rays: &Pencil<L>,
+    [a, b, c]: &[[L::Doubles; 3]; 3],
+    (sound, place): (u8, [L::Doubles; 3]),
+) -> (u8, [L::Doubles; 3]) {
+    let mut numbers = Aligned([[0.0; WIDE]; 15]);
+    let vectors = [&rays.origin, &rays.direction, a, b, c];
+    for k in 0..15 {
+        l.store64(vectors[k / 3][k % 3], &mut numbers.0[k]);
     }
-    let (a, b, c) = (sheared!(0), sheared!(1), sheared!(2));
-    let (u, v, w) = (side(l, &c, &b), side(l, &a, &c), side(l, &b, &a));
-    let sum = l.add64(l.add64(u, v), w);
-    let (v, w) = (l.div64(v, sum), l.div64(w, sum));
-    let mean = l.fused_mul_add64(v, l.sub64(b[2], a[2]), a[2]);
-    let mean = l.fused_mul_add64(w, l.sub64(c[2], a[2]), mean);
-    let t = l.mul64(mean, scale);
-    let farthest = l.max64(l.max64(l.abs64(a[2]), l.abs64(b[2])), l.abs64(c[2]));
-    // Where all distances are below the judge's 1e-140, their products' sum is below this, and rarely elsewhere.
-    let is_sizeable = l.le64(l.splat64(1e-270), l.abs64(sum));
-    let is_near = l.le64(farthest, l.mul64(l.splat64(FAR), l.abs64(mean)));
-    let is_ahead = l.lt64(l.splat64(0.0), t) & l.lt64(t, l.splat64(f64::INFINITY));
-    (along & is_sizeable & is_near & is_ahead, [t, v, w])
+    let (more, precise) = l.call(InDouble(&numbers.0));
+    let mut out = place;
+    for k in 0..3 {
+        out[k] = l.select64(sound, place[k], l.load64(&precise.0[k]));
+    }
+    (sound | more, out)
+}
+
+/// Places in twice the digits; in a function of its own, which is rarely called.
+struct InDouble<'a>(&'a [[f64; WIDE]; 15]);
+
+impl Kernel for InDouble<'_> {
+    type Output = (u8, Aligned<[[f64; WIDE]; 3]>);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Self::Output {
+        let a = InLanes(l);
+        let zero = l.splat64(0.0);
+        let mut vectors = [[zero; 3]; 5];
+        for k in 0..15 {
+            vectors[k / 3][k % 3] = l.load64(&self.0[k]);
+        }
+        let [origin, direction, corners @ ..] = vectors;
+        let planes = Plane::new(a, &corners);
+        let (of_start, start) = planes.seen_from(a, &origin);
+        let (of_place, place) = planes.place(a, &start, &direction);
+        let mut out = Aligned([[0.0; WIDE]; 3]);
+        for k in 0..3 {
+            l.store64(place[k], &mut out.0[k]);
+        }
+        (of_start & of_place, out)
+    }
+}
+
+/// A triangle that many rays meet, one after the other.
+#[derive(Debug)]
+pub(crate) struct Common {
+    slot: u32,
+    triangle: u32,
+    plain: Plain<f64>,
+    plane: Plane<f64>,
+    /// Where the first of the rays starts, as most others do.
+    origin: [f64; 3],
+    /// The triangle from there, and whether plain float64 is enough.
+    plain_start: (bool, PlainStart<f64>),
+    /// The same in twice the digits.
+    start: (bool, Start<f64>),
+}
+
+impl Common {
+    #[inline(always)]
+    pub(crate) fn new<L: Lanes>(
+        l: L,
+        (tree, mesh): (&MeshTree, &Mesh),
+        slot: u32,
+        rays: &Pencil<L>,
+    ) -> Self {
+        let corners = tree.corners_in(mesh, slot).map(|corner| corner.to_array());
+        let mut origin = [0.0; 3];
+        for (axis, first) in origin.iter_mut().enumerate() {
+            let mut lanes = [0.0; WIDE];
+            l.store64(rays.origin[axis], &mut lanes);
+            *first = lanes[0];
+        }
+        let plain = Plain::new(Scalar, &corners);
+        let plane = Plane::new(Scalar, &corners);
+        Self {
+            slot,
+            triangle: tree.triangle_in(slot),
+            plain_start: plain.seen_from(Scalar, &origin),
+            start: plane.seen_from(Scalar, &origin),
+            plain,
+            plane,
+            origin,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn is(&self, slot: u32) -> bool {
+        self.slot == slot
+    }
+
+    #[inline(always)]
+    pub(crate) fn triangle(&self) -> u32 {
+        self.triangle
+    }
+
+    /// As [`verdict`], for all lanes or none.
+    #[inline(always)]
+    pub(crate) fn verdict<L: Lanes>(&self, l: L, rays: &Pencil<L>) -> (u8, [L::Doubles; 3]) {
+        let a = InLanes(l);
+        let mut same = u8::MAX;
+        for axis in 0..3 {
+            let first = l.splat64(self.origin[axis]);
+            same &= l.le64(first, rays.origin[axis]) & l.le64(rays.origin[axis], first);
+        }
+        let is_same = same == u8::MAX;
+        let (enough, plain_start) = if is_same {
+            (
+                if self.plain_start.0 { u8::MAX } else { 0 },
+                self.plain_start.1.splat(a),
+            )
+        } else {
+            self.plain.splat(a).seen_from(a, &rays.origin)
+        };
+        if enough == u8::MAX {
+            let place = self.plain.splat(a).place(a, &plain_start, &rays.direction);
+            return (ahead(l, place[0]), place);
+        }
+        let plane = self.plane.splat(a);
+        let (of_start, start) = if is_same {
+            (
+                if self.start.0 { u8::MAX } else { 0 },
+                self.start.1.splat(a),
+            )
+        } else {
+            plane.seen_from(a, &rays.origin)
+        };
+        let (of_place, place) = plane.place(a, &start, &rays.direction);
+        let sound = of_start & of_place & ahead(l, place[0]);
+        // In some lanes plain float64 is what the judge takes.
+        (if enough == 0 { sound } else { 0 }, place)
+    }
 }
 
 /// `a / b` by the inverse of `b`, as `quotient` of `shape/triangle.rs`.
@@ -225,12 +333,52 @@ pub(crate) fn quotient<L: Lanes>(
     l.fused_neg_mul_add64(beyond, inverse, first)
 }
 
-/// On which side of an edge the ray is, to the last digits.
-#[inline(always)]
-fn side<L: Lanes>(l: L, p: &[L::Doubles; 3], q: &[L::Doubles; 3]) -> L::Doubles {
-    let right = l.mul64(p[1], q[0]);
-    l.sub64(
-        l.fused_mul_sub64(p[0], q[1], right),
-        l.fused_mul_sub64(p[1], q[0], right),
-    )
+/// Eight float64 at a time.
+#[derive(Debug, Clone, Copy)]
+struct InLanes<L>(L);
+
+impl<L: Lanes> Arithmetic for InLanes<L> {
+    type Number = L::Doubles;
+    type Mask = u8;
+
+    #[inline(always)]
+    fn number(self, x: f64) -> L::Doubles {
+        self.0.splat64(x)
+    }
+    #[inline(always)]
+    fn add(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.add64(a, b)
+    }
+    #[inline(always)]
+    fn sub(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.sub64(a, b)
+    }
+    #[inline(always)]
+    fn mul(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.mul64(a, b)
+    }
+    #[inline(always)]
+    fn div(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.div64(a, b)
+    }
+    #[inline(always)]
+    fn max(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.max64(a, b)
+    }
+    #[inline(always)]
+    fn fused_mul_add(self, a: L::Doubles, b: L::Doubles, c: L::Doubles) -> L::Doubles {
+        self.0.fused_mul_add64(a, b, c)
+    }
+    #[inline(always)]
+    fn fused_mul_sub(self, a: L::Doubles, b: L::Doubles, c: L::Doubles) -> L::Doubles {
+        self.0.fused_mul_sub64(a, b, c)
+    }
+    #[inline(always)]
+    fn fused_neg_mul_add(self, a: L::Doubles, b: L::Doubles, c: L::Doubles) -> L::Doubles {
+        self.0.fused_neg_mul_add64(a, b, c)
+    }
+    #[inline(always)]
+    fn lt(self, a: L::Doubles, b: L::Doubles) -> u8 {
+        self.0.lt64(a, b)
+    }
 }

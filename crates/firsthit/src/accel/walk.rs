@@ -158,7 +158,7 @@ pub(crate) fn ask<L: Lanes, Q: Question>(
     };
     let mut goal = Q::new(packet.limits(0));
     traverse(l, stack, &place, &mut goal);
-    goal.answer(&place)
+    goal.answer(l, &place)
 }
 
 /// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, in

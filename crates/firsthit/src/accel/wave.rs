@@ -132,7 +132,7 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
         while over != 0 {
             let slot = &slots[over.trailing_zeros() as usize % LANES];
             over &= over - 1;
-            let answer = slot.question.answer(&slot.place);
+            let answer = slot.question.answer(l, &slot.place);
             answers.take(slot.search, slot.place.lane, answer);
         }
     }

@@ -1,121 +1,179 @@
-use std::ops::{Add, Mul, Sub};
+//! Twice the digits: a number as the sum of two float64.
+//!
+//! Sums and products of two float64 are exact that way: Knuth, "The Art of Computer Programming" 2, 4.2.2, theorem C;
+//! Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische Mathematik 18, 1971, with a fused
+//! multiply-add for the product.
 
-use super::DVec3;
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it has the kernel's fused multiply-add"
+)]
 
-/// A number as the sum of two float64, about 106 bits long.
-///
-/// Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische Mathematik 18,
-/// 1971; products by a fused multiply-add.
+use super::arithmetic::Arithmetic;
+
+/// The sum of two numbers, the second of them hardly more than the rounding of the first.
 #[derive(Debug, Clone, Copy)]
-struct Double {
-    high: f64,
-    low: f64,
+pub(crate) struct Double<N> {
+    /// Nearly all of it.
+    pub(crate) high: N,
+    /// The rest.
+    pub(crate) low: N,
 }
 
-impl Double {
-    /// `a + b`, exactly (Knuth's sum, for numbers of any size).
-    fn sum(a: f64, b: f64) -> Self {
-        let high = a + b;
-        let of_b = high - a;
-        let low = (a - (high - of_b)) + (b - of_b);
-        Self { high, low }
+/// A vector of them.
+pub(crate) type DoubleVector<N> = [Double<N>; 3];
+
+/// `x + y`, exactly.
+#[inline(always)]
+pub(crate) fn sum<A: Arithmetic>(a: A, x: A::Number, y: A::Number) -> Double<A::Number> {
+    let high = a.add(x, y);
+    let of_y = a.sub(high, x);
+    let of_x = a.sub(high, of_y);
+    let low = a.add(a.sub(x, of_x), a.sub(y, of_y));
+    Double { high, low }
+}
+
+/// `x - y`, exactly.
+#[inline(always)]
+pub(crate) fn difference<A: Arithmetic>(a: A, x: A::Number, y: A::Number) -> Double<A::Number> {
+    let high = a.sub(x, y);
+    let of_y = a.sub(x, high);
+    let of_x = a.add(high, of_y);
+    let low = a.add(a.sub(x, of_x), a.sub(of_y, y));
+    Double { high, low }
+}
+
+/// `x * y`, exactly where no part of it is too small for float64.
+#[inline(always)]
+pub(crate) fn product<A: Arithmetic>(a: A, x: A::Number, y: A::Number) -> Double<A::Number> {
+    let high = a.mul(x, y);
+    let low = a.fused_mul_sub(x, y, high);
+    Double { high, low }
+}
+
+/// `p - q` for points, exactly.
+#[inline(always)]
+pub(crate) fn between<A: Arithmetic>(
+    a: A,
+    p: &[A::Number; 3],
+    q: &[A::Number; 3],
+) -> DoubleVector<A::Number> {
+    [
+        difference(a, p[0], q[0]),
+        difference(a, p[1], q[1]),
+        difference(a, p[2], q[2]),
+    ]
+}
+
+/// `x * y - z * w`, off by a few 2^-106 of the products.
+#[inline(always)]
+fn minor<A: Arithmetic>(
+    a: A,
+    [x, y]: [Double<A::Number>; 2],
+    [z, w]: [Double<A::Number>; 2],
+) -> Double<A::Number> {
+    let (left, right) = (product(a, x.high, y.high), product(a, z.high, w.high));
+    let Double { high, low } = difference(a, left.high, right.high);
+    let of_lows = a.fused_mul_add(x.high, y.low, a.mul(x.low, y.high));
+    let of_others = a.fused_mul_add(z.high, w.low, a.mul(z.low, w.high));
+    let rest = a.add(a.sub(left.low, right.low), a.sub(of_lows, of_others));
+    sum(a, high, a.add(low, rest))
+}
+
+/// The cross product, off by a few 2^-106 of the lengths' product.
+#[inline(always)]
+pub(crate) fn cross<A: Arithmetic>(
+    a: A,
+    p: &DoubleVector<A::Number>,
+    q: &DoubleVector<A::Number>,
+) -> DoubleVector<A::Number> {
+    [
+        minor(a, [p[1], q[2]], [p[2], q[1]]),
+        minor(a, [p[2], q[0]], [p[0], q[2]]),
+        minor(a, [p[0], q[1]], [p[1], q[0]]),
+    ]
+}
+
+/// The dot product, off by a few 2^-106 of the lengths' product.
+#[inline(always)]
+pub(crate) fn dot<A: Arithmetic>(
+    a: A,
+    p: &DoubleVector<A::Number>,
+    q: &DoubleVector<A::Number>,
+) -> Double<A::Number> {
+    let [x, y, z] = [
+        product(a, p[0].high, q[0].high),
+        product(a, p[1].high, q[1].high),
+        product(a, p[2].high, q[2].high),
+    ];
+    let two = sum(a, x.high, y.high);
+    let Double { high, low } = sum(a, two.high, z.high);
+    let mut rest = a.add(a.add(x.low, y.low), z.low);
+    rest = a.add(rest, a.add(two.low, low));
+    for k in 0..3 {
+        let of_lows = a.fused_mul_add(p[k].high, q[k].low, a.mul(p[k].low, q[k].high));
+        rest = a.add(rest, of_lows);
     }
+    sum(a, high, rest)
+}
 
-    /// `a - b`, exactly.
-    fn difference(a: f64, b: f64) -> Self {
-        Self::sum(a, -b)
+/// The dot product with a vector of plain numbers.
+#[inline(always)]
+pub(crate) fn dot_plain<A: Arithmetic>(
+    a: A,
+    p: &DoubleVector<A::Number>,
+    q: &[A::Number; 3],
+) -> Double<A::Number> {
+    let [x, y, z] = [
+        product(a, p[0].high, q[0]),
+        product(a, p[1].high, q[1]),
+        product(a, p[2].high, q[2]),
+    ];
+    let two = sum(a, x.high, y.high);
+    let Double { high, low } = sum(a, two.high, z.high);
+    let mut rest = a.add(a.add(x.low, y.low), z.low);
+    rest = a.add(rest, a.add(two.low, low));
+    for k in 0..3 {
+        rest = a.fused_mul_add(p[k].low, q[k], rest);
     }
-
-    /// The nearest float64.
-    fn value(self) -> f64 {
-        self.high + self.low
-    }
+    sum(a, high, rest)
 }
 
-impl From<f64> for Double {
-    fn from(high: f64) -> Self {
-        Self { high, low: 0.0 }
-    }
-}
-
-impl Add for Double {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        let sum = Self::sum(self.high, other.high);
-        Self::sum(sum.high, sum.low + (self.low + other.low))
-    }
-}
-
-impl Sub for Double {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        self + Self {
-            high: -other.high,
-            low: -other.low,
-        }
-    }
-}
-
-impl Mul for Double {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        let high = self.high * other.high;
-        let rounded = self.high.mul_add(other.high, -high);
-        Self::sum(
-            high,
-            rounded + (self.high * other.low + self.low * other.high),
-        )
-    }
-}
-
-/// A vector of [`Double`]s.
-type Vector = [Double; 3];
-
-/// `a - b`, exactly.
-fn between(a: DVec3, b: DVec3) -> Vector {
-    std::array::from_fn(|k| Double::difference(a[k], b[k]))
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [(1, 2), (2, 0), (0, 1)].map(|(y, z)| a[y] * b[z] - a[z] * b[y])
-}
-
-fn dot(a: Vector, b: Vector) -> Double {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Where the line from `origin` along `direction` crosses the plane through three points, to the last
-/// digits however far away the points are; NaN or infinite for a line along the plane.
-pub fn plane_crossing(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let normal = cross(between(b, a), between(c, a));
-    let direction = direction.to_array().map(Double::from);
-    dot(normal, between(a, origin)).value() / dot(normal, direction).value()
+/// `x / y`, off by a few 2^-104 of itself.
+#[inline(always)]
+pub(crate) fn quotient<A: Arithmetic>(
+    a: A,
+    x: Double<A::Number>,
+    y: Double<A::Number>,
+) -> Double<A::Number> {
+    let first = a.div(x.high, y.high);
+    // x - first * y: of the highs exactly.
+    let left = a.fused_neg_mul_add(first, y.high, x.high);
+    let left = a.add(left, a.fused_neg_mul_add(first, y.low, x.low));
+    sum(a, first, a.div(left, y.high))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::arithmetic::Scalar;
     use super::*;
 
     #[test]
     fn what_float64_loses_is_kept() {
-        let twice = Double::difference(1.0, 1e-20) * Double::from(2.0);
-        assert_eq!((twice - Double::from(2.0)).value(), -2e-20);
-    }
-
-    /// A floor whose corners are 10^12 away, seen from a hand's breadth above it.
-    #[test]
-    fn a_far_triangles_plane_is_where_it_is() {
-        let far = 1e12;
-        let corners =
-            [(-far, -far), (far, -far), (0.0, far)].map(|(x, y)| DVec3::new(x, y, 0.25 * x));
-        let t = plane_crossing(
-            DVec3::new(0.7, 0.3, 0.5),
-            DVec3::new(0.0, 0.5, -1.0),
-            corners,
+        let twice = |x: Double<f64>| (2.0 * x.high, 2.0 * x.low);
+        assert_eq!(twice(difference(Scalar, 1.0, 1e-20)), (2.0, -2e-20));
+        let third = quotient(
+            Scalar,
+            Double {
+                high: 1.0,
+                low: 0.0,
+            },
+            Double {
+                high: 3.0,
+                low: 0.0,
+            },
         );
-        assert_eq!(t, 0.325);
+        assert_eq!(third.high, 1.0 / 3.0);
+        assert_eq!(third.low, (-third.high).mul_add(3.0, 1.0) / 3.0);
     }
 }

@@ -1,11 +1,13 @@
 //! Rays, hits, boxes, transforms, colours. Imports nothing of this crate; glam is the vector maths.
 
+pub(crate) mod arithmetic;
 mod bounds;
 mod color;
 mod color_names;
 #[cfg(feature = "frame")]
 mod digest;
-mod double;
+pub(crate) mod double;
+pub(crate) mod exact;
 mod grid;
 mod hit;
 mod ray;
@@ -17,7 +19,6 @@ pub use color::{Color, srgb_decode, srgb_encode};
 pub use color_names::{COLOR_NAMES, color_of, meant_as_levels};
 #[cfg(feature = "frame")]
 pub use digest::Digest;
-pub use double::plane_crossing;
 pub use grid::PixelGrid;
 pub use hit::Hit;
 pub use ray::{Ray, Rays};

@@ -6,7 +6,7 @@ use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use super::attribute::check_indices;
-use super::triangle::{Shear, TriangleHit};
+use super::triangle::{Meeting, Shear, TriangleHit, are_close};
 use super::{Attribute, Crossing, Positions, Property, PropertyOf, PropertyValues};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec2, DVec3, Ray, moderation, unit};
@@ -76,15 +76,43 @@ impl Mesh {
             && (Arc::ptr_eq(&self.positions, &other.positions) || same_bits())
     }
 
-    /// The first crossing of a ray that is ready for triangles, by brute force; of equal `t` the lowest triangle.
+    /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller nearest `t`, of
+    /// equal ones the lower triangle.
+    #[inline(always)]
+    pub(crate) fn precedes(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
+        if are_close(new.t, old.t) {
+            self.precedes_closely(ray, new, old)
+        } else {
+            new.t < old.t
+        }
+    }
+
+    #[cold]
+    fn precedes_closely(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
+        let key = |crossing: &Crossing| (self.nearest_t(ray, crossing), crossing.primitive);
+        key(new) < key(old)
+    }
+
+    /// The float64 nearest to the exact `t` of a crossing.
+    #[inline(always)]
+    pub(crate) fn nearest_t(&self, ray: &Ray, crossing: &Crossing) -> f64 {
+        let corners = usize::try_from(crossing.primitive).map(|triangle| self.corners(triangle));
+        corners.map_or(crossing.t, |corners| {
+            Meeting::new(ray.origin, ray.direction, corners).nearest_t()
+        })
+    }
+
+    /// The first crossing of a ray that is ready for triangles, by brute force.
     pub(crate) fn first_crossing(&self, ray: &Ray, shear: &Shear) -> Option<Crossing> {
         let mut first: Option<Crossing> = None;
         for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
             if let Some(hit) = self.intersect_triangle(triangle, shear)
                 && ray.holds(hit.t)
-                && first.is_none_or(|first| hit.t < first.t)
             {
-                first = Some(hit.crossing(primitive));
+                let new = hit.crossing(primitive);
+                if first.is_none_or(|first| self.precedes(ray, &new, &first)) {
+                    first = Some(new);
+                }
             }
         }
         first

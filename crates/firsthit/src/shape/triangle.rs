@@ -1,19 +1,25 @@
-//! The judge: does this ray meet this triangle? Decided in float64, and the same for neighbours.
+//! The judge: does this ray meet this triangle, and where? As exact arithmetic on the float64 numbers would say.
 //!
-//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics
-//! Techniques 2(1), 2013. Space is sheared so that the ray runs along one axis from the origin; the
-//! test is then on which side of each edge the origin lies. A vertex goes to the same rounded point
-//! for all triangles around it, and the sign of an edge function is exact, so neighbours agree about
-//! their edge: a ray cannot pass between them. (Where the paper falls back to double precision on a
-//! zero, here the sign is that of the exact difference of products.)
+//! A ray meets a triangle where it has no two of the edges on different sides. The sides are first computed as Woop, Benthin and
+//! Wald do, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013: space is sheared so that the
+//! ray runs along one axis from the origin, and a side is the area that the origin and an edge span. Where that is not
+//! larger than its rounding may be, the side is the sign of a determinant without rounding (`geometry/exact.rs`).
+//!
+//! So neighbours agree about their edge, and no ray passes between them. Edges and corners are part of a triangle.
 
 #![allow(
     clippy::inline_always,
     reason = "inlined into a kernel, it has the kernel's fused multiply-add"
 )]
 
+mod place;
+
+pub(crate) use place::{Meeting, Place, Plain, PlainStart, Plane, Start};
+
 use super::Crossing;
-use crate::geometry::{DVec2, DVec3, Ray, plane_crossing};
+use crate::geometry::double::{Double, DoubleVector};
+use crate::geometry::exact::{Scaled, determinant};
+use crate::geometry::{DVec2, DVec3, Ray};
 
 /// A ray made ready for triangles.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +29,6 @@ pub struct Shear {
     /// The axis along which the direction is longest, and the two others.
     axes: [usize; 3],
     slope: DVec2,
-    scale: f64,
 }
 
 /// Where a ray meets a triangle's plane inside the triangle.
@@ -36,6 +41,12 @@ pub struct TriangleHit {
 }
 
 impl TriangleHit {
+    #[inline(always)]
+    fn new([t, v, w]: Place<f64>) -> Self {
+        let barycentric = DVec2::new(v, w);
+        Self { t, barycentric }
+    }
+
     /// The hit in the triangle `primitive` of a mesh.
     #[inline(always)]
     pub(crate) fn crossing(self, primitive: i32) -> Crossing {
@@ -67,85 +78,155 @@ impl Shear {
             direction: d,
             axes: [x, y, z],
             slope: DVec2::new(quotient(d[x], d[z], scale), quotient(d[y], d[z], scale)),
-            scale,
         }
     }
 
-    /// The vertex relative to the ray: its distances from the ray across, and along the longest axis.
+    /// The vertex relative to the ray: its distances from the ray across, and the largest of what they are made from.
     #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {
         let relative = vertex - self.origin;
         let [x, y, z] = self.axes;
+        let largest = relative.abs().max_element();
         let (x, y, z) = (relative[x], relative[y], relative[z]);
-        (DVec2::new(x - self.slope.x * z, y - self.slope.y * z), z)
+        (
+            DVec2::new(x - self.slope.x * z, y - self.slope.y * z),
+            largest,
+        )
     }
 
     /// Where the ray meets the triangle, edges and corners included; `None` past it or along it.
     #[inline(always)]
     pub fn intersect(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
-        self.intersect_from::<false>(corners)
+        self.intersect_by(corners, Doubtful::settle)
     }
 
-    /// The same where `t` is above zero; else perhaps `None`, which is sooner known.
+    /// The same; a kernel has a way of its own to `settle` what is doubtful.
     #[inline(always)]
-    pub(crate) fn intersect_ahead(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
-        self.intersect_from::<true>(corners)
-    }
-
-    #[inline(always)]
-    fn intersect_from<const AHEAD: bool>(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
-        // Not by `map`, which is not inlined.
-        let (a, a_z) = self.sheared(corners[0]);
-        let (b, b_z) = self.sheared(corners[1]);
-        let (c, c_z) = self.sheared(corners[2]);
-        let u = side(c, b);
-        let v = side(a, c);
-        let w = side(b, a);
-        // Written so that a NaN fails.
-        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-        if !inside {
+    pub(crate) fn intersect_by(
+        &self,
+        corners: [DVec3; 3],
+        settle: impl FnOnce(Doubtful) -> Option<TriangleHit>,
+    ) -> Option<TriangleHit> {
+        let (a, a_largest) = self.sheared(corners[0]);
+        let (b, b_largest) = self.sheared(corners[1]);
+        let (c, c_largest) = self.sheared(corners[2]);
+        let (u, v, w) = (side(c, b), side(a, c), side(b, a));
+        // Of u = 2^-53 and the largest coordinate M, before the shear, and X, after it: a difference from the origin is off by u M,
+        // a slope by u, so a coordinate across by u (M + 3 M + X), and a side by 4 X times that and 4 u X^2. As X <= 2 M, that is
+        // less than 32 u M X.
+        let largest = a_largest.max(b_largest).max(c_largest);
+        let across = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let doubt = 20.0 * f64::EPSILON * largest * across + f64::MIN_POSITIVE;
+        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+        if least < -doubt && most > doubt {
             return None;
         }
-        let barycentric = weights(a, b, c);
-        // Exactly the corners' place where they have the same one.
-        let mean = barycentric.x.mul_add(b_z - a_z, a_z);
-        let mean = barycentric.y.mul_add(c_z - a_z, mean);
-        let farthest = a_z.abs().max(b_z.abs()).max(c_z.abs());
-        let is_far = farthest > FAR * mean.abs();
-        let (mean, farthest) = (mean * self.scale, farthest * self.scale.abs());
-        if AHEAD && mean < -ROUNDING * farthest {
-            return None;
+        let meeting = Meeting::new(self.origin, self.direction, corners);
+        let is_met = least > doubt || most < -doubt;
+        if is_met && let Some(place) = meeting.plain() {
+            return Some(TriangleHit::new(place));
         }
-        let t = if is_far {
-            self.without_cancellation(corners, mean, farthest)
-        } else {
-            mean
-        };
-        // NaN for a triangle along the ray, which has no area across it.
-        t.is_finite().then_some(TriangleHit { t, barycentric })
+        settle(Doubtful { meeting, is_met })
     }
 }
 
-/// From here on the corners' places, that much farther away than the hit, leave their mean too few digits.
-pub(crate) const FAR: f64 = 1024.0;
-
-/// What the mean is off at most, as a share of the corners' farthest place.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-impl Shear {
-    /// Where the ray crosses the triangle's plane, in place of a `mean` that is a small difference of large
-    /// numbers. Off the mean by no more than its rounding, which the tree allows for: where the triangle is
-    /// seen so nearly edge-on that the plane is crossed somewhere else, the mean stays.
-    #[cold]
-    fn without_cancellation(&self, corners: [DVec3; 3], mean: f64, farthest: f64) -> f64 {
-        let t = plane_crossing(self.origin, self.direction, corners);
-        let rounding = ROUNDING * farthest;
-        if (t - mean).abs() <= rounding {
-            t
-        } else {
-            mean
-        }
+/// Where a ray meets a triangle that it is known to meet; see [`Shear::intersect_by`].
+#[inline(always)]
+pub(crate) fn locate(
+    ray: &Ray,
+    corners: [DVec3; 3],
+    settle: impl FnOnce(Doubtful) -> Option<TriangleHit>,
+) -> Option<TriangleHit> {
+    let meeting = Meeting::new(ray.origin, ray.direction, corners);
+    match meeting.plain() {
+        Some(place) => Some(TriangleHit::new(place)),
+        None => settle(Doubtful {
+            meeting,
+            is_met: true,
+        }),
     }
+}
+
+/// Whether two `t` are so close that which of them is exactly the smaller one cannot be told from them: each is at most a unit
+/// in the last place from the exact one.
+#[inline(always)]
+pub(crate) fn are_close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().min(b.abs())
+}
+
+/// A `t` that is larger than all that are close to this one.
+#[inline(always)]
+pub(crate) fn clear_of(t: f64) -> f64 {
+    t + 8.0 * f64::EPSILON * t.abs()
+}
+
+/// A ray and a triangle that plain float64 is not enough for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Doubtful {
+    meeting: Meeting<f64>,
+    /// Whether it is known that the ray meets the triangle.
+    is_met: bool,
+}
+
+impl Doubtful {
+    /// What exact arithmetic says.
+    #[inline(never)]
+    pub(crate) fn settle(self) -> Option<TriangleHit> {
+        self.settle_in_place()
+    }
+
+    /// The same, inlined into a kernel.
+    #[inline(always)]
+    pub(crate) fn settle_in_place(self) -> Option<TriangleHit> {
+        if !self.is_met && !self.meets() {
+            return None;
+        }
+        let meeting = &self.meeting;
+        let place = match meeting.double() {
+            Some(place) => place,
+            None => meeting.exact()?,
+        };
+        // Numbers out of the range of float64.
+        let is_fine = place[0].is_finite();
+        is_fine.then(|| TriangleHit::new(place))
+    }
+
+    /// Whether the ray meets the triangle.
+    #[inline(always)]
+    fn meets(&self) -> bool {
+        let corners = self.meeting.from_origin();
+        if !corners.iter().flatten().all(|part| part.high.is_finite()) {
+            return false;
+        }
+        let d = self.meeting.direction.map(|high| Double { high, low: 0.0 });
+        let [u, v, w] = if let Some([a, b, c]) = along_axis(&d, &corners) {
+            [side(c, b), side(a, c), side(b, a)]
+        } else {
+            let d = Scaled::new(&d);
+            let [a, b, c] = corners.map(|corner| Scaled::new(&corner));
+            [(&c, &b), (&a, &c), (&b, &a)].map(|(p, q)| determinant(&d, p, q).high)
+        };
+        let is_front = u >= 0.0 && v >= 0.0 && w >= 0.0;
+        let is_back = u <= 0.0 && v <= 0.0 && w <= 0.0;
+        // Not both: a ray in the triangle's plane, or a triangle without area.
+        is_front != is_back
+    }
+}
+
+/// The corners across a ray along an axis, if they are known without rounding: many are those of grids.
+#[inline(always)]
+fn along_axis(d: &DoubleVector<f64>, corners: &[DoubleVector<f64>; 3]) -> Option<[DVec2; 3]> {
+    let zeros = d.map(|part| part.high == 0.0);
+    let [x, y] = match zeros {
+        [true, true, _] => [0, 1],
+        [true, _, true] => [0, 2],
+        [_, true, true] => [1, 2],
+        _ => return None,
+    };
+    let is_exact = |corner: &DoubleVector<f64>| corner[x].low == 0.0 && corner[y].low == 0.0;
+    let across = |corner: &DoubleVector<f64>| DVec2::new(corner[x].high, corner[y].high);
+    let [a, b, c] = corners;
+    (is_exact(a) && is_exact(b) && is_exact(c)).then(|| [across(a), across(b), across(c)])
 }
 
 /// `a / b` by the inverse of `b`, rounded as a division rounds it, which takes longer. (One multiplication and two fused ones:
@@ -162,29 +243,6 @@ fn quotient(a: f64, b: f64, inverse: f64) -> f64 {
 
 /// Two to the power of 500.
 const HUGE: f64 = f64::from_bits((1023 + 500) << 52);
-
-/// The weights of `b` and `c` where the origin is inside the triangle; NaN where it has no area.
-///
-/// The sides' signs are exact, their sizes are not: of a triangle seen nearly edge-on they can be nothing
-/// but rounding, and the mean any point of the triangle. These weights are good to their last digits, so
-/// the hit is where the ray crosses the triangle of the sheared corners; the tree relies on that.
-#[inline(always)]
-fn weights(a: DVec2, b: DVec2, c: DVec2) -> DVec2 {
-    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
-    // A power of two scales without rounding.
-    let scale = if largest < 1e-140 { HUGE } else { 1.0 };
-    let (a, b, c) = (scale * a, scale * b, scale * c);
-    let (u, v, w) = (precise_side(c, b), precise_side(a, c), precise_side(b, a));
-    DVec2::new(v, w) / (u + v + w)
-}
-
-/// `p.x * q.y - p.y * q.x` to its last digits. (Kahan's way; its error is one and a half units in the last
-/// place: Jeannerod, Louvet and Muller, Mathematics of Computation 82, 2013.)
-#[inline(always)]
-fn precise_side(p: DVec2, q: DVec2) -> f64 {
-    let right = p.y * q.x;
-    p.x.mul_add(q.y, -right) - p.y.mul_add(q.x, -right)
-}
 
 /// `p.x * q.y - p.y * q.x`, rounded, with the sign of the exact result; of a tiny one only the sign counts.
 #[inline(always)]

@@ -6,7 +6,8 @@ use super::object::{Moderate, identifier};
 use crate::accel::{self, MeshTree, Question, Scratch, WalkStack};
 use crate::geometry::{Hit, Ray};
 use crate::scene::{Object, OnTheWay, Scene};
-use crate::shape::{Crossing, Mesh, Shape, Surface, triangle::Shear};
+use crate::shape::triangle::{Shear, clear_of};
+use crate::shape::{Crossing, Mesh, Shape, Surface};
 use crate::simd::Lanes;
 
 /// A ray in the space of a mesh, for the tree of that.
@@ -32,6 +33,7 @@ pub(super) trait Quest {
     /// nothing else matters any more.
     fn take(
         &mut self,
+        scene: &Scene,
         moderate: &Moderate,
         object: u32,
         answer: <Self::Question as Question>::Answer,
@@ -58,13 +60,19 @@ impl Quest for FirstHit {
     }
 
     #[inline(always)]
-    fn take(&mut self, moderate: &Moderate, object: u32, crossing: Option<Crossing>) -> f64 {
+    fn take(
+        &mut self,
+        scene: &Scene,
+        moderate: &Moderate,
+        object: u32,
+        crossing: Option<Crossing>,
+    ) -> f64 {
         if let Some(hit) = crossing.and_then(|crossing| moderate.hit(object, crossing))
-            && hit.precedes(&self.0)
+            && moderate.precedes(scene, &hit, &self.0)
         {
             self.0 = hit;
         }
-        self.0.t / moderate.scale
+        clear_of(self.0.t) / moderate.scale
     }
 }
 
@@ -83,7 +91,7 @@ impl Quest for AnyHit {
     }
 
     #[inline(always)]
-    fn take(&mut self, _: &Moderate, _: u32, is_hit: bool) -> f64 {
+    fn take(&mut self, _: &Scene, _: &Moderate, _: u32, is_hit: bool) -> f64 {
         self.0 |= is_hit;
         if self.0 { -1.0 } else { f64::INFINITY }
     }
@@ -146,14 +154,14 @@ impl<'a, Q: Quest> Journey<'a, Q> {
                         });
                     }
                     // Float32 holds nothing of this mesh, or there is nothing.
-                    self.cross(mesh.first_crossing(&ray, &Shear::new(&ray)));
+                    self.cross(scene, mesh.first_crossing(&ray, &Shear::new(&ray)));
                 }
                 (Shape::Mesh(mesh), Some(tree)) => {
                     let crossing =
                         one_by_one::<L, Q>(l, scratch, moderate, object, (tree, mesh), &ray);
-                    self.cross(crossing);
+                    self.cross(scene, crossing);
                 }
-                (shape, _) => self.cross(shape.intersect(&ray)),
+                (shape, _) => self.cross(scene, shape.intersect(&ray)),
             }
         }
         None
@@ -161,17 +169,17 @@ impl<'a, Q: Quest> Journey<'a, Q> {
 
     /// Takes the answer to the last search.
     #[inline(always)]
-    pub(super) fn answer(&mut self, answer: <Q::Question as Question>::Answer) {
+    pub(super) fn answer(&mut self, scene: &Scene, answer: <Q::Question as Question>::Answer) {
         if let Some(moderate) = &self.moderate {
-            let t_max = self.quest.take(moderate, self.object, answer);
+            let t_max = self.quest.take(scene, moderate, self.object, answer);
             self.t_max = self.t_max.min(t_max);
         }
     }
 
-    fn cross(&mut self, crossing: Option<Crossing>) {
+    fn cross(&mut self, scene: &Scene, crossing: Option<Crossing>) {
         let hit = |crossing: &Crossing| self.moderate.as_ref()?.hit(self.object, *crossing);
         let crossing = crossing.filter(|crossing| hit(crossing).is_some());
-        self.answer(Q::Question::from_crossing(crossing));
+        self.answer(scene, Q::Question::from_crossing(crossing));
     }
 }
 
@@ -194,11 +202,11 @@ fn one_by_one<L: Lanes, Q: Quest>(
     let mut first: Option<Crossing> = None;
     accel::each(l, scratch, (tree, mesh), ray, |triangle, t_max| {
         if let Some(new) = checked(moderate, object, mesh, triangle as usize, ray)
-            && first.is_none_or(|old| (new.t, new.primitive) < (old.t, old.primitive))
+            && first.is_none_or(|old| mesh.precedes(ray, &new, &old))
         {
             first = Some(new);
         }
-        let so_far = |first: Crossing| if Q::ANY { -1.0 } else { first.t };
+        let so_far = |first: Crossing| if Q::ANY { -1.0 } else { clear_of(first.t) };
         first.map_or(t_max, so_far)
     });
     first

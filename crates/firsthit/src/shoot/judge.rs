@@ -18,7 +18,7 @@ impl Search for BruteForce {
         };
         for (index, object) in (0..).zip(scene.objects()) {
             all_hits(&moderate, index, object, |hit| {
-                if hit.precedes(&first) {
+                if moderate.precedes(scene, &hit, &first) {
                     first = hit;
                 }
             });

@@ -1,8 +1,9 @@
 //! From a ray in the world to one in an object, and back with what it met.
 
 use crate::geometry::{Hit, Ray, moderation};
-use crate::scene::Object;
-use crate::shape::Crossing;
+use crate::scene::{Object, Scene};
+use crate::shape::triangle::are_close;
+use crate::shape::{Crossing, Shape};
 
 /// A ray whose direction can be squared: `t` is counted in other units where float64 would not hold that.
 pub(super) struct Moderate {
@@ -39,6 +40,40 @@ impl Moderate {
     pub(super) fn in_object(&self, object: &Object, t_max: f64) -> Option<Ray> {
         let ray = object.transform().ray_in_object(&self.ray.up_to(t_max));
         ray.is_valid().then_some(ray)
+    }
+
+    /// Whether `new` is the first of two hits of the ray, each perhaps a miss: the one with the smaller `t`, which of triangles is
+    /// that nearest to the exact one; of equal ones the lower (object, primitive).
+    #[inline(always)]
+    pub(super) fn precedes(&self, scene: &Scene, new: &Hit, old: &Hit) -> bool {
+        if are_close(new.t, old.t) {
+            self.precedes_closely(scene, new, old)
+        } else {
+            new.t < old.t
+        }
+    }
+
+    #[cold]
+    fn precedes_closely(&self, scene: &Scene, new: &Hit, old: &Hit) -> bool {
+        let key = |hit: &Hit| (self.nearest_t(scene, hit), hit.object, hit.primitive);
+        key(new) < key(old)
+    }
+
+    /// The float64 nearest to the exact `t` of a hit in a triangle.
+    fn nearest_t(&self, scene: &Scene, hit: &Hit) -> f64 {
+        let object = usize::try_from(hit.object).map(|index| &scene.objects()[index]);
+        if let Ok(object) = object
+            && let Shape::Mesh(mesh) = object.shape()
+            && let Some(ray) = self.in_object(object, f64::INFINITY)
+        {
+            let crossing = Crossing {
+                t: hit.t / self.scale,
+                primitive: hit.primitive,
+                barycentric: hit.barycentric,
+            };
+            return self.scale * mesh.nearest_t(&ray, &crossing);
+        }
+        hit.t
     }
 
     /// What was met of the object `index`, as a hit of the ray that the caller has.

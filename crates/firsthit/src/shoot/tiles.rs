@@ -229,6 +229,13 @@ impl Work<'_> {
             .flatten()
     }
 
+    /// Whether `new` is the first of two hits of a pixel.
+    fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
+        let pixel = (self.row + row) * self.plan.grid.columns + self.column + column;
+        Moderate::new(&self.plan.rays.ray(pixel))
+            .is_some_and(|moderate| moderate.precedes(self.plan.scene, new, old))
+    }
+
     /// The depth of a hit at `t`, in units of the viewplane's.
     fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
         let grid = &self.plan.grid;
@@ -264,7 +271,9 @@ impl Arbiter for Work<'_> {
             self.decide(row, column, old)
         };
         let (winner, hit) = match champion {
-            Some(champion) if !challenger.precedes(&champion) => (old, champion),
+            Some(champion) if !self.precedes(row, column, &challenger, &champion) => {
+                (old, champion)
+            }
             _ => (new, challenger),
         };
         Some((winner, self.depth(row, column, hit.t)))

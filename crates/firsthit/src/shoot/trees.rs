@@ -13,6 +13,7 @@ use crate::accel::{
 use crate::geometry::{DVec3, Hit, Ray, Rays};
 use crate::scene::{Object, Scene};
 use crate::shape::Mesh;
+use crate::shape::triangle::clear_of;
 use crate::simd::{self, Kernel, Lanes};
 
 /// The trees propose, float64 decides.
@@ -116,7 +117,7 @@ impl<'a> SingleRay<'a, FirstHit> {
     pub(super) fn after(self, known: Hit, is_skipped: &'a [bool]) -> Self {
         Self {
             quest: FirstHit(known),
-            t_max: known.t,
+            t_max: clear_of(known.t),
             is_skipped,
             ..self
         }
@@ -139,7 +140,7 @@ impl<Q: Quest> Kernel for SingleRay<'_, Q> {
         let is_wanted = |object: u32| self.is_skipped.get(object as usize) != Some(&true);
         while let Some(leg) = journey.next(l, scratch, (scene, stack), is_wanted) {
             let answer = accel::ask::<L, Q::Question>(l, scratch, (leg.tree, leg.mesh), &leg.ray);
-            journey.answer(answer);
+            journey.answer(scene, answer);
         }
         journey.quest
     }
@@ -262,7 +263,7 @@ impl<T: Take> Batch<'_, T> {
                 break;
             }
             legs.sort_by_key(|(_, leg)| leg.object);
-            go_together(l, memory, &legs, &mut journeys);
+            go_together(l, memory, scene, &legs, &mut journeys);
             left.extend(legs.iter().map(|(index, _)| index));
         }
         for (index, journey) in journeys.iter().enumerate() {
@@ -309,6 +310,7 @@ type Answer<T> = <<<T as Take>::Quest as Quest>::Question as Question>::Answer;
 fn go_together<'a, L: Lanes, Q: Quest>(
     l: L,
     memory: &mut Memory,
+    scene: &'a Scene,
     legs: &[(usize, Leg<'a>)],
     journeys: &mut [Journey<'a, Q>],
 ) {
@@ -336,6 +338,7 @@ fn go_together<'a, L: Lanes, Q: Quest>(
     };
     let mut searches: Vec<Search<'_>> = memory.packets.iter().zip(&firsts).map(search).collect();
     let arrivals = Arrivals {
+        scene,
         legs,
         firsts: &firsts,
         journeys,
@@ -350,6 +353,7 @@ fn go_together<'a, L: Lanes, Q: Quest>(
 
 /// Takes the answers of one object: the rays go on to the next.
 struct Arrivals<'r, 'a, Q> {
+    scene: &'a Scene,
     legs: &'r [(usize, Leg<'a>)],
     /// The first leg of each search.
     firsts: &'r [(usize, usize)],
@@ -360,6 +364,6 @@ impl<Q: Quest> Answers<<Q::Question as Question>::Answer> for Arrivals<'_, '_, Q
     #[inline(always)]
     fn take(&mut self, search: usize, lane: usize, answer: <Q::Question as Question>::Answer) {
         let (index, _) = self.legs[self.firsts[search].0 + lane];
-        self.journeys[index].answer(answer);
+        self.journeys[index].answer(self.scene, answer);
     }
 }

@@ -203,7 +203,13 @@ impl Beam {
             let is_certain = certain >> lane & 1 == 1;
             let question = &mut questions[lane];
             let depths = (lows.0[lane], highs.0[lane]);
-            question.meet_one(&search.place(lane), (index, triangle), depths, is_certain);
+            question.meet_one(
+                l,
+                &search.place(lane),
+                (index, triangle),
+                depths,
+                is_certain,
+            );
             is_less |= question.limit() < limits[lane];
             limits[lane] = question.limit();
         }

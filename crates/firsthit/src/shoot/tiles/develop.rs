@@ -2,14 +2,13 @@
 
 use super::Work;
 use crate::accel::{
-    BLOCK, Corners, MeshTree, Pencil, Tile, Winner, axes, largest_axis, pixel, quotient, turned,
-    verdict,
+    BLOCK, Common, Corners, MeshTree, Pencil, Tile, Winner, pixel, quotient, turned, verdict,
 };
 use crate::geometry::Hit;
 use crate::scene::Object;
 use crate::shape::Mesh;
 use crate::shoot::hits::{BlockOfHits, HitSlices};
-use crate::shoot::plan::{bundle, tileable};
+use crate::shoot::plan::tileable;
 use crate::simd::{LANES, Lanes, WIDE};
 
 /// An object as a tile sees it.
@@ -19,28 +18,17 @@ struct Sight<'a> {
     object: &'a Object,
     mesh: &'a Mesh,
     tree: &'a MeshTree,
-    /// The axis that its rays mostly go along.
-    z: usize,
 }
 
 impl Work<'_> {
     fn sight(&self, index: u32) -> Option<Sight<'_>> {
         let (mesh, tree) = tileable(self.plan.scene, index)?;
         let object = &self.plan.scene.objects()[index as usize];
-        // Of parallel rays the very direction: where two axes are as long, the last bit chooses.
-        let along = match self.plan.grid.parallel {
-            Some(direction) => object
-                .transform()
-                .object_from_world()
-                .transform_vector3(direction),
-            None => bundle(&self.plan.grid, object, 0.0, [self.row, self.column]).centre,
-        };
         Some(Sight {
             index,
             object,
             mesh,
             tree,
-            z: largest_axis(along),
         })
     }
 
@@ -54,6 +42,7 @@ impl Work<'_> {
         out: &mut HitSlices<'_>,
     ) {
         let mut sight: Option<Sight<'_>> = None;
+        let mut common: Option<Common> = None;
         'blocks: for block in 0..LANES {
             let (row, column) = pixel(block, 0);
             if row >= rows || column >= columns {
@@ -71,9 +60,12 @@ impl Work<'_> {
                 let index = object.to_bits();
                 if sight.is_none_or(|sight| sight.index != index) {
                     sight = self.sight(index);
+                    common = None;
                 }
                 if let Some(sight) = &sight {
-                    if here == u16::MAX && self.develop_block(l, sight, slots, block, (at, out)) {
+                    if here == u16::MAX
+                        && self.develop_block(l, sight, (slots, &mut common), block, (at, out))
+                    {
                         continue 'blocks;
                     }
                     self.develop_object(l, sight, (slots, here), block, &mut hits);
@@ -90,22 +82,25 @@ impl Work<'_> {
         &self,
         l: L,
         sight: &Sight<'_>,
-        slots: &[f32; LANES],
+        (slots, common): (&[f32; LANES], &mut Option<Common>),
         block: usize,
         (at, out): (usize, &mut HitSlices<'_>),
     ) -> bool {
+        let is_one = !l.same(l.load(slots), l.splat(slots[0])) == 0;
+        if is_one {
+            return self.develop_triangle(l, sight, (slots[0].to_bits(), common), block, (at, out));
+        }
         let mut primitives = [0.0; LANES];
         let corners = Corners::new(
             l,
             (sight.tree, sight.mesh),
-            axes(sight.z),
             (slots, u16::MAX),
             &mut primitives,
         );
         macro_rules! half {
             ($half:literal) => {{
                 let rays = self.pencil(l, sight, 2 * block + $half);
-                verdict(l, sight.z, &rays, &corners, $half)
+                verdict(l, &rays, &corners, $half, u8::MAX)
             }};
         }
         let ((sound, first), (sound_too, second)) = (half!(0), half!(1));
@@ -123,6 +118,37 @@ impl Work<'_> {
         true
     }
 
+    /// The same for a block whose pixels all meet one triangle.
+    #[inline(always)]
+    fn develop_triangle<L: Lanes>(
+        &self,
+        l: L,
+        sight: &Sight<'_>,
+        (slot, common): (u32, &mut Option<Common>),
+        block: usize,
+        (at, out): (usize, &mut HitSlices<'_>),
+    ) -> bool {
+        let rays = self.pencil(l, sight, 2 * block);
+        if common.as_ref().is_none_or(|common| !common.is(slot)) {
+            *common = Some(Common::new(l, (sight.tree, sight.mesh), slot, &rays));
+        }
+        let Some(common) = common else { return false };
+        let (sound, first) = common.verdict(l, &rays);
+        let (sound_too, second) = common.verdict(l, &self.pencil(l, sight, 2 * block + 1));
+        if sound & sound_too != u8::MAX {
+            return false;
+        }
+        let primitives = [common.triangle(); LANES];
+        out.put_block(
+            l,
+            at,
+            sight.index.cast_signed(),
+            bytemuck::cast_ref(&primitives),
+            [first, second],
+        );
+        true
+    }
+
     #[inline(always)]
     fn develop_object<L: Lanes>(
         &self,
@@ -132,14 +158,12 @@ impl Work<'_> {
         block: usize,
         hits: &mut BlockOfHits,
     ) {
-        let axes = axes(sight.z);
         let object = l.splat(f32::from_bits(sight.index));
         let objects = bytemuck::cast_mut(&mut hits.object);
         l.store(l.select(here, object, l.load(objects)), objects);
         let corners = Corners::new(
             l,
             (sight.tree, sight.mesh),
-            axes,
             (slots, here),
             bytemuck::cast_mut(&mut hits.primitive),
         );
@@ -150,7 +174,7 @@ impl Work<'_> {
                 continue;
             }
             let rays = self.pencil(l, sight, 2 * block + half);
-            let (sound, numbers) = verdict(l, sight.z, &rays, &corners, half);
+            let (sound, numbers) = verdict(l, &rays, &corners, half, lanes);
             hits.put_half(l, half, lanes & sound, numbers);
             let mut open = lanes & !sound;
             while open != 0 {
@@ -172,16 +196,8 @@ impl Work<'_> {
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn pencil<L: Lanes>(&self, l: L, sight: &Sight<'_>, half: usize) -> Pencil<L> {
         let object = sight.object;
-        let axes = axes(sight.z);
         let grid = &self.plan.grid;
         let (x, y) = (self.pixels.x(l, half), self.pixels.y(l, half));
-        // Where the object's space is the world's, its axes are taken in their order from the start.
-        let is_at_home = object.transform().is_identity();
-        let (order, z) = if is_at_home {
-            (axes, sight.z)
-        } else {
-            ([0, 1, 2], 2)
-        };
         // The lanes of a vector: an expression for each axis.
         macro_rules! vector {
             ($axis:ident => $value:expr) => {
@@ -201,17 +217,17 @@ impl Work<'_> {
                 ]
             };
         }
-        let toward = vector!(k => l.splat64(grid.toward[order[k]]));
-        let position = vector!(k => l.splat64(grid.position[order[k]]));
+        let toward = vector!(k => l.splat64(grid.toward[k]));
+        let position = vector!(k => l.splat64(grid.position[k]));
         let point = vector!(k => {
-            let across = l.mul64(x, l.splat64(grid.right[order[k]]));
-            let upwards = l.mul64(y, l.splat64(grid.upwards[order[k]]));
+            let across = l.mul64(x, l.splat64(grid.right[k]));
+            let upwards = l.mul64(y, l.splat64(grid.upwards[k]));
             l.add64(l.add64(toward[k], across), upwards)
         });
         let (origin, direction) = if let Some(rays) = &self.rays {
             (
-                vector!(k => rays.origin(l, half, order[k])),
-                vector!(k => rays.direction(l, half, order[k])),
+                vector!(k => rays.origin(l, half, k)),
+                vector!(k => rays.direction(l, half, k)),
             )
         } else if let Some(parallel) = grid.parallel {
             let start = if grid.starts_on_viewplane {
@@ -220,16 +236,10 @@ impl Work<'_> {
                 vector!(k => l.sub64(point[k], toward[k]))
             };
             let origin = vector!(k => l.add64(position[k], start[k]));
-            (origin, vector!(k => l.splat64(parallel[order[k]])))
+            (origin, vector!(k => l.splat64(parallel[k])))
         } else {
             let squares = vector!(k => l.mul64(point[k], point[k]));
-            // The sum in the order of the axes of space.
-            let [first, second, third] = match z {
-                0 => [squares[2], squares[0], squares[1]],
-                1 => [squares[1], squares[2], squares[0]],
-                _ => squares,
-            };
-            let length = l.sqrt64(l.add64(l.add64(first, second), third));
+            let length = l.sqrt64(l.add64(l.add64(squares[0], squares[1]), squares[2]));
             let origin = if grid.starts_on_viewplane {
                 vector!(k => l.add64(position[k], point[k]))
             } else {
@@ -241,13 +251,13 @@ impl Work<'_> {
         };
         let place = object.transform().world_from_object().translation;
         let matrix = &object.transform().object_from_world().matrix3;
-        if is_at_home {
+        if object.transform().is_identity() {
             return Pencil { origin, direction };
         }
         let moved = vector!(k => l.sub64(origin[k], l.splat64(place[k])));
         Pencil {
-            origin: vector!(k => turned(l, matrix, axes[k], &moved)),
-            direction: vector!(k => turned(l, matrix, axes[k], &direction)),
+            origin: vector!(k => turned(l, matrix, k, &moved)),
+            direction: vector!(k => turned(l, matrix, k, &direction)),
         }
     }
 }

@@ -1,0 +1,132 @@
+//! Determinants of three vectors, whose signs are exact.
+
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it has the kernel's fused multiply-add"
+)]
+
+use super::arithmetic::Scalar;
+use super::double::{Double, DoubleVector, product, sum};
+
+/// A vector brought to a length around 1.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Scaled {
+    pub(crate) vector: DoubleVector<f64>,
+    /// What it was divided by, a power of two.
+    pub(crate) unit: f64,
+}
+
+impl Scaled {
+    #[inline(always)]
+    pub(crate) fn new(vector: &DoubleVector<f64>) -> Self {
+        let longer = |largest: f64, part: &Double<f64>| largest.max(part.high.abs());
+        let largest = vector.iter().fold(f64::MIN_POSITIVE, longer);
+        let unit = f64::from_bits(largest.to_bits() & (0x7ff << 52));
+        let vector = vector.map(|part| Double {
+            high: part.high / unit,
+            low: part.low / unit,
+        });
+        Self { vector, unit }
+    }
+}
+
+/// Two to the power of 300: products of three numbers around this one have rests that float64 can hold.
+const LARGE: f64 = f64::from_bits((1023 + 300) << 52);
+
+/// How many terms a determinant has: six products of three numbers in two parts, each product in four.
+const TERMS: usize = 6 * 8 * 4;
+
+/// The determinant of three vectors times 2^900, in twice the digits. Its sign is exact, and it is zero only where it is zero.
+///
+/// Each product of three is split into a sum of four numbers without rounding. Adding up their sum makes of them, again without
+/// rounding, the sum and what each addition lost, which are far smaller numbers with the same total; and so on until
+/// these cannot matter any more: Ogita, Rump and Oishi, "Accurate sum and dot product", SIAM Journal on Scientific Computing
+/// 26(6), 2005.
+#[inline(always)]
+pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
+    const ORDERS: [([usize; 3], f64); 6] = [
+        ([0, 1, 2], 1.0),
+        ([1, 2, 0], 1.0),
+        ([2, 0, 1], 1.0),
+        ([2, 1, 0], -1.0),
+        ([1, 0, 2], -1.0),
+        ([0, 2, 1], -1.0),
+    ];
+    let mut terms = [0.0; TERMS];
+    let mut count = 0;
+    // Most vectors have no second parts, and most products no rest.
+    let mut put = |x: f64| {
+        terms[count % TERMS] = x;
+        count += usize::from(x != 0.0);
+    };
+    for ([k, l, m], sign) in ORDERS {
+        let parts =
+            |v: &Scaled, axis: usize| [v.vector[axis].high, v.vector[axis].low].map(|x| x * LARGE);
+        for x in parts(p, k) {
+            for y in parts(q, l) {
+                if x == 0.0 || y == 0.0 {
+                    continue;
+                }
+                let two = product(Scalar, sign * x, y);
+                for z in parts(r, m) {
+                    for xy in [two.high, two.low] {
+                        let three = product(Scalar, xy, z);
+                        put(three.high);
+                        put(three.low);
+                    }
+                }
+            }
+        }
+    }
+    let terms = &mut terms[..count.min(TERMS)];
+    let Some(last) = terms.len().checked_sub(1) else {
+        return Double {
+            high: 0.0,
+            low: 0.0,
+        };
+    };
+    // A few times; of a determinant that is zero until all are zero.
+    loop {
+        for k in 1..terms.len() {
+            let two = sum(Scalar, terms[k], terms[k - 1]);
+            (terms[k], terms[k - 1]) = (two.high, two.low);
+        }
+        let (lost, total) = (&terms[..last], terms[last]);
+        let most: f64 = lost.iter().map(|x| x.abs()).sum();
+        if !(most > total.abs() * ENOUGH) {
+            return sum(Scalar, total, lost.iter().sum());
+        }
+    }
+}
+
+/// Two to the power of -40.
+const ENOUGH: f64 = f64::from_bits((1023 - 40) << 52);
+
+#[cfg(test)]
+mod tests {
+    use super::super::double::difference;
+    use super::*;
+
+    fn plain([x, y, z]: [f64; 3]) -> Scaled {
+        Scaled::new(&[x, y, z].map(|high| Double { high, low: 0.0 }))
+    }
+
+    #[test]
+    fn the_sign_is_that_of_a_tiny_rest() {
+        let e = f64::EPSILON;
+        let p = plain([1.0, 1.0 + e, 0.0]);
+        let q = plain([1.0 - e, 1.0, 0.0]);
+        let r = plain([0.0, 0.0, 1e-300]);
+        let det = |p: &Scaled, q: &Scaled, r: &Scaled| determinant(p, q, r).high;
+        // 1 - (1 - e^2).
+        assert!(det(&p, &q, &r) > 0.0 && det(&q, &p, &r) < 0.0);
+        assert_eq!(det(&p, &p, &r), 0.0);
+        assert_eq!(det(&p, &q, &plain([0.0; 3])), 0.0);
+        // Of second parts alone.
+        let thin = [difference(Scalar, 1.0, 1e-40); 3];
+        let line = plain([1.0; 3]);
+        assert_eq!(det(&Scaled::new(&thin), &line, &q), 0.0);
+        let bent = [thin[0], thin[1], difference(Scalar, 1.0, 2e-40)];
+        assert!(det(&Scaled::new(&bent), &line, &q) != 0.0);
+    }
+}

@@ -1,0 +1,267 @@
+//! `t` and the order of hits against exact arithmetic.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+mod support;
+
+use std::sync::Arc;
+
+use firsthit::shoot::{Trees, first_hit, shoot_all};
+use firsthit::{Camera, DMat3, DVec3, Hit, Mesh, Object, Projection, Ray, Scene, Shape};
+use num_rational::BigRational;
+use num_traits::ToPrimitive;
+use support::{Numbers, agree, bits, bumpy_sphere, mesh, scene};
+
+type Exact = [BigRational; 3];
+
+fn number(x: f64) -> BigRational {
+    BigRational::from_float(x).unwrap()
+}
+
+fn exact(v: DVec3) -> Exact {
+    v.to_array().map(number)
+}
+
+fn minus(p: &Exact, q: &Exact) -> Exact {
+    std::array::from_fn(|k| &p[k] - &q[k])
+}
+
+fn cross(p: &Exact, q: &Exact) -> Exact {
+    [(1, 2), (2, 0), (0, 1)].map(|(k, l)| &p[k] * &q[l] - &p[l] * &q[k])
+}
+
+fn dot(p: &Exact, q: &Exact) -> BigRational {
+    &p[0] * &q[0] + &p[1] * &q[1] + &p[2] * &q[2]
+}
+
+/// Where a ray crosses a triangle, edges and corners included.
+fn crossing(ray: &Ray, corners: [DVec3; 3]) -> Option<BigRational> {
+    let zero = number(0.0);
+    let (origin, d) = (exact(ray.origin), exact(ray.direction));
+    let [a, b, c] = corners.map(|corner| minus(&exact(corner), &origin));
+    let n = cross(&minus(&b, &a), &minus(&c, &a));
+    let slope = dot(&n, &d);
+    if slope == zero {
+        return None;
+    }
+    let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&d, &cross(p, q)) / &slope);
+    if sides.iter().any(|side| *side < zero) {
+        return None;
+    }
+    let t = dot(&n, &a) / slope;
+    (t > zero).then_some(t)
+}
+
+/// The float64 nearest to `t`.
+fn nearest(t: &BigRational) -> f64 {
+    let first = t.to_f64().unwrap();
+    let off = |x: &f64| {
+        let off = number(*x) - t;
+        if off < number(0.0) { -off } else { off }
+    };
+    let around = [first.next_down(), first, first.next_up()];
+    around
+        .into_iter()
+        .min_by(|x, y| off(x).cmp(&off(y)))
+        .unwrap()
+}
+
+/// Compares the hit with exact arithmetic over all triangles.
+fn check(scene: &Scene, ray: &Ray, hit: &Hit) {
+    let mut all = Vec::new();
+    for (index, object) in (0..).zip(scene.objects()) {
+        let Shape::Mesh(mesh) = object.shape() else {
+            unreachable!("only meshes here")
+        };
+        for (triangle, _) in (0..).zip(mesh.triangles()) {
+            let t = crossing(ray, mesh.corners(triangle as usize));
+            all.extend(t.map(|t| (nearest(&t), index, triangle)));
+        }
+    }
+    let first = |a: &(f64, i32, i32), b: &(f64, i32, i32)| a.partial_cmp(b).unwrap();
+    let Some((t, object, triangle)) = all.into_iter().min_by(first) else {
+        assert!(hit.is_miss(), "{ray:?} {hit:?}");
+        return;
+    };
+    assert_eq!(
+        (hit.object, hit.primitive),
+        (object, triangle),
+        "{ray:?} {hit:?} {t:?}"
+    );
+    let is_next = hit.t == t || hit.t == t.next_up() || hit.t == t.next_down();
+    assert!(is_next, "{ray:?} {hit:?}, exactly {t:?}");
+}
+
+fn turn(numbers: &mut Numbers) -> DMat3 {
+    DMat3::from_axis_angle(numbers.point().normalize(), 6.0 * numbers.unit())
+}
+
+/// A triangle around the origin whose corners are about `far` away.
+fn around(numbers: &mut Numbers, frame: DMat3, far: f64) -> [DVec3; 3] {
+    let from = 6.0 * numbers.unit();
+    [0.0, 2.1, 4.2].map(|angle| {
+        let (sin, cos) = (libm::sin(from + angle), libm::cos(from + angle));
+        far * (0.5 + numbers.unit()) * (cos * frame.x_axis + sin * frame.y_axis)
+    })
+}
+
+fn triangle(corners: [DVec3; 3]) -> Arc<Mesh> {
+    mesh(&corners, vec![[0, 1, 2]])
+}
+
+/// Floors at any tilt, seen from a few lengths away, whose corners are up to 10^12 lengths away.
+#[test]
+fn t_is_next_to_the_exact_one_however_far_the_corners_are() {
+    let mut numbers = Numbers::new(19);
+    let mut hits = 0;
+    for far in [1.0, 1e1, 1e3, 1e5, 1e8, 1e12] {
+        for _ in 0..150 {
+            let frame = turn(&mut numbers);
+            let corners = around(&mut numbers, frame, far);
+            let scene = scene(vec![Object::new(triangle(corners))]);
+            for slant in [1.0, 1e-1, 1e-2, 1e-4, 1e-6] {
+                let target = frame * (numbers.point() * DVec3::new(0.2, 0.2, 0.0));
+                let way = frame * (numbers.point() * DVec3::new(1.0, 1.0, slant));
+                let ray = Ray::new(target - 3.0 * way, way);
+                let hit = agree(&scene, &ray);
+                check(&scene, &ray, &hit);
+                hits += u32::from(!hit.is_miss());
+            }
+        }
+    }
+    assert!(hits > 2000, "{hits}");
+}
+
+/// The same as the second of two objects, the first of which is in front or behind by a billionth.
+#[test]
+fn of_two_floors_close_together_the_first_is_met() {
+    let mut numbers = Numbers::new(20);
+    let mut hits = 0;
+    for far in [1.0, 1e3, 1e6, 1e9, 1e12] {
+        for _ in 0..150 {
+            let frame = turn(&mut numbers);
+            let shift = 1e-9 * frame.z_axis;
+            let near = around(&mut numbers, frame, 3.0).map(|corner| corner + shift);
+            let corners = around(&mut numbers, frame, far);
+            let scene = scene(vec![
+                Object::new(triangle(near)),
+                Object::new(triangle(corners)),
+            ]);
+            for slant in [1.0, 1e-1, 1e-2] {
+                let target = frame * (numbers.point() * DVec3::new(0.2, 0.2, 0.0));
+                let way = frame * (numbers.point() * DVec3::new(1.0, 1.0, slant));
+                let ray = Ray::new(target - 3.0 * way, way);
+                let hit = agree(&scene, &ray);
+                check(&scene, &ray, &hit);
+                hits += u32::from(!hit.is_miss());
+            }
+        }
+    }
+    assert!(hits > 1500, "{hits}");
+}
+
+/// Two meshes in one plane, cut differently: the exact places are the same, so the first object is met.
+#[test]
+fn of_two_triangles_in_one_plane_the_first_object_is_met() {
+    let mut numbers = Numbers::new(21);
+    let mut hits = 0;
+    for _ in 0..400 {
+        // Corners with few digits, so that both planes are exactly one.
+        let mut few = || (numbers.point() * 64.0).round();
+        let (e, f) = (few(), few());
+        let at = |x: f64, y: f64| x * e + y * f;
+        let one = triangle([at(-3.0, -3.0), at(5.0, -2.0), at(-1.0, 6.0)]);
+        let other = triangle([at(-2.0, -4.0), at(4.0, -1.0), at(-2.0, 5.0)]);
+        let objects = [one, other].map(Object::new).to_vec();
+        let mut reversed = objects.clone();
+        reversed.reverse();
+        let scenes = [scene(objects), scene(reversed)];
+        for _ in 0..20 {
+            let target = at(numbers.unit(), numbers.unit());
+            let origin = 300.0 * numbers.point();
+            let ray = Ray::new(origin, target - origin);
+            for scene in &scenes {
+                let hit = agree(scene, &ray);
+                check(scene, &ray, &hit);
+                hits += u32::from(!hit.is_miss());
+            }
+        }
+    }
+    assert!(hits > 8000, "{hits}");
+}
+
+/// Pictures too: each pixel's `t`, of triangles large and small, near and far.
+#[test]
+fn pictures_have_exact_distances() {
+    let mut numbers = Numbers::new(22);
+    let mut hits = 0;
+    for size in [1e-3, 0.1, 1.0, 30.0, 1e4, 1e9] {
+        for parallel in [false, true] {
+            let points: Vec<_> = (0..12)
+                .map(|_| size * numbers.point() + DVec3::Z * 1e-3)
+                .collect();
+            let triangles = vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]];
+            let scene = scene(vec![Object::new(mesh(&points, triangles))]);
+            let eye = (2.0 + 0.3 * size.min(10.0)) * numbers.point().normalize();
+            let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 50.0, 24, 32).unwrap();
+            let mut view = *camera.view();
+            if parallel {
+                (view.width, view.height) = (4.0, 3.0);
+                view.projection = Projection::Orthographic;
+            }
+            let camera = Camera::new(view).unwrap();
+            let all = shoot_all(&scene, &camera, &()).unwrap();
+            for index in 0..24 * 32 {
+                let ray = camera.ray(index / 32, index % 32);
+                let hit = all.get(index);
+                assert_eq!(bits(&hit), bits(&first_hit::<Trees>(&scene, &ray)));
+                check(&scene, &ray, &hit);
+                hits += u32::from(!hit.is_miss());
+            }
+        }
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+/// Rays at corners and edges, from where it is exactly so and from where it is by rounding only; the vertices of a closed mesh and its
+/// silhouette are part of it.
+#[test]
+fn edges_and_corners_are_decided_exactly() {
+    let mut numbers = Numbers::new(23);
+    let (points, triangles) = bumpy_sphere(3, 5);
+    let few = |v: DVec3, digits: f64| (v * digits).round() / digits;
+    let (mut hits, mut misses) = (0, 0);
+    for digits in [1.0, 4.0, 1e3, 1e15] {
+        let points: Vec<_> = points
+            .iter()
+            .map(|&point| few(3.0 * point, digits))
+            .collect();
+        let scene = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
+        for k in 0..600 {
+            let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
+            let through = if k % 2 == 0 {
+                a
+            } else {
+                few(0.5 * (a + b), 2.0 * digits)
+            };
+            let way = match k % 3 {
+                0 => few(5.0 * numbers.point(), digits),
+                1 => [DVec3::X, DVec3::NEG_Y, DVec3::Z][k / 3 % 3] * 5.0,
+                _ => (through - points[numbers.below(points.len())]) * 4.0,
+            };
+            let ray = Ray::new(through - way, way);
+            if way == DVec3::ZERO {
+                continue;
+            }
+            let hit = agree(&scene, &ray);
+            check(&scene, &ray, &hit);
+            hits += u32::from(!hit.is_miss());
+            misses += u32::from(hit.is_miss());
+        }
+    }
+    assert!(hits > 1500 && misses > 10, "{hits} {misses}");
+}
