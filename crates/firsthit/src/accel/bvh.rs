@@ -69,7 +69,7 @@ impl Bvh {
         if let Some(root) = self.nodes.first()
             && !slab.entry(root).is_nan()
         {
-            stack.push((0, 0.0));
+            stack.push((0, slab.first));
         }
         Walk {
             bvh: self,
@@ -134,6 +134,8 @@ struct Slab {
     low_origin: DVec3,
     high_origin: DVec3,
     inverse: DVec3,
+    /// Where the ray begins, or its origin if that comes first.
+    first: f64,
 }
 
 impl Slab {
@@ -144,10 +146,11 @@ impl Slab {
             low_origin: origin + margin,
             high_origin: origin - margin,
             inverse: ray.direction.recip(),
+            first: ray.t_min.min(0.0),
         }
     }
 
-    /// The smallest `t >= 0` in the box; NaN, which no comparison lets through, when the ray passes it.
+    /// The smallest `t` of the ray, or from its origin on, in the box; NaN, which no comparison lets through, when the ray passes it.
     ///
     /// Along an axis with a zero direction the distances are infinite, or NaN when the origin is on the
     /// border of the widened box, where nothing is: `min` and `max` then take the other, infinite one.
@@ -155,7 +158,7 @@ impl Slab {
     fn entry(&self, node: &Node) -> f64 {
         let low = (DVec3::from(node.low.map(f64::from)) - self.low_origin) * self.inverse;
         let high = (DVec3::from(node.high.map(f64::from)) - self.high_origin) * self.inverse;
-        let mut entry = 0.0_f64;
+        let mut entry = self.first;
         let mut exit = f64::INFINITY;
         for axis in 0..3 {
             entry = entry.max(low[axis].min(high[axis]));

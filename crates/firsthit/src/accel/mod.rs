@@ -12,6 +12,7 @@ mod beam;
 mod bins;
 mod build;
 mod bvh;
+mod distant;
 mod filter;
 mod frame;
 mod goal;

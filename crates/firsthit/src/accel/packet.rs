@@ -7,6 +7,7 @@
 
 mod limits;
 
+use super::distant::DISTANT;
 use super::mesh_tree::MeshTree;
 use super::ray::{MARGIN, TreeRay, U};
 use crate::geometry::{DMat3, DVec3, Ray, Transform};
@@ -55,6 +56,8 @@ pub(crate) struct Packet {
     is_along: [u16; 2],
     /// The rays that may meet something.
     pub(crate) alive: u16,
+    /// The rays that are too far away for this, see `distant.rs`.
+    pub(crate) distant: u16,
 }
 
 /// Between the axes of space and those of each ray, `TreeRay::axes`.
@@ -179,8 +182,8 @@ impl Packet {
         }
     }
 
-    /// Takes world rays into an object's space, and says which of them are as nearly all are: valid in both, and with
-    /// a direction that can be squared. What becomes of others is of no use.
+    /// Takes world rays into an object's space, and says which of them are as nearly all are: valid in both, ahead of their
+    /// origins, and with a direction that can be squared. What becomes of others is of no use.
     #[inline(always)]
     pub(crate) fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u16 {
         u16::from_le_bytes([
@@ -192,11 +195,11 @@ impl Packet {
     #[inline(always)]
     fn enter_half<L: Lanes>(&mut self, l: L, transform: &Transform, half: usize) -> u8 {
         let number = |x: f64| l.splat64(x);
-        let finite = |v: &[L::Doubles; 3]| {
+        let up_to = |v: &[L::Doubles; 3], most: f64| {
             // Written so that a NaN fails.
-            l.le64(l.abs64(v[0]), number(f64::MAX))
-                & l.le64(l.abs64(v[1]), number(f64::MAX))
-                & l.le64(l.abs64(v[2]), number(f64::MAX))
+            l.le64(l.abs64(v[0]), number(most))
+                & l.le64(l.abs64(v[1]), number(most))
+                & l.le64(l.abs64(v[2]), number(most))
         };
         let (origin, direction) = (
             vector(l, &self.origin, half),
@@ -206,10 +209,11 @@ impl Packet {
         let t_max = l.load64(of(&self.t_max, half));
         let plain = l.lt64(number(0.0), t_max)
             & l.lt64(l.load64(of(&self.t_min, half)), t_max)
+            & l.le64(number(0.0), l.load64(of(&self.t_min, half)))
             & l.lt64(number(1e-99), length)
             & l.lt64(length, number(1e99))
-            & finite(&direction)
-            & finite(&origin);
+            & up_to(&direction, f64::MAX)
+            & up_to(&origin, Ray::FARTHEST);
         if transform.is_identity() {
             return plain;
         }
@@ -229,25 +233,41 @@ impl Packet {
             l.store64(inside[1][axis], of_mut(&mut self.direction[axis], half));
         }
         let length = largest_of(l, &inside[1]);
-        plain & finite(&inside[0]) & finite(&inside[1]) & l.lt64(number(0.0), length)
+        plain
+            & up_to(&inside[0], Ray::FARTHEST)
+            & up_to(&inside[1], f64::MAX)
+            & l.lt64(number(0.0), length)
     }
 
     /// Makes the first `count` rays ready for `tree`. They are [valid](Ray::is_valid).
     #[inline(always)]
     pub(crate) fn prepare<L: Lanes>(&mut self, l: L, tree: &MeshTree, count: usize) {
-        let first = self.prepare_half(l, tree, 0);
-        // One ray alone is common.
-        let second = if count > WIDE {
-            self.prepare_half(l, tree, 1)
-        } else {
-            0
-        };
-        self.alive = u16::from_le_bytes([first, second]) & lowest(count);
+        self.prepare_blurred(l, tree, count, 0.0);
     }
 
-    /// Returns which of eight may meet something.
+    /// The same for rays that are off by so much across their way, in units of the tree.
     #[inline(always)]
-    fn prepare_half<L: Lanes>(&mut self, l: L, tree: &MeshTree, half: usize) -> u8 {
+    pub(super) fn prepare_blurred<L: Lanes>(
+        &mut self,
+        l: L,
+        tree: &MeshTree,
+        count: usize,
+        off: f64,
+    ) {
+        let (first, first_distant) = self.prepare_half(l, tree, 0, off);
+        // One ray alone is common.
+        let (second, second_distant) = if count > WIDE {
+            self.prepare_half(l, tree, 1, off)
+        } else {
+            (0, 0)
+        };
+        self.distant = u16::from_le_bytes([first_distant, second_distant]);
+        self.alive = u16::from_le_bytes([first, second]) & lowest(count) & !self.distant;
+    }
+
+    /// Returns which of eight may meet something, and which are distant.
+    #[inline(always)]
+    fn prepare_half<L: Lanes>(&mut self, l: L, tree: &MeshTree, half: usize, off: f64) -> (u8, u8) {
         let number = |x: f64| l.splat64(x);
         let (zero, one) = (number(0.0), number(1.0));
         let (origin, d) = (
@@ -271,13 +291,16 @@ impl Packet {
         }
         let mut largest = largest_of(l, &start);
         let size = l.mul64(largest_of(l, &origin), scale);
-        let mut blur = l.mul64(number(1e-15), l.add64(size, number(100.0)));
+        let mut blur = l.fused_mul_add64(number(1e-15), l.add64(size, number(100.0)), number(off));
         if !tree.is_exact {
             blur = l.add64(blur, number(U.into()));
         }
         let mut moved = zero;
         let far = !l.le64(largest, number(FAR));
+        let mut distant = 0;
         if far != 0 {
+            // A little farther away than [`MeshTree::is_distant`] has it.
+            distant = !l.le64(largest, number(1.000_001 * DISTANT));
             (start, moved, blur) = nearer(l, far, &start, &direction, blur);
             largest = largest_of(l, &start);
         }
@@ -309,7 +332,7 @@ impl Packet {
         l.store64(depth_per_t, of_mut(&mut self.depth_per_t, half));
         l.store64(moved, of_mut(&mut self.moved, half));
         self.set_limits(l, half, &rounding);
-        near
+        (near, distant)
     }
 
     /// What a node's test works with.
@@ -404,7 +427,7 @@ fn nearer<L: Lanes>(
     direction: &[L::Doubles; 3],
     blur: L::Doubles,
 ) -> ([L::Doubles; 3], L::Doubles, L::Doubles) {
-    let (zero, one) = (l.splat64(0.0), l.splat64(1.0));
+    let zero = l.splat64(0.0);
     let (mut dot, mut squares) = (zero, zero);
     for axis in 0..3 {
         dot = l.add64(dot, l.mul64(start[axis], direction[axis]));
@@ -415,19 +438,12 @@ fn nearer<L: Lanes>(
     let moved = l.select64(far, moved, zero);
     let way = l.add64(largest_of(l, start), moved);
     let blur = l.select64(far, l.add64(blur, l.mul64(l.splat64(1e-15), way)), blur);
-    // From so far away float64 does not tell where a ray passes the tree: it may meet each of its triangles.
-    let lost = far & !l.le64(blur, one);
     let mut out = *start;
     for axis in 0..3 {
         let sum = l.add64(start[axis], l.mul64(moved, direction[axis]));
-        let sum = l.select64(lost, zero, sum);
         out[axis] = l.select64(far, sum, start[axis]);
     }
-    (
-        out,
-        l.select64(lost, zero, moved),
-        l.select64(lost, l.splat64(f64::INFINITY), blur),
-    )
+    (out, moved, blur)
 }
 
 /// One over a component of the direction, finite: along an axis where the ray moves by less than all

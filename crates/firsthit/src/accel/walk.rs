@@ -4,6 +4,7 @@
 //! children nearest first. It departs in the leaves, where float32 rules out and float64 decides: what is
 //! met for certain at a depth that no other candidate can have is not even computed before the end.
 
+use super::distant::Approach;
 use super::filter::filter;
 use super::goal::{Each, Goal, Place, Question};
 use super::mesh_tree::MeshTree;
@@ -12,6 +13,7 @@ use super::visit::Known;
 use super::wide::LEAF;
 use crate::geometry::Ray;
 use crate::shape::Mesh;
+use crate::shape::triangle::clear_of;
 use crate::simd::{Aligned, LANES, Lanes};
 
 /// Memory for traversals, to be used again.
@@ -161,8 +163,8 @@ pub(crate) fn ask<L: Lanes, Q: Question>(
     goal.answer(l, &place)
 }
 
-/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, in
-/// any order. `visit` returns the `t_max` to go on with, not larger than before; any negative number ends
+/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, and perhaps with others,
+/// in any order. `visit` returns the `t_max` to go on with, not larger than before; any negative number ends
 /// the search.
 #[inline(always)]
 pub(crate) fn each<L: Lanes>(
@@ -172,25 +174,69 @@ pub(crate) fn each<L: Lanes>(
     ray: &Ray,
     visit: impl FnMut(u32, f64) -> f64,
 ) {
-    let mut each = Each {
-        visit,
-        t_max: ray.t_max,
-        limit: f32::INFINITY,
+    let approach = if !tree.has_nodes() {
+        Approach::Somewhere
+    } else if tree.is_distant(ray.origin) || ray.t_min == f64::NEG_INFINITY {
+        Approach::new(&tree.space, ray)
+    } else if ray.t_min >= 0.0 {
+        return each_ahead(l, scratch, (tree, mesh), (ray, 0.0), visit);
+    } else {
+        let begin = ray.at(ray.t_min);
+        if tree.is_distant(begin) {
+            Approach::new(&tree.space, ray)
+        } else {
+            let ahead = Ray::new(begin, ray.direction).up_to(clear_of(ray.t_max - ray.t_min));
+            let mut visit = visit;
+            return each_ahead(l, scratch, (tree, mesh), (&ahead, 0.0), |triangle, _| {
+                let t_max = visit(triangle, ray.t_max);
+                if t_max < 0.0 {
+                    -1.0
+                } else {
+                    clear_of(t_max - ray.t_min)
+                }
+            });
+        }
     };
-    if !tree.has_nodes() {
-        for &triangle in &tree.order {
-            each.t_max = (each.visit)(triangle, each.t_max);
-            if each.t_max < 0.0 {
-                return;
+    let mut visit = visit;
+    match approach {
+        Approach::Past => {}
+        Approach::Near(near, off) => {
+            let visit = |triangle, _| {
+                let is_over = visit(triangle, ray.t_max) < 0.0;
+                if is_over { -1.0 } else { f64::INFINITY }
+            };
+            each_ahead(l, scratch, (tree, mesh), (&near, off), visit);
+        }
+        Approach::Somewhere => {
+            let mut t_max = ray.t_max;
+            for &triangle in &tree.order {
+                t_max = visit(triangle, t_max);
+                if t_max < 0.0 {
+                    return;
+                }
             }
         }
-        return;
     }
+}
+
+/// [`each`] for a ray that is not distant, and off by so much.
+#[inline(always)]
+fn each_ahead<L: Lanes>(
+    l: L,
+    scratch: &mut Scratch,
+    (tree, mesh): (&MeshTree, &Mesh),
+    (ray, off): (&Ray, f64),
+    visit: impl FnMut(u32, f64) -> f64,
+) {
     let Scratch { stack, packet, .. } = scratch;
     packet.put(0, ray);
-    packet.prepare(l, tree, 1);
+    packet.prepare_blurred(l, tree, 1, off);
     if packet.alive != 0 {
-        each.limit = packet.limits(0).last;
+        let mut each = Each {
+            visit,
+            t_max: ray.t_max,
+            limit: packet.limits(0).last,
+        };
         let place = Place {
             tree,
             mesh,

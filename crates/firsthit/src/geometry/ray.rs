@@ -17,13 +17,17 @@ pub struct Ray {
     pub origin: DVec3,
     /// Where it goes; anything but zero.
     pub direction: DVec3,
-    /// Where the ray begins: the largest `t` that does not yet count. Below zero it is as good as zero.
+    /// Where the ray begins: the largest `t` that does not yet count. Zero leaves out a surface that the ray starts on; any
+    /// negative number lets it be met, and what is behind the origin down to there.
     pub t_min: f64,
     /// The largest `t` that counts.
     pub t_max: f64,
 }
 
 impl Ray {
+    /// Coordinates up to here have squares that float64 can hold.
+    pub(crate) const FARTHEST: f64 = 1e150;
+
     /// The ray from its origin on, without an end.
     #[inline]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
@@ -36,7 +40,7 @@ impl Ray {
     }
 
     /// The same ray, beginning at `t_min` (which does not yet count). Beyond a hit, on a mesh's edge, the neighbour may be met
-    /// a last digit later.
+    /// a last digit later. A negative `t_min` begins behind the origin, which takes longer: every object is asked by itself.
     #[inline]
     pub fn beyond(self, t_min: f64) -> Self {
         Self { t_min, ..self }
@@ -56,20 +60,22 @@ impl Ray {
     /// Whether what is at `t` is on the ray.
     #[inline]
     pub fn holds(&self, t: f64) -> bool {
-        t > 0.0 && t > self.t_min && t <= self.t_max
+        t > self.t_min && t <= self.t_max
     }
 
     /// Whether the ray is all that is ahead of its origin.
     #[inline]
     pub(crate) fn is_whole(&self) -> bool {
-        self.t_min <= 0.0 && self.t_max == f64::INFINITY
+        self.t_min == 0.0 && self.t_max == f64::INFINITY
     }
 
-    /// Whether this ray can meet anything: origin and direction finite, the direction not zero, `t_max`
+    /// Whether this ray can meet anything: its origin's coordinates from -10^150 to 10^150, its direction finite and not zero, `t_max`
     /// positive and above `t_min`. Any other ray is a miss, and only that.
     #[inline]
     pub fn is_valid(&self) -> bool {
-        self.origin.is_finite()
+        // Written so that a NaN fails.
+        self.origin.abs().max_element() <= Self::FARTHEST
+            && !self.origin.is_nan()
             && self.direction.is_finite()
             && self.direction != DVec3::ZERO
             && self.t_max > 0.0

@@ -72,7 +72,8 @@ impl Quest for FirstHit {
         {
             self.0 = hit;
         }
-        clear_of(self.0.t) / moderate.scale
+        // At zero there would be no ray left: what is behind the origin is as good as just ahead of it.
+        (clear_of(self.0.t) / moderate.scale).max(f64::MIN_POSITIVE)
     }
 }
 
@@ -144,7 +145,11 @@ impl<'a, Q: Quest> Journey<'a, Q> {
             };
             self.object = index;
             match (object.shape(), scene.mesh_tree(index as usize)) {
-                (Shape::Mesh(mesh), Some(tree)) if is_plain(moderate, object) => {
+                (Shape::Mesh(mesh), Some(tree))
+                    if is_plain(moderate, object)
+                        && ray.t_min >= 0.0
+                        && !tree.is_distant(ray.origin) =>
+                {
                     if tree.has_nodes() {
                         return Some(Leg {
                             object: index,
@@ -206,7 +211,13 @@ fn one_by_one<L: Lanes, Q: Quest>(
         {
             first = Some(new);
         }
-        let so_far = |first: Crossing| if Q::ANY { -1.0 } else { clear_of(first.t) };
+        let so_far = |first: Crossing| {
+            if Q::ANY {
+                -1.0
+            } else {
+                clear_of(first.t).max(0.0)
+            }
+        };
         first.map_or(t_max, so_far)
     });
     first

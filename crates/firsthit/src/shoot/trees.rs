@@ -208,6 +208,7 @@ impl<T: Take> Batch<'_, T> {
             let length = (count - first).min(RAYS);
             let plain = packet.enter(l, object.transform());
             packet.prepare(l, tree, length);
+            let plain = plain & !packet.distant;
             packet.alive &= plain;
             let alive = packet.alive;
             for lane in 0..length {
