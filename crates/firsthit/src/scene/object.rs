@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::Material;
 use crate::geometry::summary::Short;
-use crate::geometry::{Bounds, Color, DVec2, DVec3, Transform};
+use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
 use crate::shape::{Mesh, Shape, Surface};
 
 /// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
@@ -27,6 +27,7 @@ pub struct Object {
     /// What a mesh's slots name; none where nobody gave the object a look.
     materials: Arc<[Material]>,
     may_have_holes: bool,
+    is_out_of_range: bool,
 }
 
 /// A summary: of its materials their number.
@@ -50,9 +51,11 @@ impl Object {
 
     /// The shape where it is, without a name, in a neutral colour.
     pub fn new(shape: impl Into<Shape>) -> Self {
+        let shape = shape.into();
         Self {
             name: String::new(),
-            shape: shape.into(),
+            is_out_of_range: is_out_of_range(&shape),
+            shape,
             transform: Transform::IDENTITY,
             materials: Arc::default(),
             may_have_holes: false,
@@ -210,8 +213,7 @@ impl Object {
         reach(in_object) + world_from_object.translation.dot(direction)
     }
 
-    /// A box around it in the world: the smallest one for a mesh, and for any shape whose box stays a
-    /// box under the transform.
+    /// The smallest box around it in the world.
     pub fn bounds(&self) -> Bounds {
         let world_from_object = self.transform.world_from_object();
         match &self.shape {
@@ -222,7 +224,32 @@ impl Object {
                     world_from_object.transform_point3(mesh.positions().get(vertex))
                 }))
             }
-            shape => shape.bounds().transformed(world_from_object),
+            shape if self.transform.keeps_axes() || !shape.bounds().is_finite() => {
+                shape.bounds().transformed(world_from_object)
+            }
+            _ => {
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+                Bounds {
+                    low: DVec3::from(axes.map(|axis| -self.support(-axis))),
+                    high: DVec3::from(axes.map(|axis| self.support(axis))),
+                }
+            }
         }
     }
+
+    /// Whether a coordinate of its shape is so large that its square leaves float64: then it is not met.
+    #[inline]
+    pub(crate) fn is_out_of_range(&self) -> bool {
+        self.is_out_of_range
+    }
+}
+
+fn is_out_of_range(shape: &Shape) -> bool {
+    let Bounds { low, high } = match shape {
+        Shape::Plane(plane) => Bounds::of([plane.point()]),
+        shape => shape.bounds(),
+    };
+    // Not of nothing, whose box is inside out.
+    let largest = low.abs().max(high.abs()).max_element();
+    low.cmple(high).all() && largest > Ray::FARTHEST
 }

@@ -35,11 +35,11 @@ impl Moderate {
     }
 
     /// The ray, up to `t_max`, in an object's space. A transform can take its numbers out of the range of
-    /// float64: then it meets nothing.
+    /// float64: then it meets nothing, as does any ray an object that is out of range.
     #[inline(always)]
     pub(super) fn in_object(&self, object: &Object, t_max: f64) -> Option<Ray> {
         let ray = object.transform().ray_in_object(&self.ray.up_to(t_max));
-        ray.is_valid().then_some(ray)
+        (ray.is_valid() && !object.is_out_of_range()).then_some(ray)
     }
 
     /// Whether `new` is the first of two hits of the ray, each perhaps a miss: the one with the smaller `t`, which of triangles is

@@ -1,0 +1,127 @@
+//! Where rays begin, how far away they may, and what is out of range.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod support;
+
+use firsthit::{
+    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Object, Plane, Ray, Scene, Shape, Sphere,
+    Transform,
+};
+use support::{Numbers, agree, bumpy_sphere, mesh, scene};
+
+fn shapes(size: f64) -> Vec<Shape> {
+    let (points, triangles) = bumpy_sphere(6, 3);
+    let points: Vec<_> = points.into_iter().map(|point| size * point).collect();
+    let lean = DVec3::new(0.3, 1.0, -0.2);
+    vec![
+        mesh(&points, triangles).into(),
+        Sphere::new(size * DVec3::splat(0.1), size).unwrap().into(),
+        Plane::new(size * DVec3::new(0.0, 1.0, 0.0), lean)
+            .unwrap()
+            .into(),
+        Disc::new(size * DVec3::X, lean, size).unwrap().into(),
+        Cuboid::new(DVec3::splat(-size), DVec3::splat(size))
+            .unwrap()
+            .into(),
+        Cylinder::new(size * DVec3::NEG_Y, size * lean, 0.5 * size)
+            .unwrap()
+            .into(),
+        Cone::new(size * DVec3::NEG_Y, size * lean, 0.5 * size, 0.2 * size)
+            .unwrap()
+            .into(),
+    ]
+}
+
+fn of(shape: Shape) -> Scene {
+    scene(vec![Object::new(shape)])
+}
+
+#[test]
+fn a_negative_t_min_lets_a_ray_see_where_it_starts() {
+    let square = mesh(
+        &[DVec3::ZERO, 4.0 * DVec3::X, 4.0 * DVec3::Y],
+        vec![[0, 1, 2]],
+    );
+    let floor = Plane::new(DVec3::ZERO, DVec3::Z).unwrap();
+    for scene in [of(square.into()), of(floor.into())] {
+        let ray = Ray::new(DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.1, 0.2, 1.0));
+        assert!(agree(&scene, &ray).is_miss());
+        assert!(agree(&scene, &ray.beyond(-0.0)).is_miss());
+        for t_min in [-1e-300, -1.0, -1e100, f64::NEG_INFINITY] {
+            assert_eq!(agree(&scene, &ray.beyond(t_min)).t, 0.0, "{t_min}");
+        }
+        let above = Ray::new(ray.at(2.0), ray.direction);
+        assert!(agree(&scene, &above.beyond(-1.9)).is_miss());
+        assert_eq!(agree(&scene, &above.beyond(-2.1)).t, -2.0);
+    }
+}
+
+#[test]
+fn what_is_behind_is_met_in_the_order_of_t() {
+    let mut numbers = Numbers::new(11);
+    let mut behind = 0;
+    let all: Vec<_> = shapes(1.0).into_iter().map(Object::new).collect();
+    for objects in (0..all.len())
+        .map(|k| vec![all[k].clone()])
+        .chain([all.clone()])
+    {
+        let scene = scene(objects);
+        for k in 0..300 {
+            let ray = Ray::new(2.0 * numbers.point(), numbers.point());
+            let t_min = [-0.5, -3.0, -1e3, -1e30, f64::NEG_INFINITY][k % 5];
+            let hit = agree(&scene, &ray.beyond(t_min));
+            assert!(hit.is_miss() || hit.t > t_min);
+            behind += u32::from(hit.t < 0.0);
+        }
+    }
+    assert!(behind > 400, "{behind}");
+}
+
+#[test]
+fn numbers_whose_squares_are_out_of_range_are_met_by_nothing() {
+    let mut numbers = Numbers::new(12);
+    for size in [1e149, 2e150, 1e160, 1e300] {
+        for shape in shapes(size) {
+            let name = shape.name();
+            let (scene, near) = (of(shape), size < 1e150);
+            for _ in 0..50 {
+                let start = 0.5e149 * numbers.point();
+                let hit = agree(&scene, &Ray::new(start, numbers.point()));
+                assert!(near || hit.is_miss(), "{name} {size}: {hit:?}");
+                let start = size * numbers.point();
+                let hit = agree(&scene, &Ray::new(start, numbers.point()));
+                assert!(near || hit.is_miss(), "{name} {size}: {hit:?}");
+            }
+        }
+    }
+    let scene = of(Plane::new(DVec3::ZERO, DVec3::Z).unwrap().into());
+    for (height, is_met) in [(0.9e150, true), (1.1e150, false), (1e200, false)] {
+        let hit = agree(&scene, &Ray::new(height * DVec3::Z, DVec3::NEG_Z));
+        assert_eq!(!hit.is_miss(), is_met, "{height}");
+    }
+}
+
+#[test]
+fn bounds_are_the_smallest_box() {
+    let mut numbers = Numbers::new(13);
+    for shape in shapes(1.0) {
+        if matches!(shape, Shape::Plane(_)) {
+            continue;
+        }
+        for _ in 0..20 {
+            let turn = DMat3::from_axis_angle(numbers.point().normalize(), 6.0 * numbers.unit());
+            let matrix = turn * DMat3::from_diagonal(DVec3::new(1.0, 0.3, 2.0));
+            let placed = Transform::new(DAffine3::from_mat3_translation(matrix, numbers.point()));
+            let object = Object::new(shape.clone()).placed(placed.unwrap());
+            let bounds = scene(vec![object.clone()]).bounds();
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                let (low, high) = (bounds.low.dot(axis), bounds.high.dot(axis));
+                let off = (high - object.support(axis)).abs() + (low + object.support(-axis)).abs();
+                assert!(off < 1e-13, "{}: {off}", shape.name());
+            }
+        }
+    }
+    let lean = Transform::new(DAffine3::from_rotation_z(0.7)).unwrap();
+    let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap()).placed(lean);
+    assert!((scene(vec![ball]).bounds().high - DVec3::ONE).length() < 1e-15);
+}
