@@ -5,7 +5,7 @@ use firsthit::{DVec2, DVec3, Hits, Ray, Rays};
 use numpy::{
     PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArray2,
 };
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 
 /// Rays in arrays of the interpreter: of each array one element for all rays, or one for each.
@@ -70,6 +70,20 @@ impl RayArrays<'_> {
     }
 }
 
+/// A copy of what Python owns, or a `MemoryError`.
+pub(crate) fn copied<T: Copy>(values: &[T]) -> PyResult<Vec<T>> {
+    collected(values.len(), values.iter().copied())
+}
+
+/// `count` values in memory, or a `MemoryError`.
+pub(crate) fn collected<T>(count: usize, values: impl Iterator<Item = T>) -> PyResult<Vec<T>> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(count)
+        .map_err(|error| PyMemoryError::new_err(format!("{count} elements: {error}")))?;
+    all.extend(values.take(count));
+    Ok(all)
+}
+
 /// Where hits go: `t`, `object`, `primitive` and `barycentric`, C-contiguous, of the shapes (n,), (n,), (n,) and (n, 2).
 #[derive(FromPyObject)]
 pub(crate) struct HitsOut<'py>(
@@ -114,10 +128,10 @@ impl HitsIn<'_> {
             .as_chunks::<2>()
             .0;
         Ok(Hits {
-            t: self.0.as_slice().map_err(not_contiguous)?.to_vec(),
-            object: self.1.as_slice().map_err(not_contiguous)?.to_vec(),
-            primitive: self.2.as_slice().map_err(not_contiguous)?.to_vec(),
-            barycentric: pairs.iter().map(|&pair| DVec2::from(pair)).collect(),
+            t: copied(self.0.as_slice().map_err(not_contiguous)?)?,
+            object: copied(self.1.as_slice().map_err(not_contiguous)?)?,
+            primitive: copied(self.2.as_slice().map_err(not_contiguous)?)?,
+            barycentric: collected(pairs.len(), pairs.iter().map(|&pair| DVec2::from(pair)))?,
         })
     }
 }

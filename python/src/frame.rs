@@ -12,7 +12,7 @@ use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::not_contiguous;
+use crate::arrays::{copied, not_contiguous};
 use crate::camera::Camera;
 use crate::errors::raise;
 use crate::load::background_out;
@@ -157,24 +157,24 @@ fn frame(
 
 fn data(array: &Bound<'_, PyAny>) -> PyResult<Data> {
     if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f64>>() {
-        return Ok(Data::Float64(
-            values.as_slice().map_err(not_contiguous)?.to_vec(),
-        ));
+        return Ok(Data::Float64(copied(
+            values.as_slice().map_err(not_contiguous)?,
+        )?));
     }
     if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f32>>() {
-        return Ok(Data::Float32(
-            values.as_slice().map_err(not_contiguous)?.to_vec(),
-        ));
+        return Ok(Data::Float32(copied(
+            values.as_slice().map_err(not_contiguous)?,
+        )?));
     }
     if let Ok(values) = array.extract::<PyReadonlyArray1<'_, i32>>() {
-        return Ok(Data::Int32(
-            values.as_slice().map_err(not_contiguous)?.to_vec(),
-        ));
+        return Ok(Data::Int32(copied(
+            values.as_slice().map_err(not_contiguous)?,
+        )?));
     }
     if let Ok(values) = array.extract::<PyReadonlyArray1<'_, bool>>() {
-        return Ok(Data::Bool(
-            values.as_slice().map_err(not_contiguous)?.to_vec(),
-        ));
+        return Ok(Data::Bool(copied(
+            values.as_slice().map_err(not_contiguous)?,
+        )?));
     }
     Err(PyTypeError::new_err(
         "expected a flat array of float64, float32, int32 or bool",

@@ -39,6 +39,13 @@ mod _firsthit {
     #[pymodule_export]
     use crate::shoot::{channel, channel_names, occluded, shoot, shoot_camera};
 
+    #[pymodule_init]
+    #[expect(clippy::unnecessary_wraps, reason = "as PyO3 calls it")]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::run::silence_panics();
+        Ok(())
+    }
+
     /// The version of the library.
     #[pyfunction]
     fn version() -> &'static str {

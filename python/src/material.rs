@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArray
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::not_contiguous;
+use crate::arrays::{copied, not_contiguous};
 use crate::errors::raise;
 
 /// The texels of a texture, which materials can share.
@@ -26,7 +26,7 @@ impl Texels {
             return Err(PyValueError::new_err("texels must have three axes"));
         };
         let bytes = texels.as_slice().map_err(not_contiguous)?;
-        let texture = Texture::new(columns, rows, bytes.as_chunks().0.to_vec());
+        let texture = Texture::new(columns, rows, copied(bytes.as_chunks().0)?);
         texture
             .map(|texture| Self(Arc::new(texture)))
             .map_err(|error| raise(py, &error))
@@ -34,7 +34,7 @@ impl Texels {
 
     /// The texels, uint8 (rows, columns, 4): a copy.
     fn array<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let bytes = PyArray1::from_slice(py, self.0.texels().as_flattened());
+        let bytes = PyArray1::from_vec(py, copied(self.0.texels().as_flattened())?);
         bytes.reshape([self.0.rows(), self.0.columns(), 4])
     }
 }

@@ -1,5 +1,8 @@
 //! Work without the interpreter's lock, with its own threads, that Ctrl-C ends.
 
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -8,7 +11,7 @@ use firsthit::watch::Watch;
 use firsthit::{Error, Result};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::raise;
 
@@ -40,16 +43,81 @@ pub(crate) fn report_done(report: Report<'_, '_>, done: usize) -> PyResult<()> {
     report.map_or(Ok(()), |report| report.call1((done,)).map(drop))
 }
 
+/// The stack of a thread, rayon's own default.
+const STACK_BYTES: usize = 2 << 20;
+
+/// What a thread maps beside its stack: guard pages, and a stack for signal handlers. Where the system refuses
+/// that one, the standard library ends the process.
+const BESIDE_STACK_BYTES: usize = 1 << 17;
+
+/// The address space that glibc's allocator reserves for a thread, if there is as much.
+const ARENA_BYTES: usize = 64 << 20;
+
+/// What must be left for the work. A small allocation that fails ends the process.
+const SPARE_BYTES: usize = 32 << 20;
+
 /// A pool of `threads` threads (0: all cores), or of as many as the system grants: the result is the same.
-fn pool(threads: usize) -> std::result::Result<ThreadPool, ThreadPoolBuildError> {
+fn pool(threads: usize) -> PyResult<ThreadPool> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let mut threads = if threads == 0 { cores() } else { threads };
     loop {
-        match ThreadPoolBuilder::new().num_threads(threads).build() {
-            Err(_) if threads > 1 => threads /= 2,
-            result => return result,
+        let builder = ThreadPoolBuilder::new().num_threads(threads);
+        let why = match check_room(threads) {
+            Ok(()) => match builder.stack_size(STACK_BYTES).build() {
+                Ok(pool) => return Ok(pool),
+                Err(error) => error.to_string(),
+            },
+            Err(error) => error,
+        };
+        if threads <= 1 {
+            let text = format!("the system grants no thread to work in: {why}");
+            return Err(PyMemoryError::new_err(text));
         }
+        threads /= 2;
     }
+}
+
+/// Whether there is address space for so many threads, which a limit such as `ulimit -v` may deny. A thread alone
+/// does without an arena of its own.
+fn check_room(threads: usize) -> std::result::Result<(), String> {
+    let stacks = threads.saturating_mul(STACK_BYTES + BESIDE_STACK_BYTES);
+    let arenas = (threads - 1).saturating_mul(ARENA_BYTES);
+    let bytes = stacks.saturating_add(arenas).saturating_add(SPARE_BYTES);
+    let mut probe = Vec::<u8>::new();
+    let refused = probe.try_reserve_exact(bytes);
+    // Without this the compiler may see that the room is not used, and not ask for it.
+    std::hint::black_box(&mut probe);
+    refused.map_err(|error| error.to_string())
+}
+
+/// Where the last panic was.
+static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
+
+/// From now on panics of this module are not printed: they become exceptions, which say the same.
+pub(crate) fn silence_panics() {
+    set_hook(Box::new(|panic| {
+        let place = panic.location().map(ToString::to_string);
+        // Never waited for: another thread may have been forked away from while it held the lock.
+        if let (Some(place), Ok(mut last)) = (place, LAST_PANIC.try_lock()) {
+            *last = place;
+        }
+    }));
+}
+
+/// Does `work`; a panic is a bug of ours and becomes a `RuntimeError`.
+pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| bug(&*panic))
+}
+
+fn bug(panic: &(dyn Any + Send)) -> PyErr {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    let place = LAST_PANIC.try_lock().map(|place| place.clone());
+    PyRuntimeError::new_err(format!(
+        "a bug in firsthit, please report it: {} ({})",
+        text.unwrap_or_default(),
+        place.unwrap_or_default()
+    ))
 }
 
 /// [`run_reported`] without a report.
@@ -65,7 +133,8 @@ pub(crate) fn run<T: Send>(
 /// it calls `report` with the number of rays done. An exception from `report` ends the work.
 ///
 /// The threads live as long as the call: a pool that outlived it would not survive `fork`. Making them
-/// takes about a tenth of a millisecond. A panic is a bug of ours and becomes a `RuntimeError`.
+/// takes about a tenth of a millisecond. A panic is a bug of ours and becomes a `RuntimeError`; where the system
+/// grants no thread at all, there is a `MemoryError`.
 pub(crate) fn run_reported<T: Send>(
     py: Python<'_>,
     threads: usize,
@@ -73,20 +142,19 @@ pub(crate) fn run_reported<T: Send>(
     work: impl FnOnce(&Stop) -> Result<T> + Send,
 ) -> PyResult<T> {
     let listener = report.map(|report| report.clone().unbind());
-    let pool =
-        pool(threads).map_err(|error| PyMemoryError::new_err(format!("threads: {error}")))?;
+    let pool = pool(threads)?;
     let stop = Stop::default();
     let (result, signal) = py.detach(|| {
-        std::thread::scope(|scope| {
-            let (done, waiting) = channel();
-            let (pool, stop) = (&pool, &stop);
-            let worker = scope.spawn(move || {
-                let result = pool.install(|| work(stop));
+        let (mut result, mut signal) = (None, None);
+        let (done, waiting) = channel();
+        // The calling thread waits in the closure: no thread but those of the pool is needed.
+        pool.in_place_scope(|scope| {
+            let (slot, stop) = (&mut result, &stop);
+            scope.spawn(move |_| {
+                *slot = Some(catch_unwind(AssertUnwindSafe(|| work(stop))));
                 // Nobody waits any more only if the scope is being left, where nothing is lost.
                 let _ = done.send(());
-                result
             });
-            let mut signal = None;
             while waiting.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
                 // After the first the work is on its way out.
                 if signal.is_some() {
@@ -104,28 +172,18 @@ pub(crate) fn run_reported<T: Send>(
                     signal = Some(error);
                 }
             }
-            (worker.join(), signal)
-        })
+        });
+        (result, signal)
     });
     if let Some(signal) = signal {
         return Err(signal);
     }
-    match result {
-        Ok(result) => {
-            let result = result.map_err(|error: Error| raise(py, &error))?;
-            report_done(
-                report,
-                usize::try_from(stop.done.into_inner()).unwrap_or(usize::MAX),
-            )?;
-            Ok(result)
-        }
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().cloned();
-            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned()));
-            let text = text.unwrap_or_default();
-            Err(PyRuntimeError::new_err(format!(
-                "a bug in firsthit, please report it: {text}"
-            )))
-        }
-    }
+    let result = result.expect("the scope ends after the work");
+    let result = result.map_err(|panic| bug(&*panic))?;
+    let result = result.map_err(|error: Error| raise(py, &error))?;
+    report_done(
+        report,
+        usize::try_from(stop.done.into_inner()).unwrap_or(usize::MAX),
+    )?;
+    Ok(result)
 }

@@ -10,7 +10,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use crate::arrays::not_contiguous;
+use crate::arrays::{collected, copied, not_contiguous};
 use crate::errors::raise;
 
 /// A mesh that objects can share.
@@ -31,9 +31,9 @@ impl Mesh {
         properties: Vec<PropertyIn<'_>>,
     ) -> PyResult<Self> {
         let vertices = vertices.as_slice().map_err(not_contiguous)?;
-        let points = vertices.as_chunks::<3>().0.to_vec();
+        let points = copied(vertices.as_chunks::<3>().0)?;
         let triangles = triangles.as_slice().map_err(not_contiguous)?;
-        let corners = triangles.as_chunks::<3>().0.to_vec();
+        let corners = copied(triangles.as_chunks::<3>().0)?;
         let AttributesIn(normals, uvs, colors, alphas) = attributes;
         let normals = normals.map(|array| attribute(&array)).transpose()?;
         let uvs = uvs.map(|array| attribute(&array)).transpose()?;
@@ -78,20 +78,27 @@ impl Mesh {
     }
 
     /// The triangles' faces and slots: a copy.
-    fn labels<'py>(&self, py: Python<'py>) -> [Option<Bound<'py, PyArray1<u32>>>; 2] {
-        [self.0.faces(), self.0.slots()]
-            .map(|labels| labels.map(|labels| PyArray1::from_slice(py, labels)))
+    fn labels<'py>(&self, py: Python<'py>) -> PyResult<[Option<Bound<'py, PyArray1<u32>>>; 2]> {
+        let out = |labels: &[u32]| Ok::<_, PyErr>(PyArray1::from_vec(py, copied(labels)?));
+        Ok([
+            self.0.faces().map(out).transpose()?,
+            self.0.slots().map(out).transpose()?,
+        ])
     }
 
     /// The numbers by name: whether of vertices, name, values: a copy.
-    fn properties<'py>(&self, py: Python<'py>) -> Vec<(bool, String, Bound<'py, PyAny>)> {
+    fn properties<'py>(&self, py: Python<'py>) -> PyResult<Vec<(bool, String, Bound<'py, PyAny>)>> {
         let out = |property: &Property| {
             let values = match &property.values {
-                PropertyValues::Single(values) => PyArray1::from_slice(py, values).into_any(),
-                PropertyValues::Double(values) => PyArray1::from_slice(py, values).into_any(),
+                PropertyValues::Single(values) => {
+                    PyArray1::from_vec(py, copied(values)?).into_any()
+                }
+                PropertyValues::Double(values) => {
+                    PyArray1::from_vec(py, copied(values)?).into_any()
+                }
             };
             let is_of_vertices = property.of == PropertyOf::Vertices;
-            (is_of_vertices, property.name.clone(), values)
+            Ok((is_of_vertices, property.name.clone(), values))
         };
         self.0.properties().iter().map(out).collect()
     }
@@ -105,15 +112,14 @@ impl Mesh {
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let positions = self.0.positions();
         let count = u32::try_from(positions.len()).unwrap_or(u32::MAX);
-        let values: Vec<f64> = (0..count)
-            .flat_map(|index| positions.get(index).to_array())
-            .collect();
+        let values = (0..count).flat_map(|index| positions.get(index).to_array());
+        let values = collected(3 * positions.len(), values)?;
         PyArray1::from_vec(py, values).reshape([positions.len(), 3])
     }
 
     /// The triangles, uint32 (m, 3): a copy.
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let values = self.0.triangles().as_flattened().to_vec();
+        let values = copied(self.0.triangles().as_flattened())?;
         PyArray1::from_vec(py, values).reshape([self.0.triangles().len(), 3])
     }
 }
@@ -160,7 +166,7 @@ type ArrayOut<'py> = Bound<'py, PyArrayDyn<f32>>;
 /// An attribute from an array: (n, k) for each vertex, (m, 3, k) for each corner.
 fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<Attribute<N>> {
     let values = array.as_slice().map_err(not_contiguous)?;
-    let values = values.as_chunks().0.to_vec();
+    let values = copied(values.as_chunks().0)?;
     let corners = (array.shape().len() == 3).then(|| {
         let count = u32::try_from(values.len()).unwrap_or(u32::MAX);
         (0..count / 3)
@@ -176,12 +182,13 @@ fn array_of<'py, const N: usize>(
 ) -> PyResult<ArrayOut<'py>> {
     match &attribute.corners {
         None => {
-            let values = PyArray1::from_slice(py, attribute.values.as_flattened());
+            let values = PyArray1::from_vec(py, copied(attribute.values.as_flattened())?);
             values.reshape(vec![attribute.values.len(), N])
         }
         Some(corners) => {
             let values = corners.iter().flatten();
-            let values = values.flat_map(|&k| attribute.values[k as usize]).collect();
+            let values = values.flat_map(|&k| attribute.values[k as usize]);
+            let values = collected(3 * N * corners.len(), values)?;
             PyArray1::from_vec(py, values).reshape(vec![corners.len(), 3, N])
         }
     }

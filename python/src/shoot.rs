@@ -11,7 +11,7 @@ use crate::arrays::{HitsIn, HitsOut, RayArrays, not_contiguous};
 use crate::camera::Camera;
 use crate::errors::raise;
 use crate::frame::array;
-use crate::run::{Report, report_done, run_reported};
+use crate::run::{guarded, report_done, run_reported};
 use crate::scene::Scene;
 
 /// Fewer rays than this are done at once: making threads would take longer.
@@ -27,28 +27,23 @@ pub(crate) fn shoot<'py>(
     mut out: HitsOut<'py>,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<()> {
-    let (out, count) = out.slices()?;
+    let (mut out, count) = out.slices()?;
     let rays = rays.slices(count)?;
-    shoot_to(py, scene, &rays, threads, out, report.as_ref())
-}
-
-fn shoot_to<R: Rays>(
-    py: Python<'_>,
-    scene: &Scene,
-    rays: &R,
-    threads: usize,
-    mut out: HitSlices<'_>,
-    report: Report<'_, '_>,
-) -> PyResult<()> {
-    if rays.len() < FEW {
-        for k in 0..rays.len() {
-            out.put(k, &first_hit::<Trees>(&scene.0, &rays.ray(k)));
-        }
-        return report_done(report, rays.len());
+    let report = report.as_ref();
+    if count < FEW {
+        guarded(|| shoot_few(scene, &rays, &mut out))?;
+        return report_done(report, count);
     }
     run_reported(py, threads, report, |stop| {
-        shoot_all_to(&scene.0, rays, out, stop)
+        shoot_all_to(&scene.0, &rays, out, stop)
     })
+}
+
+/// By the calling thread alone.
+fn shoot_few<R: Rays>(scene: &Scene, rays: &R, out: &mut HitSlices<'_>) {
+    for k in 0..rays.len() {
+        out.put(k, &first_hit::<Trees>(&scene.0, &rays.ray(k)));
+    }
 }
 
 /// The first hits of a camera's rays through its pixels' centres, written to `out`.
@@ -61,11 +56,19 @@ pub(crate) fn shoot_camera<'py>(
     mut out: HitsOut<'py>,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<()> {
-    let (out, count) = out.slices()?;
-    if count != camera.0.len() {
+    let (mut out, count) = out.slices()?;
+    let camera = &camera.0;
+    if count != camera.len() {
         return Err(PyValueError::new_err("expected an element for each pixel"));
     }
-    shoot_to(py, scene, &camera.0, threads, out, report.as_ref())
+    let report = report.as_ref();
+    if count < FEW {
+        guarded(|| shoot_few(scene, camera, &mut out))?;
+        return report_done(report, count);
+    }
+    run_reported(py, threads, report, |stop| {
+        shoot_all_to(&scene.0, camera, out, stop)
+    })
 }
 
 /// Whether rays in arrays meet anything, written to `out`.
@@ -81,9 +84,11 @@ pub(crate) fn occluded<'py>(
     let out = out.as_slice_mut().map_err(not_contiguous)?;
     let rays = rays.slices(out.len())?;
     if rays.len() < FEW {
-        for (k, found) in out.iter_mut().enumerate() {
-            *found = any_hit(&scene.0, &rays.ray(k));
-        }
+        guarded(|| {
+            for (k, found) in out.iter_mut().enumerate() {
+                *found = any_hit(&scene.0, &rays.ray(k));
+            }
+        })?;
         return report_done(report.as_ref(), rays.len());
     }
     let found = run_reported(py, threads, report.as_ref(), |stop| {
@@ -133,7 +138,7 @@ pub(crate) fn channel<'py>(
     let black = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
     let report = report.as_ref();
     let made = if hits.len() < FEW {
-        let made = kind.make(&shots, &black, &());
+        let made = guarded(|| kind.make(&shots, &black, &()))?;
         let made = made.map_err(|error| raise(py, &error))?;
         report_done(report, hits.len())?;
         made
