@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import threading
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from ._progress import following, later
 from ._rays import Rays
 from ._shading import Shading
 from ._shapes import Shape
+from ._turn import Turn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,6 +28,13 @@ if TYPE_CHECKING:
     from ._material import Material
     from ._progress import Report
     from .typing import MeshLike, Progress, SceneLike, Vector
+
+
+class _Built(NamedTuple):
+    """What rays are shot at, and how many objects and lights it was built from."""
+
+    native: _firsthit.Scene
+    counts: tuple[int, int]
 
 
 class Scene:
@@ -59,11 +66,9 @@ class Scene:
         self._up_is_guessed = False
         #: Whether the first camera is the one to look through, as in scene files.
         self._has_view = False
-        #: What rays are shot at; ``None`` after a change.
-        self._current: _firsthit.Scene | None = None
         #: What was built last, of which the next takes what did not change.
-        self._built: _firsthit.Scene | None = None
-        self._lock = threading.Lock()
+        self._built: _Built | None = None
+        self._turn = Turn()
 
     @overload
     def add(
@@ -147,19 +152,20 @@ class Scene:
         else:
             raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
         made = [placed(part, matrix, color, material) for part in parts]
-        with self._lock:
-            first = len(self._objects)
-            self._objects.extend(made)
-            self._current = None
+        # One step of the interpreter, without a lock: a signal's handler may come in between.
+        self._objects.extend(made)
         if _foreign.is_scene(shape):
+            first = self._identifier(made[0]) if made else 0
             return tuple(range(first, first + len(made)))
-        return first
+        return self._identifier(made[0])
+
+    def _identifier(self, made: Object) -> int:
+        """Return where an object is that was just added: others may have been added since."""
+        return next(k for k in reversed(range(len(self._objects))) if self._objects[k] is made)
 
     def add_light(self, light: Light) -> None:
         """Add a light; a scene without any is lit from behind the camera's left shoulder."""
-        with self._lock:
-            self._lights.append(light)
-            self._current = None
+        self._lights.append(light)
 
     @property
     def objects(self) -> tuple[Object, ...]:
@@ -249,15 +255,30 @@ class Scene:
         return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
 
     def _native(self) -> _firsthit.Scene:
-        current = self._current
+        """Return what rays are shot at: the objects and lights there are now, built."""
+        current = self._current()
         if current is not None:
             return current
-        with self._lock:
-            if self._current is None:
-                objects = [made._native() for made in self._objects]
-                lights = [light._native() for light in self._lights]
-                self._current = self._built = _firsthit.Scene(objects, lights, self._built)
-            return self._current
+        with self._turn.taken():
+            # Another thread may have built it while this one waited.
+            return self._current() or self._build()
+
+    def _current(self) -> _firsthit.Scene | None:
+        """Return what was built last, unless something was added since."""
+        built = self._built
+        # Nothing is ever taken away: the counts tell whether it is all there.
+        counts = len(self._objects), len(self._lights)
+        return built.native if built is not None and built.counts == counts else None
+
+    def _build(self) -> _firsthit.Scene:
+        objects, lights, built = self._objects[:], self._lights[:], self._built
+        native = _firsthit.Scene(
+            [made._native() for made in objects],
+            [light._native() for light in lights],
+            None if built is None else built.native,
+        )
+        self._built = _Built(native, (len(objects), len(lights)))
+        return native
 
     def _view(self) -> Camera:
         """Return the camera to look through where nobody says."""
@@ -410,10 +431,10 @@ class Scene:
     def __copy__(self) -> Scene:
         """Copy: the shapes are shared, the lists are not."""
         other = Scene()
-        with self._lock:
-            other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
-            other._objects, other._lights = list(self._objects), list(self._lights)
-            other._current, other._built = self._current, self._built
+        other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
+        # Counted with what it was built from, which is not more than there is.
+        other._built = self._built
+        other._objects, other._lights = list(self._objects), list(self._lights)
         return other
 
 

@@ -1,0 +1,50 @@
+"""Turns: one thread does something while others wait for what comes of it."""
+
+from __future__ import annotations
+
+import os
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class _Here(threading.local):
+    """What this thread does."""
+
+    has_turn = False
+
+
+_here = _Here()
+
+
+class Turn:
+    """A lock for work that is wasted when two threads do it, but right.
+
+    A thread that has a turn, of whatever, waits for no other: it would be a signal's handler or a
+    finaliser that runs amid the work, for which the work would then wait. A process that is forked
+    while a thread has its turn does not have that thread, and begins anew.
+    """
+
+    def __init__(self) -> None:
+        #: The process that it belongs to, and its lock.
+        self._owned = os.getpid(), threading.Lock()
+
+    @contextmanager
+    def taken(self) -> Iterator[None]:
+        """Wait for the turn, and give it back in the end."""
+        if _here.has_turn:
+            yield
+            return
+        process, lock = self._owned
+        if process != os.getpid():
+            _, lock = self._owned = os.getpid(), threading.Lock()
+        # Before the lock is taken, lest a handler come in between.
+        _here.has_turn = True
+        try:
+            with lock:
+                yield
+        finally:
+            _here.has_turn = False
