@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 _PLAIN = (np.ndarray, list, tuple)
+_NO_ARRAYS = (list, tuple, float, int)
 _FLOAT64 = np.dtype(np.float64)
 
 #: How many rays go to the native half at a time where they are copied for it: what is made beside
@@ -105,6 +106,18 @@ def numbers(name: str, value: Any) -> npt.NDArray[Any]:
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
     return array
+
+
+def is_own(value: Any) -> bool:
+    """Tell whether `numbers` makes a new array of something, which nobody else has."""
+    return type(value) in _NO_ARRAYS
+
+
+def lock(array: Any) -> None:
+    """Make an array read-only, and what it is a view of, lest a view be made writable again."""
+    while isinstance(array, np.ndarray):
+        array.setflags(write=False)
+        array = array.base
 
 
 def table(name: str, value: Any, columns: int, dtype: npt.DTypeLike) -> npt.NDArray[Any]:

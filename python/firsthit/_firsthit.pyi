@@ -42,6 +42,7 @@ _Hits = tuple[
     npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
 ]
 _Rays = tuple[npt.NDArray[np.float64], ...]
+_Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
 _Light = tuple[str, _Vector, _Vector, tuple[_Vector, tuple[float, float]] | None]
 _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
 _Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool]
@@ -159,7 +160,14 @@ def srgb_levels() -> list[float]: ...
 def named_color(text: str, others: Sequence[str]) -> tuple[list[float] | None, str | None]: ...
 def meant_as_levels(color: Sequence[float]) -> str | None: ...
 def load(path: Path, strict: bool, max_memory: int, max_texture: int) -> _Model: ...
-def shoot(scene: Scene, rays: _Rays, threads: int, out: _Hits, report: _Report | None) -> None: ...
+def shoot(
+    scene: Scene,
+    rays: _Rays,
+    copies: _Copies,
+    threads: int,
+    out: _Hits,
+    report: _Report | None,
+) -> None: ...
 def shoot_camera(
     scene: Scene, camera: Camera, threads: int, out: _Hits, report: _Report | None
 ) -> None: ...

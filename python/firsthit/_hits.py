@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, threads_or_all
+from ._arrays import chunks, lock, threads_or_all
 from ._memory import SMALL, empty
 from ._progress import following, later
 from ._rays import Rays
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._camera import Camera
     from ._progress import Report
     from ._scene import Scene
-    from .typing import IdentifierName, Progress, VectorName
+    from .typing import DistanceName, IdentifierName, Progress, VectorName
 
     Arrays = tuple[
         npt.NDArray[np.float64],
@@ -71,7 +71,10 @@ class Hits:
     ``t, o = hits`` unpacks distances and objects; ``len(hits)`` and ``hits[mask]`` index the rays,
     as of an array of their shape; ``hits.to_dict()`` is a table. A miss has ``t``, ``range`` and
     ``z`` of infinity, ``object`` and ``primitive`` of -1, and NaN elsewhere. Other channels are
-    computed when they are first read.
+    computed when they are first read, from the rays and the scene as they were shot.
+
+    All arrays are read-only, for hits compute from them and hand out the same memory at every
+    read: ``hits.t.copy()`` can be written.
     """
 
     def __init__(self) -> None:
@@ -136,18 +139,18 @@ class Hits:
         if self._rays is not None and self._rays.is_single():
             if "t" not in self._made:
                 self._made["t"] = self._arrays[0].astype(np.float32)
-            return self._made["t"].reshape(self._shape)
-        return self._arrays[0].reshape(self._shape)
+            return self._read_only(self._made["t"])
+        return self._read_only(self._arrays[0])
 
     @property
     def object(self) -> npt.NDArray[np.int32]:
         """The objects' identifiers, (...) int32; -1 for a miss."""
-        return self._arrays[1].reshape(self._shape)
+        return self._read_only(self._arrays[1])
 
     @property
     def primitive(self) -> npt.NDArray[np.int32]:
         """The identifiers of the objects' parts, such as triangles, (...) int32; -1 for a miss."""
-        return self._arrays[2].reshape(self._shape)
+        return self._read_only(self._arrays[2])
 
     @property
     def face(self) -> npt.NDArray[np.int32]:
@@ -180,23 +183,29 @@ class Hits:
         return self.channel("uv")
 
     @property
-    def range(self) -> npt.NDArray[np.float64]:
-        """The distance from the camera's position along the ray, (...); for a camera's hits."""
+    def range(self) -> npt.NDArray[np.floating[Any]]:
+        """The distance from the camera's position along the ray, (...); for a camera's hits.
+
+        float64, as `t`.
+        """
         return self.channel("range")
 
     @property
-    def z(self) -> npt.NDArray[np.float64]:
-        """The distance from the camera's position along its aim, (...); for a camera's hits."""
+    def z(self) -> npt.NDArray[np.floating[Any]]:
+        """The distance from the camera's position along its aim, (...); for a camera's hits.
+
+        float64, as `t`.
+        """
         return self.channel("z")
 
     @property
     def origin(self) -> npt.NDArray[Any]:
-        """The rays' starts, (..., 3)."""
+        """The rays' starts, (..., 3), as they were shot, in the type that they came in."""
         return self._both()[0]
 
     @property
     def direction(self) -> npt.NDArray[Any]:
-        """The rays' directions, (..., 3)."""
+        """The rays' directions, (..., 3), as they were shot, in the type that they came in."""
         return self._both()[1]
 
     @property
@@ -207,7 +216,7 @@ class Hits:
     @overload
     def channel(
         self,
-        name: Literal["t"],
+        name: DistanceName,
         *,
         threads: int | None = None,
         progress: Progress | None = None,
@@ -216,7 +225,7 @@ class Hits:
     @overload
     def channel(
         self,
-        name: Literal["range", "z"] | VectorName,
+        name: VectorName,
         *,
         threads: int | None = None,
         progress: Progress | None = None,
@@ -270,7 +279,7 @@ class Hits:
         Returns
         -------
         (...) or (..., k) array
-            The same memory at every call.
+            The same memory at every call, read-only.
 
         Raises
         ------
@@ -280,8 +289,9 @@ class Hits:
             For ``range`` and ``z`` of rays that no camera made.
         """
         use = self._threads if threads is None else threads_or_all(threads)
+        made: npt.NDArray[Any]
         if name in ("t", "object", "primitive"):
-            made: npt.NDArray[Any] = getattr(self, name)
+            made = getattr(self, name)
             return made
         if name in ("range", "z"):
             self._of_a_camera(name)
@@ -290,9 +300,7 @@ class Hits:
         if name not in self._made:
             with following(progress, len(self._arrays[0])) as report:
                 self._made[name] = self._compute(name, use, report)
-        components = _COMPONENTS.get(name, 1)
-        shape = self._shape if components == 1 else (*self._shape, components)
-        return self._made[name].reshape(shape)
+        return self._read_only(self._made[name], _COMPONENTS.get(name, 1))
 
     def items(self) -> Iterator[tuple[ChannelName, npt.NDArray[Any]]]:
         """Yield the name and the array of each channel, computed when it is reached."""
@@ -394,6 +402,11 @@ class Hits:
         self.__dict__.update(state)
         self._native_scene = self._scene._native()
 
+    def _read_only(self, array: npt.NDArray[Any], components: int = 1) -> npt.NDArray[Any]:
+        """Return one of our arrays in the rays' shape. Only `empty` unlocks it, to use it again."""
+        lock(array)
+        return array.reshape(self._shape if components == 1 else (*self._shape, components))
+
     def _of_a_camera(self, name: str) -> Camera:
         if self._camera is None:
             raise AttributeError(f"{name} is for hits of a camera: rays alone do not know of one")
@@ -406,9 +419,9 @@ class Hits:
             camera = self._of_a_camera("origin")
             pixels = self._pixels
             both = camera.rays() if pixels is None else camera._native.rays_of(pixels)
-            shape = (*self._shape, 3)
-            self._made["origin"], self._made["direction"] = (each.reshape(shape) for each in both)
-        return self._made["origin"], self._made["direction"]
+            self._made["origin"], self._made["direction"] = both
+        origin, direction = self._made["origin"], self._made["direction"]
+        return self._read_only(origin, 3), self._read_only(direction, 3)
 
     def _compute(self, name: str, threads: int, report: Report | None) -> npt.NDArray[Any]:
         if self._rays is None and self._pixels is None:

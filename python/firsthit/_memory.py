@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-#: Bytes that are remembered at most, in use or not.
-KEPT = 1 << 26
+#: Bytes that are remembered at most, in use or not: the hits of 1.6 million rays, and the copies
+#: of these rays.
+KEPT = 1 << 27
 
 #: Arrays below this many bytes are nothing to the system.
 SMALL = 1 << 18
@@ -40,6 +41,8 @@ def empty(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:
             if _references(_remembered, k) == alone and _is_like(_remembered[k], shape, dtype):
                 array = _remembered.pop(k)
                 _remembered.append(array)
+                # Hits are read-only for those who had it before.
+                array.setflags(write=True)
                 return array
         fresh = np.empty(shape, dtype)
         if SMALL <= fresh.nbytes <= KEPT:
@@ -60,4 +63,4 @@ def _references(arrays: list[npt.NDArray[Any]], k: int) -> int:
 def _is_like(array: npt.NDArray[Any], shape: tuple[int, ...], dtype: type[np.generic]) -> bool:
     """Tell whether an array is as `numpy.empty` would make it: its owners may have changed it."""
     flags = array.flags
-    return array.shape == shape and array.dtype == dtype and flags.c_contiguous and flags.writeable
+    return array.shape == shape and array.dtype == dtype and flags.c_contiguous and flags.owndata

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._arrays import CHUNK, chunks, flat, is_flat, numbers, plain
+from ._arrays import CHUNK, chunks, flat, is_flat, is_own, lock, numbers, plain
+from ._memory import SMALL, empty
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     Native = tuple[npt.NDArray[np.float64], ...]
+    #: Memory to which the native half copies origins and directions; ``None`` for what is not
+    #: to be copied.
+    Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
 
 
 def _constant(value: float) -> npt.NDArray[np.float64]:
@@ -40,10 +44,17 @@ class Rays:
         Origins and directions (..., 3), ``t_min`` and ``t_max`` (...).
     """
 
-    __slots__ = ("arrays", "length", "shape")
+    __slots__ = ("_are_own", "arrays", "length", "shape")
 
-    def __init__(self, arrays: Sequence[npt.NDArray[Any]], shape: tuple[int, ...]) -> None:
+    def __init__(
+        self,
+        arrays: Sequence[npt.NDArray[Any]],
+        shape: tuple[int, ...],
+        are_own: tuple[bool, bool] = (True, True),
+    ) -> None:
         self.arrays, self.shape, self.length = tuple(arrays), shape, math.prod(shape)
+        #: Whether the memory of origins and directions is ours alone.
+        self._are_own = are_own
 
     @classmethod
     def of(cls, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = math.inf) -> Rays:
@@ -56,11 +67,12 @@ class Rays:
                 raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
         begins = NO_MINIMUM if _is(t_min, 0.0) else numbers("t_min", t_min)
         ends = NO_MAXIMUM if _is(t_max, math.inf) else numbers("t_max", t_max)
+        own = is_own(origins), is_own(directions)
         leading = starts.shape[:-1], ways.shape[:-1], begins.shape, ends.shape
         # NumPy's own way takes longer than to shoot a ray.
         different = {shape for shape in leading if shape}
         if len(different) <= 1:
-            return cls((starts, ways, begins, ends), different.pop() if different else ())
+            return cls((starts, ways, begins, ends), different.pop() if different else (), own)
         try:
             shape = np.broadcast_shapes(*leading)
         except ValueError:
@@ -68,20 +80,49 @@ class Rays:
                 f"origins {starts.shape}, directions {ways.shape}, t_min {begins.shape} and "
                 f"t_max {ends.shape} must broadcast against each other"
             ) from None
-        return cls((starts, ways, begins, ends), shape)
+        return cls((starts, ways, begins, ends), shape, own)
+
+    def owned(self) -> tuple[Rays, Copies]:
+        """Return the same rays in memory of their own, which the caller cannot change.
+
+        Large arrays of float64 are to be copied by the native half, in all its threads and into
+        memory that is used again: elsewhere, copying takes as long as finding some of the hits.
+        """
+        copies: list[npt.NDArray[np.float64] | None] = [None, None]
+        if all(self._are_own):
+            return self, (None, None)
+        arrays = list(self.arrays)
+        is_whole = len(self.parts()) == 1
+        for k, is_own_memory in enumerate(self._are_own):
+            array = arrays[k]
+            if is_own_memory:
+                continue
+            if is_whole and array.nbytes >= SMALL and self._is_native(array, 1):
+                arrays[k] = copies[k] = empty(array.shape, np.float64)
+            else:
+                arrays[k] = _copied(array)
+        return Rays(arrays, self.shape), (copies[0], copies[1])
+
+    def without_limits(self) -> Rays:
+        """Return the rays from their origins to infinity, in the same memory."""
+        return Rays((*self.arrays[:2], NO_MINIMUM, NO_MAXIMUM), self.shape, self._are_own)
 
     def origins(self) -> npt.NDArray[Any]:
-        """Return the starts as a view of the shape (..., 3)."""
-        return np.broadcast_to(self.arrays[0], (*self.shape, 3))
+        """Return the starts as a read-only view of the shape (..., 3)."""
+        return self._view(self.arrays[0])
 
     def directions(self) -> npt.NDArray[Any]:
-        """Return the directions as a view of the shape (..., 3)."""
-        return np.broadcast_to(self.arrays[1], (*self.shape, 3))
+        """Return the directions as a read-only view of the shape (..., 3)."""
+        return self._view(self.arrays[1])
 
     def is_single(self) -> bool:
         """Tell whether origins and directions are float32 or less."""
         kinds = (array.dtype for array in self.arrays[:2])
         return all(dtype.kind == "f" and dtype.itemsize <= 4 for dtype in kinds)
+
+    def _view(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        lock(array)
+        return np.broadcast_to(array, (*self.shape, 3))
 
     def take(self, chosen: npt.NDArray[np.int64], shape: tuple[int, ...]) -> Rays:
         """Return some of the rays in another shape, without limits."""
@@ -122,6 +163,14 @@ class Rays:
 
 #: How many axes each of the four arrays has beside those of the rays.
 _TRAILING = (1, 1, 0, 0)
+
+
+def _copied(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Copy an array; what was broadcast stays so."""
+    if 0 not in array.strides or array.size == 0:
+        return array.copy(order="C")
+    one = tuple(slice(0, 1) if stride == 0 else slice(None) for stride in array.strides)
+    return np.broadcast_to(array[one].copy(order="C"), array.shape)
 
 
 def _is(given: Any, number: float) -> bool:

@@ -362,15 +362,20 @@ class Scene:
     ) -> Hits:
         """Shoot rays at what was built."""
         out = hits_arrays(rays.length)
-        parts = rays.parts()
+        # The hits keep the rays, from which they compute what is asked later.
+        own, copies = rays.owned()
+        # What the native half copies is not there yet.
+        given = rays if any(copy is not None for copy in copies) else own
+        parts = given.parts()
         if len(parts) == 1:
-            _firsthit.shoot(native, rays.part(parts[0]), threads, out, report)
-            return Hits._of_rays(self, native, out, rays, threads)
+            _firsthit.shoot(native, given.part(parts[0]), copies, threads, out, report)
+            return Hits._of_rays(self, native, out, own.without_limits(), threads)
         for part in parts:
             t, identifiers, primitive, barycentric = out
             pieces = t[part], identifiers[part], primitive[part], barycentric[part]
-            _firsthit.shoot(native, rays.part(part), threads, pieces, later(report, part.start))
-        return Hits._of_rays(self, native, out, rays, threads)
+            told = later(report, part.start)
+            _firsthit.shoot(native, given.part(part), copies, threads, pieces, told)
+        return Hits._of_rays(self, native, out, own.without_limits(), threads)
 
     def occluded(
         self,

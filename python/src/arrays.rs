@@ -4,9 +4,11 @@ use firsthit::shoot::HitSlices;
 use firsthit::{DVec2, DVec3, Hits, Ray, Rays};
 use numpy::{
     PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArray2,
+    PyReadwriteArrayDyn,
 };
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
 /// Rays in arrays of the interpreter: of each array one element for all rays, or one for each.
 pub(crate) struct RaySlices<'a> {
@@ -30,6 +32,30 @@ impl Rays for RaySlices<'_> {
         ray.beyond(*of(self.t_min, index))
             .up_to(*of(self.t_max, index))
     }
+}
+
+impl<'a> RaySlices<'a> {
+    /// The same rays, their origins and directions copied to where `copies` say, by all threads of the current
+    /// rayon pool.
+    pub(crate) fn copied(self, copies: [Option<&'a mut [[f64; 3]]>; 2]) -> Self {
+        let [origins, directions] = copies;
+        Self {
+            origins: copied_to(self.origins, origins),
+            directions: copied_to(self.directions, directions),
+            ..self
+        }
+    }
+}
+
+fn copied_to<'a>(values: &'a [[f64; 3]], copy: Option<&'a mut [[f64; 3]]>) -> &'a [[f64; 3]] {
+    /// Elements that are copied at a time: what remains is nothing beside them.
+    const PIECE: usize = 1 << 14;
+    let Some(copy) = copy else {
+        return values;
+    };
+    let pieces = copy.par_chunks_mut(PIECE).zip(values.par_chunks(PIECE));
+    pieces.for_each(|(copy, values)| copy.copy_from_slice(values));
+    copy
 }
 
 /// The element of a ray: its own, or the one for all.
@@ -67,6 +93,42 @@ impl RayArrays<'_> {
         } else {
             Err(PyValueError::new_err("expected arrays of one length"))
         }
+    }
+}
+
+/// Memory for copies of origins and directions as [`RayArrays`] have them, of each that is to be copied.
+#[derive(FromPyObject)]
+pub(crate) struct CopiesOut<'py>(
+    Option<PyReadwriteArrayDyn<'py, f64>>,
+    Option<PyReadwriteArrayDyn<'py, f64>>,
+);
+
+impl CopiesOut<'_> {
+    /// For `rays`, whose arrays must be as long.
+    pub(crate) fn slices(
+        &mut self,
+        rays: &RaySlices<'_>,
+    ) -> PyResult<[Option<&mut [[f64; 3]]>; 2]> {
+        Ok([
+            copy_slice(self.0.as_mut(), rays.origins.len())?,
+            copy_slice(self.1.as_mut(), rays.directions.len())?,
+        ])
+    }
+}
+
+fn copy_slice<'a>(
+    copy: Option<&'a mut PyReadwriteArrayDyn<'_, f64>>,
+    count: usize,
+) -> PyResult<Option<&'a mut [[f64; 3]]>> {
+    let Some(copy) = copy else {
+        return Ok(None);
+    };
+    let copy = copy.as_slice_mut().map_err(not_contiguous)?;
+    let copy = copy.as_chunks_mut().0;
+    if copy.len() == count {
+        Ok(Some(copy))
+    } else {
+        Err(PyValueError::new_err("expected copies of the rays' length"))
     }
 }
 

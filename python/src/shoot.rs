@@ -7,7 +7,7 @@ use numpy::PyReadwriteArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{HitsIn, HitsOut, RayArrays, not_contiguous};
+use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, not_contiguous};
 use crate::camera::Camera;
 use crate::errors::raise;
 use crate::frame::array;
@@ -17,25 +17,28 @@ use crate::scene::Scene;
 /// Fewer rays than this are done at once: making threads would take longer.
 const FEW: usize = 512;
 
-/// The first hits of rays in arrays, written to `out`.
+/// The first hits of rays in arrays, written to `out`. Where there is memory in `copies`, the rays are copied there
+/// first: what they met belongs to the copy, whatever becomes of the arrays meanwhile and later.
 #[pyfunction]
 pub(crate) fn shoot<'py>(
     py: Python<'py>,
     scene: &Scene,
     rays: RayArrays<'py>,
+    mut copies: CopiesOut<'py>,
     threads: usize,
     mut out: HitsOut<'py>,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<()> {
     let (mut out, count) = out.slices()?;
     let rays = rays.slices(count)?;
+    let copies = copies.slices(&rays)?;
     let report = report.as_ref();
-    if count < FEW {
+    if count < FEW && copies.iter().all(Option::is_none) {
         guarded(|| shoot_few(scene, &rays, &mut out))?;
         return report_done(report, count);
     }
     run_reported(py, threads, report, |stop| {
-        shoot_all_to(&scene.0, &rays, out, stop)
+        shoot_all_to(&scene.0, &rays.copied(copies), out, stop)
     })
 }
 
