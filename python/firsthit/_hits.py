@@ -11,6 +11,7 @@ from ._arrays import chunks, lock, threads_or_all
 from ._memory import SMALL, empty
 from ._progress import following, later
 from ._rays import Rays
+from ._rounding import singles, singles_within
 from .typing import ChannelName
 
 if TYPE_CHECKING:
@@ -90,6 +91,8 @@ class Hits:
     _camera: Camera | None = None
     #: Where no camera makes them, or one makes several for a pixel.
     _rays: Rays | None = None
+    #: ``t`` as float32, where distances are to be float32.
+    _single: npt.NDArray[np.float32] | None = None
     #: The camera's pixels, counted row by row, where these are not all.
     _pixels: npt.NDArray[np.int64] | None = None
 
@@ -124,6 +127,12 @@ class Hits:
         hits._rays = rays
         return hits
 
+    def _rounded(self, t_min: npt.NDArray[Any], t_max: npt.NDArray[Any]) -> Hits:
+        """Return these hits with distances of float32; the limits are the rays'."""
+        t = self._arrays[0].reshape(self._shape)
+        self._single = singles_within(t, t_min, t_max).reshape(-1)
+        return self
+
     @property
     def shape(self) -> tuple[int, ...]:
         """The rays' shape, (rows, columns) for a camera."""
@@ -133,14 +142,10 @@ class Hits:
     def t(self) -> npt.NDArray[np.floating[Any]]:
         """The rays' parameters, (...); infinity for a miss.
 
-        In lengths of the directions, for a camera a distance from the rays' start. float32 for
-        float32 rays, else float64.
+        In lengths of the directions, for a camera a distance from the rays' start. float64,
+        whatever the rays' type, unless `Scene.shoot` was asked for float32.
         """
-        if self._rays is not None and self._rays.is_single():
-            if "t" not in self._made:
-                self._made["t"] = self._arrays[0].astype(np.float32)
-            return self._read_only(self._made["t"])
-        return self._read_only(self._arrays[0])
+        return self._read_only(self._arrays[0] if self._single is None else self._single)
 
     @property
     def object(self) -> npt.NDArray[np.int32]:
@@ -299,7 +304,9 @@ class Hits:
             raise ValueError(f"channel must be among {', '.join(self.channels)}, got {name!r}")
         if name not in self._made:
             with following(progress, len(self._arrays[0])) as report:
-                self._made[name] = self._compute(name, use, report)
+                made = self._compute(name, use, report)
+            is_single = self._single is not None and name in ("range", "z")
+            self._made[name] = singles(made) if is_single else made
         return self._read_only(self._made[name], _COMPONENTS.get(name, 1))
 
     def items(self) -> Iterator[tuple[ChannelName, npt.NDArray[Any]]]:
@@ -368,6 +375,7 @@ class Hits:
         t, identifiers, primitive, barycentric = self._arrays
         some._arrays = t[chosen], identifiers[chosen], primitive[chosen], barycentric[chosen]
         some._shape, some._made = np.shape(numbers), {}
+        some._single = None if self._single is None else self._single[chosen]
         if self._rays is not None:
             some._rays = self._rays.take(chosen, some._shape)
         else:

@@ -115,11 +115,6 @@ class Rays:
         """Return the directions as a read-only view of the shape (..., 3)."""
         return self._view(self.arrays[1])
 
-    def is_single(self) -> bool:
-        """Tell whether origins and directions are float32 or less."""
-        kinds = (array.dtype for array in self.arrays[:2])
-        return all(dtype.kind == "f" and dtype.itemsize <= 4 for dtype in kinds)
-
     def _view(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         lock(array)
         return np.broadcast_to(array, (*self.shape, 3))

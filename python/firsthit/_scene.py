@@ -15,7 +15,8 @@ from ._hits import Hits, hits_arrays
 from ._lights import TRANSPARENT, Light, Sky, is_transparent
 from ._object import Object, affine, placed
 from ._progress import following, later
-from ._rays import Rays
+from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
+from ._rounding import is_single
 from ._shading import Shading
 from ._shapes import Shape
 from ._turn import Turn
@@ -293,6 +294,7 @@ class Scene:
         t_max: npt.ArrayLike = math.inf,
         threads: int | None = None,
         progress: Progress | None = None,
+        dtype: npt.DTypeLike | None = None,
     ) -> Hits:
         """Find the first object that each ray meets.
 
@@ -301,6 +303,7 @@ class Scene:
         origins, directions : (..., 3) array_like
             World space, any real type; broadcast against each other. Directions of any length:
             ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
+            Arrays are copied, for the hits to compute from: they may be changed afterwards.
         t_min, t_max : (...) array_like
             Where rays begin and end: what is met has ``t_min < t <= t_max``. Below zero,
             ``t_min`` is as good as zero: nothing behind an origin is met.
@@ -311,6 +314,13 @@ class Scene:
             ``True`` shows a bar (by tqdm, where that is installed). A function is called with how
             many rays are done and how many there are, about twenty times a second and at the end,
             in the calling thread; what it raises ends the work.
+        dtype : {float64, float32}, optional
+            The type of the distances: ``t``, ``range`` and ``z``. float64 if left out, whatever the
+            rays' type. Everything is computed in float64 in any case. float32 is the nearest one
+            with two exceptions: a hit's distance is finite, and zero only where it is zero; and
+            where rounding would leave ``t_min < t <= t_max``, ``t`` is the next float32 that does
+            not (where there is none between the two, the one below ``t_max``). Rays that go on
+            from a hit need its float64 ``t``: a float32 may lie before the surface.
 
         Returns
         -------
@@ -321,7 +331,7 @@ class Scene:
         Raises
         ------
         ValueError
-            For arrays whose shapes or types do not fit, with their names.
+            For arrays whose shapes or types do not fit, with their names, and for another dtype.
 
         Examples
         --------
@@ -336,18 +346,19 @@ class Scene:
         array([0., 0., 1.])
         """
         use = 0 if threads is None else threads_or_all(threads)
+        single = is_single(dtype)
         if isinstance(origins, Camera):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
             if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, math.inf)):
                 raise ValueError("t_min and t_max must be left out with a camera")
             with following(progress, origins.rows * origins.columns) as report:
-                return self._shot_by(self._native(), origins, use, report)
+                hits = self._shot_by(self._native(), origins, use, report)
+            return hits._rounded(NO_MINIMUM, NO_MAXIMUM) if single else hits
         rays = Rays.of(origins, directions, t_min, t_max)
-        if progress is None:
-            return self._shot(self._native(), rays, use, None)
         with following(progress, rays.length) as report:
-            return self._shot(self._native(), rays, use, report)
+            hits = self._shot(self._native(), rays, use, report)
+        return hits._rounded(*rays.arrays[2:]) if single else hits
 
     def _shot_by(
         self, native: _firsthit.Scene, camera: Camera, threads: int, report: Report | None

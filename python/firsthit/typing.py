@@ -35,7 +35,7 @@ __all__ = [
 #: Three numbers, as attributes have them; arguments take anything array_like of three.
 Vector = tuple[float, float, float]
 
-#: Channels of distances, float64.
+#: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
 DistanceName = Literal["t", "range", "z"]
 #: Channels of identifiers, int32.
 IdentifierName = Literal["object", "primitive", "face"]

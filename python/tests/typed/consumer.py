@@ -65,7 +65,7 @@ def hits(scene: fh.Scene, camera: fh.Camera) -> None:
     assert_type(hits.normal, Doubles)
     assert_type(hits.front, npt.NDArray[np.bool_])
     assert_type(hits[hits.object == 0], fh.Hits)
-    assert_type(hits[hits.object == 0].z, Doubles)
+    assert_type(hits[hits.object == 0].z, npt.NDArray[np.floating[Any]])
     assert_type(hits[2:4, ::2], fh.Hits)
     assert_type(len(hits), int)
     assert_type(hits.channel("normal", progress=True), Doubles)
@@ -74,6 +74,7 @@ def hits(scene: fh.Scene, camera: fh.Camera) -> None:
     names: list[ChannelName] = [name for name, _ in hits.items()]
     assert_type(hits.channel(names[0]), npt.NDArray[Any])
     rays = scene.shoot([[0, 0, 9], [1, 0, 9]], [0, 0, -1], t_max=np.array([5, np.inf]))
+    scene.shoot([0, 0, 9], [0, 0, -1], dtype=np.float32)
     assert_type(rays.position, Doubles)
     assert_type(scene.occluded([0, 0, 9], [0, 0, -1]), npt.NDArray[np.bool_])
 
