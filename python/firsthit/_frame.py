@@ -13,7 +13,7 @@ import numpy as np
 from . import _firsthit
 from ._arrays import color_of, count, number, threads_or_all
 from ._camera import Camera
-from ._errors import FirsthitWarning
+from ._errors import FileFormatError, FirsthitWarning
 from ._lights import Sky, background_native
 from ._progress import following, later
 from ._rays import Rays
@@ -38,6 +38,11 @@ if TYPE_CHECKING:
 
 #: About how many rays an own shader sees at a time when there are several samples.
 _BATCH = 1 << 18
+
+
+#: The types of channels, as metadata name them, and those that an EXR holds as uint32.
+_DTYPES = ("float64", "float32", "int32", "bool")
+_AS_UINT32 = _DTYPES[2:]
 
 
 class Frame:
@@ -81,7 +86,8 @@ class Frame:
         FileReadError
             The system refused; also an `OSError`.
         FileFormatError
-            The content is wrong; also a `ValueError`.
+            The content is wrong, or its metadata name a type that no channel has; also a
+            `ValueError`.
         ValueError
             For an unknown extension, and for a batch of rays, which is no picture.
 
@@ -100,10 +106,17 @@ class Frame:
             if len(shape) < 2:
                 raise ValueError(f"{os.fspath(path)} must hold a picture, got the shape {shape}")
             dtype = in_file
+            if name in records:
+                # A stranger's words: NumPy knows types of a gigabyte, and of objects.
+                computed = records[name]["dtype"]
+                possible = _AS_UINT32 if in_file == "uint32" else _DTYPES
+                if computed not in possible:
+                    wanted = f"{', '.join(possible[:-1])} or {possible[-1]}"
+                    raise _wrong(path, name, f"dtype must be {wanted}, got {computed!r}")
+                if in_file == "uint32":
+                    dtype = computed
             if values.dtype.kind == "f":
                 dtype = str(values.dtype)
-            elif name in records and in_file == "uint32":
-                dtype = records[name]["dtype"]
             channels[name or "array"] = values.astype(dtype, copy=False).reshape(shape)
         rows, columns = next((array.shape[:2] for array in channels.values()), (0, 0))
         return cls((rows, columns), channels, said or "{}", metadata)
@@ -353,6 +366,11 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
     for doubt in doubts:
         warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=2)
     return None if said is None else json.loads(said)
+
+
+def _wrong(path: str | os.PathLike[str], name: str | None, what: str) -> FileFormatError:
+    text = os.fspath(path)
+    return FileFormatError(f"{text}: metadata of channel {name!r}: {what}", text)
 
 
 def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:

@@ -280,3 +280,37 @@ def test_a_transparent_frame_says_what_its_file_says(name, tmp_path):
     said, in_file = frame.metadata["channels"][0], fh.read_metadata(tmp_path / name)["channels"][0]
     assert said["components"] == 4
     assert {key: in_file[key] for key in said} == said
+
+
+@pytest.mark.parametrize(
+    "dtype", ["V9999", "S9999", "M8[s]", "O", "f8", "int64", "f4,f4", "float64"]
+)
+def test_metadata_that_name_another_type_are_refused(exr, tmp_path, dtype):
+    start, end = b'"name":"object"', b'"stored"'
+    before, after = exr.read_bytes().split(start)
+    record, rest = after.split(end, 1)
+    # As long as it was, so that all else in the file is where it was.
+    assert b'"dtype":"int32"' in record
+    other = f'"dtype":"{dtype}"'.encode()
+    surplus = len(other) - len(b'"dtype":"int32"')
+    record = record.replace(b'"dtype":"int32"', other.ljust(len(b'"dtype":"int32"')))
+    if surplus > 0:
+        about = record.split(b'"about":"')[1].split(b'"')[0]
+        record = record.replace(about, about[surplus:])
+    path = tmp_path / "other.exr"
+    path.write_bytes(before + start + record + end + rest)
+    words = f"other.exr: metadata of channel 'object': dtype must be int32 or bool, got '{dtype}'"
+    with pytest.raises(fh.FileFormatError, match=re.escape(words)) as error:
+        fh.Frame.load(path)
+    assert error.value.path == str(path)
+
+
+def test_an_exr_that_claims_more_than_it_holds_is_refused(exr, tmp_path):
+    window = b"dataWindow\0box2i\0" + (16).to_bytes(4, "little")
+    before, after = exr.read_bytes().split(window)
+    for side in (20_000, 2**30):
+        corners = b"".join(number.to_bytes(4, "little") for number in (0, 0, side, side))
+        path = tmp_path / "large.exr"
+        path.write_bytes(before + window + corners + after[16:])
+        with pytest.raises(fh.FileFormatError, match="large"):
+            fh.Frame.load(path)
