@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 _PLAIN = (np.ndarray, list, tuple)
+_T = TypeVar("_T")
 _NO_ARRAYS = (list, tuple, float, int)
 _FLOAT64 = np.dtype(np.float64)
 
@@ -36,7 +37,7 @@ def vector(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:
     array = numbers(name, value)
     if array.shape != (3,):
         raise ValueError(f"{name} must be three numbers, got an array of shape {array.shape}")
-    x, y, z = array.astype(np.float64).tolist()
+    x, y, z = cast(array, np.float64).tolist()
     return x, y, z
 
 
@@ -48,7 +49,7 @@ def color_of(
     Only lights are brighter than white on purpose, or take light away.
     """
     if isinstance(value, str):
-        named, meant = _firsthit.named_color(value.strip(), others)
+        named, meant = _firsthit.named_color(text(name, value).strip(), others)
         if named is None:
             hint = "" if meant is None else f"; did you mean {meant!r}?"
             forms = ", ".join(("three linear numbers", "'#rrggbb'", *map(repr, others)))
@@ -128,7 +129,33 @@ def table(name: str, value: Any, columns: int, dtype: npt.DTypeLike) -> npt.NDAr
             array = array.reshape(0, columns)
         else:
             raise ValueError(f"{name} must have the shape (n, {columns}), got {array.shape}")
-    return np.ascontiguousarray(array, dtype=dtype)
+    return cast(array, dtype)
+
+
+def cast(array: npt.NDArray[Any], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """Return an array as C-contiguous numbers of a type, itself where it is that already.
+
+    NumPy would warn of signalling NaNs and of numbers that become infinite. Both are for those to
+    refuse who do not take numbers that are not finite.
+    """
+    with np.errstate(all="ignore"):
+        return np.asarray(array, dtype=dtype, order="C")
+
+
+def text(name: str, value: _T) -> _T:
+    """Return a text that the native half takes: one that UTF-8 can hold."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a str, got {value!r}")
+    if any("\ud800" <= character <= "\udfff" for character in value):
+        raise ValueError(f"{name} must be text without lone surrogates, got {value!r}")
+    return value
+
+
+def flag(name: str, value: object) -> bool:
+    """Return a truth value, of Python's or NumPy's."""
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
 
 
 def threads_or_all(threads: int | None) -> int:
@@ -170,6 +197,6 @@ def flat(view: npt.NDArray[Any], part: slice, trailing: int) -> npt.NDArray[np.f
 def plain(view: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
     """Return an array as C-contiguous, aligned float64: itself where it is that already."""
     if view.dtype != _FLOAT64:
-        return view.astype(_FLOAT64, order="C")
+        return cast(view, _FLOAT64)
     flags = view.flags
     return view if flags.c_contiguous and flags.aligned else view.copy(order="C")

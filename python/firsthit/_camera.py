@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _firsthit
-from ._arrays import count, number, vector
+from ._arrays import count, number, text, vector
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -88,8 +88,8 @@ class Camera:
             number("height", height),
             count("rows", rows),
             count("columns", columns),
-            projection,
-            ray_start,
+            text("projection", projection),
+            text("ray_start", ray_start),
         )
         self._native, self._is_taken = self._made(again=False), False
 
@@ -204,7 +204,7 @@ class Camera:
         above = scene.up if up is None else vector("up", up)
         down = None if rows is None else count("rows", rows)
         across = None if columns is None else count("columns", columns)
-        native = _firsthit.Camera.framing(scene._native(), above, str(view), down, across)
+        native = _firsthit.Camera.framing(scene._native(), above, text("view", view), down, across)
         return cls._again(native.view())
 
     @property

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 import numpy as np
 
 from . import _firsthit
+from ._arrays import text
 from ._errors import FirsthitWarning
 from ._material import Material, Texture
 from ._shapes import Mesh, Shape
@@ -52,7 +53,7 @@ def objects(scene: SceneLike) -> Iterator[Part]:
             what = f"node {node!r} is left out: its transform flattens space"
             warnings.warn(what, FirsthitWarning, stacklevel=3)
             continue
-        yield Part(str(node), shape, material, placed)
+        yield Part(text("node", str(node)), shape, material, placed)
 
 
 def mesh(thing: Any) -> tuple[Mesh, Material | None]:

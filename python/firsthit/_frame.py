@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from . import _firsthit
-from ._arrays import color_of, count, number, threads_or_all
+from ._arrays import color_of, count, flag, number, text, threads_or_all
 from ._camera import Camera
 from ._errors import FileFormatError, FirsthitWarning
 from ._lights import Sky, background_native
@@ -327,7 +327,8 @@ def render(
     back = None if background is None else background_native(background)
     light = None if ambient is None else color_of("ambient", ambient)
     own = None if isinstance(shade, str) else shade
-    shading = (shade if isinstance(shade, str) else "unlit", back, light, bool(shadows))
+    shader = text("shade", shade) if isinstance(shade, str) else "unlit"
+    shading = (shader, back, light, flag("shadows", shadows))
     asked = [name for name in names if own is None or name != "color"]
     camera = scene._view() if camera is None else camera
     shape = (camera.rows, camera.columns)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._arrays import color_of, number, numbers, settle, vector
+from ._arrays import color_of, flag, number, numbers, settle, text, vector
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -65,10 +65,13 @@ class Texture:
         if array.shape[2] == 3:
             opaque = np.full((*array.shape[:2], 1), 255, np.uint8)
             array = np.concatenate([array, opaque], axis=2)
-        across, down = (wrap, wrap) if isinstance(wrap, str) else wrap
+        both = (wrap, wrap) if isinstance(wrap, str) else wrap
+        if not isinstance(both, tuple | list) or len(both) != 2:
+            raise TypeError(f"wrap must be a word or two of them, got {wrap!r}")
+        across, down = (text("wrap", each) for each in both)
         rows = _V_UP if picture_from_uv is None else _rows(picture_from_uv)
         native = _firsthit.Texels(np.ascontiguousarray(array))
-        self._set(native, (str(across), str(down)), str(filter), rows)
+        self._set(native, (across, down), text("filter", filter), rows)
         # Refused here, not at the first shot.
         Material(texture=self)
 
@@ -196,8 +199,10 @@ class Material:
         double_sided: bool = True,  # noqa: FBT001, FBT002 - as above
     ) -> None:
         settle(self, color=color_of("color", color), alpha=number("alpha", alpha))
-        settle(self, texture=texture, alpha_texture=alpha_texture, alpha_mode=alpha_mode)
-        settle(self, cutoff=number("cutoff", cutoff), unlit=unlit, double_sided=double_sided)
+        settle(self, texture=texture, alpha_texture=alpha_texture)
+        settle(self, alpha_mode=text("alpha_mode", alpha_mode), cutoff=number("cutoff", cutoff))
+        settle(self, unlit=flag("unlit", unlit))
+        settle(self, double_sided=flag("double_sided", double_sided))
         for name in ("texture", "alpha_texture"):
             if not isinstance(getattr(self, name), Texture | None):
                 raise TypeError(f"{name} must be a Texture, got {getattr(self, name)!r}")
@@ -211,6 +216,6 @@ class Material:
             self.alpha_texture._native() if self.alpha_texture else None,
             self.alpha_mode,
             self.cutoff,
-            bool(self.unlit),
-            bool(self.double_sided),
+            self.unlit,
+            self.double_sided,
         )

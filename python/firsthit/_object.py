@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _firsthit
-from ._arrays import numbers
+from ._arrays import cast, numbers
 from ._material import Material
 from ._shapes import Mesh, Shape
 
@@ -92,7 +92,8 @@ def placed(
 
 def affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return a transform as (4, 4), if it can be undone."""
-    matrix = numbers("transform", transform).astype(np.float64)
+    # A copy, which nobody else can change.
+    matrix = np.array(cast(numbers("transform", transform), np.float64))
     if matrix.shape == (3, 4):
         matrix = np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]])
     if matrix.shape != (4, 4):
@@ -110,7 +111,10 @@ def _materials(
     if material is not None:
         if color is not None:
             raise ValueError("color must be left out with a material, which has its own")
-        made = (material,) if isinstance(material, Material) else tuple(material)
+        try:
+            made = (material,) if isinstance(material, Material) else tuple(material)
+        except TypeError:
+            raise TypeError(f"material must be a Material or several, got {material!r}") from None
         for each in made:
             if not isinstance(each, Material):
                 raise TypeError(f"material must be a Material or several, got {each!r}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from . import _firsthit, _foreign
-from ._arrays import color_of, numbers, threads_or_all, vector
+from ._arrays import color_of, numbers, text, threads_or_all, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._hits import Hits, hits_arrays
@@ -132,24 +132,26 @@ class Scene:
         Raises
         ------
         ValueError
-            For a transform that flattens space, and for values of a wrong shape or type.
+            For a transform that flattens space, for values of a wrong shape or type, and for a name
+            with lone surrogates, which no file can hold.
         TypeError
-            For something that is no shape.
+            For something that is no shape, no material, or no name.
 
         Warns
         -----
         FirsthitWarning
             For what is left out of another package's scene.
         """
+        name = text("name", name)
         matrix = None if transform is None else affine(transform)
         if _foreign.is_scene(shape):
             if name:
                 raise ValueError(f"name must be left out with a scene, got {name!r}")
             parts = list(_foreign.objects(shape))
         elif isinstance(shape, Shape):
-            parts = [_foreign.Part(str(name), shape)]
+            parts = [_foreign.Part(name, shape)]
         elif hasattr(shape, "vertices") and hasattr(shape, "faces"):
-            parts = [_foreign.Part(str(name), *_foreign.mesh(shape))]
+            parts = [_foreign.Part(name, *_foreign.mesh(shape))]
         else:
             raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
         made = [placed(part, matrix, color, material) for part in parts]
@@ -165,7 +167,20 @@ class Scene:
         return next(k for k in reversed(range(len(self._objects))) if self._objects[k] is made)
 
     def add_light(self, light: Light) -> None:
-        """Add a light; a scene without any is lit from behind the camera's left shoulder."""
+        """Add a light; a scene without any is lit from behind the camera's left shoulder.
+
+        Parameters
+        ----------
+        light : DirectionalLight, PointLight or SpotLight
+            The light.
+
+        Raises
+        ------
+        TypeError
+            For something else.
+        """
+        if not isinstance(light, Light):
+            raise TypeError(f"light must be a light, got {light!r}")
         self._lights.append(light)
 
     @property

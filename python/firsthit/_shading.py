@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, get_args
 
 from . import _firsthit
-from ._arrays import color_of, count, settle
+from ._arrays import color_of, count, flag, settle
 from .typing import ShaderName
 
 if TYPE_CHECKING:
@@ -48,10 +48,10 @@ class Shading:
         shadows: bool = True,  # noqa: FBT001, FBT002 - as scene files have it, mostly given by name
         samples: int = SAMPLES,
     ) -> None:
-        if shade not in _SHADERS:
+        if not isinstance(shade, str) or shade not in _SHADERS:
             raise ValueError(f"shade must be one of {', '.join(_SHADERS)}, got {shade!r}")
         many = count("samples", samples)
         if many < 1:
             raise ValueError(f"samples must be at least 1, got {many}")
         light = None if ambient is None else color_of("ambient", ambient)
-        settle(self, shade=shade, ambient=light, shadows=shadows, samples=many)
+        settle(self, shade=shade, ambient=light, shadows=flag("shadows", shadows), samples=many)

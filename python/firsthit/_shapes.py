@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import number, numbers, settle, table, vector
+from ._arrays import cast, number, numbers, settle, table, text, vector
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator
 
     import numpy.typing as npt
 
@@ -259,9 +260,8 @@ class Mesh(Shape):
             for name, value in [("faces", faces), ("slots", slots)]
         ]
         properties = [
-            (is_of_vertices, str(name), _values(name, value))
-            for is_of_vertices, given in [(True, vertex_properties), (False, face_properties)]
-            for name, value in (given or {}).items()
+            *_properties("vertex_properties", vertex_properties, is_of_vertices=True),
+            *_properties("face_properties", face_properties, is_of_vertices=False),
         ]
         self._mesh = _firsthit.Mesh(points, corners, attributes, labels, properties)
 
@@ -342,10 +342,19 @@ class Mesh(Shape):
 def _attribute(name: str, value: Any, columns: int) -> npt.NDArray[np.float32]:
     array = numbers(name, value)
     if array.ndim == 3 and array.shape[1:] == (3, columns):
-        return np.ascontiguousarray(array, dtype=np.float32)
+        return cast(array, np.float32)
     if array.ndim == 3:
         raise ValueError(f"{name} must have the shape (m, 3, {columns}), got {array.shape}")
     return table(name, array, columns, np.float32)
+
+
+def _properties(
+    name: str, given: Mapping[str, npt.ArrayLike] | None, *, is_of_vertices: bool
+) -> Iterator[tuple[bool, str, npt.NDArray[Any]]]:
+    if not isinstance(given, Mapping | None):
+        raise TypeError(f"{name} must be a dict of arrays, got {given!r}")
+    for key, value in (given or {}).items():
+        yield is_of_vertices, text(f"a name of {name}", key), _values(key, value)
 
 
 def _values(name: str, value: Any) -> npt.NDArray[Any]:
@@ -353,7 +362,7 @@ def _values(name: str, value: Any) -> npt.NDArray[Any]:
     if array.ndim != 1:
         raise ValueError(f"{name} must be one number for each, got the shape {array.shape}")
     fits = array.dtype in (np.float32, np.float16, np.int8, np.uint8, np.int16, np.uint16)
-    return np.ascontiguousarray(array, dtype=np.float32 if fits else np.float64)
+    return cast(array, np.float32 if fits else np.float64)
 
 
 def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
@@ -369,7 +378,9 @@ def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
 
 def _indices(value: Any, vertices: int) -> npt.NDArray[np.uint32]:
     array = numbers("triangles", value)
-    if array.dtype.kind == "f" and not np.all(array == np.floor(array)):
+    with np.errstate(invalid="ignore"):
+        is_whole = array.dtype.kind != "f" or np.all(array == np.floor(array))
+    if not is_whole:
         raise ValueError(f"triangles must be whole numbers, got dtype {array.dtype}")
     if array.size and not 0 <= array.min() <= array.max() < max(vertices, 1):
         span = f"from {array.min()} to {array.max()}"
