@@ -69,6 +69,10 @@ fn pool(threads: Option<usize>) -> Result<ThreadPool, Failure> {
     let mut threads = threads.unwrap_or_else(cores);
     let builder = ThreadPoolBuilder::new;
     while threads > 0 {
+        if !has_room(threads) {
+            threads /= 2;
+            continue;
+        }
         if let Ok(pool) = builder().num_threads(threads).build() {
             return Ok(pool);
         }
@@ -76,4 +80,20 @@ fn pool(threads: Option<usize>) -> Result<ThreadPool, Failure> {
     }
     let alone = builder().num_threads(1).use_current_thread().build();
     alone.map_err(|error| Failure::limit(format!("threads: {error}")))
+}
+
+/// Whether there is address space for the stacks of so many threads, for what glibc's allocator reserves for each but
+/// the first, and for the work: a limit such as `ulimit -v` may deny it. Where a thread that has begun finds none for
+/// itself, the standard library ends the process.
+fn has_room(threads: usize) -> bool {
+    const STACK_BYTES: usize = (2 << 20) + (1 << 17);
+    const ARENA_BYTES: usize = 64 << 20;
+    const SPARE_BYTES: usize = 32 << 20;
+    let arenas = (threads - 1).saturating_mul(ARENA_BYTES);
+    let bytes = threads.saturating_mul(STACK_BYTES).saturating_add(arenas);
+    let mut probe = Vec::<u8>::new();
+    let refused = probe.try_reserve_exact(bytes.saturating_add(SPARE_BYTES));
+    // Without this the compiler may see that the room is not used, and not ask for it.
+    std::hint::black_box(&mut probe);
+    refused.is_ok()
 }
