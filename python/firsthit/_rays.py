@@ -82,30 +82,39 @@ class Rays:
             ) from None
         return cls((starts, ways, begins, ends), shape, own)
 
-    def owned(self) -> tuple[Rays, Copies]:
-        """Return the same rays in memory of their own, which the caller cannot change.
+    def own(self) -> Copies:
+        """Copy what the caller could change, for hits to keep.
 
-        Large arrays of float64 are to be copied by the native half, in all its threads and into
-        memory that is used again: elsewhere, copying takes as long as finding some of the hits.
+        Large arrays of float64 stay as they are: the native half copies them to what is returned,
+        in all its threads and into memory that is used again. Elsewhere, copying takes as long as
+        finding some of the hits.
         """
-        copies: list[npt.NDArray[np.float64] | None] = [None, None]
         if all(self._are_own):
-            return self, (None, None)
+            return None, None
+        copies: list[npt.NDArray[np.float64] | None] = [None, None]
         arrays = list(self.arrays)
-        is_whole = len(self.parts()) == 1
-        for k, is_own_memory in enumerate(self._are_own):
+        for k in (0, 1):
             array = arrays[k]
-            if is_own_memory:
+            if self._are_own[k]:
                 continue
-            if is_whole and array.nbytes >= SMALL and self._is_native(array, 1):
-                arrays[k] = copies[k] = empty(array.shape, np.float64)
+            if array.nbytes >= SMALL and len(self.parts()) == 1 and self._is_native(array, 1):
+                copies[k] = empty(array.shape, np.float64)
             else:
                 arrays[k] = _copied(array)
-        return Rays(arrays, self.shape), (copies[0], copies[1])
+        self.arrays = tuple(arrays)
+        return copies[0], copies[1]
 
-    def without_limits(self) -> Rays:
-        """Return the rays from their origins to infinity, in the same memory."""
-        return Rays((*self.arrays[:2], NO_MINIMUM, NO_MAXIMUM), self.shape, self._are_own)
+    def keep(self, copies: Copies) -> Rays:
+        """Take the copies that the native half made, and forget the limits."""
+        origins, directions = copies
+        self.arrays = (
+            self.arrays[0] if origins is None else origins,
+            self.arrays[1] if directions is None else directions,
+            NO_MINIMUM,
+            NO_MAXIMUM,
+        )
+        self._are_own = (True, True)
+        return self
 
     def origins(self) -> npt.NDArray[Any]:
         """Return the starts as a read-only view of the shape (..., 3)."""

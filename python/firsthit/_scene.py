@@ -361,7 +361,7 @@ class Scene:
         array([0., 0., 1.])
         """
         use = 0 if threads is None else threads_or_all(threads)
-        single = is_single(dtype)
+        single = dtype is not None and is_single(dtype)
         if isinstance(origins, Camera):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
@@ -371,9 +371,13 @@ class Scene:
                 hits = self._shot_by(self._native(), origins, use, report)
             return hits._rounded(NO_MINIMUM, NO_MAXIMUM) if single else hits
         rays = Rays.of(origins, directions, t_min, t_max)
-        with following(progress, rays.length) as report:
-            hits = self._shot(self._native(), rays, use, report)
-        return hits._rounded(*rays.arrays[2:]) if single else hits
+        limits = rays.arrays[2:]
+        if progress is None:
+            hits = self._shot(self._native(), rays, use, None)
+        else:
+            with following(progress, rays.length) as report:
+                hits = self._shot(self._native(), rays, use, report)
+        return hits._rounded(*limits) if single else hits
 
     def _shot_by(
         self, native: _firsthit.Scene, camera: Camera, threads: int, report: Report | None
@@ -389,19 +393,17 @@ class Scene:
         """Shoot rays at what was built."""
         out = hits_arrays(rays.length)
         # The hits keep the rays, from which they compute what is asked later.
-        own, copies = rays.owned()
-        # What the native half copies is not there yet.
-        given = rays if any(copy is not None for copy in copies) else own
-        parts = given.parts()
+        copies = rays.own()
+        parts = rays.parts()
         if len(parts) == 1:
-            _firsthit.shoot(native, given.part(parts[0]), copies, threads, out, report)
-            return Hits._of_rays(self, native, out, own.without_limits(), threads)
-        for part in parts:
-            t, identifiers, primitive, barycentric = out
-            pieces = t[part], identifiers[part], primitive[part], barycentric[part]
-            told = later(report, part.start)
-            _firsthit.shoot(native, given.part(part), copies, threads, pieces, told)
-        return Hits._of_rays(self, native, out, own.without_limits(), threads)
+            _firsthit.shoot(native, rays.part(parts[0]), copies, threads, out, report)
+        else:
+            for part in parts:
+                t, identifiers, primitive, barycentric = out
+                pieces = t[part], identifiers[part], primitive[part], barycentric[part]
+                told = later(report, part.start)
+                _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
+        return Hits._of_rays(self, native, out, rays.keep(copies), threads)
 
     def occluded(
         self,
