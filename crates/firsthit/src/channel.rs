@@ -147,10 +147,8 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Position,
         unit: Unit::SceneLength,
         frame: Some("world"),
-        make: Make::Doubles(|_, ray, hit, out| {
-            if !hit.is_miss() {
-                out.copy_from_slice(&ray.at(hit.t).to_array());
-            }
+        make: Make::Doubles(|scene, ray, hit, out| {
+            out.copy_from_slice(&scene.position(ray, hit).to_array());
         }),
     },
     Kind {

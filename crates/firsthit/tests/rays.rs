@@ -125,3 +125,53 @@ fn bounds_are_the_smallest_box() {
     let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap()).placed(lean);
     assert!((scene(vec![ball]).bounds().high - DVec3::ONE).length() < 1e-15);
 }
+
+/// From 10^9 times a shape's size away `t` cannot say where on it a hit is; the position is on the surface all the same.
+#[test]
+fn positions_are_on_the_surface_however_far_away_the_origin_is() {
+    let mut numbers = Numbers::new(14);
+    for (kind, shape) in shapes(1.0).into_iter().enumerate() {
+        let mut hits = 0;
+        for k in 0..600 {
+            let far = [1.0, 1e3, 1e6, 1e9][k % 4];
+            let scene = of(shape.clone());
+            let way = far * numbers.point().normalize();
+            let ray = Ray::new(0.5 * numbers.point() - way, way);
+            let hit = agree(&scene, &ray);
+            if hit.is_miss() {
+                continue;
+            }
+            hits += 1;
+            let point = scene.position(&ray, &hit);
+            let along = (point - ray.at(hit.t)).length();
+            assert!(along < 1e-14 * (1.0 + far), "{} {along}", shape.name());
+            let (normal, lean) = (scene.normal(&ray, &hit), DVec3::new(0.3, 1.0, -0.2));
+            let off = match &shape {
+                Shape::Mesh(mesh) => {
+                    let [a, _, _] = mesh.corners(usize::try_from(hit.primitive).unwrap());
+                    (point - a).dot(normal)
+                }
+                Shape::Sphere(ball) => (point - ball.center()).length() - ball.radius(),
+                Shape::Plane(plane) => (point - plane.point()).dot(lean.normalize()),
+                Shape::Disc(disc) => (point - disc.center()).dot(lean.normalize()),
+                Shape::Box(_) => point.abs().max_element() - 1.0,
+                Shape::Cylinder(_) | Shape::Cone(_) if hit.primitive > 0 => {
+                    let lid = [DVec3::NEG_Y, lean][usize::from(hit.primitive == 2)];
+                    (point - lid).dot((lean + DVec3::Y).normalize())
+                }
+                _ => {
+                    let axis = (lean + DVec3::Y).normalize();
+                    let z = (point + DVec3::Y).dot(axis);
+                    let share = z / (lean + DVec3::Y).length();
+                    let top = if kind == 6 { 0.2 } else { 0.5 };
+                    let radius = 0.5 + share * (top - 0.5);
+                    (point + DVec3::Y - z * axis).length() - radius
+                }
+            };
+            // An infinite plane is met far away, where coordinates are large.
+            let size = point.abs().max_element().max(1.0);
+            assert!(off.abs() < 2e-15 * size, "{} {far} {off}", shape.name());
+        }
+        assert!(hits > 100, "{} {hits}", shape.name());
+    }
+}

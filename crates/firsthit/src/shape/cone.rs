@@ -194,6 +194,25 @@ impl Surface for Cone {
         }
     }
 
+    fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
+        let at = point - self.bottom;
+        let z = at.dot(self.axis);
+        match primitive {
+            1 => point - z * self.axis,
+            2 => point - (z - self.height) * self.axis,
+            _ => {
+                let across = at - z * self.axis;
+                let radius = self.bottom_radius + self.slope() * z;
+                let outwards = if across == DVec3::ZERO {
+                    DVec3::ZERO
+                } else {
+                    unit(across)
+                };
+                self.bottom + (z * self.axis + radius * outwards)
+            }
+        }
+    }
+
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.bottom);

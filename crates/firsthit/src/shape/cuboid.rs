@@ -91,6 +91,16 @@ impl Surface for Cuboid {
             .unwrap_or(DVec3::NAN)
     }
 
+    fn onto(&self, mut point: DVec3, primitive: i32) -> DVec3 {
+        let Bounds { low, high } = self.bounds;
+        if let Ok(face) = usize::try_from(primitive)
+            && face < 6
+        {
+            point[face / 2] = [low, high][face % 2][face / 2];
+        }
+        point.clamp(low, high)
+    }
+
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.bounds.low);

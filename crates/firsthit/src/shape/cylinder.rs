@@ -66,6 +66,10 @@ impl Surface for Cylinder {
         self.cone.normal(point, primitive)
     }
 
+    fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
+        self.cone.onto(point, primitive)
+    }
+
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         self.cone.digest(digest);

@@ -76,6 +76,10 @@ impl Surface for Disc {
         self.plane.normal(point, primitive)
     }
 
+    fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
+        self.plane.onto(point, primitive)
+    }
+
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         self.plane.digest(digest);

@@ -72,6 +72,10 @@ pub trait Surface {
     /// The normal at a point of the surface, of length one, outwards for closed shapes.
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3;
 
+    /// The point of the surface that `point` is, but for rounding: off the surface by a few 2^-53 of the shape's
+    /// coordinates and size. (Of a mesh, `point` itself: a hit's weights say more.)
+    fn onto(&self, point: DVec3, primitive: i32) -> DVec3;
+
     /// Adds every number that the shape is made from: two shapes that differ anywhere differ here.
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest);
@@ -119,6 +123,10 @@ macro_rules! shapes {
 
             fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
                 match self { $(Self::$kind(shape) => Surface::normal(shape, point, primitive),)* }
+            }
+
+            fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
+                match self { $(Self::$kind(shape) => Surface::onto(shape, point, primitive),)* }
             }
 
             #[cfg(feature = "frame")]

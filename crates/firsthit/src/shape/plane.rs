@@ -70,6 +70,10 @@ impl Surface for Plane {
         self.normal
     }
 
+    fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
+        point - (point - self.point).dot(self.normal) * self.normal
+    }
+
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.point);

@@ -81,6 +81,10 @@ impl Surface for Sphere {
         unit(point - self.center)
     }
 
+    fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
+        self.center + self.radius * unit(point - self.center)
+    }
+
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.center);

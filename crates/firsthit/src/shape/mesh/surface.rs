@@ -37,6 +37,10 @@ impl Surface for Arc<Mesh> {
         usize::try_from(primitive).map_or(DVec3::NAN, |triangle| Mesh::normal(self, triangle))
     }
 
+    fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
+        point
+    }
+
     #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         Mesh::digest(self, digest);
