@@ -180,7 +180,7 @@ pub(crate) struct LoadArgs {
     #[arg(long)]
     pub(crate) strict: bool,
     /// How much memory the file's content may take, unpacked; in bytes, or with K, M, G or T for their
-    /// 1024th powers
+    /// 1024th powers. What a file describes may take 256 times its size and 1/256 of this
     #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G", allow_hyphen_values = true)]
     pub(crate) max_memory: u64,
     /// How many texels a texture may have across or down; in all it may have as many bytes as the square of

@@ -25,7 +25,7 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
             format!("{trailing} bytes after the packed content are not read")
         });
     }
-    report.spend(content.len() as u64, "its unpacked content")?;
+    report.spend_on_content(content.len() as u64, "its unpacked content")?;
     Ok(content.into())
 }
 

@@ -214,6 +214,9 @@ pub struct LoadSettings {
     pub strict: bool,
     /// How many bytes of memory may be spent on the file: on its content, unpacked, on what it names, and
     /// on the vertices, triangles and textures of all that. The trees of a scene come on top.
+    ///
+    /// What a small file may describe is bounded by its size too: vertices, triangles, instances and names may take
+    /// 256 times the bytes that were read, and 1/256 of `max_memory` beside. Of textures a sixteenth counts there.
     pub max_memory: u64,
     /// How many texels a texture may have across or down, and the root of how many bytes it may have in all.
     pub max_texture: u32,
@@ -314,14 +317,10 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Model> {
 fn load_part(path: &Path, whole: &mut Report) -> Result<Model> {
     let format = format_of(path)?;
     let bytes = read::regular_file(path, whole.settings().max_memory)?;
-    let mut report = Report::new(path, *whole.settings());
+    let mut report = Report::of_part(path, whole);
     let mut model = model(format, bytes.into(), &mut report)?;
     let warnings = std::mem::take(&mut model.warnings);
-    whole.absorb(
-        report.settings(),
-        warnings,
-        std::mem::take(&mut model.files),
-    );
+    whole.absorb(&report, warnings, std::mem::take(&mut model.files));
     Ok(model)
 }
 
@@ -343,7 +342,7 @@ const TIMES_CONTENT: usize = 3;
 fn model(format: &Format, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
     let path = &report.path().to_owned();
     let read = |report: &mut Report| {
-        report.spend(bytes.len() as u64, "its content")?;
+        report.spend_on_read(path, bytes.len())?;
         let bytes = gzip::unpacked(bytes, report)?;
         report.check_memory(bytes.len().saturating_mul(TIMES_CONTENT))?;
         (format.read)(&bytes, report)

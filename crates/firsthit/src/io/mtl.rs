@@ -109,7 +109,7 @@ impl Library {
         if let Some(known) = self.masks.get(&key) {
             return known.clone();
         }
-        let spent = report.spend(size_of_val(picture.texels()) as u64, "the texture");
+        let spent = report.spend_on_texture(size_of_val(picture.texels()) as u64);
         let mask = match spent {
             Ok(()) => Some(Arc::new(brightness_as_alpha(picture))),
             Err(fault) => {

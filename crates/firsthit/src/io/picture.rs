@@ -61,7 +61,7 @@ pub(super) fn decode(
     }
     // Before the work: a picture that proves to be damaged in the end was work all the same.
     report
-        .spend(bytes_needed, "the texture")
+        .spend_on_texture(bytes_needed)
         .map_err(|fault| fault.into_error(report.path()).to_string())?;
     // The system's own limit: as decoded, as four bytes a texel, and as the texture.
     report

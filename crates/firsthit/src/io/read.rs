@@ -58,7 +58,7 @@ pub(super) fn refuse_folder(path: &Path) -> Result<()> {
 /// scene's memory.
 pub(super) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
     let bytes = regular_file(path, report.settings().max_memory)?;
-    report.spend(bytes.len() as u64, "its content")?;
+    report.spend_on_read(path, bytes.len())?;
     report.note_file(path.to_owned());
     Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
 }

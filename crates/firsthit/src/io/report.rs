@@ -1,10 +1,12 @@
 //! What a loader has to say: faults that stop it, warnings that do not.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::LoadSettings;
 use crate::error::{Error, Place, escaped};
 use crate::memory;
+use crate::scene::Object;
 
 /// The result of a loader's steps, before the path is known.
 pub(super) type Checked<T> = Result<T, Fault>;
@@ -70,6 +72,19 @@ fn shortened(mut text: String) -> String {
     text
 }
 
+/// What a file describes may take so many times the file's size: the best compressed meshes come to half of it.
+const TIMES_SIZE: u64 = 256;
+
+/// Beside that it may take this share of the memory that is allowed, 32 MiB of the default: small files may
+/// repeat themselves.
+const FREE_SHARE: u64 = 256;
+
+/// Of a texture this share counts as described: a picture of one colour is a file of a thousandth of its texels.
+const TEXTURE_SHARE: u64 = 16;
+
+/// The memory that an object takes beside its mesh and its name: itself and its part of the tree.
+pub(super) const OBJECT_BYTES: u64 = size_of::<Object>() as u64 + 256;
+
 /// A number of bytes, in the largest unit that keeps it from 1 on.
 pub(super) fn size_in_words(bytes: u64) -> String {
     const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
@@ -98,6 +113,12 @@ pub(super) struct Report {
     path: PathBuf,
     settings: LoadSettings,
     in_memory: bool,
+    /// The bytes read so far: of the file and of those that it names, as they are on the disk.
+    size: u64,
+    /// The files whose bytes these are.
+    sized: HashSet<PathBuf>,
+    /// How much more memory the size allows for what is described.
+    room: u64,
     grown: usize,
     kinds: Vec<Kind>,
     dropped: u64,
@@ -122,6 +143,9 @@ impl Report {
             path: path.to_owned(),
             settings,
             in_memory: false,
+            size: 0,
+            sized: HashSet::new(),
+            room: settings.max_memory / FREE_SHARE,
             grown: 0,
             kinds: Vec::new(),
             dropped: 0,
@@ -129,6 +153,14 @@ impl Report {
             cut: None,
             absorbed: Vec::new(),
             files: Vec::new(),
+        }
+    }
+
+    /// The report about a file that another one names, from whose memory it spends.
+    pub(super) fn of_part(path: &Path, whole: &Self) -> Self {
+        Self {
+            room: whole.room,
+            ..Self::new(path, whole.settings)
         }
     }
 
@@ -162,13 +194,68 @@ impl Report {
         &self.settings
     }
 
-    /// Takes so many bytes from the memory that the file may use; `what` they are for.
+    /// The most that can be spent on what the file describes.
+    pub(super) fn left(&self) -> u64 {
+        self.settings.max_memory.min(self.room)
+    }
+
+    /// Takes so many bytes from the memory that the file may use; `what` they are for. They count against the file's
+    /// size too: a few bytes may describe no more than a few bytes can be meant to.
     pub(super) fn spend(&mut self, bytes: u64, what: &str) -> Checked<()> {
         self.spend_at(Place::File, bytes, what)
     }
 
     /// The same for what is asked for at a place of the file.
     pub(super) fn spend_at(&mut self, place: Place, bytes: u64, what: &str) -> Checked<()> {
+        self.take_room(&place, bytes, bytes, what)?;
+        self.take_memory(place, bytes, what)
+    }
+
+    /// The same for a texture.
+    pub(super) fn spend_on_texture(&mut self, bytes: u64) -> Checked<()> {
+        let what = "the texture";
+        self.take_room(&Place::File, bytes, bytes / TEXTURE_SHARE, what)?;
+        self.take_memory(Place::File, bytes, what)
+    }
+
+    /// The same for bytes of the file itself, unpacked or parsed: they count against no size.
+    pub(super) fn spend_on_content(&mut self, bytes: u64, what: &str) -> Checked<()> {
+        self.take_memory(Place::File, bytes, what)
+    }
+
+    /// Takes the memory of bytes that were read from a file, and makes room for what they describe: once, however often the file is read.
+    pub(super) fn spend_on_read(&mut self, path: &Path, bytes: usize) -> Checked<()> {
+        let bytes = bytes as u64;
+        if self.sized.insert(path.to_owned()) {
+            self.size = self.size.saturating_add(bytes);
+            self.room = self.room.saturating_add(bytes.saturating_mul(TIMES_SIZE));
+        }
+        self.spend_on_content(bytes, "its content")
+    }
+
+    /// Takes `counted` of `bytes` from what the file's size allows.
+    fn take_room(&mut self, place: &Place, bytes: u64, counted: u64, what: &str) -> Checked<()> {
+        let room = self.room;
+        self.room = room.checked_sub(counted).ok_or_else(|| {
+            let share = if counted == bytes {
+                String::new()
+            } else {
+                format!(", of which 1/{TEXTURE_SHARE} counts")
+            };
+            let [bytes, room, size] = [bytes, room, self.size].map(size_in_words);
+            let what = format!(
+                "{what} would take {bytes} of memory{share}, {room} are left of what a file of {size} may describe: \
+                 {TIMES_SIZE} times its size and 1/{FREE_SHARE} of what is allowed (--max-memory raises the limit)"
+            );
+            Fault::TooLarge {
+                place: place.clone(),
+                what,
+            }
+        })?;
+        Ok(())
+    }
+
+    fn take_memory(&mut self, place: Place, bytes: u64, what: &str) -> Checked<()> {
         let left = self.settings.max_memory;
         self.settings.max_memory = left.checked_sub(bytes).ok_or_else(|| {
             let (bytes, left) = (size_in_words(bytes), size_in_words(left));
@@ -255,13 +342,10 @@ impl Report {
 
     /// Takes over what another file's report came to: what memory it left, what it said, and the files
     /// that were read for it.
-    pub(super) fn absorb(
-        &mut self,
-        settings: &LoadSettings,
-        lines: Vec<String>,
-        files: Vec<PathBuf>,
-    ) {
-        self.settings.max_memory = settings.max_memory;
+    pub(super) fn absorb(&mut self, part: &Self, lines: Vec<String>, files: Vec<PathBuf>) {
+        self.settings.max_memory = part.settings.max_memory;
+        self.size = self.size.saturating_add(part.size);
+        self.room = part.room;
         self.absorbed.extend(lines);
         self.files.extend(files);
     }

@@ -7,7 +7,7 @@ use firsthit::Error;
 use firsthit::io::{LoadSettings, load, load_bytes};
 use serde_json::{Value, json};
 
-use crate::builder::{Builder, push};
+use crate::builder::{Builder, FLOAT, push};
 
 /// A document with everything in it that is replaced below.
 fn full() -> Builder {
@@ -254,6 +254,91 @@ fn objects_beyond_the_limit_of_memory_are_refused() {
         json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": many}}});
     let error = small(&builder).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+}
+
+/// An accessor of zeros that no byte stands for.
+fn zeros(builder: &mut Builder, count: usize, component: u32, kind: &str) -> usize {
+    let accessor = json!({"componentType": component, "count": count, "type": kind});
+    push(&mut builder.json["accessors"], accessor)
+}
+
+/// Each would take gigabytes, in what is allowed, and be described in a few bytes.
+#[test]
+fn small_files_describe_little() {
+    let mut files = Vec::new();
+    // 60,000,000 vertices in 231 bytes: with their tree, 4 GB.
+    let mut builder = Builder::triangle();
+    let position = zeros(&mut builder, 60_000_000, FLOAT, "VEC3");
+    builder.primitive()["attributes"]["POSITION"] = json!(position);
+    files.push(("zeros", builder));
+    let mut builder = Builder::triangle();
+    let indices = zeros(&mut builder, 200_000_000, 5125, "SCALAR");
+    builder.primitive()["indices"] = json!(indices);
+    files.push(("indices", builder));
+    let mut builder = Builder::triangle();
+    let count = 10_000_000;
+    let position = zeros(&mut builder, count, FLOAT, "VEC3");
+    let joints = zeros(&mut builder, count, 5121, "VEC4");
+    let weights = zeros(&mut builder, count, FLOAT, "VEC4");
+    builder.primitive()["attributes"] =
+        json!({"POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    builder.json["skins"] = json!([{"joints": [0]}]);
+    builder.json["nodes"][0]["skin"] = json!(0);
+    files.push(("skin", builder));
+    let mut builder = Builder::triangle();
+    let (indices, values) = (builder.view(&[0]), builder.view(&[0; 12]));
+    builder.json["accessors"][0] = json!({"componentType": 5126, "count": 60_000_000, "type": "VEC3", "sparse":
+        {"count": 1, "indices": {"bufferView": indices, "componentType": 5121}, "values": {"bufferView": values}}});
+    files.push(("sparse", builder));
+    // A mesh of 600 primitives that 8,000 nodes show.
+    let mut builder = Builder::triangle();
+    let primitive = builder.primitive().clone();
+    builder.json["meshes"][0]["primitives"] = json!(vec![primitive; 600]);
+    builder.json["nodes"] = json!(vec![json!({"mesh": 0}); 8000]);
+    builder.json["scenes"][0]["nodes"] = json!((0..8000).collect::<Vec<_>>());
+    files.push(("nodes", builder));
+    // The same instances at many nodes.
+    let mut builder = Builder::triangle();
+    let places = builder.floats(&[1.0; 3000], "VEC3");
+    let instancing = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}});
+    builder.json["nodes"] = json!(vec![json!({"mesh": 0, "extensions": instancing}); 5000]);
+    builder.json["scenes"][0]["nodes"] = json!((0..5000).collect::<Vec<_>>());
+    files.push(("instances", builder));
+    // A long name at many nodes.
+    let mut builder = Builder::triangle();
+    builder.json["meshes"][0]["name"] = json!("x".repeat(100_000));
+    builder.json["nodes"] = json!(vec![json!({"mesh": 0}); 5000]);
+    builder.json["scenes"][0]["nodes"] = json!((0..5000).collect::<Vec<_>>());
+    files.push(("names", builder));
+    // The same bytes for many primitives.
+    let mut builder = Builder::triangle();
+    let vectors = builder.floats(&vec![0.5; 300_000], "VEC3");
+    builder.primitive()["attributes"] = json!({"POSITION": vectors, "NORMAL": vectors});
+    let primitive = builder.primitive().clone();
+    builder.json["meshes"][0]["primitives"] = json!(vec![primitive; 2000]);
+    files.push(("attributes", builder));
+    for (name, builder) in files {
+        let error = builder.load().expect_err(name);
+        assert!(matches!(error, Error::TooLarge { .. }), "{name}: {error}");
+        let said = error.to_string();
+        let words = "may describe: 256 times its size and 1/256 of what is allowed (--max-memory";
+        assert!(said.contains(words), "{name}: {said}");
+    }
+}
+
+/// What the size does not allow, the setting does.
+#[test]
+fn more_memory_allows_a_small_file_more() {
+    let mut builder = Builder::triangle();
+    let position = zeros(&mut builder, 3_000_000, FLOAT, "VEC3");
+    builder.primitive()["attributes"]["POSITION"] = json!(position);
+    assert!(matches!(builder.load(), Err(Error::TooLarge { .. })));
+    let settings = LoadSettings {
+        max_memory: 64 << 30,
+        ..LoadSettings::default()
+    };
+    let model = load_bytes(Path::new("a.gltf"), &builder.text(), &settings).unwrap();
+    assert_eq!(model.objects[0].triangles(), 1_000_000);
 }
 
 #[test]

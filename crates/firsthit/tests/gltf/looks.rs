@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use firsthit::io::{LoadSettings, Model, load};
 use firsthit::scene::{Filter, Wrap};
 use firsthit::{AlphaMode, Color, DVec2, DVec3, Scene, shoot};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::builder::{Builder, FLOAT, reference};
 
@@ -181,6 +181,64 @@ fn png() -> Vec<u8> {
         .write_image_data(&[255, 0, 0])
         .unwrap();
     bytes
+}
+
+/// A picture of one colour and 8192 x 8192 texels, in 8 kB.
+fn flat_png() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 8192, 8192);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::One);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&vec![0; 8192 * 8192 / 8]).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+/// A document of 20 images of one source.
+fn with_images(builder: &mut Builder, image: Value) {
+    let many = 0..20;
+    builder.json["images"] = json!(vec![image; 20]);
+    let textures: Vec<Value> = many.clone().map(|k| json!({"source": k})).collect();
+    builder.json["textures"] = json!(textures);
+    let material = |k: usize| json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": k}}});
+    builder.json["materials"] = json!(many.clone().map(material).collect::<Vec<_>>());
+    let primitive = builder.primitive().clone();
+    let with_material = |k: usize| {
+        let mut primitive = primitive.clone();
+        primitive["material"] = json!(k);
+        primitive
+    };
+    builder.json["meshes"][0]["primitives"] = json!(many.map(with_material).collect::<Vec<_>>());
+}
+
+/// In the document itself, and beside it.
+#[test]
+fn a_small_file_has_few_large_textures() {
+    let mut within = textured();
+    let picture = within.view(&flat_png());
+    with_images(
+        &mut within,
+        json!({"bufferView": picture, "mimeType": "image/png"}),
+    );
+    let mut beside = textured();
+    with_images(&mut beside, json!({"uri": "flat.png"}));
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("flat.png"), flat_png()).unwrap();
+    let path = folder.path().join("a.gltf");
+    fs::write(&path, beside.text()).unwrap();
+    for model in [within.load().unwrap(), loaded(&path)] {
+        let has_texture = |object: &&firsthit::Object| object.materials()[0].texture.is_some();
+        assert_eq!(model.objects.iter().filter(has_texture).count(), 2);
+        let [warning] = model.warnings.as_slice() else {
+            panic!("{:?}", model.warnings)
+        };
+        let words = "256 MiB of memory, of which 1/16 counts, ";
+        assert!(
+            warning.contains(words) && warning.ends_with("(and 17 more like it)"),
+            "{warning}"
+        );
+    }
 }
 
 fn textured() -> Builder {

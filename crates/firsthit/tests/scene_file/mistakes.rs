@@ -280,6 +280,18 @@ fn a_hundred_thousand_objects_take_moments() {
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 
+/// A name of 300 kB for each of a file's 10,000 objects: 3 GB.
+#[test]
+fn a_name_that_many_objects_share_counts_for_each() {
+    let many = (0..10_000).fold(String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), |text, k| {
+        text + &format!("o o{k}\nf 1 2 3\n")
+    });
+    let name = "x".repeat(300_000);
+    let text = format!("[[objects]]\nfile = 'a.obj'\nname = '{name}'\n");
+    let error = read(&text, &[("a.obj", &many)]).expect_err("too large");
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+}
+
 #[test]
 fn limits_are_limits_and_not_aborts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -295,10 +307,15 @@ fn limits_are_limits_and_not_aborts() {
     let many = (0..1500).fold(String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), |text, k| {
         text + &format!("o o{k}\nf 1 2 3\n")
     });
-    let error = read(
-        &"[[objects]]\nfile = 'a.obj'\n".repeat(1000),
-        &[("a.obj", &many)],
-    )
-    .expect_err("too many");
+    let many_times = "[[objects]]\nfile = 'a.obj'\n".repeat(1000);
+    let error = read(&many_times, &[("a.obj", &many)]).expect_err("too large");
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+    fs::write(folder.path().join("a.obj"), &many).expect("room for a file");
+    fs::write(&path, &many_times).expect("room for a file");
+    let settings = LoadSettings {
+        max_memory: 1 << 38,
+        ..LoadSettings::default()
+    };
+    let error = load(&path, &settings).expect_err("too many");
     assert!(matches!(error, Error::Limit { .. }), "{error}");
 }

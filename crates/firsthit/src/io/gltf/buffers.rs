@@ -257,7 +257,7 @@ fn data(uri: &str, report: &mut Report) -> Result<Vec<u8>, Problem> {
         .rsplit(';')
         .next()
         .is_some_and(|word| word.eq_ignore_ascii_case("base64"));
-    report.spend(content.len() as u64, "a data uri")?;
+    report.spend_on_content(content.len() as u64, "a data uri")?;
     let content: Cow<'_, [u8]> = if content.contains('%') {
         percent_decode_str(content).into()
     } else {

@@ -335,7 +335,7 @@ pub(super) fn spend_on(container: &Container<'_>, report: &mut Report) -> Checke
     let count = |wanted: u8| memchr::memchr_iter(wanted, container.json).count();
     let records = count(b'{').saturating_mul(record);
     let needed = records.saturating_add(count(b',').saturating_mul(value));
-    report.spend(needed as u64, "the document")?;
+    report.spend_on_content(needed as u64, "the document")?;
     report.check_memory(needed)
 }
 

@@ -24,7 +24,7 @@ impl Unpacked {
     pub(super) fn new(source: &[u8], report: &mut Report) -> Result<Self, Problem> {
         // The work, if nothing else: many primitives may name the same bytes.
         report.spend(source.len() as u64, "a packed mesh")?;
-        let memory = report.settings().max_memory;
+        let memory = report.left();
         let limits = DecodeLimits::default()
             .with_max_faces(memory / FACE_BYTES)
             .with_max_points(memory / FACE_BYTES)

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::super::report::{Checked, Report};
+use super::super::report::{Checked, OBJECT_BYTES, Report};
 use super::accessor::{Elements, Shape, declared};
 use super::buffers::Buffers;
 use super::document::{Document, Index, Instancing};
@@ -35,9 +35,6 @@ pub(super) struct Objects<'a, 'b> {
     visible: HashMap<usize, Rc<[usize]>>,
     made: Vec<Object>,
 }
-
-/// An object's name and the memory that it takes beside its mesh: itself and its part of the tree.
-const OBJECT_BYTES: u64 = size_of::<Object>() as u64 + 256;
 
 impl<'a, 'b> Objects<'a, 'b> {
     pub(super) fn new(
@@ -272,7 +269,7 @@ impl<'a, 'b> Objects<'a, 'b> {
             let value = format!("extensions/EXT_mesh_gpu_instancing/attributes/{name}");
             place.entry().at(value)
         };
-        if needed > self.report.settings().max_memory {
+        if needed > self.report.left() {
             self.report.spend_at(place(), needed, "the instances")?;
         }
         let placements = (count as u64).saturating_mul(size_of::<DAffine3>() as u64);

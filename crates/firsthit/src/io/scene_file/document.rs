@@ -52,7 +52,7 @@ impl<'t> Text<'t> {
     /// The document's top table. The parser's own limit ends nesting at 80 levels.
     pub(super) fn parse(self, report: &mut Report) -> Checked<Spanned<DeTable<'t>>> {
         let needed = self.0.len().saturating_mul(BYTES_PER_BYTE);
-        report.spend(needed as u64, "its text, parsed,")?;
+        report.spend_on_content(needed as u64, "its text, parsed,")?;
         // The parser cannot be told that memory is scarce: asked here, it is an error, not the end.
         report.check_memory(needed)?;
         DeTable::parse(self.0).map_err(|error| {

@@ -14,7 +14,7 @@ use super::placement::{self, PLACED, PLACED_RULES};
 use super::section::Section;
 use crate::error::{Error, escape_controls};
 use crate::geometry::{DAffine3, Transform};
-use crate::io::report::{Checked, Fault, Report};
+use crate::io::report::{Checked, Fault, OBJECT_BYTES, Report};
 use crate::io::surface::TOO_FAR;
 use crate::io::{format_of, load_part, read};
 use crate::scene::Object;
@@ -233,8 +233,14 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
                     limit: MOST_OBJECTS.to_string(),
                 }));
             }
-            report.spend(
-                size_of_val(&*of_file) as u64,
+            // Their names too: the table's own may be long, and stands in each.
+            let own_name = section.text("name").map_or(0, str::len) as u64;
+            let each = OBJECT_BYTES.saturating_add(own_name);
+            let names: usize = of_file.iter().map(|object| object.name().len()).sum();
+            let needed = each.saturating_mul(of_file.len() as u64);
+            report.spend_at(
+                section.place("file"),
+                needed.saturating_add(names as u64),
                 "an object for each of the file's",
             )?;
             for object in &*of_file {
