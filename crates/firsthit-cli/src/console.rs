@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io::Write;
 use std::sync::{Mutex, Once, PoisonError};
 
+use firsthit::error::{escape_controls, escape_controls_of_json};
 use serde_json::{Value, json};
 
 /// Says one line. That nobody listens any more (`2>&1 | head -1`) is no reason to fail, as `eprintln!` would.
@@ -16,8 +17,16 @@ pub(crate) fn warn<T: Display>(warnings: &[T]) {
     let warnings = warnings.iter().map(ToString::to_string);
     with_report(|report| match report {
         Some(report) => report.warnings.extend(warnings),
-        None => warnings.for_each(|warning| say(format_args!("firsthit: warning: {warning}"))),
+        None => warnings.for_each(|warning| {
+            let warning = escape_controls(&warning);
+            say(format_args!("firsthit: warning: {warning}"));
+        }),
     });
+}
+
+/// A value as JSON for programs, on lines for people: names from files cannot write to the terminal.
+pub(crate) fn json_text(value: &Value) -> String {
+    escape_controls_of_json(&format!("{value:#}"))
 }
 
 /// The report of `--json`: one object for the run.
@@ -70,10 +79,10 @@ pub(crate) fn end_report(mut done: Value) -> std::io::Result<()> {
         fields.insert("warnings".to_owned(), json!(warnings));
     }
     if is_beside_data {
-        say(format_args!("{done:#}"));
+        say(json_text(&done));
         return Ok(());
     }
-    writeln!(std::io::stdout().lock(), "{done:#}")
+    writeln!(std::io::stdout().lock(), "{}", json_text(&done))
 }
 
 /// Prints the report of a failure. Returns whether it went to standard error, where it replaces the line for people.

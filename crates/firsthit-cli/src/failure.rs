@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use firsthit::Error;
-use firsthit::error::escaped;
+use firsthit::error::{escape_controls, escaped};
 
 use crate::console::{end_report_with_error, say, say_interrupted};
 
@@ -103,6 +103,7 @@ impl Failure {
                 say_interrupted();
             }
         } else if !message.is_empty() && !end_report_with_error(&message, self.code) {
+            let message = escape_controls(&message);
             say(format_args!("firsthit: error: {message}"));
         }
         self.code

@@ -9,6 +9,7 @@ use firsthit::image::{color_of_identifier, write_whole};
 use firsthit::{Hits, Object, Scene};
 use serde_json::json;
 
+use crate::console::json_text;
 use crate::failure::Failure;
 use crate::output::{self, Order};
 use crate::progress::Interrupt;
@@ -119,5 +120,5 @@ fn write_json(rows: &[Row<'_>], out: &mut dyn Write) -> io::Result<()> {
         })
     };
     let table: Vec<_> = rows.iter().map(row).collect();
-    writeln!(out, "{:#}", json!(table))
+    writeln!(out, "{}", json_text(&json!(table)))
 }

@@ -133,24 +133,90 @@ impl fmt::Display for Place {
     }
 }
 
-/// A path or a name from a file as one line of printable text: control characters are escaped, so
+/// A path or a name from a file as one line of printable text: what [`escape_controls`] escapes is escaped, so
 /// that a hostile name cannot write to the terminal.
 pub fn escaped(path: &Path) -> String {
     escape_controls(&path.to_string_lossy())
 }
 
-/// `text` with its control characters escaped, see [`escaped`].
+/// `text` as one line whose every character is seen: control characters, the marks that reorder a line of
+/// text, line separators and characters without a glyph are escaped. Text that is escaped already stays as it is.
+///
+/// ```
+/// use firsthit::error::escape_controls;
+///
+/// assert_eq!(escape_controls("a\u{202e}b\n"), r"a\u{202e}b\u{a}");
+/// ```
 pub fn escape_controls(text: &str) -> String {
     let mut line = String::with_capacity(text.len());
     for c in text.chars() {
-        // Also the Unicode marks that reorder a line of text, which would disguise a file's name.
-        if c.is_control()
-            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-        {
+        if is_unseen(c) {
             line.extend(c.escape_unicode());
         } else {
             line.push(c);
         }
     }
     line
+}
+
+/// JSON whose strings have the characters that [`escape_controls`] escapes as JSON's own escapes: it can be shown on a
+/// terminal, and its strings are those of `json`.
+///
+/// ```
+/// use firsthit::error::escape_controls_of_json;
+///
+/// assert_eq!(escape_controls_of_json("[\"a\u{202e}b\"]\n"), "[\"a\\u202eb\"]\n");
+/// ```
+pub fn escape_controls_of_json(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        // In JSON a bare line break is never part of a string.
+        if is_unseen(c) && c != '\n' {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                let escape = format!("\\u{unit:04x}");
+                text.push_str(&escape);
+            }
+        } else {
+            text.push(c);
+        }
+    }
+    text
+}
+
+/// Whether a character does something to a text without being seen in it, which would disguise a name or write
+/// to the terminal: controls, and Unicode's default ignorable and line-breaking characters. Joiners and variation
+/// selectors are none: names in Persian or Sinhala are spelt with them, and they move nothing.
+fn is_unseen(c: char) -> bool {
+    c.is_control()
+        || matches!(c,
+            '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}'
+            | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}' | '\u{3164}' | '\u{feff}' | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}'
+            | '\u{1bca0}'..='\u{1bca3}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e00ff}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn characters_that_are_not_seen_are_escaped_and_names_in_any_script_stay() {
+        let hidden = "\u{7}\u{1b}\u{7f}\u{9b}\u{ad}\u{61c}\u{200b}\u{200e}\u{200f}\u{2028}\u{202a}\u{202b}\u{202c}\u{202d}\u{202e}\
+            \u{2060}\u{2066}\u{2067}\u{2068}\u{2069}\u{feff}\u{fff9}\u{e0041}";
+        for c in hidden.chars() {
+            let shown = escape_controls(&format!("a{c}b"));
+            assert_eq!(shown, format!("a\\u{{{:x}}}b", u32::from(c)));
+            assert_eq!(escape_controls(&shown), shown);
+        }
+        for name in [
+            "cube",
+            "Würfel",
+            "می\u{200c}خواهم",
+            "工具",
+            "👩\u{200d}🔧",
+            "❤\u{fe0f}",
+        ] {
+            assert_eq!(escape_controls(name), name);
+        }
+    }
 }

@@ -7,7 +7,7 @@ use firsthit::io::nearest_word;
 use serde_json::{Value, json};
 
 use crate::args::DiffArgs;
-use crate::console::{kept_warnings, warn};
+use crate::console::{json_text, kept_warnings, warn};
 use crate::failure::Failure;
 use crate::hints::six_digits;
 
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let (a, b) = (load(&args.a)?, load(&args.b)?);
     let comparison = compared(args, &a, &b, tolerance)?;
     let text = if args.json {
-        format!("{:#}\n", comparison.json(tolerance))
+        json_text(&comparison.json(tolerance)) + "\n"
     } else {
         comparison.text(args)
     };

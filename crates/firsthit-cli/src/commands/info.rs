@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::{info_looks, info_output};
 use crate::args::InfoArgs;
-use crate::console::{counted, warn};
+use crate::console::{counted, json_text, warn};
 use crate::failure::Failure;
 use crate::hints::{number, span, triple};
 use crate::loading::{self, Loaded, with_all_cores};
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
 fn of_model(args: &InfoArgs) -> Result<String, Failure> {
     let loaded = with_all_cores(|| loading::read(&args.file, &args.load, None))?;
     Ok(if args.json {
-        format!("{:#}\n", as_json(&loaded))
+        json_text(&as_json(&loaded)) + "\n"
     } else {
         warn(&loaded.warnings);
         as_text(&loaded)

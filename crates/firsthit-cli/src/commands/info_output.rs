@@ -6,7 +6,7 @@ use firsthit::error::escape_controls;
 use firsthit::image::{Array, CameraRecord, ChannelRecord, Format, Metadata, Output, Stored, read};
 use serde_json::{Value, json};
 
-use crate::console::warn;
+use crate::console::{json_text, warn};
 use crate::failure::Failure;
 use crate::hints::{number, triple};
 
@@ -14,7 +14,7 @@ use crate::hints::{number, triple};
 pub(super) fn text(path: &Path, format: &Format, as_json: bool) -> Result<String, Failure> {
     let output = read(path)?;
     if as_json {
-        return Ok(format!("{:#}\n", json(&output, format)));
+        return Ok(json_text(&json(&output, format)) + "\n");
     }
     let notes = output.notes.iter();
     let notes = notes.map(|note| format!("{}: {note}", firsthit::error::escaped(path)));

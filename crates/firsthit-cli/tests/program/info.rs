@@ -1,8 +1,10 @@
 //! What a file holds.
 
+use std::io::{Cursor, Write};
+
 use serde_json::{Value, json};
 
-use crate::support::{Lab, Outcome, SQUARE};
+use crate::support::{Lab, Outcome, SQUARE, npy};
 
 fn info(lab: &Lab, file: &str) -> Value {
     let outcome = lab.ok(&format!("info {file} --json"));
@@ -146,4 +148,64 @@ fn the_environment_chooses_the_instruction_set() {
     let message = "firsthit: error: FIRSTHIT_ISA must be ";
     assert!(unknown.stderr.starts_with(message), "{}", unknown.stderr);
     assert_eq!(unknown.stderr.lines().count(), 1, "{}", unknown.stderr);
+}
+
+/// A mark that reorders the text after it, one that ends a line on some terminals, and one that is not seen.
+const TRICK: &str = "a\u{202e}gnp\u{9b}31m\u{200b}b";
+
+#[test]
+fn names_in_files_reach_no_terminal_as_they_are() {
+    let lab = Lab::new();
+    let ascii_only = |outcome: &Outcome| {
+        let text = format!("{}{}", outcome.text(), outcome.stderr);
+        assert!(text.is_ascii(), "{text}");
+    };
+    // Of a camera, of a property, of an object.
+    lab.write(
+        "camera.gltf",
+        format!(
+            "{{\"asset\": {{\"version\": \"2.0\"}}, \"nodes\": [{{\"camera\": 0, \"name\": \"{TRICK}\"}}], \
+             \"cameras\": [{{\"type\": \"perspective\", \"perspective\": {{\"yfov\": 1, \"znear\": 1}}}}]}}"
+        ),
+    );
+    let property = format!("property float z\nproperty float {TRICK}");
+    lab.write(
+        "property.ply",
+        SQUARE
+            .replace("property float z", &property)
+            .replace(" 0\n", " 0 7\n"),
+    );
+    lab.write(
+        "object.toml",
+        "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\nname = \"\"\"a\u{202e}\u{200b}b\"\"\"\n",
+    );
+    for file in ["camera.gltf", "property.ply", "object.toml"] {
+        ascii_only(&lab.ok(&format!("info {file}")));
+        ascii_only(&lab.ok(&format!("info {file} --json")));
+    }
+    // An array of an archive, in a list, in a comparison, and in a failure.
+    let array = npy("<f8", false, "(1,)", &[0; 8]);
+    lab.write("a.npz", npz(&format!("{TRICK}.npy"), &array));
+    ascii_only(&lab.ok("info a.npz"));
+    ascii_only(&lab.ok("info a.npz --json"));
+    // A program gets the name itself.
+    assert_eq!(info(&lab, "a.npz")["arrays"][0]["name"], TRICK);
+    ascii_only(&lab.ok("diff a.npz a.npz --json"));
+    ascii_only(&lab.ok("diff a.npz a.npz"));
+    lab.write("square.ply", SQUARE);
+    for json in ["", "--json"] {
+        let failed = lab.run(&format!("shoot square.ply a.npz -o b.npz {json}"));
+        assert_eq!(failed.code, 3);
+        ascii_only(&failed);
+    }
+}
+
+/// An archive of one entry.
+fn npz(name: &str, content: &[u8]) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    archive
+        .start_file(name, zip::write::SimpleFileOptions::default())
+        .unwrap();
+    archive.write_all(content).unwrap();
+    archive.finish().unwrap().into_inner()
 }
