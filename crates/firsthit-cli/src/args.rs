@@ -257,9 +257,13 @@ pub(crate) struct InfoArgs {
     /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy or .npz
     pub(crate) file: PathBuf,
     /// As JSON: of a 3D file triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up,
-    /// cameras, lights, materials, textures, warnings; of an output format, arrays, metadata (null when there are none), notes
+    /// cameras, lights, materials, textures, counts of all these, warnings; of an output format, arrays, counts, metadata
+    /// (null when there are none), notes. Of each kind the first 10000 are listed
     #[arg(long)]
     pub(crate) json: bool,
+    /// List everything, not only the first 20 of each kind (10000 with --json)
+    #[arg(long)]
+    pub(crate) all: bool,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
 }

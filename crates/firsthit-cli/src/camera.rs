@@ -8,6 +8,7 @@ use firsthit::io::{Model, NamedCamera};
 use firsthit::{Camera, DVec3, Projection, Scene};
 
 use crate::args::CameraArgs;
+use crate::console::in_words;
 use crate::failure::Failure;
 use crate::hints::{span, triple};
 use crate::values::Target;
@@ -121,20 +122,19 @@ fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, 
         return Ok(&cameras[number]);
     }
     let shown = escape_controls(name);
-    let numbers: Vec<_> = found.iter().map(usize::to_string).collect();
-    Err(Failure::usage(match (cameras.len(), numbers.len()) {
+    Err(Failure::usage(match (cameras.len(), found.len()) {
         (0, _) => format!("--camera '{shown}': the file has no cameras"),
         (_, 0) => {
             let names = cameras
                 .iter()
                 .enumerate()
                 .map(|(k, camera)| labelled(k, camera));
-            let names: Vec<_> = names.collect();
-            format!("--camera '{shown}': the file has {}", names.join(", "))
+            let names = in_words(names);
+            format!("--camera '{shown}': the file has {names}")
         }
         _ => format!(
             "--camera '{shown}': several are called so, take a number: {}",
-            numbers.join(", ")
+            in_words(found.iter().map(usize::to_string))
         ),
     }))
 }

@@ -99,6 +99,19 @@ pub(crate) fn say_interrupted() {
     SAID.call_once(|| say("firsthit: error: interrupted"));
 }
 
+/// How many of a list are read in one line.
+const MOST_IN_WORDS: usize = 20;
+
+/// A list for a line of text: its first entries, and how many there are beside.
+pub(crate) fn in_words(list: impl ExactSizeIterator<Item = String>) -> String {
+    let more = list.len().saturating_sub(MOST_IN_WORDS);
+    let mut words: Vec<String> = list.take(MOST_IN_WORDS).collect();
+    if more > 0 {
+        words.push(format!("and {more} more"));
+    }
+    words.join(", ")
+}
+
 /// A number with its noun: `1 ray`, `2 rays`.
 pub(crate) fn counted(count: u64, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };

@@ -7,7 +7,7 @@ use firsthit::io::nearest_word;
 use serde_json::{Value, json};
 
 use crate::args::DiffArgs;
-use crate::console::{json_text, kept_warnings, warn};
+use crate::console::{in_words, json_text, kept_warnings, warn};
 use crate::failure::Failure;
 use crate::hints::six_digits;
 
@@ -128,15 +128,13 @@ fn pairs<'a>(
                 "--channels: {} has no channel \"{}\", only {}",
                 escaped(path),
                 escape_controls(name),
-                escape_controls(&(known.join(", ") + &meant))
+                escape_controls(&(in_words(known.iter().cloned()) + &meant))
             ))
         })
     };
     if names.is_empty() {
-        let [known_a, known_b] = [a, b].map(|output| {
-            let known: Vec<String> = output.arrays.iter().map(name_of).collect();
-            escape_controls(&known.join(", "))
-        });
+        let [known_a, known_b] =
+            [a, b].map(|output| escape_controls(&in_words(output.arrays.iter().map(name_of))));
         return Err(Failure::usage(format!(
             "no channel is in both: {} has {known_a}; {} has {known_b}; choose one with --channels",
             escaped(&args.a),

@@ -8,7 +8,8 @@ use firsthit::shape::{Property, PropertyOf};
 use firsthit::{Bounds, Object, Shape};
 use serde_json::{Value, json};
 
-use super::{info_looks, info_output};
+use super::info_looks::Looks;
+use super::info_output;
 use crate::args::InfoArgs;
 use crate::console::{counted, json_text, warn};
 use crate::failure::Failure;
@@ -17,7 +18,7 @@ use crate::loading::{self, Loaded, with_all_cores};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let text = match format_of(&args.file) {
-        Ok(format) => info_output::text(&args.file, format, args.json)?,
+        Ok(format) => info_output::text(args, format)?,
         Err(_) => of_model(args)?,
     };
     std::io::stdout()
@@ -27,42 +28,86 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
 
 fn of_model(args: &InfoArgs) -> Result<String, Failure> {
     let loaded = with_all_cores(|| loading::read(&args.file, &args.load, None))?;
+    let most = most_listed(args);
     Ok(if args.json {
-        json_text(&as_json(&loaded)) + "\n"
+        json_text(&as_json(&loaded, most)) + "\n"
     } else {
         warn(&loaded.warnings);
-        as_text(&loaded)
+        as_text(&loaded, most)
     })
 }
 
-fn as_json(loaded: &Loaded) -> Value {
+/// How many of each kind people read: small files can hold thousands.
+const MOST_IN_TEXT: usize = 20;
+
+/// The same for programs, which are told how many there are in all.
+const MOST_IN_JSON: usize = 10_000;
+
+/// How many of each kind are listed.
+pub(super) fn most_listed(args: &InfoArgs) -> usize {
+    match (args.all, args.json) {
+        (true, _) => usize::MAX,
+        (false, true) => MOST_IN_JSON,
+        (false, false) => MOST_IN_TEXT,
+    }
+}
+
+/// The first `most` of `lines`, after `indent`, and how many there are beside.
+pub(super) fn listed(
+    most: usize,
+    indent: &str,
+    lines: impl ExactSizeIterator<Item = String>,
+) -> Vec<String> {
+    let more = lines.len().saturating_sub(most);
+    let shown = lines.take(most).map(|line| format!("{indent}{line}"));
+    let more = (more > 0).then(|| format!("{indent}... and {more} more (--all lists them)"));
+    shown.chain(more).collect()
+}
+
+fn as_json(loaded: &Loaded, most: usize) -> Value {
     let Loaded {
         scene,
         warnings,
         model,
     } = loaded;
-    let object = |object: &Object| {
+    // Objects of one mesh have the same properties, so that the lists of all objects count together.
+    let mut room = most;
+    let mut object = |object: &Object| {
+        let names = properties(object);
+        let listed = names.iter().take(room);
+        let listed: Vec<Value> = listed
+            .map(|property| json!({"name": property.name, "of": of_what(property.of)}))
+            .collect();
+        room -= listed.len();
         json!({
             "name": object.name(),
             "shape": object.shape().name(),
             "triangles": object.triangles(),
             "bounds": corners(object.bounds()),
-            "properties": properties(object)
-                .map(|property| json!({"name": property.name, "of": of_what(property.of)}))
-                .collect::<Vec<_>>(),
+            "properties": listed,
+            "property_count": names.len(),
         })
     };
+    let objects: Vec<Value> = scene.objects().iter().take(most).map(&mut object).collect();
+    let looks = Looks::of(model, scene);
     json!({
         "triangles": scene.triangles(),
         "vertices": vertices(loaded),
         "bounds": corners(scene.bounds()),
-        "objects": scene.objects().iter().map(object).collect::<Vec<_>>(),
+        "objects": objects,
         "up": model.up_in(scene).to_array(),
         "instruction_set": scene.instruction_set().name(),
-        "cameras": info_looks::cameras_as_json(&model.cameras),
-        "lights": info_looks::lights_as_json(&model.lights),
-        "materials": info_looks::materials_as_json(scene),
-        "textures": info_looks::textures_as_json(scene),
+        "cameras": looks.cameras_as_json(most),
+        "lights": looks.lights_as_json(most),
+        "materials": looks.materials_as_json(most),
+        "textures": looks.textures_as_json(most),
+        "counts": {
+            "objects": scene.objects().len(),
+            "cameras": looks.cameras.len(),
+            "lights": looks.lights.len(),
+            "materials": looks.materials.len(),
+            "textures": looks.textures.len(),
+        },
         "warnings": warnings,
     })
 }
@@ -75,7 +120,7 @@ fn corners(bounds: Bounds) -> Value {
     }
 }
 
-fn as_text(loaded: &Loaded) -> String {
+fn as_text(loaded: &Loaded, most: usize) -> String {
     let Loaded { scene, model, .. } = loaded;
     let mut lines = vec![
         format!("triangles  {}", scene.triangles()),
@@ -100,25 +145,30 @@ fn as_text(loaded: &Loaded) -> String {
     let set = scene.instruction_set().name();
     lines.push(format!("kernels    {set}"));
     lines.push(format!("objects    {}", scene.objects().len()));
-    for (identifier, object) in scene.objects().iter().enumerate() {
-        lines.push(format!(
-            "  {identifier}  {}  ({}, {})",
+    let objects = scene.objects().iter().enumerate();
+    let object = |(identifier, object): (usize, &Object)| {
+        let mut entry = vec![format!(
+            "{identifier}  {}  ({}, {})",
             escape_controls(object.name()),
             object.shape().name(),
             counted(object.triangles() as u64, "triangle")
-        ));
-        lines.extend(properties(object).map(|property| {
+        )];
+        let property = |property: &Property| {
             let (of, name) = (of_what(property.of), escape_controls(&property.name));
-            format!("       {name}, a number for each of the {of}")
-        }));
-    }
-    lines.extend(info_looks::as_text(&loaded.model, scene));
+            format!("{name}, a number for each of the {of}")
+        };
+        let properties = properties(object).iter().map(property);
+        entry.extend(listed(most, "       ", properties));
+        entry.join("\n")
+    };
+    lines.extend(listed(most, "  ", objects.map(object)));
+    lines.extend(Looks::of(model, scene).as_text(most));
     lines.join("\n") + "\n"
 }
 
 /// The numbers that an object's mesh has by name.
-fn properties(object: &Object) -> impl Iterator<Item = &Property> {
-    object.mesh().into_iter().flat_map(|mesh| mesh.properties())
+fn properties(object: &Object) -> &[Property] {
+    object.mesh().map_or(&[], |mesh| mesh.properties())
 }
 
 fn of_what(of: PropertyOf) -> &'static str {

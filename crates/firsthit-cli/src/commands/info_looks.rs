@@ -7,116 +7,146 @@ use firsthit::io::{Model, NamedCamera};
 use firsthit::{AlphaMode, Light, Material, Projection, Scene, Texture};
 use serde_json::{Value, json};
 
+use super::info::listed;
 use crate::camera::labelled;
 use crate::hints::{number, triple};
 
-pub(super) fn cameras_as_json(cameras: &[NamedCamera]) -> Vec<Value> {
-    let camera = |camera: &NamedCamera| {
-        let view = &camera.view;
-        json!({
-            "name": camera.name,
-            "own_name": camera.own_name,
-            "projection": view.projection.name(),
-            "position": view.position.to_array(),
-            "aim": view.aim.to_array(),
-            "up": view.up.to_array(),
-            "focal_length": view.focal_length,
-            "width": view.width,
-            "height": view.height,
-        })
-    };
-    cameras.iter().map(camera).collect()
+/// What there is, in the file's order; materials and textures are those in use, each once.
+pub(super) struct Looks<'a> {
+    pub(super) cameras: &'a [NamedCamera],
+    pub(super) lights: &'a [Light],
+    pub(super) materials: Vec<&'a Material>,
+    pub(super) textures: Vec<&'a Arc<Texture>>,
 }
 
-pub(super) fn lights_as_json(lights: &[Light]) -> Vec<Value> {
-    let light = |light: &Light| match *light {
-        Light::Directional { direction, color } => json!({
-            "kind": "directional",
-            "direction": direction.to_array(),
-            "color": color.to_array(),
-        }),
-        Light::Point {
-            position,
-            intensity,
-        } => json!({
-            "kind": "point",
-            "position": position.to_array(),
-            "intensity": intensity.to_array(),
-        }),
-        Light::Spot {
-            position,
-            direction,
-            intensity,
-            inner_angle,
-            outer_angle,
-        } => json!({
-            "kind": "spot",
-            "position": position.to_array(),
-            "direction": direction.to_array(),
-            "intensity": intensity.to_array(),
-            "inner_angle": inner_angle,
-            "outer_angle": outer_angle,
-        }),
-    };
-    lights.iter().map(light).collect()
+impl<'a> Looks<'a> {
+    pub(super) fn of(model: &'a Model, scene: &'a Scene) -> Self {
+        let materials = materials(scene);
+        Self {
+            cameras: &model.cameras,
+            lights: &model.lights,
+            textures: textures(&materials),
+            materials,
+        }
+    }
+
+    /// The first `most` cameras.
+    pub(super) fn cameras_as_json(&self, most: usize) -> Vec<Value> {
+        let camera = |camera: &NamedCamera| {
+            let view = &camera.view;
+            json!({
+                "name": camera.name,
+                "own_name": camera.own_name,
+                "projection": view.projection.name(),
+                "position": view.position.to_array(),
+                "aim": view.aim.to_array(),
+                "up": view.up.to_array(),
+                "focal_length": view.focal_length,
+                "width": view.width,
+                "height": view.height,
+            })
+        };
+        self.cameras.iter().take(most).map(camera).collect()
+    }
+
+    /// The first `most` lights.
+    pub(super) fn lights_as_json(&self, most: usize) -> Vec<Value> {
+        let light = |light: &Light| match *light {
+            Light::Directional { direction, color } => json!({
+                "kind": "directional",
+                "direction": direction.to_array(),
+                "color": color.to_array(),
+            }),
+            Light::Point {
+                position,
+                intensity,
+            } => json!({
+                "kind": "point",
+                "position": position.to_array(),
+                "intensity": intensity.to_array(),
+            }),
+            Light::Spot {
+                position,
+                direction,
+                intensity,
+                inner_angle,
+                outer_angle,
+            } => json!({
+                "kind": "spot",
+                "position": position.to_array(),
+                "direction": direction.to_array(),
+                "intensity": intensity.to_array(),
+                "inner_angle": inner_angle,
+                "outer_angle": outer_angle,
+            }),
+        };
+        self.lights.iter().take(most).map(light).collect()
+    }
+
+    /// The first `most` materials.
+    pub(super) fn materials_as_json(&self, most: usize) -> Vec<Value> {
+        let material = |material: &&Material| {
+            let texture = material.texture.as_ref();
+            json!({
+                "color": material.color.to_array(),
+                "alpha": material.alpha,
+                "alpha_mode": match material.alpha_mode {
+                    AlphaMode::Opaque => "opaque",
+                    AlphaMode::Mask { .. } => "mask",
+                    AlphaMode::Blend => "blend",
+                },
+                "texture": texture.map(|map| size(&map.texture)),
+                "unlit": material.unlit,
+                "double_sided": material.double_sided,
+            })
+        };
+        self.materials.iter().take(most).map(material).collect()
+    }
+
+    /// The sizes of the first `most` textures.
+    pub(super) fn textures_as_json(&self, most: usize) -> Vec<Value> {
+        self.textures
+            .iter()
+            .take(most)
+            .map(|&one| size(one))
+            .collect()
+    }
+
+    /// The lines of the text, none for what there is none of.
+    pub(super) fn as_text(&self, most: usize) -> Vec<String> {
+        let mut lines = Vec::new();
+        let cameras = self.cameras.iter().enumerate();
+        let cameras = cameras.map(|(k, camera)| camera_line(k, camera));
+        list("cameras", most, cameras, &mut lines);
+        let lights = self.lights.iter().enumerate();
+        let lights = lights.map(|(k, light)| light_line(k, light));
+        list("lights", most, lights, &mut lines);
+        let textures = self.textures.iter().enumerate();
+        let textures = textures
+            .map(|(k, texture)| format!("{k}  {} x {} texels", texture.columns(), texture.rows()));
+        list("textures", most, textures, &mut lines);
+        if !self.materials.is_empty() {
+            lines.push(format!("materials  {}", self.materials.len()));
+        }
+        lines
+    }
 }
 
-pub(super) fn materials_as_json(scene: &Scene) -> Vec<Value> {
-    let material = |material: &Material| {
-        let texture = material.texture.as_ref();
-        json!({
-            "color": material.color.to_array(),
-            "alpha": material.alpha,
-            "alpha_mode": match material.alpha_mode {
-                AlphaMode::Opaque => "opaque",
-                AlphaMode::Mask { .. } => "mask",
-                AlphaMode::Blend => "blend",
-            },
-            "texture": texture.map(|map| size(&map.texture)),
-            "unlit": material.unlit,
-            "double_sided": material.double_sided,
-        })
-    };
-    materials(scene).into_iter().map(material).collect()
-}
-
-pub(super) fn textures_as_json(scene: &Scene) -> Vec<Value> {
-    textures(scene).into_iter().map(size).collect()
+/// Adds a title with the number of its entries, and the first `most` of them.
+fn list(
+    title: &str,
+    most: usize,
+    entries: impl ExactSizeIterator<Item = String>,
+    lines: &mut Vec<String>,
+) {
+    if entries.len() > 0 {
+        lines.push(format!("{title:<10} {}", entries.len()));
+        lines.extend(listed(most, "  ", entries));
+    }
 }
 
 fn size(texture: &Arc<Texture>) -> Value {
     json!([texture.columns(), texture.rows()])
-}
-
-/// The lines of the text, none for what there is none of.
-pub(super) fn as_text(model: &Model, scene: &Scene) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut list = |title: &str, entries: Vec<String>| {
-        if !entries.is_empty() {
-            lines.push(format!("{title:<10} {}", entries.len()));
-            lines.extend(entries.into_iter().map(|entry| format!("  {entry}")));
-        }
-    };
-    let cameras = model.cameras.iter().enumerate();
-    list(
-        "cameras",
-        cameras.map(|(k, camera)| camera_line(k, camera)).collect(),
-    );
-    let lights = model.lights.iter().enumerate();
-    list(
-        "lights",
-        lights.map(|(k, light)| light_line(k, light)).collect(),
-    );
-    let textures = textures(scene).into_iter().enumerate();
-    let line = |(k, texture): (usize, &Arc<Texture>)| {
-        format!("{k}  {} x {} texels", texture.columns(), texture.rows())
-    };
-    list("textures", textures.map(line).collect());
-    let materials = materials(scene).len();
-    if materials > 0 {
-        lines.push(format!("materials  {materials}"));
-    }
-    lines
 }
 
 fn camera_line(place: usize, camera: &NamedCamera) -> String {
@@ -162,9 +192,9 @@ fn materials(scene: &Scene) -> Vec<&Material> {
 }
 
 /// All textures in use, in the order of the materials.
-fn textures(scene: &Scene) -> Vec<&Arc<Texture>> {
+fn textures<'a>(materials: &[&'a Material]) -> Vec<&'a Arc<Texture>> {
     let mut known = HashSet::new();
-    let maps = materials(scene).into_iter();
+    let maps = materials.iter();
     let maps = maps.flat_map(|material| [&material.texture, &material.alpha_texture]);
     let textures = maps.flatten().map(|map| &map.texture);
     textures

@@ -1,36 +1,38 @@
 //! What an output says of itself.
 
-use std::path::Path;
-
 use firsthit::error::escape_controls;
 use firsthit::image::{Array, CameraRecord, ChannelRecord, Format, Metadata, Output, Stored, read};
 use serde_json::{Value, json};
 
+use super::info::{listed, most_listed};
+use crate::args::InfoArgs;
 use crate::console::{json_text, warn};
 use crate::failure::Failure;
 use crate::hints::{number, triple};
 
 /// As text or as JSON, with a line break at the end.
-pub(super) fn text(path: &Path, format: &Format, as_json: bool) -> Result<String, Failure> {
+pub(super) fn text(args: &InfoArgs, format: &Format) -> Result<String, Failure> {
+    let path = args.file.as_path();
     let output = read(path)?;
-    if as_json {
-        return Ok(json_text(&json(&output, format)) + "\n");
+    let most = most_listed(args);
+    if args.json {
+        return Ok(json_text(&json(&output, format, most)) + "\n");
     }
     let notes = output.notes.iter();
     let notes = notes.map(|note| format!("{}: {note}", firsthit::error::escaped(path)));
     warn(&notes.collect::<Vec<_>>());
     let mut lines = vec![format!("format         {}", format.name)];
     if let Some(metadata) = &output.metadata {
-        describe(metadata, &mut lines);
+        describe(metadata, most, &mut lines);
     } else {
         lines.push("metadata       none: not written by firsthit, or lost since".to_owned());
         lines.push(format!("channels       {}", output.arrays.len()));
-        lines.extend(output.arrays.iter().map(unknown));
+        lines.extend(listed(most, "  ", output.arrays.iter().map(unknown)));
     }
     Ok(lines.join("\n") + "\n")
 }
 
-fn json(output: &Output, format: &Format) -> Value {
+fn json(output: &Output, format: &Format, most: usize) -> Value {
     let array = |array: &Array| {
         json!({
             "name": array.name,
@@ -40,7 +42,8 @@ fn json(output: &Output, format: &Format) -> Value {
     };
     json!({
         "format": format.name,
-        "arrays": output.arrays.iter().map(array).collect::<Vec<_>>(),
+        "arrays": output.arrays.iter().take(most).map(array).collect::<Vec<_>>(),
+        "counts": { "arrays": output.arrays.len() },
         "metadata": output.metadata,
         "notes": output.notes,
     })
@@ -52,7 +55,7 @@ fn unknown(array: &Array) -> String {
     let sides: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
     let what = if array.is_picture { ", to look at" } else { "" };
     format!(
-        "  {}  {} of {}{what}",
+        "{}  {} of {}{what}",
         escape_controls(name),
         sides.join(" x "),
         escape_controls(&array.dtype)
@@ -60,7 +63,7 @@ fn unknown(array: &Array) -> String {
 }
 
 /// All strings are from a file: none of them reaches the terminal as it is.
-fn describe(metadata: &Metadata, lines: &mut Vec<String>) {
+fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>) {
     let mut say = |name: &str, text: String| {
         lines.push(format!("{name:<14} {}", escape_controls(&text)));
     };
@@ -89,7 +92,8 @@ fn describe(metadata: &Metadata, lines: &mut Vec<String>) {
     }
     say("channels", metadata.channels.len().to_string());
     let channels = metadata.channels.iter().map(channel);
-    lines.extend(channels.map(|line| format!("  {}", escape_controls(&line))));
+    let channels = channels.map(|line| escape_controls(&line));
+    lines.extend(listed(most, "  ", channels));
 }
 
 fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {

@@ -44,7 +44,7 @@ pub(super) fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
         (Some(origins), Some(directions)) => Ok(vec![table(&origins)?, table(&directions)?]),
         _ => Err(format!(
             "expected entries origins and directions, or rays; got {}",
-            names.join(", ")
+            crate::console::in_words(names.into_iter())
         )),
     }
 }

@@ -150,6 +150,54 @@ fn the_environment_chooses_the_instruction_set() {
     assert_eq!(unknown.stderr.lines().count(), 1, "{}", unknown.stderr);
 }
 
+/// `count` triangles, each an object.
+fn crowd(count: usize) -> String {
+    (0..count).fold(String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), |text, k| {
+        text + &format!("o part {k}\nf 1 2 3\n")
+    })
+}
+
+#[test]
+fn text_lists_the_first_twenty_of_each_kind_and_says_how_many_more() {
+    let lab = Lab::new();
+    lab.write("crowd.obj", crowd(25));
+    let lights = "[[lights]]\nkind = 'point'\nposition = [0, 0, 1]\n".repeat(22);
+    lab.write(
+        "crowd.toml",
+        format!("{lights}[[objects]]\nfile = 'crowd.obj'\n"),
+    );
+    let said = lab.ok("info crowd.toml");
+    let lines: Vec<&str> = said.text().lines().collect();
+    let at = |line: &str| lines.iter().position(|&other| other == line);
+    let objects = at("objects    25").unwrap();
+    assert_eq!(lines[objects + 20], "  19  part 19  (mesh, 1 triangle)");
+    assert_eq!(lines[objects + 21], "  ... and 5 more (--all lists them)");
+    let lights = at("lights     22").unwrap();
+    assert_eq!(lines[lights + 21], "  ... and 2 more (--all lists them)");
+    let all = lab.ok("info crowd.toml --all");
+    assert!(!all.text().contains("more"), "{}", all.text());
+    assert!(all.text().contains("  24  part 24  (mesh, 1 triangle)"));
+    lab.write("twenty.obj", crowd(20));
+    assert!(!lab.ok("info twenty.obj").text().contains("more"));
+}
+
+#[test]
+fn json_lists_the_first_ten_thousand_of_each_kind_and_counts_all() {
+    let lab = Lab::new();
+    lab.write("crowd.obj", crowd(10_003));
+    let listed = info(&lab, "crowd.obj");
+    assert_eq!(listed["objects"].as_array().unwrap().len(), 10_000);
+    assert_eq!(
+        listed["counts"],
+        json!({"objects": 10_003, "cameras": 0, "lights": 0, "materials": 0, "textures": 0})
+    );
+    let all = info(&lab, "crowd.obj --all");
+    assert_eq!(all["objects"].as_array().unwrap().len(), 10_003);
+    let square = Lab::with_square();
+    square.ok("render square.ply --size 8x6 -o a.npz --channels z,t");
+    assert_eq!(info(&square, "a.npz")["counts"], json!({"arrays": 2}));
+}
+
 /// A mark that reorders the text after it, one that ends a line on some terminals, and one that is not seen.
 const TRICK: &str = "a\u{202e}gnp\u{9b}31m\u{200b}b";
 
