@@ -8,6 +8,8 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+#[path = "support/npz.rs"]
+mod npz;
 mod support;
 
 use std::collections::HashMap;
@@ -16,35 +18,13 @@ use std::path::Path;
 use firsthit::io::{LoadSettings, load};
 use firsthit::shoot::{BruteForce, Trees, first_hit};
 use firsthit::{Camera, DVec3, Object, Plane, Projection, Ray, Scene, Sphere, View};
-use npyz::npz::NpzArchive;
 use serde_json::Value;
 
 /// The arrays of an NPZ file, whatever their type, as float64.
 fn arrays(path: &Path) -> HashMap<String, Vec<f64>> {
-    let mut archive = NpzArchive::open(path).unwrap();
-    let names: Vec<String> = archive.array_names().map(str::to_owned).collect();
-    let mut arrays = HashMap::new();
-    for name in names {
-        let array = archive.by_name(&name).unwrap().unwrap();
-        let values: Option<Vec<f64>> = match array.dtype().descr().as_str() {
-            "'<f8'" => array.into_vec::<f64>().ok(),
-            "'<f4'" => array
-                .into_vec::<f32>()
-                .ok()
-                .map(|v| v.into_iter().map(f64::from).collect()),
-            "'<i4'" => array
-                .into_vec::<i32>()
-                .ok()
-                .map(|v| v.into_iter().map(f64::from).collect()),
-            "'|u1'" => array
-                .into_vec::<u8>()
-                .ok()
-                .map(|v| v.into_iter().map(f64::from).collect()),
-            _ => None,
-        };
-        arrays.extend(values.map(|values| (name, values)));
-    }
-    arrays
+    let arrays = npz::arrays(std::fs::read(path).unwrap()).into_iter();
+    let arrays = arrays.filter_map(|(name, array)| Some((name, array.numbers()?)));
+    arrays.collect()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

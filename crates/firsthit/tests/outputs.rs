@@ -357,7 +357,8 @@ fn damaged_files_are_refused_or_read_but_never_a_panic() {
                 assert!(matches!(error, Error::Parse { .. }), "{message}");
                 assert_eq!(message.lines().count(), 1, "{message}");
                 // Our own words, not the crate's `ChunkType { type: IDAT }`.
-                assert!(!message.contains('{'), "{message}");
+                let words = message.replace(r"\u{", "");
+                assert!(!words.contains('{'), "{message}");
             }
         }
     }

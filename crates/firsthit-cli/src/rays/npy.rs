@@ -1,9 +1,8 @@
 //! Rays as NumPy arrays.
 
-use std::io::{self, Cursor, Read};
+use std::io::{Cursor, Read};
 
-use firsthit::image::check_npy_claims;
-use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
+use firsthit::image::{NpyHeader, NpyValues};
 
 use super::Table;
 
@@ -51,70 +50,28 @@ pub(super) fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
 
 /// An array of shape (n, columns) of any type of number, of either byte order, in C or Fortran order.
 pub(super) fn npy(bytes: &[u8]) -> Result<Table, String> {
-    check_npy_claims(bytes)?;
-    let mut data = bytes;
-    let header = NpyHeader::from_reader(&mut data).map_err(|error| one_line(&error))?;
-    let file = NpyFile::with_header(header, data);
-    let &[rows, columns] = file.shape() else {
-        let shape = file.shape();
+    let (header, data) = NpyHeader::parse(bytes)?;
+    let &[_, columns] = header.shape() else {
+        let shape = header.shape();
         return Err(format!(
             "expected an array of shape (n, 6) or (n, 3), got {shape:?}"
         ));
     };
-    let DType::Plain(kind) = file.dtype() else {
-        return Err("expected plain numbers, got records".into());
+    let Some(columns) = usize::try_from(columns).ok().filter(|&columns| columns > 0) else {
+        return Err("expected an array of shape (n, 6) or (n, 3)".to_owned());
     };
-    let size = kind.num_bytes().unwrap_or(1).max(1);
-    let (rows, columns) = whole(rows, columns, data.len() / size)?;
-    let order = file.order();
-    let values = match (kind.type_char(), kind.size_field()) {
-        (TypeChar::Float, 8) => plain(file, |x: f64| x),
-        (TypeChar::Float, 4) => plain(file, <f64 as From<f32>>::from),
-        (TypeChar::Int, 4) => plain(file, <f64 as From<i32>>::from),
-        (TypeChar::Int, 8) => plain(file, |x: i64| x as f64),
-        (TypeChar::Int, 2) => plain(file, <f64 as From<i16>>::from),
-        (TypeChar::Int, 1) => plain(file, <f64 as From<i8>>::from),
-        (TypeChar::Uint, 4) => plain(file, <f64 as From<u32>>::from),
-        (TypeChar::Uint, 8) => plain(file, |x: u64| x as f64),
-        (TypeChar::Uint, 2) => plain(file, <f64 as From<u16>>::from),
-        (TypeChar::Uint, 1) => plain(file, <f64 as From<u8>>::from),
-        _ => {
-            return Err(format!(
-                "expected floats (32 or 64 bit) or integers, got {kind}"
-            ));
-        }
+    let not_rays = || {
+        let descr = header.descr();
+        format!("expected floats (32 or 64 bit) or integers, got {descr}")
     };
-    let values = values.map_err(|error| one_line(&error))?;
-    let values = match order {
-        Order::C => values,
-        Order::Fortran => (0..rows * columns)
-            .map(|k| values[k % columns * rows + k / columns])
-            .collect(),
+    if header.dtype() == Some("bool") {
+        return Err(not_rays());
+    }
+    let values = match header.values(data)?.ok_or_else(not_rays)? {
+        NpyValues::Float64(values) => values,
+        NpyValues::Float32(values) => values.into_iter().map(f64::from).collect(),
+        NpyValues::Whole(values) => values.into_iter().map(|x| x as f64).collect(),
+        NpyValues::Unsigned(values) => values.into_iter().map(|x| x as f64).collect(),
     };
     Ok(Table { columns, values })
-}
-
-fn plain<T: Deserialize>(file: NpyFile<&[u8]>, convert: impl Fn(T) -> f64) -> io::Result<Vec<f64>> {
-    Ok(file.into_vec::<T>()?.into_iter().map(convert).collect())
-}
-
-/// Rows and columns, if there are as many numbers. A header may claim anything; what is there is what counts.
-fn whole(rows: u64, columns: u64, numbers: usize) -> Result<(usize, usize), String> {
-    let sizes = usize::try_from(rows)
-        .ok()
-        .zip(usize::try_from(columns).ok());
-    let fits = |&(rows, columns): &(usize, usize)| {
-        let count = rows.checked_mul(columns);
-        columns > 0 && count.is_some_and(|count| count <= numbers)
-    };
-    sizes
-        .filter(fits)
-        .ok_or_else(|| format!("the array of shape ({rows}, {columns}) is longer than the file"))
-}
-
-/// The first line of a message: the rest of it are drawings.
-fn one_line(error: &io::Error) -> String {
-    let text = error.to_string();
-    let line = text.lines().next().unwrap_or_default().trim();
-    format!("not a NumPy array: {line}")
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::Lab;
+use crate::support::{Array, Lab, array};
 
 /// A square of two triangles from -1 to 1 at z = 0, and cameras above it.
 fn document() -> Value {
@@ -39,10 +39,7 @@ fn lab() -> Lab {
 /// The shape of a picture of distances, and its middle.
 fn z_of(lab: &Lab, camera: &str) -> (Vec<u64>, f64) {
     lab.ok(&format!("render a.gltf {camera} --channels z -o z.npy"));
-    let bytes = lab.read("z.npy");
-    let file = npyz::NpyFile::new(&bytes[..]).unwrap();
-    let shape = file.shape().to_vec();
-    let values: Vec<f64> = file.into_vec().unwrap();
+    let Array { shape, values, .. } = array(&lab.read("z.npy"));
     let columns = usize::try_from(shape[1]).unwrap();
     let middle = values[usize::midpoint(values.len(), columns)];
     (shape, middle)
@@ -74,11 +71,7 @@ fn the_angle_of_the_file_is_that_of_the_picture() {
     let lab = lab();
     let corner = |camera: &str| {
         z_of(&lab, camera);
-        let bytes = lab.read("z.npy");
-        npyz::NpyFile::new(&bytes[..])
-            .unwrap()
-            .into_vec::<f64>()
-            .unwrap()[0]
+        array(&lab.read("z.npy")).values[0]
     };
     assert!((corner("--camera Front --size 100x100") - 4.0).abs() < 1e-12);
     assert_eq!(

@@ -206,8 +206,8 @@ fn arrays_that_lie_are_bad_input() {
         lab.write("rays.npy", &whole[..length]);
         lab.fails("shoot square.ply rays.npy -o hits.npz", 3, "rays.npy: ");
     }
-    let mut deep = b"\x93NUMPY\x01\x00\x00\xf0".to_vec();
-    deep.extend("(".repeat(0xf000).bytes());
+    let mut deep = b"\x93NUMPY\x01\x00\x00\xf0{'descr': ".to_vec();
+    deep.resize(10 + 0xf000, b'(');
     lab.write("rays.npy", deep);
     lab.fails(
         "shoot square.ply rays.npy -o hits.npz",

@@ -6,7 +6,6 @@ use std::io::{Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
-use npyz::NpyFile;
 use tempfile::TempDir;
 
 /// A square at z = 0 that faces up, from -1 to 1: one polygon, so two triangles.
@@ -170,20 +169,36 @@ pub(crate) struct Array {
 
 pub(crate) type Arrays = HashMap<String, Array>;
 
+/// An NPY file, read after its specification; the program's own reader is another.
 pub(crate) fn array(bytes: &[u8]) -> Array {
-    let file = NpyFile::new(bytes).unwrap();
-    let shape = file.shape().to_vec();
-    let dtype = file.dtype().descr().trim_matches('\'').to_owned();
+    let (start, data) = bytes.split_at(10);
+    assert_eq!(start[..8], *b"\x93NUMPY\x01\x00");
+    let (header, data) = data.split_at(u16::from_le_bytes([start[8], start[9]]).into());
+    assert_eq!((10 + header.len()) % 64, 0);
+    let header = std::str::from_utf8(header).unwrap();
+    let between = |before: &str, after: &str| {
+        let (_, rest) = header.split_once(before).unwrap();
+        rest.split_once(after).unwrap().0.to_owned()
+    };
+    assert!(header.contains("'fortran_order': False, "), "{header}");
+    let dtype = between("'descr': '", "'");
+    let shape = between("'shape': (", ")");
+    let sides = shape
+        .split(',')
+        .map(str::trim)
+        .filter(|side| !side.is_empty());
     let values = match dtype.as_str() {
-        "<f8" => file.into_vec::<f64>().unwrap(),
-        "<f4" => widened(file.into_vec::<f32>().unwrap()),
-        "<i4" => widened(file.into_vec::<i32>().unwrap()),
-        "|b1" => {
-            let flags = file.into_vec::<bool>().unwrap();
-            widened(flags.into_iter().map(u8::from).collect())
-        }
+        "<f8" => numbers(data, f64::from_le_bytes),
+        "<f4" => numbers(data, |bytes| f32::from_le_bytes(bytes).into()),
+        "<i4" => numbers(data, |bytes| i32::from_le_bytes(bytes).into()),
+        "|b1" => numbers(data, |[byte]| {
+            assert!(byte < 2);
+            byte.into()
+        }),
         other => panic!("{other}"),
     };
+    let shape: Vec<u64> = sides.map(|side| side.parse().unwrap()).collect();
+    assert_eq!(shape.iter().product::<u64>(), values.len() as u64);
     Array {
         dtype,
         shape,
@@ -191,8 +206,10 @@ pub(crate) fn array(bytes: &[u8]) -> Array {
     }
 }
 
-fn widened<T: Into<f64>>(values: Vec<T>) -> Vec<f64> {
-    values.into_iter().map(Into::into).collect()
+fn numbers<const B: usize>(data: &[u8], number: impl Fn([u8; B]) -> f64) -> Vec<f64> {
+    let (elements, rest) = data.as_chunks::<B>();
+    assert!(rest.is_empty());
+    elements.iter().copied().map(number).collect()
 }
 
 pub(crate) fn arrays(npz: Vec<u8>) -> Arrays {

@@ -40,6 +40,6 @@ pub use metadata::{
     CameraRecord, ChannelRecord, Encoding, Intrinsics, METADATA_VERSION, Metadata, Origin, Pixels,
     Pose, Stored,
 };
-#[cfg(feature = "npy")]
-pub use read::npy::check_claims as check_npy_claims;
 pub use read::{Array, Numbers, Output, read, read_bytes};
+#[cfg(feature = "npy")]
+pub use read::{NpyHeader, NpyValues};

@@ -20,9 +20,14 @@ pub(super) mod exr;
 #[cfg(feature = "npy")]
 pub(super) mod npy;
 #[cfg(feature = "npy")]
+mod npy_header;
+#[cfg(feature = "npy")]
 pub(super) mod npz;
 #[cfg(feature = "png")]
 pub(super) mod png;
+
+#[cfg(feature = "npy")]
+pub use npy_header::{NpyHeader, NpyValues};
 
 use std::fs::{self, File};
 use std::io::{self, Read};
