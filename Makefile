@@ -124,7 +124,7 @@ fuzz:
 	$(VENV)/pip install --quiet --requirement python/requirements-dev.txt
 	touch $@
 
-# What must hold besides: formatting, lints, documentation. Warnings are errors.
+# What must hold besides: formatting, lints, documentation, dependencies (deny.toml). Warnings are errors.
 check: .venv/ready
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
@@ -133,7 +133,8 @@ check: .venv/ready
 	$(VENV)/ruff check python packaging
 	$(VENV)/ruff format --check python packaging
 	$(PYTHON) packaging/pages.py --check
-	$(CARGO) metadata --locked --format-version 1 > /dev/null
+	$(PYTHON) -m doctest packaging/dependencies.py
+	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
 
 clean:
 	rm -rf target dist .venv .venv-bench .venv-dist render.png
