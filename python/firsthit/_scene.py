@@ -320,8 +320,9 @@ class Scene:
             ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
             Arrays are copied, for the hits to compute from: they may be changed afterwards.
         t_min, t_max : (...) array_like
-            Where rays begin and end: what is met has ``t_min < t <= t_max``. Below zero,
-            ``t_min`` is as good as zero: nothing behind an origin is met.
+            Where rays begin and end: what is met has ``t_min < t <= t_max``. With a ``t_min`` of
+            zero, a surface that a ray starts on is not met. With a negative one it is, and so is
+            what is behind the origin down to there.
         threads : int, optional
             How many to use, here and for the attributes of the hits; all cores if left out. The
             result is the same for any number.

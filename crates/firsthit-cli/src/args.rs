@@ -232,7 +232,7 @@ pub(crate) struct ShootArgs {
         default_value = "t,object,primitive"
     )]
     pub(crate) channels: Vec<String>,
-    /// The t that rays begin at, which does not yet count [default: 0]
+    /// The t that rays begin at, which does not yet count; a negative one lets them meet what they start on [default: 0]
     #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]
     pub(crate) t_min: Option<f64>,
     /// The largest t that counts [default: inf]

@@ -195,11 +195,11 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A number that is not negative.
+/// A number; minus infinity is one here.
 pub(crate) fn t_min(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
-    let start = number.filter(|&number| (0.0..f64::INFINITY).contains(&number));
-    start.ok_or_else(|| "expected zero or a positive number".into())
+    let start = number.filter(|&number| number < f64::INFINITY);
+    start.ok_or_else(|| "expected a number, or -inf".into())
 }
 
 /// A positive number; infinity is one here.

@@ -11,7 +11,9 @@ mod support;
 use std::sync::Arc;
 
 use firsthit::shoot::{Trees, first_hit, shoot_all};
-use firsthit::{Camera, DMat3, DVec3, Hit, Mesh, Object, Projection, Ray, Scene, Shape};
+use firsthit::{
+    Camera, DAffine3, DMat3, DVec3, Hit, Mesh, Object, Projection, Ray, Scene, Shape, Transform,
+};
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use support::{Numbers, agree, bits, bumpy_sphere, mesh, scene};
@@ -264,4 +266,41 @@ fn edges_and_corners_are_decided_exactly() {
         }
     }
     assert!(hits > 1500 && misses > 10, "{hits} {misses}");
+}
+
+/// A closed mesh in two objects: no ray from inside passes between them, whatever the transform that they have in common.
+#[test]
+fn a_seam_between_objects_under_one_transform_is_tight() {
+    let mut numbers = Numbers::new(24);
+    let (points, triangles) = bumpy_sphere(6, 9);
+    for k in 0..12 {
+        let half = triangles.len() / 2;
+        let placed = match k {
+            0 => DAffine3::IDENTITY,
+            1..6 => DAffine3::from_translation(1e3 * numbers.point()),
+            _ => {
+                let shear = DMat3::from_cols(DVec3::X, numbers.point(), DVec3::Z);
+                DAffine3::from_mat3_translation(turn(&mut numbers) * shear, numbers.point())
+            }
+        };
+        let Ok(transform) = Transform::new(placed) else {
+            continue;
+        };
+        let part = |triangles: &[[u32; 3]]| {
+            Object::new(mesh(&points, triangles.to_vec())).placed(transform)
+        };
+        let scene = scene(vec![part(&triangles[..half]), part(&triangles[half..])]);
+        let inside = placed.transform_point3(0.1 * numbers.point());
+        for _ in 0..400 {
+            let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
+            let target = placed.transform_point3(a.lerp(b, numbers.unit()));
+            let corner = placed.transform_point3(a);
+            for aim in [target, corner] {
+                if aim != inside {
+                    let hit = agree(&scene, &Ray::new(inside, aim - inside));
+                    assert!(!hit.is_miss(), "{placed:?} {aim}");
+                }
+            }
+        }
+    }
 }

@@ -6,7 +6,7 @@ use super::filter::Candidates;
 use super::mesh_tree::MeshTree;
 use super::meshlet::Meshlet;
 use super::packet::{Limits, Packet};
-use crate::geometry::Ray;
+use crate::geometry::{DVec3, Ray};
 use crate::shape::triangle::{self, Doubtful, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Aligned, Kernel, LANES, Lanes};
@@ -38,6 +38,8 @@ pub(crate) trait Question: Goal {
         depths: (f32, f32),
         is_certain: bool,
     );
+    /// The triangle that is met for certain, of which nobody has asked yet where; a lane of a leaf.
+    fn pending(&self) -> Option<(u32, usize)>;
     /// After the last one.
     fn answer<L: Lanes>(&self, l: L, place: &Place<'_>) -> Self::Answer;
     /// Without a tree.
@@ -63,13 +65,30 @@ impl Place<'_> {
         ray.holds(hit.t).then_some(hit)
     }
 
-    /// The same about a triangle that the ray meets for certain.
+    /// The corners of the triangle in a lane of a leaf.
     #[inline(always)]
-    fn locate<L: Lanes>(&self, l: L, leaf: &Meshlet, lane: usize) -> Option<TriangleHit> {
-        let corners = self.tree.corners(self.mesh, leaf, lane);
+    pub(super) fn corners(&self, leaf: u32, lane: usize) -> [DVec3; 3] {
+        let leaf = &self.tree.leaves[leaf as usize];
+        self.tree.corners(self.mesh, leaf, lane)
+    }
+
+    /// The crossing with a triangle that the ray meets for certain.
+    #[inline(always)]
+    pub(super) fn locate<L: Lanes>(&self, l: L, leaf: u32, lane: usize) -> Option<Crossing> {
+        let corners = self.corners(leaf, lane);
         let ray = self.packet.ray(self.lane);
         let hit = triangle::locate(&ray, corners, |doubtful| l.call(Settling(doubtful)))?;
-        ray.holds(hit.t).then_some(hit)
+        let leaf = &self.tree.leaves[leaf as usize];
+        ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
+    }
+
+    /// The same, if it is known where it is.
+    #[inline(always)]
+    pub(super) fn crossing_at(&self, leaf: u32, lane: usize, place: [f64; 3]) -> Option<Crossing> {
+        let hit = TriangleHit::new(place);
+        let leaf = &self.tree.leaves[leaf as usize];
+        let ray = self.packet.ray(self.lane);
+        ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
     }
 
     /// Whether `new` is the first of the two.
@@ -91,7 +110,7 @@ impl Place<'_> {
 }
 
 /// What exact arithmetic says of a triangle, in a function of its own, which is rarely called.
-struct Settling(Doubtful);
+pub(crate) struct Settling(pub(crate) Doubtful);
 
 impl Kernel for Settling {
     type Output = Option<TriangleHit>;
@@ -103,7 +122,11 @@ impl Kernel for Settling {
 }
 
 /// The float64 nearest to the exact `t` of a crossing.
-struct Nearest<'a>(&'a Mesh, &'a Ray, &'a Crossing);
+pub(crate) struct Nearest<'a>(
+    pub(crate) &'a Mesh,
+    pub(crate) &'a Ray,
+    pub(crate) &'a Crossing,
+);
 
 impl Kernel for Nearest<'_> {
     type Output = f64;
@@ -137,12 +160,7 @@ impl Best {
         match *self {
             Self::None => None,
             Self::Decided { crossing, .. } => Some(crossing),
-            Self::Pending { leaf, lane, .. } => {
-                let leaf = &place.tree.leaves[leaf as usize];
-                place
-                    .locate(l, leaf, lane)
-                    .map(|hit| place.crossing(leaf, lane, hit))
-            }
+            Self::Pending { leaf, lane, .. } => place.locate(l, leaf, lane),
         }
     }
 }
@@ -217,6 +235,14 @@ impl Question for First {
             self.limit = self.limit.min(high);
         } else {
             self.compare(l, place, leaf, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn pending(&self) -> Option<(u32, usize)> {
+        match self.best {
+            Best::Pending { leaf, lane, .. } => Some((leaf, lane)),
+            _ => None,
         }
     }
 
@@ -301,6 +327,11 @@ impl Question for Any {
             self.is_found = true;
             self.limit = -1.0;
         }
+    }
+
+    #[inline(always)]
+    fn pending(&self) -> Option<(u32, usize)> {
+        None
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@ use super::goal::{Place, Question};
 use super::masked::masked;
 use super::mesh_tree::MeshTree;
 use super::packet::{Packet, RAYS};
+use super::waiting::Waiting;
 use super::walk::Stack;
 use super::wave::{Wave, wave};
 use crate::shape::Mesh;
@@ -43,12 +44,14 @@ impl<'a> Search<'a> {
         questions: &[Q; RAYS],
         answers: &mut impl Answers<Q::Answer>,
     ) {
+        let mut waiting = Waiting::new();
         for (lane, question) in questions.iter().enumerate() {
             if rays >> lane & 1 == 1 && (is_done || question.limit() < 0.0) {
-                answers.take(number, lane, question.answer(l, &self.place(lane)));
+                waiting.answer(l, (number, self.place(lane)), question, answers);
                 self.open &= !(1 << lane);
             }
         }
+        waiting.answer_all::<L, Q>(l, answers);
     }
 
     /// One of its rays.

@@ -43,8 +43,9 @@ impl Winner {
 pub(crate) trait Arbiter {
     /// Which of `old` and `new` the ray of a pixel meets first, and at which depth; `None` when it does not
     /// meet `new`. `old` is met, unless it is nobody.
-    fn settle(
+    fn settle<L: Lanes>(
         &mut self,
+        l: L,
         row: usize,
         column: usize,
         old: Winner,

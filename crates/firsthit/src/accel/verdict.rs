@@ -163,15 +163,25 @@ pub(crate) fn verdict<L: Lanes>(
     half: usize,
     wanted: u8,
 ) -> (u8, [L::Doubles; 3]) {
+    verdict_at(l, rays, &corners.half(l, half), wanted)
+}
+
+/// The same with the corners in lanes.
+#[inline(always)]
+pub(super) fn verdict_at<L: Lanes>(
+    l: L,
+    rays: &Pencil<L>,
+    corners: &[[L::Doubles; 3]; 3],
+    wanted: u8,
+) -> (u8, [L::Doubles; 3]) {
     let a = InLanes(l);
-    let corners = corners.half(l, half);
-    let triangles = Plain::new(a, &corners);
+    let triangles = Plain::new(a, corners);
     let (enough, start) = triangles.seen_from(a, &rays.origin);
     let place = triangles.place(a, &start, &rays.direction);
     let (sound, place) = if enough & wanted == wanted {
         (enough, place)
     } else {
-        in_double(l, rays, &corners, (enough, place))
+        in_double(l, rays, corners, (enough, place))
     };
     (sound & ahead(l, place[0]), place)
 }

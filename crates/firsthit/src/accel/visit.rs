@@ -243,7 +243,7 @@ impl<A: Arbiter> Visit<'_, A> {
                     );
                     let is_certain = verdict.certain >> lane & 1 == 1;
                     let depths = (lows.0[lane], highs.0[lane]);
-                    self.meet(place, lane, depths, is_certain);
+                    self.meet(l, place, lane, depths, is_certain);
                 }
             }
         }
@@ -366,14 +366,15 @@ impl<A: Arbiter> Visit<'_, A> {
         while open != 0 {
             let pixel = open.trailing_zeros() as usize;
             open &= open - 1;
-            self.settle((block, pixel), winner);
+            self.settle(l, (block, pixel), winner);
         }
     }
 
     /// A candidate for one pixel, that of a lane in a block.
     #[inline(always)]
-    fn meet(
+    fn meet<L: Lanes>(
         &mut self,
+        l: L,
         (block, pixel): (usize, usize),
         lane: usize,
         (low, high): (f32, f32),
@@ -388,7 +389,7 @@ impl<A: Arbiter> Visit<'_, A> {
             self.tile.set(block, pixel, winner, low, high);
             self.changed |= 1 << block;
         } else {
-            self.settle((block, pixel), winner);
+            self.settle(l, (block, pixel), winner);
         }
     }
 
@@ -405,10 +406,10 @@ impl<A: Arbiter> Visit<'_, A> {
     /// Lets float64 decide about a pixel, that of a lane in a block.
     #[cold]
     #[inline(never)]
-    fn settle(&mut self, (block, lane): (usize, usize), new: Winner) {
+    fn settle<L: Lanes>(&mut self, l: L, (block, lane): (usize, usize), new: Winner) {
         let old = self.tile.winner(block, lane);
         let (row, column) = pixel(block, lane);
-        let Some((winner, depth)) = self.arbiter.settle(row, column, old, new) else {
+        let Some((winner, depth)) = self.arbiter.settle(l, row, column, old, new) else {
             return;
         };
         #[expect(

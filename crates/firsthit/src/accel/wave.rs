@@ -18,6 +18,7 @@ use super::filter::filter;
 use super::goal::{Place, Question};
 use super::packet::RAYS;
 use super::search::{Answers, Search};
+use super::waiting::Waiting;
 use super::walk::{Stack, traverse};
 use super::wide::LEAF;
 use crate::simd::{Aligned, LANES, Lanes};
@@ -93,6 +94,7 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
     };
     let mut slots: [Slot<'a, Q>; LANES] = from_fn(|_| Slot::new(any, 0, 0));
     let Wave { lists, stack } = wave;
+    let mut waiting = Waiting::new();
     let mut nodes = 0_u16;
     let mut leaves = 0_u16;
     let mut free = u16::MAX;
@@ -112,6 +114,7 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
         }
         let all = nodes | leaves;
         if all == 0 {
+            waiting.answer_all::<L, Q>(l, answers);
             return;
         }
         while nodes != 0 {
@@ -132,8 +135,7 @@ pub(super) fn wave<'a, L: Lanes, Q: Question>(
         while over != 0 {
             let slot = &slots[over.trailing_zeros() as usize % LANES];
             over &= over - 1;
-            let answer = slot.question.answer(l, &slot.place);
-            answers.take(slot.search, slot.place.lane, answer);
+            waiting.answer(l, (slot.search, slot.place), &slot.question, answers);
         }
     }
 }

@@ -288,7 +288,9 @@ fn t_min_is_not_included_and_lets_the_next_crossing_through() {
             };
             let same = |t_min: f64| shape.intersect(&ray.beyond(t_min)).map(|hit| hit.t);
             assert_eq!(same(hit.t.next_down()), Some(hit.t), "{shape:?} {ray:?}");
-            assert_eq!(same(-1.0), Some(hit.t), "{shape:?} {ray:?}");
+            let behind = same(-1.0).unwrap();
+            let is_first = behind == hit.t || (behind > -1.0 && behind <= 0.0);
+            assert!(is_first, "{shape:?} {ray:?} {behind}");
             assert_eq!(same(1e9), None, "{shape:?} {ray:?}");
             let Some(next) = shape.intersect(&ray.beyond(hit.t)) else {
                 continue;

@@ -42,7 +42,7 @@ pub struct TriangleHit {
 
 impl TriangleHit {
     #[inline(always)]
-    fn new([t, v, w]: Place<f64>) -> Self {
+    pub(crate) fn new([t, v, w]: Place<f64>) -> Self {
         let barycentric = DVec2::new(v, w);
         Self { t, barycentric }
     }
@@ -164,7 +164,7 @@ pub(crate) fn clear_of(t: f64) -> f64 {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Doubtful {
     meeting: Meeting<f64>,
-    /// Whether it is known that the ray meets the triangle.
+    /// Whether it is known that the ray meets the triangle, and that plain float64 does not say where.
     is_met: bool,
 }
 
@@ -178,11 +178,15 @@ impl Doubtful {
     /// The same, inlined into a kernel.
     #[inline(always)]
     pub(crate) fn settle_in_place(self) -> Option<TriangleHit> {
-        if !self.is_met && !self.meets() {
-            return None;
-        }
         let meeting = &self.meeting;
-        let place = match meeting.double() {
+        let plain = if self.is_met {
+            None
+        } else if self.meets() {
+            meeting.plain()
+        } else {
+            return None;
+        };
+        let place = match plain.or_else(|| meeting.double()) {
             Some(place) => place,
             None => meeting.exact()?,
         };

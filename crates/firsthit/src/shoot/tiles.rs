@@ -9,8 +9,9 @@ use super::object::Moderate;
 use super::pixels::Pixels;
 use super::plan::{Plan, TALL, bundle, tileable};
 use super::trees::{Memory, SingleRay};
-use crate::accel::{Arbiter, Frame, TILE, Tile, Winner, fill};
-use crate::geometry::Hit;
+use crate::accel::{Arbiter, Frame, Settling, TILE, Tile, Winner, fill};
+use crate::geometry::{Hit, Ray};
+use crate::scene::Scene;
 use crate::shape::{Crossing, triangle::Shear};
 use crate::simd::{Kernel, Lanes};
 
@@ -212,27 +213,24 @@ impl Work<'_> {
         }
     }
 
+    /// The ray of a pixel of the tile.
+    fn ray(&self, row: usize, column: usize) -> Ray {
+        let columns = self.plan.grid.columns;
+        let pixel = (self.row + row) * columns + self.column + column;
+        self.plan.rays.ray(pixel)
+    }
+
     /// The judge's word about one pixel and one triangle.
-    #[inline(never)]
-    fn decide(&self, row: usize, column: usize, winner: Winner) -> Option<Hit> {
-        let plan = self.plan;
-        let (mesh, tree) = tileable(plan.scene, winner.object)?;
-        let pixel = (self.row + row) * plan.grid.columns + self.column + column;
-        let moderate = Moderate::new(&plan.rays.ray(pixel))?;
-        let object = &plan.scene.objects()[winner.object as usize];
-        let ray = moderate.in_object(object, moderate.ray.t_max)?;
-        let hit = Shear::new(&ray).intersect(tree.corners_in(mesh, winner.slot))?;
-        let primitive = tree.triangle_in(winner.slot).cast_signed();
-        let crossing: Crossing = hit.crossing(primitive);
-        ray.holds(hit.t)
-            .then(|| moderate.hit(winner.object, crossing))
-            .flatten()
+    #[inline(always)]
+    fn decide<L: Lanes>(&self, l: L, row: usize, column: usize, winner: Winner) -> Option<Hit> {
+        let ray = self.ray(row, column);
+        let scene = self.plan.scene;
+        l.call(Decision { scene, ray, winner })
     }
 
     /// Whether `new` is the first of two hits of a pixel.
     fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
-        let pixel = (self.row + row) * self.plan.grid.columns + self.column + column;
-        Moderate::new(&self.plan.rays.ray(pixel))
+        Moderate::new(&self.ray(row, column))
             .is_some_and(|moderate| moderate.precedes(self.plan.scene, new, old))
     }
 
@@ -240,9 +238,8 @@ impl Work<'_> {
     fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
         let grid = &self.plan.grid;
         if self.rays.is_some() {
-            let pixel = (self.row + row) * grid.columns + self.column + column;
             let normal = grid.right.cross(grid.upwards);
-            let direction = self.plan.rays.ray(pixel).direction;
+            let direction = self.ray(row, column).direction;
             let depth = t * direction.dot(normal) / grid.toward.dot(normal);
             return depth + f64::from(u8::from(grid.starts_on_viewplane));
         }
@@ -255,20 +252,51 @@ impl Work<'_> {
     }
 }
 
+/// What the judge says about a ray and a triangle, in a function of its own, which is rarely called.
+struct Decision<'a> {
+    scene: &'a Scene,
+    ray: Ray,
+    winner: Winner,
+}
+
+impl Kernel for Decision<'_> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Option<Hit> {
+        let Winner {
+            object: index,
+            slot,
+        } = self.winner;
+        let (mesh, tree) = tileable(self.scene, index)?;
+        let moderate = Moderate::new(&self.ray)?;
+        let object = &self.scene.objects()[index as usize];
+        let ray = moderate.in_object(object, moderate.ray.t_max)?;
+        let corners = tree.corners_in(mesh, slot);
+        let hit = Shear::new(&ray).intersect_by(corners, |doubtful| l.call(Settling(doubtful)))?;
+        let primitive = tree.triangle_in(slot).cast_signed();
+        let crossing: Crossing = hit.crossing(primitive);
+        ray.holds(hit.t)
+            .then(|| moderate.hit(index, crossing))
+            .flatten()
+    }
+}
+
 impl Arbiter for Work<'_> {
     #[inline(never)]
-    fn settle(
+    fn settle<L: Lanes>(
         &mut self,
+        l: L,
         row: usize,
         column: usize,
         old: Winner,
         new: Winner,
     ) -> Option<(Winner, f64)> {
-        let challenger = self.decide(row, column, new)?;
+        let challenger = self.decide(l, row, column, new)?;
         let champion = if old == Winner::NONE {
             None
         } else {
-            self.decide(row, column, old)
+            self.decide(l, row, column, old)
         };
         let (winner, hit) = match champion {
             Some(champion) if !self.precedes(row, column, &challenger, &champion) => {

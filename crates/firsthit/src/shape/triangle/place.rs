@@ -10,7 +10,7 @@
 //! 2. [`Plane`] computes `t` in twice the digits.
 //! 3. [`Meeting::exact`] computes `n.R` and `n.d` as if without rounding.
 //!
-//! So `t` is one of the two float64 around the exact crossing, and the crossing itself if that is one.
+//! So `t` is the float64 nearest to the exact crossing, or one next to that.
 //!
 //! The error of step 1, in first orders of u = 2^-53; h is the longer of |E| and |F|. `R` is exact, as the sum of two numbers.
 //! So `r` is off by 2 u |r| for the `t` that was computed. The point is in the triangle, which makes |r| at most h. Then `n.r` is
@@ -20,9 +20,9 @@
 //! - u |n| h by the last rounding of `n`, and u |E| |F| h by that of its products;
 //! - u |n| h by the rounding of `E` and `F`: as `r = v E + w F`, an error `e` of `E` comes to `e.(F x r) = -v e.n`.
 //!
-//! That is u h (7 |n| + h^2), and it must be less than u/4 |n.R|. Squared, it is below u^2 h^2 (56 |n|^2 + 8 h^4).
-//! Then the divisor `n.d` is off by a share of u |R| / 4 h at most, and the correction is a share of u |R| / 2 h of `t`. With |R| up to
-//! 2^24 h their product is 2^-8 u.
+//! That is u h (7 |n| + h^2), and it must be less than u |n.R|: `t` is then off by less than u |t| before its last rounding. The square of
+//! the former is below u^2 h^2 (56 |n|^2 + 8 h^4). Then the divisor `n.d` is off by a share of u |R| / h at most, and the correction is
+//! a share of 2 u |R| / h of `t`. With |R| up to 2^23 h their product is 2^-6 u.
 
 #![allow(
     clippy::inline_always,
@@ -82,19 +82,18 @@ fn high<N: Copy>(v: &DoubleVector<N>) -> Vector<N> {
     [v[0].high, v[1].high, v[2].high]
 }
 
-/// The weights of the point that `r` leads to from corner 0.
+/// The weights of the point that `r` leads to from corner 0; `inverse` is one over the square of `n`.
 #[inline(always)]
 fn weights<A: Arithmetic>(
     a: A,
     r: &Vector<A::Number>,
     [e, f]: &[Vector<A::Number>; 2],
     n: &Vector<A::Number>,
-    n_squared: A::Number,
+    inverse: A::Number,
 ) -> [A::Number; 2] {
     // Turned about `n`, so that what `r` is off the plane does not count.
     let turned = plain_cross(a, n, r);
     let zero = a.number(0.0);
-    let inverse = a.div(a.number(1.0), n_squared);
     let v = a.mul(plain_dot(a, &turned, f), inverse);
     let w = a.mul(plain_dot(a, &turned, e), a.sub(zero, inverse));
     // A point on an edge may be a rounding outside.
@@ -109,6 +108,8 @@ pub(crate) struct Plain<N> {
     normal: Vector<N>,
     /// The normal's square.
     squared: N,
+    /// One over that.
+    inverse: N,
     /// The longer edge's square.
     size: N,
     /// The square of what the origin's distance must be more than, in lengths of the normal.
@@ -123,14 +124,15 @@ impl<N: Copy> Plain<N> {
         let normal = plain_cross(a, &e, &f);
         let squared = plain_dot(a, &normal, &normal);
         let size = a.max(plain_dot(a, &e, &e), plain_dot(a, &f, &f));
-        // What is derived above times 16, and an eighth more for all that is not of the first order.
-        let of_size = a.mul(a.mul(a.number(144.0), size), size);
-        let error = a.mul(size, a.fused_mul_add(a.number(1008.0), squared, of_size));
+        // What is derived above, and an eighth more for all that is not of the first order.
+        let of_size = a.mul(a.mul(a.number(9.0), size), size);
+        let error = a.mul(size, a.fused_mul_add(a.number(63.0), squared, of_size));
         Self {
             first: *first,
             edges: [e, f],
             normal,
             squared,
+            inverse: a.div(a.number(1.0), squared),
             size,
             error,
         }
@@ -148,7 +150,7 @@ impl<N: Copy> Plain<N> {
         let above = plain_dot(a, &self.normal, &high);
         let is_enough = a.lt(self.error, a.mul(above, above));
         let far = plain_dot(a, &high, &high);
-        let is_near = a.lt(far, a.mul(a.number(power(48)), self.size));
+        let is_near = a.lt(far, a.mul(a.number(power(46)), self.size));
         // Nothing overflows, and nothing that counts is too small for float64.
         let in_range = a.lt(a.number(1e-200), self.squared) & a.lt(self.size, a.number(1e100));
         (is_enough & is_near & in_range, PlainStart { start, above })
@@ -187,7 +189,7 @@ impl<N: Copy> Plain<N> {
         let correction = a.mul(plain_dot(a, &self.normal, &r), inverse);
         let t = a.sub(guess, correction);
         let r = vector!(k => a.fused_neg_mul_add(correction, d[k], r[k]));
-        let [v, w] = weights(a, &r, &self.edges, &self.normal, self.squared);
+        let [v, w] = weights(a, &r, &self.edges, &self.normal, self.inverse);
         [t, v, w]
     }
 }
@@ -207,8 +209,8 @@ pub(crate) struct Plane<N> {
     first: Vector<N>,
     edges: [Vector<N>; 2],
     normal: DoubleVector<N>,
-    /// The normal's square.
-    squared: N,
+    /// One over the normal's square.
+    inverse: N,
     /// The edges' squares.
     squares: [N; 2],
 }
@@ -229,7 +231,7 @@ impl<N: Copy> Plane<N> {
             first: *first,
             edges,
             normal,
-            squared: plain_dot(a, &n, &n),
+            inverse: a.div(a.number(1.0), plain_dot(a, &n, &n)),
             squares,
         }
     }
@@ -263,7 +265,7 @@ impl<N: Copy> Plane<N> {
     ) -> (A::Mask, Place<N>) {
         let (is_enough, t) = self.t(a, from, d);
         let r = left_over(a, t, d, &from.start);
-        let [v, w] = weights(a, &r, &self.edges, &high(&self.normal), self.squared);
+        let [v, w] = weights(a, &r, &self.edges, &high(&self.normal), self.inverse);
         (is_enough, [t.high, v, w])
     }
 
@@ -302,7 +304,7 @@ impl Plane<f64> {
             first: splat(a, &self.first),
             edges: [splat(a, e), splat(a, f)],
             normal: splat_double(a, &self.normal),
-            squared: a.number(self.squared),
+            inverse: a.number(self.inverse),
             squares: [a.number(self.squares[0]), a.number(self.squares[1])],
         }
     }
@@ -318,6 +320,7 @@ impl Plain<f64> {
             edges: [splat(a, e), splat(a, f)],
             normal: splat(a, &self.normal),
             squared: a.number(self.squared),
+            inverse: a.number(self.inverse),
             size: a.number(self.size),
             error: a.number(self.error),
         }
@@ -465,9 +468,8 @@ impl Meeting<f64> {
         let t = quotient(Scalar, determinant(&e, &f, &start), slope);
         let r = left_over(Scalar, t, &high(&d.vector), &start.vector);
         let n = high(&cross(Scalar, &e.vector, &f.vector));
-        let n_squared = plain_dot(Scalar, &n, &n);
         let edges = [high(&e.vector), high(&f.vector)];
-        let [v, w] = weights(Scalar, &r, &edges, &n, n_squared);
+        let [v, w] = weights(Scalar, &r, &edges, &n, 1.0 / plain_dot(Scalar, &n, &n));
         Some([
             t.high * start.unit / d.unit,
             v * start.unit / e.unit,

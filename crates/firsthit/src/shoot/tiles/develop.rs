@@ -185,7 +185,7 @@ impl Work<'_> {
                     slot: slots[lane % LANES].to_bits(),
                 };
                 let (row, column) = pixel(block, lane);
-                let hit = self.decide(row, column, winner).unwrap_or(Hit::MISS);
+                let hit = self.decide(l, row, column, winner).unwrap_or(Hit::MISS);
                 hits.put(lane, &hit);
             }
         }
