@@ -248,7 +248,7 @@ fn every_channel_is_what_a_loop_over_the_pixels_gives() {
             );
         } else {
             assert_eq!(vector("normal", k), scene.normal(&ray, &hit));
-            assert_eq!(vector("position", k), ray.at(hit.t));
+            assert_eq!(vector("position", k), scene.position(&ray, &hit));
         }
     }
 }

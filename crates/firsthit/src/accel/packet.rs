@@ -267,6 +267,7 @@ impl Packet {
 
     /// Returns which of eight may meet something, and which are distant.
     #[inline(always)]
+    #[expect(clippy::too_many_lines, reason = "one thing after the other")]
     fn prepare_half<L: Lanes>(&mut self, l: L, tree: &MeshTree, half: usize, off: f64) -> (u8, u8) {
         let number = |x: f64| l.splat64(x);
         let (zero, one) = (number(0.0), number(1.0));

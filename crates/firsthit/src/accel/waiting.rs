@@ -5,11 +5,13 @@ use super::search::Answers;
 use super::verdict::{Pencil, verdict_at};
 use crate::simd::{Aligned, Lanes, WIDE};
 
+/// The number of its search, the ray, and its triangle: a lane of a leaf.
+type Ray<'a> = (usize, Place<'a>, (u32, usize));
+
 /// Up to eight rays, of any searches.
 pub(super) struct Waiting<'a> {
     count: usize,
-    /// The number of the search, the ray, and the triangle: a lane of a leaf.
-    all: [Option<(usize, Place<'a>, (u32, usize))>; WIDE],
+    all: [Option<Ray<'a>>; WIDE],
     numbers: Aligned<[[f64; WIDE]; 15]>,
 }
 
@@ -75,8 +77,8 @@ impl<'a> Waiting<'a> {
         let wanted = ((1_u32 << self.count) - 1) as u8;
         let (sound, places) = verdict_at(l, &rays, &corners, wanted);
         let mut out = Aligned([[0.0; WIDE]; 3]);
-        for k in 0..3 {
-            l.store64(places[k], &mut out.0[k]);
+        for (place, out) in places.into_iter().zip(&mut out.0) {
+            l.store64(place, out);
         }
         for lane in 0..self.count {
             let Some((search, place, (leaf, triangle))) = self.all[lane] else {

@@ -93,7 +93,8 @@ pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
         }
         let (lost, total) = (&terms[..last], terms[last]);
         let most: f64 = lost.iter().map(|x| x.abs()).sum();
-        if !(most > total.abs() * ENOUGH) {
+        let is_enough = most <= total.abs() * ENOUGH;
+        if is_enough || most.is_nan() {
             return sum(Scalar, total, lost.iter().sum());
         }
     }

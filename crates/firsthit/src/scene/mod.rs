@@ -264,15 +264,12 @@ impl Scene {
             return DVec3::NAN;
         };
         let transform = object.transform();
-        let point = match self.mesh(hit) {
-            Some((_, mesh, triangle)) => {
-                let [a, b, c] = mesh.corners(triangle);
-                a + (hit.barycentric.x * (b - a) + hit.barycentric.y * (c - a))
-            }
-            None => {
-                let point = transform.ray_in_object(ray).at(hit.t);
-                object.shape().onto(point, hit.primitive)
-            }
+        let point = if let Some((_, mesh, triangle)) = self.mesh(hit) {
+            let [a, b, c] = mesh.corners(triangle);
+            a + (hit.barycentric.x * (b - a) + hit.barycentric.y * (c - a))
+        } else {
+            let point = transform.ray_in_object(ray).at(hit.t);
+            object.shape().onto(point, hit.primitive)
         };
         if transform.is_identity() {
             point

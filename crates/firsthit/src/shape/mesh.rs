@@ -78,7 +78,7 @@ impl Mesh {
 
     /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller nearest `t`, of
     /// equal ones the lower triangle.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn precedes(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
         if are_close(new.t, old.t) {
             self.precedes_closely(ray, new, old)
@@ -94,7 +94,7 @@ impl Mesh {
     }
 
     /// The float64 nearest to the exact `t` of a crossing.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn nearest_t(&self, ray: &Ray, crossing: &Crossing) -> f64 {
         let corners = usize::try_from(crossing.primitive).map(|triangle| self.corners(triangle));
         corners.map_or(crossing.t, |corners| {

@@ -198,7 +198,7 @@ impl Doubtful {
     /// Whether the ray meets the triangle.
     #[inline(always)]
     fn meets(&self) -> bool {
-        let corners = self.meeting.from_origin();
+        let corners = self.meeting.relative();
         if !corners.iter().flatten().all(|part| part.high.is_finite()) {
             return false;
         }

@@ -443,7 +443,7 @@ impl Meeting<f64> {
 
     /// The vectors from the origin to the corners, without rounding.
     #[inline(always)]
-    pub(crate) fn from_origin(&self) -> [DoubleVector<f64>; 3] {
+    pub(crate) fn relative(&self) -> [DoubleVector<f64>; 3] {
         let [a, b, c] = &self.corners;
         [
             between(Scalar, a, &self.origin),
