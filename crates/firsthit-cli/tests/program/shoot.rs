@@ -64,10 +64,10 @@ fn every_channel_of_a_list_has_its_columns() {
 #[test]
 fn numbers_in_csv_are_short_and_exact() {
     let lab = Lab::with_square();
-    let rays = "0,0,1e300,0,0,-1\n0,0,1e-30,0,0,-1\n0.1,0.1,0.1,0,0,-0.3\n";
+    let rays = "0,0,1e149,0,0,-1\n0,0,1e-30,0,0,-1\n0.1,0.1,0.1,0,0,-0.3\n";
     let text = csv(&lab, "--channels t", rays);
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines[..3], ["t", "1e300", "1e-30"]);
+    assert_eq!(lines[..3], ["t", "1e149", "1e-30"]);
     let third: f64 = lines[3].parse().unwrap();
     assert!((third - 0.1 / 0.3).abs() <= f64::EPSILON, "{third}");
 }
@@ -98,11 +98,19 @@ fn t_min_begins_rays_and_is_no_hit_itself() {
     assert_eq!(t("0"), "t\n10\n");
     assert_eq!(t("9.999"), "t\n10\n");
     assert_eq!(t("10"), "t\ninf\n");
-    for wrong in ["-1", "inf", "nan"] {
+    // A negative one lets a ray meet what it starts on, and what is behind.
+    let on = |t_min: &str| {
+        let rays = "0,0,0,0,0,1\n0,0,3,0,0,1\n";
+        csv(&lab, &format!("--channels t --t-min {t_min}"), rays)
+    };
+    assert_eq!(on("0"), "t\ninf\ninf\n");
+    assert_eq!(on("-1"), "t\n0\ninf\n");
+    assert_eq!(on("-inf"), "t\n0\n-3\n");
+    for wrong in ["inf", "nan", "one"] {
         lab.fails(
             &format!("shoot square.ply - --t-min {wrong}"),
             2,
-            "expected zero or a positive number",
+            "expected a number, or -inf",
         );
     }
     lab.fails(
