@@ -169,7 +169,7 @@ class Hits:
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
-        """Where the hits are in the world, (..., 3); on the surface, however far away the origin is.
+        """Where the hits are in the world, (..., 3); on the surface, from however far away.
 
         A triangle's is the mean of its corners by the weights of `barycentric`, off its plane by
         a few 2^-53 of the largest coordinate. Any other shape's is ``origin + t * direction`` moved
