@@ -50,11 +50,14 @@ test-installed: dist
 WHEEL_PROFILE ?= dist
 MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
 CRATES := --package firsthit --package firsthit-cli
+# What cargo unpacked of ours when it last verified crates: it goes by the version and would verify that again.
+UNPACKED = $${CARGO_HOME:-$$HOME/.cargo}/registry/*/-*/firsthit-*
 dist: .venv-dist/ready
 	$(PYTHON) packaging/pages.py --check
 	rm -rf dist $(OUTSIDE)/package
 	$(MATURIN) sdist --out dist
 	$(MATURIN) build --quiet --profile $(WHEEL_PROFILE) $(if $(LINUX),--zig) --out dist
+	rm -rf $(UNPACKED)
 	$(CARGO) package --quiet --allow-dirty $(CRATES) --target-dir $(OUTSIDE)
 	cp $(OUTSIDE)/package/*.crate dist
 	$(DIST)/twine check --strict dist/*.whl dist/*.tar.gz
