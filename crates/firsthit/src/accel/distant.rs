@@ -15,6 +15,9 @@ pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
 /// What a sum of doubles is off, as a share of what is added up: they have 106 bits, six of which are for the sums.
 const SHARE: f64 = f64::from_bits((1023 - 100) << 52);
 
+/// How many steps lead to the tree at most: each but the last takes 50 bits off the way, which is at most 2^1000 long.
+const STEPS: usize = 24;
+
 /// How a distant ray comes to a tree.
 pub(super) enum Approach {
     /// It does not.
@@ -35,6 +38,11 @@ impl MeshTree {
     }
 }
 
+/// The largest power of two that is not above a positive number; of tiny ones another.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
+}
+
 impl Approach {
     /// That of a ray as it is, or of the line that it is on where it begins behind its origin.
     pub(super) fn new(space: &Space, ray: &Ray) -> Self {
@@ -43,15 +51,17 @@ impl Approach {
             high: x.high * space.scale,
             low: x.low * space.scale,
         });
-        let direction = ray.direction / ray.direction.abs().max_element();
-        let d = ray.direction.to_array();
+        // The direction by a power of two, which is exact: its square is around 1.
+        let unit = power_of_two_below(ray.direction.abs().max_element());
+        let d = ray.direction / unit;
+        let squared = d.length_squared();
         let mut error = place.map(|x| SHARE * x.high.abs());
         let high = |place: &[Double<f64>; 3]| DVec3::from(place.map(|x| x.high));
-        let squared = ray.direction.length_squared();
         let mut total = 0.0;
-        // The first step is off by its rounding, which the next ones make up for.
-        for _ in 0..3 {
-            let step = -(high(&place).dot(ray.direction) / squared);
+        // Each step is off by its rounding, which the next one makes up for.
+        let mut is_there = false;
+        for _ in 0..STEPS {
+            let step = -(high(&place).dot(d) / squared);
             total += step;
             for k in 0..3 {
                 let way = product(Scalar, step, d[k]);
@@ -59,6 +69,13 @@ impl Approach {
                 place[k] = sum(Scalar, moved.high, moved.low + (place[k].low + way.low));
                 error[k] += SHARE * way.high.abs();
             }
+            is_there = step.abs() < 0.1 + 1e-12 * high(&place).length();
+            if is_there {
+                break;
+            }
+        }
+        if !is_there {
+            return Self::Somewhere;
         }
         if total < 0.0 && ray.t_min >= 0.0 {
             return Self::Past;
@@ -68,7 +85,8 @@ impl Approach {
         if !(nearest.is_finite() && error.is_finite()) {
             return Self::Somewhere;
         }
-        // What it is off along its way does no harm.
+        let direction = d / d.abs().max_element();
+        // What it is off along its way does no harm: the place is near the tree, though it may be another one than it should be.
         let main = (0..3).find(|&k| direction[k].abs() == 1.0);
         let along = main.map_or(f64::INFINITY, |main| error[main]);
         let across = (0..3).filter(|&k| Some(k) != main);
@@ -134,6 +152,16 @@ mod tests {
             let aimed = Ray::new(-far * way, far * way);
             let away = Ray::new(far * way, far * way);
             let past = Ray::new(DVec3::new(far, 0.0, 0.0), DVec3::new(-1.0, 0.1, 0.2));
+            // Steps of which no number of float64 has the length; a hardly slanting one; a square that is infinite.
+            let along = |d: DVec3| Ray::new(axis.origin, d);
+            let thirds = along(DVec3::new(0.0, 0.0, -3.0));
+            let tenths = along(DVec3::new(0.0, 0.0, -0.7));
+            let slanting = along(DVec3::new(1e-120, 0.0, -3.0));
+            let long = along(DVec3::new(0.0, 0.0, -3e155));
+            for ray in [thirds, tenths, slanting, long] {
+                let asked = simd::run(InstructionSet::Portable, Asked(&tree, &mesh, ray));
+                assert!((1..=60).contains(&asked), "{ray:?}: {asked}");
+            }
             // From 10^26 on, a ray that is not along an axis is not where twice the digits say.
             let most = if far < 1e26 { 60 } else { usize::MAX };
             for (ray, most) in [(axis, 60), (aimed, most), (away, 0), (past, 0)] {
