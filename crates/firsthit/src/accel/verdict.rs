@@ -391,4 +391,12 @@ impl<L: Lanes> Arithmetic for InLanes<L> {
     fn lt(self, a: L::Doubles, b: L::Doubles) -> u8 {
         self.0.lt64(a, b)
     }
+    #[inline(always)]
+    fn select(self, mask: u8, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.select64(mask, a, b)
+    }
+    #[inline(always)]
+    fn is_anywhere(self, mask: u8) -> bool {
+        mask != 0
+    }
 }

@@ -36,6 +36,10 @@ pub(crate) trait Arithmetic: Copy {
     fn fused_neg_mul_add(self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
     /// Where `a < b`; not where either is NaN.
     fn lt(self, a: Self::Number, b: Self::Number) -> Self::Mask;
+    /// `a` in the mask, elsewhere `b`.
+    fn select(self, mask: Self::Mask, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// Whether there is anything in the mask.
+    fn is_anywhere(self, mask: Self::Mask) -> bool;
 }
 
 /// One number at a time.
@@ -85,5 +89,13 @@ impl Arithmetic for Scalar {
     #[inline(always)]
     fn lt(self, a: f64, b: f64) -> bool {
         a < b
+    }
+    #[inline(always)]
+    fn select(self, mask: bool, a: f64, b: f64) -> f64 {
+        if mask { a } else { b }
+    }
+    #[inline(always)]
+    fn is_anywhere(self, mask: bool) -> bool {
+        mask
     }
 }

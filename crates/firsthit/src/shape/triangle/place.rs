@@ -82,34 +82,112 @@ fn high<N: Copy>(v: &DoubleVector<N>) -> Vector<N> {
     [v[0].high, v[1].high, v[2].high]
 }
 
-/// The weights of the point that `r` leads to from corner 0; `inverse` is one over the square of `n`.
-#[inline(always)]
-fn weights<A: Arithmetic>(
-    a: A,
-    r: &Vector<A::Number>,
-    [e, f]: &[Vector<A::Number>; 2],
-    n: &Vector<A::Number>,
-    inverse: A::Number,
-) -> [A::Number; 2] {
-    // Turned about `n`, so that what `r` is off the plane does not count.
-    let turned = plain_cross(a, n, r);
-    let zero = a.number(0.0);
-    let v = a.mul(plain_dot(a, &turned, f), inverse);
-    let w = a.mul(plain_dot(a, &turned, e), a.sub(zero, inverse));
-    // A point on an edge may be a rounding outside.
-    [a.max(v, zero), a.max(w, zero)]
+/// What the weights of a point in a triangle are computed from.
+#[derive(Debug, Clone, Copy)]
+struct Edges<N> {
+    /// `E` and `F`.
+    edges: [Vector<N>; 2],
+    normal: Vector<N>,
+    /// One over the normal's square.
+    of_normal: N,
+    /// One over the square of `E`.
+    of_first: N,
+}
+
+impl<N: Copy> Edges<N> {
+    /// Those of two edges and their normal; and the edges' squares.
+    #[inline(always)]
+    fn new<A: Arithmetic<Number = N>>(
+        a: A,
+        edges: [Vector<N>; 2],
+        normal: Vector<N>,
+    ) -> (Self, [N; 2]) {
+        let squares = [
+            plain_dot(a, &edges[0], &edges[0]),
+            plain_dot(a, &edges[1], &edges[1]),
+        ];
+        let one = a.number(1.0);
+        let of_normal = a.div(one, plain_dot(a, &normal, &normal));
+        let of_first = a.div(one, squares[0]);
+        let edges = Self {
+            edges,
+            normal,
+            of_normal,
+            of_first,
+        };
+        (edges, squares)
+    }
+
+    /// The weights of the point that `r` leads to from corner 0: none below zero, together at most one but for a rounding.
+    ///
+    /// That of `F` is an area's share. In a thin triangle the areas have few digits, so that of `E` is what remains of `r` along `E`:
+    /// then the point of these weights is off by a rounding of the longer edge, however thin the triangle is.
+    #[inline(always)]
+    fn weights<A: Arithmetic<Number = N>>(&self, a: A, r: &Vector<N>) -> [N; 2] {
+        let zero = a.number(0.0);
+        let [v, w] = self.inside(a, r);
+        let is_below = a.lt(v, zero);
+        let is_outside = is_below | a.lt(a.number(1.0), a.add(v, w));
+        // A zero without a sign.
+        let v = a.max(v, zero);
+        if a.is_anywhere(is_outside) {
+            let [edge_v, edge_w] = self.on_an_edge(a, r, is_below);
+            [
+                a.select(is_outside, edge_v, v),
+                a.select(is_outside, edge_w, w),
+            ]
+        } else {
+            [v, w]
+        }
+    }
+
+    /// The same; rounding may make that of `E` less than zero, or the sum more than one.
+    #[inline(always)]
+    fn inside<A: Arithmetic<Number = N>>(&self, a: A, r: &Vector<N>) -> [N; 2] {
+        let [e, f] = &self.edges;
+        let zero = a.number(0.0);
+        // Turned about `n`, so that what `r` is off the plane does not count.
+        let turned = plain_cross(a, &self.normal, r);
+        let w = a.mul(plain_dot(a, &turned, e), a.sub(zero, self.of_normal));
+        let w = a.max(w, zero);
+        let rest = [
+            a.fused_neg_mul_add(w, f[0], r[0]),
+            a.fused_neg_mul_add(w, f[1], r[1]),
+            a.fused_neg_mul_add(w, f[2], r[2]),
+        ];
+        [a.mul(plain_dot(a, &rest, e), self.of_first), w]
+    }
+
+    /// The weights of the point nearest to where `r` leads on the edge that starts in corner 0, if it `is_first`, or else on that
+    /// between the corners 1 and 2.
+    #[inline(always)]
+    fn on_an_edge<A: Arithmetic<Number = N>>(
+        &self,
+        a: A,
+        r: &Vector<N>,
+        is_first: A::Mask,
+    ) -> [N; 2] {
+        let [e, f] = &self.edges;
+        let (zero, one) = (a.number(0.0), a.number(1.0));
+        let along_first = a.div(plain_dot(a, r, f), plain_dot(a, f, f));
+        let g = minus(a, f, e);
+        let along = a.div(plain_dot(a, &minus(a, r, e), &g), plain_dot(a, &g, &g));
+        let v = a.max(a.sub(one, a.max(along, zero)), zero);
+        let is_first = is_first & a.lt(along_first, one);
+        [
+            a.select(is_first, zero, v),
+            a.select(is_first, a.max(along_first, zero), a.sub(one, v)),
+        ]
+    }
 }
 
 /// A triangle in plain float64.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plain<N> {
     first: Vector<N>,
-    edges: [Vector<N>; 2],
-    normal: Vector<N>,
+    edges: Edges<N>,
     /// The normal's square.
     squared: N,
-    /// One over that.
-    inverse: N,
     /// The longer edge's square.
     size: N,
     /// The square of what the origin's distance must be more than, in lengths of the normal.
@@ -123,16 +201,23 @@ impl<N: Copy> Plain<N> {
         let (e, f) = (minus(a, second, first), minus(a, third, first));
         let normal = plain_cross(a, &e, &f);
         let squared = plain_dot(a, &normal, &normal);
-        let size = a.max(plain_dot(a, &e, &e), plain_dot(a, &f, &f));
+        let of_first = plain_dot(a, &e, &e);
+        let size = a.max(of_first, plain_dot(a, &f, &f));
         // What is derived above, and an eighth more for all that is not of the first order.
         let of_size = a.mul(a.mul(a.number(9.0), size), size);
         let error = a.mul(size, a.fused_mul_add(a.number(63.0), squared, of_size));
-        Self {
-            first: *first,
+        // Both inverses by one division.
+        let inverse = a.div(a.number(1.0), a.mul(squared, of_first));
+        let edges = Edges {
             edges: [e, f],
             normal,
+            of_normal: a.mul(inverse, of_first),
+            of_first: a.mul(inverse, squared),
+        };
+        Self {
+            first: *first,
+            edges,
             squared,
-            inverse: a.div(a.number(1.0), squared),
             size,
             error,
         }
@@ -147,12 +232,12 @@ impl<N: Copy> Plain<N> {
     ) -> (A::Mask, PlainStart<N>) {
         let start = between(a, &self.first, origin);
         let high = high(&start);
-        let above = plain_dot(a, &self.normal, &high);
+        let above = plain_dot(a, &self.edges.normal, &high);
         let is_enough = a.lt(self.error, a.mul(above, above));
         let far = plain_dot(a, &high, &high);
         let is_near = a.lt(far, a.mul(a.number(power(46)), self.size));
         // Nothing overflows, and nothing that counts is too small for float64.
-        let in_range = a.lt(a.number(1e-200), self.squared) & a.lt(self.size, a.number(1e100));
+        let in_range = a.lt(a.number(1e-120), self.squared) & a.lt(self.size, a.number(1e60));
         (is_enough & is_near & in_range, PlainStart { start, above })
     }
 
@@ -165,7 +250,7 @@ impl<N: Copy> Plain<N> {
         d: &Vector<N>,
     ) -> Place<N> {
         let PlainStart { start, above } = from;
-        let inverse = a.div(a.number(1.0), plain_dot(a, &self.normal, d));
+        let inverse = a.div(a.number(1.0), plain_dot(a, &self.edges.normal, d));
         let guess = a.mul(*above, inverse);
         macro_rules! vector {
             ($k:ident => $value:expr) => {
@@ -186,10 +271,10 @@ impl<N: Copy> Plain<N> {
             };
         }
         let r = vector!(k => a.sub(a.fused_mul_sub(guess, d[k], start[k].high), start[k].low));
-        let correction = a.mul(plain_dot(a, &self.normal, &r), inverse);
+        let correction = a.mul(plain_dot(a, &self.edges.normal, &r), inverse);
         let t = a.sub(guess, correction);
         let r = vector!(k => a.fused_neg_mul_add(correction, d[k], r[k]));
-        let [v, w] = weights(a, &r, &self.edges, &self.normal, self.inverse);
+        let [v, w] = self.edges.weights(a, &r);
         [t, v, w]
     }
 }
@@ -207,10 +292,8 @@ pub(crate) struct PlainStart<N> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plane<N> {
     first: Vector<N>,
-    edges: [Vector<N>; 2],
+    edges: Edges<N>,
     normal: DoubleVector<N>,
-    /// One over the normal's square.
-    inverse: N,
     /// The edges' squares.
     squares: [N; 2],
 }
@@ -221,17 +304,11 @@ impl<N: Copy> Plane<N> {
         let [first, second, third] = corners;
         let (e, f) = (between(a, second, first), between(a, third, first));
         let normal = cross(a, &e, &f);
-        let n = high(&normal);
-        let edges = [high(&e), high(&f)];
-        let squares = [
-            plain_dot(a, &edges[0], &edges[0]),
-            plain_dot(a, &edges[1], &edges[1]),
-        ];
+        let (edges, squares) = Edges::new(a, [high(&e), high(&f)], high(&normal));
         Self {
             first: *first,
             edges,
             normal,
-            inverse: a.div(a.number(1.0), plain_dot(a, &n, &n)),
             squares,
         }
     }
@@ -265,7 +342,7 @@ impl<N: Copy> Plane<N> {
     ) -> (A::Mask, Place<N>) {
         let (is_enough, t) = self.t(a, from, d);
         let r = left_over(a, t, d, &from.start);
-        let [v, w] = weights(a, &r, &self.edges, &high(&self.normal), self.inverse);
+        let [v, w] = self.edges.weights(a, &r);
         (is_enough, [t.high, v, w])
     }
 
@@ -295,16 +372,28 @@ pub(crate) struct Start<N> {
     above: Double<N>,
 }
 
+impl Edges<f64> {
+    /// The same in all lanes.
+    #[inline(always)]
+    fn splat<A: Arithmetic>(&self, a: A) -> Edges<A::Number> {
+        let [e, f] = &self.edges;
+        Edges {
+            edges: [splat(a, e), splat(a, f)],
+            normal: splat(a, &self.normal),
+            of_normal: a.number(self.of_normal),
+            of_first: a.number(self.of_first),
+        }
+    }
+}
+
 impl Plane<f64> {
     /// The same in all lanes.
     #[inline(always)]
     pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Plane<A::Number> {
-        let [e, f] = &self.edges;
         Plane {
             first: splat(a, &self.first),
-            edges: [splat(a, e), splat(a, f)],
+            edges: self.edges.splat(a),
             normal: splat_double(a, &self.normal),
-            inverse: a.number(self.inverse),
             squares: [a.number(self.squares[0]), a.number(self.squares[1])],
         }
     }
@@ -314,13 +403,10 @@ impl Plain<f64> {
     /// The same in all lanes.
     #[inline(always)]
     pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Plain<A::Number> {
-        let [e, f] = &self.edges;
         Plain {
             first: splat(a, &self.first),
-            edges: [splat(a, e), splat(a, f)],
-            normal: splat(a, &self.normal),
+            edges: self.edges.splat(a),
             squared: a.number(self.squared),
-            inverse: a.number(self.inverse),
             size: a.number(self.size),
             error: a.number(self.error),
         }
@@ -468,12 +554,19 @@ impl Meeting<f64> {
         let t = quotient(Scalar, determinant(&e, &f, &start), slope);
         let r = left_over(Scalar, t, &high(&d.vector), &start.vector);
         let n = high(&cross(Scalar, &e.vector, &f.vector));
-        let edges = [high(&e.vector), high(&f.vector)];
-        let [v, w] = weights(Scalar, &r, &edges, &n, 1.0 / plain_dot(Scalar, &n, &n));
-        Some([
-            t.high * start.unit / d.unit,
-            v * start.unit / e.unit,
-            w * start.unit / f.unit,
-        ])
+        let (edges, _) = Edges::new(Scalar, [high(&e.vector), high(&f.vector)], n);
+        // Each vector in a unit of its own, so that no square is too small for float64.
+        let [v, w] = edges.inside(Scalar, &r);
+        let (v, w) = (v * start.unit / e.unit, w * start.unit / f.unit);
+        let [v, w] = if v < 0.0 || v + w > 1.0 {
+            let unit = e.unit.max(f.unit);
+            let [e, f] = [(0, e.unit), (1, f.unit)]
+                .map(|(k, of_edge)| edges.edges[k].map(|x| x * (of_edge / unit)));
+            let (edges, _) = Edges::new(Scalar, [e, f], n);
+            edges.on_an_edge(Scalar, &r.map(|x| x * (start.unit / unit)), v < 0.0)
+        } else {
+            [v.max(0.0), w]
+        };
+        Some([t.high * start.unit / d.unit, v, w])
     }
 }
