@@ -237,12 +237,20 @@ fn edges_and_corners_are_decided_exactly() {
     let (points, triangles) = bumpy_sphere(3, 5);
     let few = |v: DVec3, digits: f64| (v * digits).round() / digits;
     let (mut hits, mut misses) = (0, 0);
-    for digits in [1.0, 4.0, 1e3, 1e15] {
+    for (digits, scale) in [
+        (1.0, 1.0),
+        (4.0, 1.0),
+        (4.0, 2_f64.powi(-490)),
+        (4.0, 2_f64.powi(470)),
+        (1e3, 1.0),
+        (1e15, 1.0),
+    ] {
         let points: Vec<_> = points
             .iter()
             .map(|&point| few(3.0 * point, digits))
             .collect();
-        let scene = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
+        let scaled: Vec<_> = points.iter().map(|&point| scale * point).collect();
+        let scene = scene(vec![Object::new(mesh(&scaled, triangles.clone()))]);
         for k in 0..600 {
             let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
             let through = if k % 2 == 0 {
@@ -255,7 +263,7 @@ fn edges_and_corners_are_decided_exactly() {
                 1 => [DVec3::X, DVec3::NEG_Y, DVec3::Z][k / 3 % 3] * 5.0,
                 _ => (through - points[numbers.below(points.len())]) * 4.0,
             };
-            let ray = Ray::new(through - way, way);
+            let ray = Ray::new(scale * (through - way), way);
             if way == DVec3::ZERO {
                 continue;
             }
@@ -266,6 +274,45 @@ fn edges_and_corners_are_decided_exactly() {
         }
     }
     assert!(hits > 1500 && misses > 10, "{hits} {misses}");
+}
+
+/// However thin a triangle is, the point of its weights is where the ray meets it.
+#[test]
+fn positions_in_slivers_are_where_the_ray_is() {
+    let mut numbers = Numbers::new(25);
+    let mut hits = 0;
+    for k in 0..4000 {
+        let [a, b, across] = [0, 1, 2].map(|_| numbers.point());
+        let thickness = 10_f64.powi(-(k % 17));
+        let c = a.lerp(b, 1.2 * numbers.unit()) + thickness * across;
+        let corners = [[a, b, c], [b, c, a], [c, a, b]][k as usize % 3];
+        let scene = scene(vec![Object::new(triangle(corners))]);
+        let [v, w] = [numbers.unit(), numbers.unit()];
+        let [v, w] = if v + w > 1.0 { [1.0 - v, 1.0 - w] } else { [v, w] };
+        let [a, b, c] = corners;
+        let target = a + v * (b - a) + w * (c - a);
+        let direction = numbers.point();
+        let ray = Ray::new(target - direction, direction);
+        let hit = agree(&scene, &ray);
+        if hit.is_miss() {
+            continue;
+        }
+        hits += 1;
+        // At a grazing angle what `t` is rounded to counts along the triangle.
+        let off = scene.position(&ray, &hit).distance(ray.at(hit.t));
+        let normal = (b - a).cross(c - a);
+        let sine = direction.dot(normal).abs() / (direction.length() * normal.length());
+        assert!(off * sine < 3e-15, "{corners:?} {ray:?} {off:e}");
+        let [v, w] = hit.barycentric.to_array();
+        assert!(v >= 0.0 && w >= 0.0 && v + w <= 1.0 + 1e-15, "{v} {w}");
+    }
+    assert!(hits > 2000, "{hits}");
+    // At a corner, of a triangle that float64 has no area for.
+    let thin = [[0.0, -1e-20, 0.0], [1.0, 1.0, 0.0], [0.5, 0.5, 0.0]].map(DVec3::from);
+    let scene = scene(vec![Object::new(triangle(thin))]);
+    let ray = Ray::new(DVec3::new(1.0, 1.0, 5.0), DVec3::NEG_Z);
+    let hit = agree(&scene, &ray);
+    assert_eq!(scene.position(&ray, &hit), thin[1]);
 }
 
 /// A closed mesh in two objects: no ray from inside passes between them, whatever the transform that they have in common.

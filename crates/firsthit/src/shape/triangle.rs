@@ -110,7 +110,7 @@ impl Shear {
         let (a, a_largest) = self.sheared(corners[0]);
         let (b, b_largest) = self.sheared(corners[1]);
         let (c, c_largest) = self.sheared(corners[2]);
-        let (u, v, w) = (side(c, b), side(a, c), side(b, a));
+        let (u, v, w) = (area(c, b), area(a, c), area(b, a));
         // Of u = 2^-53 and the largest coordinate M, before the shear, and X, after it: a difference from the origin is off by u M,
         // a slope by u, so a coordinate across by u (M + 3 M + X), and a side by 4 X times that and 4 u X^2. As X <= 2 M, that is
         // less than 32 u M X.
@@ -248,7 +248,13 @@ fn quotient(a: f64, b: f64, inverse: f64) -> f64 {
 /// Two to the power of 500.
 const HUGE: f64 = f64::from_bits((1023 + 500) << 52);
 
-/// `p.x * q.y - p.y * q.x`, rounded, with the sign of the exact result; of a tiny one only the sign counts.
+/// `p.x * q.y - p.y * q.x`, rounded.
+#[inline(always)]
+fn area(p: DVec2, q: DVec2) -> f64 {
+    p.x * q.y - p.y * q.x
+}
+
+/// A number with the sign that `p.x * q.y - p.y * q.x` has exactly.
 #[inline(always)]
 fn side(p: DVec2, q: DVec2) -> f64 {
     let left = p.x * q.y;
