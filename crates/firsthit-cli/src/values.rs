@@ -202,11 +202,11 @@ pub(crate) fn t_min(text: &str) -> Result<f64, String> {
     start.ok_or_else(|| "expected a number, or -inf".into())
 }
 
-/// A positive number; infinity is one here.
+/// A number; infinity is one here.
 pub(crate) fn t_max(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
-    let positive = number.filter(|&number| number > 0.0);
-    positive.ok_or_else(|| "expected a positive number, or inf".into())
+    let end = number.filter(|&number| number > f64::NEG_INFINITY);
+    end.ok_or_else(|| "expected a number, or inf".into())
 }
 
 pub(crate) fn fov(text: &str) -> Result<f64, String> {

@@ -53,6 +53,10 @@ fn a_negative_t_min_lets_a_ray_see_where_it_starts() {
         let above = Ray::new(ray.at(2.0), ray.direction);
         assert!(agree(&scene, &above.beyond(-1.9)).is_miss());
         assert_eq!(agree(&scene, &above.beyond(-2.1)).t, -2.0);
+        assert_eq!(agree(&scene, &ray.beyond(-1.0).up_to(0.0)).t, 0.0);
+        assert_eq!(agree(&scene, &above.beyond(-2.1).up_to(-2.0)).t, -2.0);
+        assert!(agree(&scene, &above.beyond(-2.1).up_to(-2.01)).is_miss());
+        assert!(agree(&scene, &ray.up_to(0.0)).is_miss());
     }
 }
 
@@ -69,8 +73,9 @@ fn what_is_behind_is_met_in_the_order_of_t() {
         for k in 0..300 {
             let ray = Ray::new(2.0 * numbers.point(), numbers.point());
             let t_min = [-0.5, -3.0, -1e3, -1e30, f64::NEG_INFINITY][k % 5];
-            let hit = agree(&scene, &ray.beyond(t_min));
-            assert!(hit.is_miss() || hit.t > t_min);
+            let t_max = [f64::INFINITY, 0.0, -0.3][k % 3];
+            let hit = agree(&scene, &ray.beyond(t_min).up_to(t_max));
+            assert!(hit.is_miss() || (hit.t > t_min && hit.t <= t_max));
             behind += u32::from(hit.t < 0.0);
         }
     }

@@ -43,4 +43,4 @@ pub(crate) use packet::{Packet, RAYS, turned};
 pub(crate) use search::{Answers, Search, Searcher};
 pub(crate) use tile::{Arbiter, BLOCK, TILE, Tile, Winner, fill, pixel, place};
 pub(crate) use verdict::{Common, Corners, Pencil, quotient, verdict};
-pub(crate) use walk::{Scratch, ask, each};
+pub(crate) use walk::{END, Scratch, ask, each};

@@ -163,9 +163,11 @@ pub(crate) fn ask<L: Lanes, Q: Question>(
     goal.answer(l, &place)
 }
 
+/// What ends a search, in place of a `t_max`.
+pub(crate) const END: f64 = f64::NEG_INFINITY;
+
 /// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, and perhaps with others,
-/// in any order. `visit` returns the `t_max` to go on with, not larger than before; any negative number ends
-/// the search.
+/// in any order. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
 #[inline(always)]
 pub(crate) fn each<L: Lanes>(
     l: L,
@@ -181,19 +183,22 @@ pub(crate) fn each<L: Lanes>(
     } else if ray.t_min >= 0.0 {
         return each_ahead(l, scratch, (tree, mesh), (ray, 0.0), visit);
     } else {
-        let begin = ray.at(ray.t_min);
-        if tree.is_distant(begin) {
+        // From a little earlier, as where that is has been rounded: the product, and the sum.
+        let size = ray.origin.abs() + ray.at(ray.t_min).abs();
+        let rounding = f64::EPSILON * size.max_element();
+        let earlier = 2.0 * rounding / ray.direction.abs().max_element();
+        let t = ray.t_min - earlier;
+        let begin = ray.at(t);
+        if tree.is_distant(begin) || !earlier.is_finite() {
             Approach::new(&tree.space, ray)
         } else {
-            let ahead = Ray::new(begin, ray.direction).up_to(clear_of(ray.t_max - ray.t_min));
+            let after = |t_max: f64| clear_of(t_max - t) + 2.0 * earlier;
+            let ahead = Ray::new(begin, ray.direction).up_to(after(ray.t_max));
+            let off = rounding * tree.space.scale;
             let mut visit = visit;
-            return each_ahead(l, scratch, (tree, mesh), (&ahead, 0.0), |triangle, _| {
+            return each_ahead(l, scratch, (tree, mesh), (&ahead, off), |triangle, _| {
                 let t_max = visit(triangle, ray.t_max);
-                if t_max < 0.0 {
-                    -1.0
-                } else {
-                    clear_of(t_max - ray.t_min)
-                }
+                if t_max == END { END } else { after(t_max) }
             });
         }
     };
@@ -202,8 +207,8 @@ pub(crate) fn each<L: Lanes>(
         Approach::Past => {}
         Approach::Near(near, off) => {
             let visit = |triangle, _| {
-                let is_over = visit(triangle, ray.t_max) < 0.0;
-                if is_over { -1.0 } else { f64::INFINITY }
+                let is_over = visit(triangle, ray.t_max) == END;
+                if is_over { END } else { f64::INFINITY }
             };
             each_ahead(l, scratch, (tree, mesh), (&near, off), visit);
         }
@@ -211,7 +216,7 @@ pub(crate) fn each<L: Lanes>(
             let mut t_max = ray.t_max;
             for &triangle in &tree.order {
                 t_max = visit(triangle, t_max);
-                if t_max < 0.0 {
+                if t_max == END {
                     return;
                 }
             }

@@ -69,8 +69,8 @@ impl Ray {
         self.t_min == 0.0 && self.t_max == f64::INFINITY
     }
 
-    /// Whether this ray can meet anything: its origin's coordinates from -10^150 to 10^150, its direction finite and not zero, `t_max`
-    /// positive and above `t_min`. Any other ray is a miss, and only that.
+    /// Whether this ray can meet anything: its origin's coordinates from -10^150 to 10^150, its direction finite and not zero, `t_max` above
+    /// `t_min`, and positive unless that is negative. Any other ray is a miss, and only that.
     #[inline]
     pub fn is_valid(&self) -> bool {
         // Written so that a NaN fails.
@@ -78,7 +78,7 @@ impl Ray {
             && !self.origin.is_nan()
             && self.direction.is_finite()
             && self.direction != DVec3::ZERO
-            && self.t_max > 0.0
+            && (self.t_max > 0.0 || self.t_min < 0.0)
             && self.t_min < self.t_max
     }
 }

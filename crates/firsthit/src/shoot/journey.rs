@@ -72,7 +72,7 @@ impl Quest for FirstHit {
         {
             self.0 = hit;
         }
-        // At zero there would be no ray left: what is behind the origin is as good as just ahead of it.
+        // As in [`Journey::new`].
         (clear_of(self.0.t) / moderate.scale).max(f64::MIN_POSITIVE)
     }
 }
@@ -113,7 +113,11 @@ impl<'a, Q: Quest> Journey<'a, Q> {
     #[inline(always)]
     pub(super) fn new(scene: &'a Scene, ray: &Ray, quest: Q, t_max: f64) -> Self {
         let moderate = Moderate::new(ray);
-        let within = |moderate: &Moderate| moderate.ray.t_max.min(t_max / moderate.scale);
+        // What is behind the origin is as good as just ahead of it: below zero there is no way to go.
+        let within = |moderate: &Moderate| {
+            let t_max = moderate.ray.t_max.min(t_max / moderate.scale);
+            t_max.max(f64::MIN_POSITIVE)
+        };
         Self {
             t_max: moderate.as_ref().map_or(-1.0, within),
             moderate,
@@ -213,9 +217,9 @@ fn one_by_one<L: Lanes, Q: Quest>(
         }
         let so_far = |first: Crossing| {
             if Q::ANY {
-                -1.0
+                accel::END
             } else {
-                clear_of(first.t).max(0.0)
+                clear_of(first.t)
             }
         };
         first.map_or(t_max, so_far)

@@ -38,7 +38,8 @@ impl Moderate {
     /// float64: then it meets nothing, as does any ray an object that is out of range.
     #[inline(always)]
     pub(super) fn in_object(&self, object: &Object, t_max: f64) -> Option<Ray> {
-        let ray = object.transform().ray_in_object(&self.ray.up_to(t_max));
+        let ray = self.ray.up_to(t_max.min(self.ray.t_max));
+        let ray = object.transform().ray_in_object(&ray);
         (ray.is_valid() && !object.is_out_of_range()).then_some(ray)
     }
 
