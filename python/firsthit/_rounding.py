@@ -46,15 +46,15 @@ def singles_within(
     """Return `singles` of ``t``, moved by one float32 where rounding left ``t_min < t <= t_max``.
 
     Where no float32 lies between the two limits, it is the one below ``t_max``, if that is
-    positive. The limits broadcast against ``t``.
+    neither zero nor infinite. The limits broadcast against ``t``.
     """
     made = singles(t)
-    least = np.maximum(t_min, 0.0)
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         # A miss is within every limit.
-        below = (made <= least) & (t > least)
+        below = (made <= t_min) & (t > t_min)
         above = np.nextafter(made, np.float32(np.inf))
-        made = np.where(below & (above <= np.minimum(t_max, _LARGEST)), above, made)
+        fits = (above != 0) & (above <= np.minimum(t_max, _LARGEST))
+        made = np.where(below & fits, above, made)
         beyond = (made > t_max) & (t <= t_max)
-        under = np.nextafter(made, np.float32(0))
-        return np.where(beyond & (under > 0), under, made)
+        under = np.nextafter(made, np.float32(-np.inf))
+        return np.where(beyond & (under != 0) & np.isfinite(under), under, made)

@@ -371,8 +371,8 @@ def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
         raise ValueError(
             f"{name} must be {triangles} whole numbers, got {array.dtype} of shape {array.shape}"
         )
-    if array.size and not 0 <= array.min() <= array.max() < 2**32:
-        raise ValueError(f"{name} must be from 0 to 2**32 - 1, got {array.min()} to {array.max()}")
+    if array.size and not 0 <= array.min() <= array.max() < 2**31:
+        raise ValueError(f"{name} must be from 0 to 2**31 - 1, got {array.min()} to {array.max()}")
     return np.ascontiguousarray(array, dtype=np.uint32)
 
 

@@ -98,6 +98,10 @@ def test_rounding_does_not_leave_the_limits():
     assert wall(low).shoot([0, 0, 0], [0, 0, 1], dtype="f4").t == 2
     assert wall(low).shoot([0, 0, 0], [0, 0, 1], t_max=low, dtype="f4").t == down
     assert wall(high).shoot([0, 0, 0], [0, 0, 1], t_min=2, dtype="f4").t == up
+    # Behind the origin too.
+    back = {"t_min": -2, "dtype": "f4"}
+    assert wall(-low).shoot([0, 0, 0], [0, 0, 1], **back).t == -down
+    assert wall(-high).shoot([0, 0, 0], [0, 0, 1], t_min=-3, t_max=-2 - 1e-10, dtype="f4").t == -up
     # No float32 lies between both limits: the one below the end.
     within = {"t_min": 2 + 0.5e-9, "t_max": high}
     assert wall(high).shoot([0, 0, 0], [0, 0, 1], **within, dtype="f4").t == 2

@@ -172,7 +172,7 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] when there are not as many `faces` as triangles.
+    /// [`Error::Argument`] when there are not as many `faces` as triangles, or one is no identifier: 2^31 or more.
     pub fn with_faces(mut self, faces: Vec<u32>) -> Result<Self> {
         if faces.len() != self.triangles.len() {
             return Err(Error::argument(
@@ -180,6 +180,9 @@ impl Mesh {
                 "one for each triangle",
                 faces.len(),
             ));
+        }
+        if let Some(&face) = faces.iter().find(|&&face| i32::try_from(face).is_err()) {
+            return Err(Error::argument("faces", "below 2^31", face));
         }
         self.faces = Some(faces);
         Ok(self)

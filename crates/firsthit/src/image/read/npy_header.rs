@@ -186,12 +186,18 @@ impl NpyHeader {
     }
 }
 
+/// As many as NumPy 2 allows.
+const MOST_AXES: usize = 64;
+
 /// Column by column to row by row.
 fn in_c_order<T: Copy>(values: &[T], shape: &[usize]) -> Result<Vec<T>, String> {
+    // Axes of length one move nothing.
+    let sides = shape.iter().rev().copied().filter(|&side| side != 1);
+    let sides: Vec<usize> = sides.collect();
     let place = |index: usize| {
         // The last axis runs fastest here and slowest there.
         let (mut rest, mut stride, mut place) = (index, values.len(), 0);
-        for &side in shape.iter().rev() {
+        for &side in &sides {
             stride /= side;
             place += rest % side * stride;
             rest /= side;
@@ -295,6 +301,9 @@ impl Literal<'_> {
         let Value::Sequence(sides) = shape.ok_or_else(|| missing("shape"))? else {
             return Err("shape must be a tuple".to_owned());
         };
+        if sides.len() > MOST_AXES {
+            return Err(format!("{} axes are more than NumPy has", sides.len()));
+        }
         let shape = sides.iter().map(side).collect::<Result<Vec<u64>, _>>()?;
         // The product without the zeros: nothing multiplies on without minding where that leads.
         let elements = shape
@@ -527,6 +536,22 @@ mod tests {
 
     fn dictionary(descr: &str, order: &str, shape: &str) -> String {
         format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}  \n")
+    }
+
+    /// Each axis once took its part of each element's time.
+    #[test]
+    fn axes_are_as_many_as_in_numpy() {
+        let shape = |axes: usize| format!("({}2, 3)", "1, ".repeat(axes - 2));
+        let header = dictionary("'<i4'", "True", &shape(64));
+        let data: Vec<u8> = (0..24).collect();
+        let bytes = file(2, &header, &data);
+        let (header, data) = NpyHeader::parse(&bytes).unwrap();
+        let Some(NpyValues::Whole(values)) = header.values(data).unwrap() else {
+            panic!("{header:?}");
+        };
+        assert_eq!(values[1], i64::from(i32::from_le_bytes([8, 9, 10, 11])));
+        let message = refusal(&dictionary("'<i4'", "True", &shape(65)));
+        assert!(message.contains("65 axes"), "{message}");
     }
 
     fn refusal(header: &str) -> String {
