@@ -174,6 +174,10 @@ class Hits:
         A triangle's is the mean of its corners by the weights of `barycentric`, off its plane by
         a few 2^-53 of the largest coordinate. Any other shape's is ``origin + t * direction`` moved
         onto the shape, off that by a few 2^-53 of the shape's largest coordinate and size.
+
+        That is on either side of the surface, so a ray from there may meet it again. Start it from
+        ``position + h * normal``, ``h`` being 1e-9 of the largest coordinate and the normal on the
+        side of the new direction. On the same ray, ``t_min=hits.t`` goes on exactly.
         """
         return self.channel("position")
 

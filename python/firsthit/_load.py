@@ -40,7 +40,8 @@ def load(
         Whether unusable triangles, and a text file that seems to be truncated, are
         errors instead of warnings.
     max_memory : int
-        How many bytes of memory the file's content may take.
+        How many bytes of memory the file's content may take. Beside it, what the file describes
+        (vertices, triangles, objects) may take 256 times its size and 1/256 of ``max_memory``.
     max_texture : int
         How many texels a texture may have across or down, and the root of how many bytes in all.
 

@@ -321,7 +321,8 @@ class Scene:
             Arrays are copied, for the hits to compute from: they may be changed afterwards.
         t_min, t_max : (...) array_like
             Where rays begin and end: what is met has ``t_min < t <= t_max``. With a ``t_min`` of
-            zero, a surface that a ray starts on is not met. With a negative one it is, and so is
+            zero, a surface that a ray starts on is not met if the origin is exactly on it; a
+            rounded one is to one side (see `Hits.position`). With a negative one it is, and so is
             what is behind the origin down to there.
         threads : int, optional
             How many to use, here and for the attributes of the hits; all cores if left out. The

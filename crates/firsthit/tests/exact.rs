@@ -288,7 +288,11 @@ fn positions_in_slivers_are_where_the_ray_is() {
         let corners = [[a, b, c], [b, c, a], [c, a, b]][k as usize % 3];
         let scene = scene(vec![Object::new(triangle(corners))]);
         let [v, w] = [numbers.unit(), numbers.unit()];
-        let [v, w] = if v + w > 1.0 { [1.0 - v, 1.0 - w] } else { [v, w] };
+        let [v, w] = if v + w > 1.0 {
+            [1.0 - v, 1.0 - w]
+        } else {
+            [v, w]
+        };
         let [a, b, c] = corners;
         let target = a + v * (b - a) + w * (c - a);
         let direction = numbers.point();

@@ -69,7 +69,9 @@ fn ends(args: &ShootArgs) -> Result<(Option<f64>, Option<f64>), Failure> {
     if let Some(t_max) = args.t_max
         && args.t_min.unwrap_or(0.0) >= t_max
     {
-        return Err(Failure::usage("--t-max must be above --t-min, which is 0 if not given"));
+        return Err(Failure::usage(
+            "--t-max must be above --t-min, which is 0 if not given",
+        ));
     }
     Ok((args.t_min, args.t_max))
 }

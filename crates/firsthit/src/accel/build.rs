@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn identical_boxes_make_a_balanced_tree() {
         let bounds = Bounds::of([DVec3::ZERO, DVec3::ONE]);
-        let bvh = Bvh::build(20_000, |_| bounds, Bvh::TRIANGLES);
+        let bvh = Bvh::build(20_000, |_| bounds, Bvh::OBJECTS);
         assert_eq!(bvh.order.len(), 20_000);
         assert!(depth(&bvh) <= 14, "{}", depth(&bvh));
     }
@@ -294,7 +294,7 @@ mod tests {
             let x = libm::pow(0.7, f64::from(k % 250));
             Bounds::of([DVec3::splat(x), DVec3::splat(x * 1.01)])
         };
-        let bvh = Bvh::build(50_000, spiral, Bvh::TRIANGLES);
+        let bvh = Bvh::build(50_000, spiral, Bvh::OBJECTS);
         assert!(depth(&bvh) <= SAH_DEPTH as usize + 32, "{}", depth(&bvh));
     }
 
@@ -309,7 +309,7 @@ mod tests {
                 .num_threads(threads)
                 .build()
                 .unwrap();
-            pool.install(|| Bvh::build(100_000, bounds, Bvh::TRIANGLES))
+            pool.install(|| Bvh::build(100_000, bounds, Bvh::OBJECTS))
         });
         for tree in &trees[1..] {
             assert_eq!(tree.nodes, trees[0].nodes);

@@ -30,9 +30,7 @@ pub(super) struct Node {
 }
 
 impl Bvh {
-    /// What the float64 triangle test needs as `slack`, and half as much again: see `Slab` below.
-    pub const TRIANGLES: f64 = f64::EPSILON * 16.0;
-    /// What objects need at least: their shapes round more than triangles do. Transforms can ask for more.
+    /// What objects need at least as `slack`, see `Slab` below. Transforms can ask for more.
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
 
     /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
@@ -119,12 +117,10 @@ impl Walk<'_> {
 
 /// A ray made ready for boxes, as wide as all rounding together.
 ///
-/// Three roundings must never lose a candidate: that of the slab test, that of the test that decides
-/// (it may accept a ray that passes a triangle at the distance of its rounding), and that of the `t` it
-/// gives (which the tree compares with the box's). All are shares of the coordinates relative to the
-/// ray's start, which are at most `R = |o| + extent`. In units of `EPSILON * R`: the sheared triangle is
-/// off by 3 across the ray and by 2 along it, and the ray crosses it exactly where the weights say, up
-/// to 3 along the ray; the slab test rounds by 2 at each end. Widening every box by `margin = slack * R`
+/// Three roundings must never lose a candidate: that of the slab test, that of the shape's test (which may accept a ray that passes
+/// at the distance of its rounding), and that of the `t` it gives (which the tree compares with the box's). All
+/// are shares of the coordinates relative to the ray's start, which are at most `R = |o| + extent`. The slab test
+/// rounds by 2 `EPSILON * R` at each end, shapes by up to what [`Bvh::OBJECTS`] says. Widening every box by `margin = slack * R`
 /// covers them; it also moves each entry forwards by `margin / |d|` along the axis of the largest `d`, at
 /// least, so no box is entered after the `t` of a hit in it.
 /// The margin costs nothing: it is in the two origins. (Ize, "Robust BVH Ray Traversal", Journal of

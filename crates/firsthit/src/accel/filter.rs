@@ -17,7 +17,7 @@
 //! `E`, in units of u, of a vertex at the depth D that is P from the start across the axis of the depth: two differences
 //! 2 P; two along the ray, times a slope of at most 1, 2 D; the slope itself D; product and difference, where they are not
 //! fused, D + X. As P is at most X + D, and X twice an extent, that is 6 D and 6 extents. To that comes the
-//! ray's `blur`, three times. The judge's own rounding is 2^-29 of that.
+//! ray's `blur`, three times, in which is what float64 rounds when it makes the ray ready. The judge decides exactly.
 //!
 //! Where the ray meets the inside for certain, its depth is the corners' mean with the sides as weights. Two things are off:
 //! - The corners' places, by E along x and y. Then the plane through them passes the ray at a depth that is off by

@@ -256,7 +256,7 @@ impl Scene {
     /// Where in the world `ray` has its `hit`; NaN for a miss.
     ///
     /// `ray.at(hit.t)` is off by the rounding of everything on the ray's way; this point is on the surface. In object space a
-    /// triangle's is the mean of its corners by the hit's weights, off its plane by 4 * 2^-53 of the largest coordinate. Other shapes'
+    /// triangle's is the mean of its corners by the hit's weights, off its plane by 13 * 2^-53 of the largest coordinate at most. Other shapes'
     /// is `ray.at(hit.t)` moved onto the shape, off that by 8 * 2^-53 of the shape's largest coordinate and its size. A
     /// transform rounds once more.
     pub fn position(&self, ray: &Ray, hit: &Hit) -> DVec3 {

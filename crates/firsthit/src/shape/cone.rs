@@ -197,11 +197,12 @@ impl Surface for Cone {
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
         let at = point - self.bottom;
         let z = at.dot(self.axis);
+        let across = at - z * self.axis;
         match primitive {
-            1 => point - z * self.axis,
-            2 => point - (z - self.height) * self.axis,
+            1 => self.bottom + across.clamp_length_max(self.bottom_radius),
+            2 => self.bottom + self.height * self.axis + across.clamp_length_max(self.top_radius),
             _ => {
-                let across = at - z * self.axis;
+                let z = z.clamp(0.0, self.height);
                 let radius = self.bottom_radius + self.slope() * z;
                 let outwards = if across == DVec3::ZERO {
                     DVec3::ZERO
