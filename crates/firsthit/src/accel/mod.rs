@@ -42,5 +42,5 @@ pub use mesh_tree::MeshTree;
 pub(crate) use packet::{Packet, RAYS, turned};
 pub(crate) use search::{Answers, Search, Searcher};
 pub(crate) use tile::{Arbiter, BLOCK, TILE, Tile, Winner, fill, pixel, place};
-pub(crate) use verdict::{Common, Corners, Pencil, quotient, verdict};
+pub(crate) use verdict::{Common, Corners, InLanes, Pencil, verdict};
 pub(crate) use walk::{END, Scratch, ask, each};

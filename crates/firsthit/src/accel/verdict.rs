@@ -330,22 +330,9 @@ impl Common {
     }
 }
 
-/// `a / b` by the inverse of `b`, as `quotient` of `shape/triangle.rs`.
-#[inline(always)]
-pub(crate) fn quotient<L: Lanes>(
-    l: L,
-    a: L::Doubles,
-    b: L::Doubles,
-    inverse: L::Doubles,
-) -> L::Doubles {
-    let first = l.mul64(a, inverse);
-    let beyond = l.fused_mul_sub64(first, b, a);
-    l.fused_neg_mul_add64(beyond, inverse, first)
-}
-
 /// Eight float64 at a time.
 #[derive(Debug, Clone, Copy)]
-struct InLanes<L>(L);
+pub(crate) struct InLanes<L>(pub(crate) L);
 
 impl<L: Lanes> Arithmetic for InLanes<L> {
     type Number = L::Doubles;

@@ -17,6 +17,7 @@ mod place;
 pub(crate) use place::{Meeting, Place, Plain, PlainStart, Plane, Start};
 
 use super::Crossing;
+use crate::geometry::arithmetic::{Scalar, quotient_by_inverse};
 use crate::geometry::double::{Double, DoubleVector};
 use crate::geometry::exact::{Scaled, determinant};
 use crate::geometry::{DVec2, DVec3, Ray};
@@ -77,7 +78,10 @@ impl Shear {
             origin: ray.origin,
             direction: d,
             axes: [x, y, z],
-            slope: DVec2::new(quotient(d[x], d[z], scale), quotient(d[y], d[z], scale)),
+            slope: DVec2::new(
+                quotient_by_inverse(Scalar, d[x], d[z], scale),
+                quotient_by_inverse(Scalar, d[y], d[z], scale),
+            ),
         }
     }
 
@@ -233,18 +237,6 @@ fn along_axis(d: &DoubleVector<f64>, corners: &[DoubleVector<f64>; 3]) -> Option
     (is_exact(a) && is_exact(b) && is_exact(c)).then(|| [across(a), across(b), across(c)])
 }
 
-/// `a / b` by the inverse of `b`, rounded as a division rounds it, which takes longer. (One multiplication and two fused ones:
-/// Markstein, "Computation of elementary functions on the IBM RISC System/6000 processor", IBM Journal of Research and
-/// Development 34(1), 1990; Brisebarre, Muller and Raina, "Accelerating correctly rounded floating-point division when the
-/// divisor is known in advance", IEEE Transactions on Computers 53(8), 2004.) But `+0 / -1` is `+0`, and where `a` or the
-/// quotient is so small that what is left over has no digits, the last digit may be another.
-#[inline(always)]
-fn quotient(a: f64, b: f64, inverse: f64) -> f64 {
-    let first = a * inverse;
-    let beyond = first.mul_add(b, -a);
-    (-beyond).mul_add(inverse, first)
-}
-
 /// Two to the power of 500.
 const HUGE: f64 = f64::from_bits((1023 + 500) << 52);
 
@@ -305,30 +297,6 @@ mod tests {
                 3.0,
                 "{ray:?}"
             );
-        }
-    }
-
-    #[test]
-    fn a_quotient_by_the_inverse_is_rounded_as_that_of_a_division() {
-        let digits = |k: u64| k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 12;
-        let number = |exponent: u64, digits: u64| f64::from_bits(exponent << 52 | digits);
-        let ones = (1 << 52) - 1;
-        for k in 0..200_000 {
-            // From 1 to 2, the hardest of them next to the ends, of any size, and a little below the divisor.
-            let near = digits(k) >> (k % 53);
-            let any = number(1023 - 300 + k % 600, digits(!k));
-            for b in [number(1023, near), number(1023, ones - near)] {
-                for a in [
-                    any,
-                    number(1023, ones - near / 2),
-                    b - (k % 9) as f64 * f64::EPSILON,
-                ] {
-                    for (a, b) in [(a, b), (-a, b), (a, -2.0 * b), (b, b), (0.0, b), (-0.0, b)] {
-                        let found = quotient(a, b, 1.0 / b);
-                        assert_eq!(found.to_bits(), (a / b).to_bits(), "{a:e} / {b:e}");
-                    }
-                }
-            }
         }
     }
 

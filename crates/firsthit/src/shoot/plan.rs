@@ -129,8 +129,9 @@ fn is_moderate(grid: &PixelGrid) -> bool {
     range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80
 }
 
-/// Whether no part of a direction is so small that its quotient, or what [`quotient`](crate::accel::quotient) corrects it
-/// by, has lost digits: a sum of such parts times such sizes is zero or above 1e-160.
+/// Whether no part of a direction is so small that its quotient, or what
+/// [`quotient_by_inverse`](crate::geometry::arithmetic::quotient_by_inverse) corrects it by, has lost digits: a sum of such parts times
+/// such sizes is zero or above 1e-160.
 fn has_digits(grid: &PixelGrid) -> bool {
     let is_sound = |x: f64| x == 0.0 || x.abs() >= 1e-60;
     let vectors = [grid.toward, grid.right, grid.upwards];

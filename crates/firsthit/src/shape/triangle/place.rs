@@ -519,8 +519,9 @@ impl Meeting<f64> {
         let plane = Plane::new(Scalar, &self.corners);
         let (of_start, start) = plane.seen_from(Scalar, &self.origin);
         let (of_slope, t) = plane.t(Scalar, &start, &self.direction);
-        // The rest is off by less than a sixteenth of a unit in the last place.
-        let is_nearest = t.high + 1.125 * t.low == t.high;
+        // Both are off by 2^-57 of themselves (see `SURE`), so `t` is by an eighth of a unit in the last place at most. The rest must stay
+        // away from a half by more: by a sixth, where 1.5 times it still rounds to nothing.
+        let is_nearest = t.high + 1.5 * t.low == t.high;
         if of_start && of_slope && is_nearest {
             return t.high;
         }

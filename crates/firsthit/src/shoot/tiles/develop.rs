@@ -2,9 +2,10 @@
 
 use super::Work;
 use crate::accel::{
-    BLOCK, Common, Corners, MeshTree, Pencil, Tile, Winner, pixel, quotient, turned, verdict,
+    BLOCK, Common, Corners, InLanes, MeshTree, Pencil, Tile, Winner, pixel, turned, verdict,
 };
 use crate::geometry::Hit;
+use crate::geometry::arithmetic::quotient_by_inverse;
 use crate::scene::Object;
 use crate::shape::Mesh;
 use crate::shoot::hits::{BlockOfHits, HitSlices};
@@ -247,7 +248,10 @@ impl Work<'_> {
             };
             let inverse = l.div64(l.splat64(1.0), length);
             // The quotient is that of a division, see `plan.rs`.
-            (origin, vector!(k => quotient(l, point[k], length, inverse)))
+            (
+                origin,
+                vector!(k => quotient_by_inverse(InLanes(l), point[k], length, inverse)),
+            )
         };
         let place = object.transform().world_from_object().translation;
         let matrix = &object.transform().object_from_world().matrix3;
