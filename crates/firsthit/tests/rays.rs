@@ -60,6 +60,29 @@ fn a_negative_t_min_lets_a_ray_see_where_it_starts() {
     }
 }
 
+/// Where a ray begins is rounded as much as the far origin is: here to behind what is met just after.
+#[test]
+fn rounding_does_not_lose_what_is_just_after_a_negative_t_min() {
+    let (origin, speed, t_min) = (81481446.21668841, 1.4898063027663566, -54692644.31583426);
+    let level = DVec3::new(-1.0, -1.0, f64::from(-1.500_011_6e-8_f32));
+    let scene = of(mesh(
+        &[level, level + 4.0 * DVec3::X, level + 4.0 * DVec3::Y],
+        vec![[0, 1, 2]],
+    )
+    .into());
+    let ray = Ray::new(DVec3::new(0.0, 0.0, origin), DVec3::new(0.0, 0.0, speed));
+    assert!(!agree(&scene, &ray.beyond(t_min)).is_miss());
+    let mut numbers = Numbers::new(12);
+    for _ in 0..2000 {
+        let speed = numbers.point() + 3.0 * DVec3::Z;
+        let ray = Ray::new(speed * 1e6 * numbers.unit() + 1e-8 * numbers.point(), speed);
+        let through = agree(&scene, &ray.beyond(f64::NEG_INFINITY)).t;
+        for t_min in [through.next_down(), through - 1e-9, through] {
+            let _ = agree(&scene, &ray.beyond(t_min));
+        }
+    }
+}
+
 #[test]
 fn what_is_behind_is_met_in_the_order_of_t() {
     let mut numbers = Numbers::new(11);
