@@ -229,6 +229,11 @@ fn pictures_have_exact_distances() {
     assert!(hits > 1000, "{hits}");
 }
 
+/// Two to the power of `exponent`.
+fn power(exponent: i64) -> f64 {
+    f64::from_bits(u64::try_from(1023 + exponent).unwrap() << 52)
+}
+
 /// Rays at corners and edges, from where it is exactly so and from where it is by rounding only; the vertices of a closed mesh and its
 /// silhouette are part of it.
 #[test]
@@ -240,8 +245,8 @@ fn edges_and_corners_are_decided_exactly() {
     for (digits, scale) in [
         (1.0, 1.0),
         (4.0, 1.0),
-        (4.0, 2_f64.powi(-490)),
-        (4.0, 2_f64.powi(470)),
+        (4.0, power(-490)),
+        (4.0, power(470)),
         (1e3, 1.0),
         (1e15, 1.0),
     ] {
@@ -281,11 +286,11 @@ fn edges_and_corners_are_decided_exactly() {
 fn positions_in_slivers_are_where_the_ray_is() {
     let mut numbers = Numbers::new(25);
     let mut hits = 0;
-    for k in 0..4000 {
+    for k in 0..4000_i64 {
         let [a, b, across] = [0, 1, 2].map(|_| numbers.point());
-        let thickness = 10_f64.powi(-(k % 17));
+        let thickness = power(-3 * (k % 18));
         let c = a.lerp(b, 1.2 * numbers.unit()) + thickness * across;
-        let corners = [[a, b, c], [b, c, a], [c, a, b]][k as usize % 3];
+        let corners = [[a, b, c], [b, c, a], [c, a, b]][usize::try_from(k % 3).unwrap()];
         let scene = scene(vec![Object::new(triangle(corners))]);
         let [v, w] = [numbers.unit(), numbers.unit()];
         let [v, w] = if v + w > 1.0 {

@@ -63,7 +63,11 @@ fn a_negative_t_min_lets_a_ray_see_where_it_starts() {
 /// Where a ray begins is rounded as much as the far origin is: here to behind what is met just after.
 #[test]
 fn rounding_does_not_lose_what_is_just_after_a_negative_t_min() {
-    let (origin, speed, t_min) = (81481446.21668841, 1.4898063027663566, -54692644.31583426);
+    let (origin, speed, t_min) = (
+        81_481_446.216_688_41,
+        1.489_806_302_766_356_6,
+        -54_692_644.315_834_26,
+    );
     let level = DVec3::new(-1.0, -1.0, f64::from(-1.500_011_6e-8_f32));
     let scene = of(mesh(
         &[level, level + 4.0 * DVec3::X, level + 4.0 * DVec3::Y],

@@ -86,7 +86,7 @@ fn high<N: Copy>(v: &DoubleVector<N>) -> Vector<N> {
 #[derive(Debug, Clone, Copy)]
 struct Edges<N> {
     /// `E` and `F`.
-    edges: [Vector<N>; 2],
+    vectors: [Vector<N>; 2],
     normal: Vector<N>,
     /// One over the normal's square.
     of_normal: N,
@@ -99,18 +99,18 @@ impl<N: Copy> Edges<N> {
     #[inline(always)]
     fn new<A: Arithmetic<Number = N>>(
         a: A,
-        edges: [Vector<N>; 2],
+        vectors: [Vector<N>; 2],
         normal: Vector<N>,
     ) -> (Self, [N; 2]) {
         let squares = [
-            plain_dot(a, &edges[0], &edges[0]),
-            plain_dot(a, &edges[1], &edges[1]),
+            plain_dot(a, &vectors[0], &vectors[0]),
+            plain_dot(a, &vectors[1], &vectors[1]),
         ];
         let one = a.number(1.0);
         let of_normal = a.div(one, plain_dot(a, &normal, &normal));
         let of_first = a.div(one, squares[0]);
         let edges = Self {
-            edges,
+            vectors,
             normal,
             of_normal,
             of_first,
@@ -144,7 +144,7 @@ impl<N: Copy> Edges<N> {
     /// The same; rounding may make that of `E` less than zero, or the sum more than one.
     #[inline(always)]
     fn inside<A: Arithmetic<Number = N>>(&self, a: A, r: &Vector<N>) -> [N; 2] {
-        let [e, f] = &self.edges;
+        let [e, f] = &self.vectors;
         let zero = a.number(0.0);
         // Turned about `n`, so that what `r` is off the plane does not count.
         let turned = plain_cross(a, &self.normal, r);
@@ -167,7 +167,7 @@ impl<N: Copy> Edges<N> {
         r: &Vector<N>,
         is_first: A::Mask,
     ) -> [N; 2] {
-        let [e, f] = &self.edges;
+        let [e, f] = &self.vectors;
         let (zero, one) = (a.number(0.0), a.number(1.0));
         let along_first = a.div(plain_dot(a, r, f), plain_dot(a, f, f));
         let g = minus(a, f, e);
@@ -209,7 +209,7 @@ impl<N: Copy> Plain<N> {
         // Both inverses by one division.
         let inverse = a.div(a.number(1.0), a.mul(squared, of_first));
         let edges = Edges {
-            edges: [e, f],
+            vectors: [e, f],
             normal,
             of_normal: a.mul(inverse, of_first),
             of_first: a.mul(inverse, squared),
@@ -376,9 +376,9 @@ impl Edges<f64> {
     /// The same in all lanes.
     #[inline(always)]
     fn splat<A: Arithmetic>(&self, a: A) -> Edges<A::Number> {
-        let [e, f] = &self.edges;
+        let [e, f] = &self.vectors;
         Edges {
-            edges: [splat(a, e), splat(a, f)],
+            vectors: [splat(a, e), splat(a, f)],
             normal: splat(a, &self.normal),
             of_normal: a.number(self.of_normal),
             of_first: a.number(self.of_first),
@@ -562,7 +562,7 @@ impl Meeting<f64> {
         let [v, w] = if v < 0.0 || v + w > 1.0 {
             let unit = e.unit.max(f.unit);
             let [e, f] = [(0, e.unit), (1, f.unit)]
-                .map(|(k, of_edge)| edges.edges[k].map(|x| x * (of_edge / unit)));
+                .map(|(k, of_edge)| edges.vectors[k].map(|x| x * (of_edge / unit)));
             let (edges, _) = Edges::new(Scalar, [e, f], n);
             edges.on_an_edge(Scalar, &r.map(|x| x * (start.unit / unit)), v < 0.0)
         } else {
