@@ -190,7 +190,7 @@ pub(crate) struct Plain<N> {
     squared: N,
     /// The longer edge's square.
     size: N,
-    /// The square of what the origin's distance must be more than, in lengths of the normal.
+    /// The square of what `above` must be more than, see the derivation.
     error: N,
 }
 
@@ -284,7 +284,7 @@ impl<N: Copy> Plain<N> {
 pub(crate) struct PlainStart<N> {
     /// From the origin to corner 0.
     start: DoubleVector<N>,
-    /// The origin's distance from the plane, in lengths of its normal.
+    /// The origin's distance from the plane times the length of the normal: `n.R`.
     above: N,
 }
 
@@ -368,7 +368,7 @@ impl<N: Copy> Plane<N> {
 pub(crate) struct Start<N> {
     /// From the origin to corner 0.
     start: DoubleVector<N>,
-    /// The origin's distance from the plane, in lengths of its normal.
+    /// The origin's distance from the plane times the length of the normal: `n.R`.
     above: Double<N>,
 }
 
