@@ -281,6 +281,27 @@ fn edges_and_corners_are_decided_exactly() {
     assert!(hits > 1500 && misses > 10, "{hits} {misses}");
 }
 
+/// An edge where the products of a side round to the same number, at sizes where what is left of them is tiny.
+#[test]
+fn edges_of_tiny_triangles_are_met() {
+    let corners = [
+        [1.25, 0.125, 0.0],
+        [0.125, 1.0, 0.125],
+        [0.0625, 0.125, 1.0],
+    ];
+    let origin = DVec3::new(0.0625, 1.5, 14.3125);
+    let direction = DVec3::new(0.625, -0.9375, -14.25);
+    for exponent in [0, -440, -460, -490] {
+        let scale = power(exponent);
+        let corners = corners.map(|corner| scale * DVec3::from(corner));
+        let scene = scene(vec![Object::new(triangle(corners))]);
+        let ray = Ray::new(scale * origin, direction);
+        let hit = agree(&scene, &ray);
+        assert!(!hit.is_miss(), "{exponent}");
+        check(&scene, &ray, &hit);
+    }
+}
+
 /// However thin a triangle is, the point of its weights is where the ray meets it.
 #[test]
 fn positions_in_slivers_are_where_the_ray_is() {
