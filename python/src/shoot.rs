@@ -1,7 +1,7 @@
 //! Rays to hits, and what can be asked about them.
 
 use firsthit::channel::{KINDS, Shots, kind};
-use firsthit::shoot::{HitSlices, Trees, any_hit, first_hit, occluded_all, shoot_all_to};
+use firsthit::shoot::{Answers, Cpu, Engine, HitSlices};
 use firsthit::{Color, DVec3, Hit, Rays};
 use numpy::PyReadwriteArray1;
 use pyo3::exceptions::PyValueError;
@@ -38,14 +38,14 @@ pub(crate) fn shoot<'py>(
         return report_done(report, count);
     }
     run_reported(py, threads, report, |stop| {
-        shoot_all_to(&scene.0, &rays.copied(copies), out, stop)
+        Cpu::default().trace(&scene.0, &rays.copied(copies), Answers::First(out), stop)
     })
 }
 
 /// By the calling thread alone.
 fn shoot_few<R: Rays>(scene: &Scene, rays: &R, out: &mut HitSlices<'_>) {
     for k in 0..rays.len() {
-        out.put(k, &first_hit::<Trees>(&scene.0, &rays.ray(k)));
+        out.put(k, &Cpu::default().first_hit(&scene.0, &rays.ray(k)));
     }
 }
 
@@ -70,7 +70,7 @@ pub(crate) fn shoot_camera<'py>(
         return report_done(report, count);
     }
     run_reported(py, threads, report, |stop| {
-        shoot_all_to(&scene.0, camera, out, stop)
+        Cpu::default().trace(&scene.0, camera, Answers::First(out), stop)
     })
 }
 
@@ -89,16 +89,31 @@ pub(crate) fn occluded<'py>(
     if rays.len() < FEW {
         guarded(|| {
             for (k, found) in out.iter_mut().enumerate() {
-                *found = any_hit(&scene.0, &rays.ray(k));
+                *found = Cpu::default().any_hit(&scene.0, &rays.ray(k));
             }
         })?;
         return report_done(report.as_ref(), rays.len());
     }
-    let found = run_reported(py, threads, report.as_ref(), |stop| {
-        occluded_all(&scene.0, &rays, stop)
-    })?;
-    out.copy_from_slice(&found);
-    Ok(())
+    run_reported(py, threads, report.as_ref(), |stop| {
+        Cpu::default().trace(&scene.0, &rays, Answers::Any(out), stop)
+    })
+}
+
+/// How many times rays in arrays meet a surface, written to `out`.
+#[pyfunction]
+pub(crate) fn count<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    rays: RayArrays<'py>,
+    threads: usize,
+    mut out: PyReadwriteArray1<'py, u32>,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<()> {
+    let out = out.as_slice_mut().map_err(not_contiguous)?;
+    let rays = rays.slices(out.len())?;
+    run_reported(py, threads, report.as_ref(), |stop| {
+        Cpu::default().trace(&scene.0, &rays, Answers::Count(out), stop)
+    })
 }
 
 /// A channel of the hits of rays, or of a camera's rays.

@@ -7,8 +7,8 @@ use firsthit::channel::kind;
 use firsthit::image::Data;
 use firsthit::io::LoadSettings;
 use firsthit::shape::{Mesh, Positions};
-use firsthit::shoot::{BruteForce, first_hit, occluded_all, shoot_all_into};
-use firsthit::{Camera, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Shading, render};
+use firsthit::shoot::{Any, BruteForce, Cpu, Engine, First, trace, trace_into};
+use firsthit::{Camera, Hit, Hits, Object, Ray, Rays, Scene, Shading, render};
 
 /// The objects of a file.
 pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
@@ -17,10 +17,9 @@ pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
     Ok(model.objects)
 }
 
-/// Builds the trees, to be shot at with an instruction set.
-pub(crate) fn build(objects: &[Object], set: InstructionSet) -> Result<Scene, String> {
-    let scene = Scene::new(objects.to_vec()).map_err(|error| error.to_string())?;
-    Ok(scene.with_instruction_set(set))
+/// Builds the trees.
+pub(crate) fn build(objects: &[Object]) -> Result<Scene, String> {
+    Scene::new(objects.to_vec()).map_err(|error| error.to_string())
 }
 
 /// The same objects, with the vertices of their meshes moved a little.
@@ -45,12 +44,12 @@ pub(crate) fn moved(objects: &[Object]) -> Result<Vec<Object>, String> {
 
 /// The first hits of all rays, of a camera or from an array, into memory that is used again.
 pub(crate) fn first_hits(scene: &Scene, rays: &(impl Rays + ?Sized), hits: &mut Hits) {
-    shoot_all_into(scene, rays, hits, &()).expect(STOPPED);
+    trace_into(&Cpu::default(), scene, rays, (First, hits), &()).expect(STOPPED);
 }
 
 /// Whether each ray meets anything.
 pub(crate) fn any_hits(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
-    occluded_all(scene, rays, &()).expect(STOPPED)
+    trace(scene, rays, Any, &()).expect(STOPPED)
 }
 
 /// The colours of a picture, three numbers for each pixel.
@@ -73,5 +72,5 @@ const STOPPED: &str = "there is memory for a million hits, and nobody stops it";
 
 /// The first hit by the judge: every triangle, in float64.
 pub(crate) fn judge(scene: &Scene, ray: &Ray) -> Hit {
-    first_hit::<BruteForce>(scene, ray)
+    BruteForce.first_hit(scene, ray)
 }

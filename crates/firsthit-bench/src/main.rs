@@ -20,6 +20,7 @@ mod tree;
 use std::process::ExitCode;
 
 use clap::Parser;
+use firsthit::InstructionSet;
 use rayon::ThreadPoolBuilder;
 
 use embree::Library;
@@ -40,6 +41,16 @@ fn main() -> ExitCode {
     }
 }
 
+/// Makes an instruction set the one that everything is shot with.
+#[expect(
+    unsafe_code,
+    reason = "the environment is changed before there are other threads"
+)]
+fn choose(set: InstructionSet) {
+    // SAFETY: this is the only thread so far.
+    unsafe { std::env::set_var("FIRSTHIT_ISA", set.name()) };
+}
+
 /// The whole table; false when an answer of firsthit is not the judge's.
 fn run(settings: &Settings) -> Result<bool, String> {
     let library = settings
@@ -50,6 +61,9 @@ fn run(settings: &Settings) -> Result<bool, String> {
         .map_err(|error| format!("--embree: {error}"))?;
     let device = |library| embree::Device::new(library, settings.embree_isa());
     let device = library.as_ref().map(device).transpose()?;
+    if let Some(set) = settings.isa {
+        choose(set);
+    }
     // The main thread is the one worker of the default pool: what is measured runs here, on one thread.
     let failed = |error: rayon::ThreadPoolBuildError| error.to_string();
     let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread();

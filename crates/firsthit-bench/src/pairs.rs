@@ -17,11 +17,10 @@ use crate::settings::Settings;
 pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
     let mut client = Client(io::stdin().lock());
     let failed = |error: io::Error| format!("--pairs: {error}");
-    let set = settings.instruction_set()?;
     for name in settings.scenes()? {
         let scene = scenes::find(&name, settings)?;
-        let built = firsthit_side::build(&scene.objects, set)?;
-        let mut build = || drop(black_box(firsthit_side::build(&scene.objects, set)));
+        let built = firsthit_side::build(&scene.objects)?;
+        let mut build = || drop(black_box(firsthit_side::build(&scene.objects)));
         client
             .time(&name, "build", built.triangles() as usize, &mut build)
             .map_err(failed)?;

@@ -49,11 +49,10 @@ pub(crate) fn measure<'a>(
     settings: &Settings,
     pool: &ThreadPool,
 ) -> Result<Trees<'a>, String> {
-    let set = settings.instruction_set()?;
-    let firsthit = firsthit_side::build(&scene.objects, set)?;
+    let firsthit = firsthit_side::build(&scene.objects)?;
     let triangles = firsthit.triangles() as f64;
     let rounds = settings.rounds.min(MOST_ROUNDS);
-    let mut ours = || drop(firsthit_side::build(&scene.objects, set));
+    let mut ours = || drop(firsthit_side::build(&scene.objects));
     let moved = firsthit_side::moved(&scene.objects)?;
     let mut refit = || drop(firsthit.with_objects(moved.clone()));
     let mut theirs = || drop(device.map(|device| device.scene(&scene.triangles, false)));
@@ -63,7 +62,7 @@ pub(crate) fn measure<'a>(
         &mut [&mut ours, &mut theirs, &mut refit],
     );
     let speedup = measure::speedup(rounds, pool, &|| {
-        drop(firsthit_side::build(&scene.objects, set));
+        drop(firsthit_side::build(&scene.objects));
     });
     let embree = match device {
         None => None,

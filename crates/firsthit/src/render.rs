@@ -15,7 +15,7 @@ use crate::memory::filled;
 use crate::sampling::offset;
 use crate::scene::{Background, Light, Scene};
 use crate::shade::Shade;
-use crate::shoot::{Hits, shoot_all};
+use crate::shoot::{First, Hits, trace};
 use crate::watch::Watch;
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
@@ -48,7 +48,7 @@ pub fn render(
     watch: &dyn Watch,
 ) -> Result<Frame> {
     check_samples(samples)?;
-    let hits = shoot_all(scene, camera, watch)?;
+    let hits = trace(scene, camera, First, watch)?;
     develop(scene, camera, &hits, shade, channels, samples, watch)
 }
 
@@ -149,7 +149,7 @@ fn antialiased<const N: usize>(
                     sample_ray(camera, first + pixel, k, samples)
                 };
                 let rays: Vec<Ray> = part.clone().map(ray).collect();
-                let hits = shoot_all(scene, &rays, &())?;
+                let hits = trace(scene, &rays, First, &())?;
                 let mut seen = vec![Color::ZERO; rays.len()];
                 shade.shade_all(&rays, &hits, &mut seen);
                 for ((point, color), &t) in part.zip(seen).zip(&hits.t) {

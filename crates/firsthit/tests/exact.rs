@@ -10,7 +10,7 @@ mod support;
 
 use std::sync::Arc;
 
-use firsthit::shoot::{Trees, first_hit, shoot_all};
+use firsthit::shoot::{Cpu, Engine, First, trace};
 use firsthit::{
     Camera, DAffine3, DMat3, DVec3, Hit, Mesh, Object, Projection, Ray, Scene, Shape, Transform,
 };
@@ -216,11 +216,11 @@ fn pictures_have_exact_distances() {
                 view.projection = Projection::Orthographic;
             }
             let camera = Camera::new(view).unwrap();
-            let all = shoot_all(&scene, &camera, &()).unwrap();
+            let all = trace(&scene, &camera, First, &()).unwrap();
             for index in 0..24 * 32 {
                 let ray = camera.ray(index / 32, index % 32);
                 let hit = all.get(index);
-                assert_eq!(bits(&hit), bits(&first_hit::<Trees>(&scene, &ray)));
+                assert_eq!(bits(&hit), bits(&Cpu::default().first_hit(&scene, &ray)));
                 check(&scene, &ray, &hit);
                 hits += u32::from(!hit.is_miss());
             }

@@ -6,7 +6,7 @@ use std::path::Path;
 use firsthit::geometry::{Color, DVec2, DVec3, Ray, srgb_decode};
 use firsthit::io::{LoadSettings, Model, load};
 use firsthit::shape::PropertyOf;
-use firsthit::shoot::{BruteForce, Trees, first_hit};
+use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{Object, Scene};
 
 /// Loads the first of some files.
@@ -97,8 +97,8 @@ const TEXTURED: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1
 fn seen(model: &Model, x: f64, y: f64) -> Option<Color> {
     let scene = Scene::new(model.objects.clone()).expect("a small scene");
     let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
-    let hit = first_hit::<Trees>(&scene, &ray);
-    let judged = first_hit::<BruteForce>(&scene, &ray);
+    let hit = Cpu::default().first_hit(&scene, &ray);
+    let judged = BruteForce.first_hit(&scene, &ray);
     assert_eq!((hit.t, hit.primitive), (judged.t, judged.primitive));
     scene.color(&hit)
 }

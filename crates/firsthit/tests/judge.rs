@@ -11,7 +11,7 @@ mod support;
 
 use std::sync::Arc;
 
-use firsthit::shoot::{Trees, any_hit, first_hit, shoot_all};
+use firsthit::shoot::{Cpu, Engine, First, trace};
 use firsthit::{
     Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Hit, Object, Plane, Ray, Sphere,
     Transform, shoot,
@@ -304,14 +304,14 @@ fn rays_that_make_no_sense_miss_and_leave_their_neighbours_alone() {
         good.beyond(4.5).up_to(4.5),
     ];
     let rays: Vec<Ray> = bad.iter().flat_map(|&bad| [good, bad]).collect();
-    let hits = shoot_all(&scene, &rays, &()).unwrap();
+    let hits = trace(&scene, &rays, First, &()).unwrap();
     for (k, ray) in rays.iter().enumerate() {
         let hit = hits.get(k);
         if k % 2 == 0 {
             assert_eq!((hit.t, hit.object, hit.primitive), (4.0, 0, 0));
         } else {
             assert_eq!(bits(&hit), bits(&Hit::MISS), "{ray:?}");
-            assert!(!any_hit(&scene, ray), "{ray:?}");
+            assert!(!Cpu::default().any_hit(&scene, ray), "{ray:?}");
         }
     }
 }
@@ -406,12 +406,15 @@ fn batches_of_every_size_and_any_number_of_threads_give_the_same() {
                 .num_threads(threads)
                 .build()
                 .unwrap();
-            pool.install(|| shoot_all(&scene, &all[..size], &()).unwrap())
+            pool.install(|| trace(&scene, &all[..size], First, &()).unwrap())
         });
         for hits in &results {
             assert_eq!(hits.len(), size);
             for (k, ray) in all[..size].iter().enumerate() {
-                assert_eq!(bits(&hits.get(k)), bits(&first_hit::<Trees>(&scene, ray)));
+                assert_eq!(
+                    bits(&hits.get(k)),
+                    bits(&Cpu::default().first_hit(&scene, ray))
+                );
             }
         }
     }

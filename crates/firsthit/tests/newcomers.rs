@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use firsthit::io::{LoadSettings, Model, load_bytes};
 use firsthit::render::{BACKGROUND, SAMPLES, framing_camera, shoulder_light};
-use firsthit::shoot::shoot_all;
+use firsthit::shoot::{First, trace};
 use firsthit::{
     Background, Camera, Color, DVec3, Hit, Material, Mesh, Object, Positions, Render, Scene,
     Shader, Shading, Sphere, Texture, TextureMap, View, camera::StandardView, channel, image,
@@ -119,7 +119,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
     };
     let scene = Scene::new(objects).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [50, 60]).unwrap();
-    let hits = shoot_all(&scene, &camera, &()).unwrap();
+    let hits = trace(&scene, &camera, First, &()).unwrap();
     let channels: Vec<_> = channel::KINDS.iter().map(|kind| kind.name).collect();
     let frame = Render::new(&scene)
         .size(50, 60)

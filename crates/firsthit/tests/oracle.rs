@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use firsthit::io::{LoadSettings, load};
-use firsthit::shoot::{BruteForce, Trees, first_hit};
+use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{Camera, DVec3, Object, Plane, Projection, Ray, Scene, Sphere, View};
 use serde_json::Value;
 
@@ -132,7 +132,7 @@ fn check_case(path: &Path, folder: &Path) {
     let mut clear = 0;
     for row in 0..camera.rows() {
         for column in 0..camera.columns() {
-            let hit = first_hit::<Trees>(&scene, &camera.ray(row, column));
+            let hit = Cpu::default().first_hit(&scene, &camera.ray(row, column));
             let number = before
                 .get(hit.object as usize)
                 .map_or(-1, |first| first + hit.primitive);
@@ -171,12 +171,12 @@ fn every_ray_from_inside_hits() {
     for k in 0..origins.len() / 3 {
         let at = |array: &[f64]| DVec3::from_slice(&array[3 * k..]);
         let ray = Ray::new(at(origins), at(directions));
-        let hit = first_hit::<Trees>(&scene, &ray);
+        let hit = Cpu::default().first_hit(&scene, &ray);
         assert!(!hit.is_miss(), "{ray:?}");
         if k % 50 == 0 {
             assert_eq!(
                 hit.t.to_bits(),
-                first_hit::<BruteForce>(&scene, &ray).t.to_bits(),
+                BruteForce.first_hit(&scene, &ray).t.to_bits(),
                 "{ray:?}"
             );
         }

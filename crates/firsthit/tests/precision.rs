@@ -10,7 +10,7 @@ mod support;
 
 use std::sync::Arc;
 
-use firsthit::shoot::{BruteForce, Trees, first_hit};
+use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{
     Bounds, Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Object, Ray, Scene, Shape,
     Sphere, Transform, shoot,
@@ -265,7 +265,7 @@ fn the_size_of_a_triangle_does_not_change_which_object_is_met() {
             let eye = DVec3::new(-2.0, 0.0, 1.0) + 0.1 * numbers.point();
             let target = DVec3::new(numbers.unit(), numbers.unit(), 0.0) - 0.5;
             let ray = Ray::new(eye, DVec3::new(target.x, target.y, 0.0) - eye);
-            let hit = first_hit::<Trees>(&scene, &ray);
+            let hit = Cpu::default().first_hit(&scene, &ray);
             assert_eq!(hit.object, 1, "{size} {ray:?} {hit:?}");
             // The tile's corners are up to 7 lengths away, which its `t` may be off by in the last places.
             let exact = (ray.origin.z - 1e-9) / -ray.direction.z;
@@ -275,11 +275,11 @@ fn the_size_of_a_triangle_does_not_change_which_object_is_met() {
             );
             assert_eq!(
                 hit.t.to_bits(),
-                first_hit::<BruteForce>(&scene, &ray).t.to_bits()
+                BruteForce.first_hit(&scene, &ray).t.to_bits()
             );
             // Beside the tile, the floor: to the last place, however far its corners are.
             let beside = Ray::new(eye, DVec3::new(-20.0, target.x, 0.0) - eye);
-            let hit = first_hit::<Trees>(&scene, &beside);
+            let hit = Cpu::default().first_hit(&scene, &beside);
             let exact = beside.origin.z / -beside.direction.z;
             let off = if size < 1e4 { 1e3 } else { 2.0 } * f64::EPSILON;
             assert!(

@@ -10,7 +10,7 @@ use firsthit::channel::{KINDS, Kind, Shots, kind};
 use firsthit::image::{Data, Frame};
 use firsthit::render::work;
 use firsthit::shade::Lambert;
-use firsthit::shoot::shoot_all;
+use firsthit::shoot::{First, trace};
 use firsthit::watch::Watch;
 use firsthit::{
     Background, Camera, Color, Cuboid, DVec3, Disc, Error, Hit, Light, Object, Plane, RayStart,
@@ -401,7 +401,7 @@ fn channels_are_interrupted_too() {
         }
     }
     let (scene, camera) = (example::scene().unwrap(), small_camera());
-    let hits = shoot_all(&scene, &camera, &()).unwrap();
+    let hits = trace(&scene, &camera, First, &()).unwrap();
     let shots = Shots {
         scene: &scene,
         rays: &camera,

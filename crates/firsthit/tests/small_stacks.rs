@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use firsthit::shoot::{any_hit, occluded_all, shoot_all};
+use firsthit::shoot::{Any, Cpu, Engine, First, trace_with};
 use firsthit::{
     Camera, DVec3, InstructionSet, Mesh, Object, Positions, Ray, Scene, Shader, Shading, Sphere,
-    render, shoot,
+    render,
 };
 
 const STACK_BYTES: usize = 256 << 10;
@@ -38,13 +38,20 @@ fn ask_everything(set: InstructionSet) {
         .map(|k| pixel(k * 7919 % camera.pixels()))
         .collect();
     for scene in [alone, beside] {
-        let scene = scene.with_instruction_set(set);
+        let engine = Cpu::with(set);
         let middle = pixel(20 * 60 + 30);
-        assert!(shoot(&scene, middle.origin, middle.direction).t < 5.0);
-        assert!(any_hit(&scene, &middle));
+        assert!(engine.first_hit(&scene, &middle).t < 5.0);
+        assert!(engine.any_hit(&scene, &middle));
         for rays in [&row_by_row, &shuffled] {
-            assert_eq!(shoot_all(&scene, rays, &()).unwrap().len(), rays.len());
-            assert!(occluded_all(&scene, rays, &()).unwrap().contains(&true));
+            assert_eq!(
+                trace_with(&engine, &scene, rays, First, &()).unwrap().len(),
+                rays.len()
+            );
+            assert!(
+                trace_with(&engine, &scene, rays, Any, &())
+                    .unwrap()
+                    .contains(&true)
+            );
         }
         let shade = Shading {
             scene: &scene,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use firsthit::error::escape_controls;
 use firsthit::image::format_of;
 use firsthit::shape::{Property, PropertyOf};
+use firsthit::shoot::Cpu;
 use firsthit::{Bounds, Object, Shape};
 use serde_json::{Value, json};
 
@@ -96,7 +97,7 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         "bounds": corners(scene.bounds()),
         "objects": objects,
         "up": model.up_in(scene).to_array(),
-        "instruction_set": scene.instruction_set().name(),
+        "instruction_set": Cpu::default().instruction_set().name(),
         "cameras": looks.cameras_as_json(most),
         "lights": looks.lights_as_json(most),
         "materials": looks.materials_as_json(most),
@@ -142,7 +143,7 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
         "guessed from a flat base"
     };
     lines.push(format!("up         {} ({source})", triple(up)));
-    let set = scene.instruction_set().name();
+    let set = Cpu::default().instruction_set().name();
     lines.push(format!("kernels    {set}"));
     lines.push(format!("objects    {}", scene.objects().len()));
     let objects = scene.objects().iter().enumerate();

@@ -6,7 +6,7 @@ use firsthit::geometry::meant_as_levels;
 use firsthit::image::WriteSettings;
 use firsthit::io::{Model, Output};
 use firsthit::render::{BACKGROUND, SAMPLES, develop, shoulder_light, work};
-use firsthit::shoot::shoot_all;
+use firsthit::shoot::{First, trace};
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 use serde_json::{Value, json};
 
@@ -189,7 +189,7 @@ pub(crate) fn picture(
     let of_order = |order: &Order| work(camera.pixels(), &order.kinds, samples);
     let total = pixels + orders.iter().map(of_order).sum::<u64>();
     let progress = Progress::new(total, args.quiet || args.json, interrupted);
-    let hits = shoot_all(scene, camera, &progress)?;
+    let hits = trace(scene, camera, First, &progress)?;
     let mut legends = Vec::new();
     for Order { kinds, targets } in orders {
         let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use firsthit::channel::{Kind, Shots};
 use firsthit::image::{Frame, WriteSettings};
 use firsthit::render::{origin, work};
-use firsthit::shoot::{Hits, shoot_all};
+use firsthit::shoot::{First, Hits, trace};
 use firsthit::{Background, Rays as _, Scene, Shader, Shading};
 use serde_json::{Value, json};
 
@@ -160,7 +160,7 @@ fn all_at_once(
     let is_quiet = sinks.is_quiet;
     let total = rays.len() as u64 + work(rays.len(), kinds, 1);
     let progress = Progress::new(total, is_quiet, interrupted);
-    let hits = shoot_all(scene, rays, &progress)?;
+    let hits = trace(scene, rays, First, &progress)?;
     let frame = frame(scene, rays, &hits, kinds, &progress)?;
     drop(progress);
     // Files first: a reader of standard output who has had enough ends the program.

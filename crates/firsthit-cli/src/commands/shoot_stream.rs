@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use firsthit::channel::Kind;
 use firsthit::image::Frame;
-use firsthit::shoot::shoot_all;
+use firsthit::shoot::{First, trace};
 use firsthit::{Rays as _, Scene};
 use rayon::prelude::*;
 
@@ -57,7 +57,7 @@ fn shot(
     kinds: &[&Kind],
     progress: &Progress<'_>,
 ) -> Result<(Frame, u64), Failure> {
-    let hits = shoot_all(scene, rays, progress)?;
+    let hits = trace(scene, rays, First, progress)?;
     let frame = frame(scene, rays, &hits, kinds, progress)?;
     Ok((frame, hits.count_hit() as u64))
 }

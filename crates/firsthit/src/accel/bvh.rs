@@ -1,5 +1,4 @@
-use super::build;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{DVec3, Ray};
 
 /// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
 ///
@@ -32,15 +31,6 @@ pub(super) struct Node {
 impl Bvh {
     /// What objects need at least as `slack`, see `Slab` below. Transforms can ask for more.
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
-
-    /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
-    /// out; each is asked for twice. `slack` is the rounding of the test that decides about the
-    /// candidates, as a share of the coordinates it works with.
-    ///
-    /// Built by all threads of the current rayon pool, and the same for any number of them.
-    pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
-        build::build(count, bounds, slack)
-    }
 
     /// What the tree takes in memory.
     pub fn bytes(&self) -> usize {

@@ -32,8 +32,10 @@
 //! all 2 E X + 8.1 u X^2. (Beams and tiles have a simpler bound: where each side is off by B, the mean is off by B / sum
 //! times what each corner's depth is from it, 2 B spread / sum.)
 
+use super::bounds::{MARGIN, U};
+use super::edges::{Sides, depths};
 use super::meshlet::Meshlet;
-use super::ray::{MARGIN, TreeRay, U};
+use super::rays::tree_ray::TreeRay;
 use crate::simd::Lanes;
 
 /// What float32 knows about a leaf's triangles.
@@ -84,12 +86,8 @@ pub(super) fn filter<L: Lanes>(
 
     let (ax, bx, cx) = (l.permute(x, a), l.permute(x, b), l.permute(x, c));
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
-    let u = l.mul_sub(cx, by, l.mul(cy, bx));
-    let v = l.mul_sub(ax, cy, l.mul(ay, cx));
-    let w = l.mul_sub(bx, ay, l.mul(by, ax));
-    let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
-    let (minus, plus) = (l.sub(l.splat(0.0), bound), bound);
-    let outside = l.lt(least, minus) & l.lt(plus, most);
+    let sides = Sides::new(l, [ax, ay], [bx, by], [cx, cy]);
+    let outside = sides.outside(l, bound);
     let slack = l.mul_add(deep, l.splat(24.0 * U), blur);
     let spread = l.sub(farthest, nearest);
     let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
@@ -99,16 +97,12 @@ pub(super) fn filter<L: Lanes>(
         return None;
     }
     let (sure, ..) = bound!(leaf.extent, 2.0 * MARGIN);
-    let certain = l.lt(sure, least) | l.lt(most, l.sub(l.splat(0.0), sure));
-    let over = l.div(l.splat(1.0), l.add(l.add(u, v), w));
-    let depth = l.mul_add(u, az, l.mul_add(v, bz, l.mul(w, cz)));
-    let depth = l.mul(depth, over);
+    let certain = sides.inside(l, sure);
+    let [depth, over] = sides.depth(l, [az, bz, cz]);
     let share = l.mul_add(error, l.splat(2.1), l.mul(size, l.splat(9.0 * U)));
-    let mean_error = l.mul(l.mul(share, size), l.mul(spread, l.abs(over)));
-    let around = l.add(mean_error, slack);
-    // Where the sides say too little, the triangle's own depths.
-    let low = l.select(certain, l.max(l.sub(depth, around), nearest), nearest);
-    let high = l.select(certain, l.min(l.add(depth, around), farthest), farthest);
+    let mean_error = l.mul(l.mul(share, size), l.mul(spread, over));
+    let error = l.add(mean_error, slack);
+    let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);
     let possible = possible & l.le(low, l.splat(limit)) & l.le(l.splat(0.0), high);
     Some(Candidates {
         possible,

@@ -1,46 +1,49 @@
-//! Which of many things may a ray meet? [`Bvh`] sees boxes, never shapes; [`MeshTree`] sees triangles.
+//! Which of many things may a ray meet? [`Bvh`] is a tree over boxes, [`MeshTree`] one over the triangles of a mesh.
 //!
-//! Float32 only ever rules out; the shapes' own float64 tests decide. So the answer depends neither on the tree
-//! nor on the instruction set, and brute force leads to the same bits.
+//! Float32 only rules out; the float64 tests of `shape` decide. So the answer depends neither on the tree nor on the
+//! instruction set, and brute force leads to the same bits.
+//!
+//! | folder | job |
+//! |---|---|
+//! | `build/` | makes trees |
+//! | `rays/` | makes rays ready for a tree |
+//! | `traverse/` | rays through trees: one, many, many alike |
+//! | `tile/` | a camera's tile through a tree |
 
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
 )]
 
-mod beam;
-mod bins;
+mod bounds;
 mod build;
 mod bvh;
-mod distant;
+mod edges;
+mod exact8;
 mod filter;
-mod frame;
-mod goal;
-mod masked;
 mod mesh_tree;
 mod meshlet;
-mod packet;
-mod ray;
-mod refit;
-mod search;
-mod sharing;
-mod sides;
+mod node;
+mod rays;
+mod space;
 mod tile;
-mod verdict;
-mod visit;
-mod waiting;
-mod walk;
-mod wave;
-mod wide;
+mod traverse;
 
 pub use crate::simd::InstructionSet;
 pub use bvh::Bvh;
 pub(crate) use bvh::{Walk, WalkStack};
-pub(crate) use frame::{Bundle, Frame};
-pub(crate) use goal::{Any, First, Question, Settling};
+pub(crate) use exact8::{Corners, InLanes, RayBundle, SharedTriangle, intersect8};
 pub use mesh_tree::MeshTree;
-pub(crate) use packet::{Packet, RAYS, turned};
-pub(crate) use search::{Answers, Search, Searcher};
-pub(crate) use tile::{Arbiter, BLOCK, TILE, Tile, Winner, fill, pixel, place};
-pub(crate) use verdict::{Common, Corners, InLanes, Pencil, verdict};
-pub(crate) use walk::{END, Scratch, ask, each};
+pub(crate) use rays::packet::{Packet, RAYS, turned};
+pub(crate) use tile::frustum::{TileCamera, TileFrustum};
+pub(crate) use tile::traverse::{TileScratch, fill};
+pub(crate) use tile::visibility::{
+    BLOCK, ExactTest, TILE, TriangleId, VisibilityBuffer, pixel, place,
+};
+pub(crate) use traverse::any::Any;
+pub(crate) use traverse::count::Count;
+pub(crate) use traverse::dispatch::Dispatcher;
+pub(crate) use traverse::first::First;
+pub(crate) use traverse::mesh_packet::{MeshPacket, SettleExactly};
+pub(crate) use traverse::query::{MeshQuery, Sink};
+pub(crate) use traverse::single::{END, Scratch, ask, each};

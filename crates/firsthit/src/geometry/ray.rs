@@ -86,14 +86,15 @@ impl Ray {
 /// Rays by number, made when they are needed.
 ///
 /// ```
-/// use firsthit::{DVec3, Object, Ray, Scene, Sphere, shoot::shoot_all};
+/// use firsthit::shoot::{First, trace};
+/// use firsthit::{DVec3, Object, Ray, Scene, Sphere};
 ///
 /// // An array of rays is one; so is a camera.
 /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
 /// let rays: Vec<Ray> = (0..5)
 ///     .map(|k| Ray::new(DVec3::new(0.5 * f64::from(k), 0.0, 5.0), DVec3::NEG_Z))
 ///     .collect();
-/// assert_eq!(shoot_all(&scene, &rays, &())?.object, [0, 0, 0, -1, -1]);
+/// assert_eq!(trace(&scene, &rays, First, &())?.object, [0, 0, 0, -1, -1]);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 pub trait Rays: Sync {

@@ -6,7 +6,7 @@
 )]
 
 mod background;
-mod covered;
+mod duplicates;
 #[cfg(feature = "frame")]
 mod fingerprint;
 mod light;
@@ -26,6 +26,8 @@ pub use light::Light;
 pub use material::{AlphaMode, Material};
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
+
+use duplicates::Duplicates;
 
 use crate::accel::{Bvh, InstructionSet, MeshTree, Walk, WalkStack};
 use crate::error::{Error, Result};
@@ -58,11 +60,10 @@ pub struct Scene {
     /// The objects that every ray is a candidate for: they have no finite box, or only a vague one, or there
     /// are so few that asking the tree would take longer.
     unconditional: Vec<u32>,
-    /// Whether an earlier object has every hit of an object: no ray needs to be asked about it.
-    covered: Vec<bool>,
+    /// Objects in the same place as an earlier one, which are in no tree.
+    duplicates: Duplicates,
     bounds: Bounds,
     lights: Vec<Light>,
-    instruction_set: InstructionSet,
     has_own_lights: bool,
     /// See [`Scene::up`].
     up: Option<DVec3>,
@@ -123,15 +124,17 @@ impl Scene {
                 limit,
             });
         };
+        // A wrong setting is told here: shooting has no way to.
+        InstructionSet::current()?;
         let trees = mesh_trees(&objects, before)?;
         let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
-        let covered = covered::covered(&objects, &bounds);
+        let duplicates = Duplicates::new(&objects, &bounds);
         let is_loose = |k: u32| {
             count <= FEW
                 || is_unbounded(&bounds[k as usize])
                 || objects[k as usize].slack() > LARGEST_SLACK
         };
-        let is_asked = |&k: &u32| !covered[k as usize];
+        let is_asked = |&k: &u32| !duplicates.contains(k);
         let unconditional: Vec<u32> = (0..count)
             .filter(|&k| is_loose(k))
             .filter(is_asked)
@@ -141,7 +144,7 @@ impl Scene {
             .map(|k| objects[k as usize].slack())
             .fold(Bvh::OBJECTS, f64::max);
         let padded = |k: u32| {
-            if is_loose(k) || covered[k as usize] {
+            if is_loose(k) || duplicates.contains(k) {
                 Bounds::EMPTY
             } else {
                 objects[k as usize].padded(bounds[k as usize], slack)
@@ -155,10 +158,9 @@ impl Scene {
             trees,
             tree,
             unconditional,
-            covered,
+            duplicates,
             bounds,
             lights: Vec::new(),
-            instruction_set: InstructionSet::current()?,
             has_own_lights: true,
             up: None,
             fingerprint: OnceLock::new(),
@@ -358,23 +360,25 @@ impl Scene {
         }
     }
 
-    /// The same scene, to be shot at with another instruction set: only times depend on it. One that this
-    /// machine does not have is replaced by the next plainer one.
-    pub fn with_instruction_set(self, instruction_set: InstructionSet) -> Self {
-        Self {
-            instruction_set,
-            ..self
-        }
-    }
-
-    /// What the scene is shot at with.
-    pub fn instruction_set(&self) -> InstructionSet {
-        self.instruction_set
-    }
-
     /// Whether no ray meets an object first, because an earlier one is in its place.
-    pub(crate) fn is_covered(&self, object: u32) -> bool {
-        self.covered[object as usize]
+    pub(crate) fn is_duplicate(&self, object: u32) -> bool {
+        self.duplicates.contains(object)
+    }
+
+    /// The objects in the place of one, which no tree has.
+    pub(crate) fn duplicates_of(&self, object: u32) -> &[u32] {
+        self.duplicates.of(object)
+    }
+
+    /// The mesh and the tree of an object whose triangles are all there is to it.
+    pub(crate) fn plain_mesh(&self, index: u32) -> Option<(&Mesh, &MeshTree)> {
+        let object = self.objects.get(index as usize)?;
+        match (object.shape(), self.mesh_tree(index as usize)) {
+            (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
+                Some((mesh, tree))
+            }
+            _ => None,
+        }
     }
 
     pub(crate) fn mesh_tree(&self, object: usize) -> Option<&MeshTree> {

@@ -3,7 +3,7 @@
 use super::Shot;
 use crate::geometry::{Color, DVec3, Hit, Ray, unit};
 use crate::scene::{Light, Scene};
-use crate::shoot::{any_hit, occluded_all};
+use crate::shoot::{Any, Cpu, Engine, trace};
 
 /// The settings of the Lambert shader. Surfaces are lit on both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,12 +64,13 @@ pub(super) fn shade(settings: &Lambert, scene: &Scene, shots: &[Shot], colors: &
 }
 
 fn all_blocked(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
+    let one = |ray| Cpu::default().any_hit(scene, ray);
     if let [ray] = rays {
-        return vec![any_hit(scene, ray)];
+        return vec![one(ray)];
     }
-    match occluded_all(scene, rays, &()) {
+    match trace(scene, rays, Any, &()) {
         Ok(blocked) => blocked,
-        Err(_) => rays.iter().map(|ray| any_hit(scene, ray)).collect(),
+        Err(_) => rays.iter().map(one).collect(),
     }
 }
 

@@ -20,6 +20,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod lanes;
+mod mask;
 mod pages;
 mod portable;
 mod set;
@@ -28,6 +29,7 @@ mod stack;
 mod x86;
 
 pub(crate) use lanes::{Aligned, LANES, Lanes, WIDE};
+pub(crate) use mask::set_bits;
 pub(crate) use pages::prefer_large_pages;
 pub use set::InstructionSet;
 

@@ -6,13 +6,13 @@ use crate::error::{Error, Result};
 /// A family of vector instructions that kernels are compiled for. Results do not depend on it, only times do.
 ///
 /// ```
-/// use firsthit::{InstructionSet, Object, Scene, Sphere, DVec3};
+/// use firsthit::shoot::{Cpu, Engine};
+/// use firsthit::{DVec3, InstructionSet, Object, Ray, Scene, Sphere};
 ///
-/// // Only times depend on it, never a result.
 /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
-/// let plain = scene.clone().with_instruction_set(InstructionSet::Portable);
-/// let shoot = |scene| firsthit::shoot(scene, DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z).t;
-/// assert_eq!(shoot(&scene), shoot(&plain));
+/// let ray = Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z);
+/// let (fast, plain) = (Cpu::current()?, Cpu::with(InstructionSet::Portable));
+/// assert_eq!(fast.first_hit(&scene, &ray), plain.first_hit(&scene, &ray));
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use firsthit::shape::triangle::Shear;
-use firsthit::shoot::{occluded_all, shoot_all};
+use firsthit::shoot::{Any, Cpu, First, trace_with};
 use firsthit::{DVec3, Object, Ray, Scene};
 
 use super::support::{Numbers, mesh, refdata};
@@ -65,9 +65,9 @@ fn aimed(scene: &Scene, which: Range<usize>, numbers: &mut Numbers, path: &Path)
         }
     }
     for set in sets() {
-        let scene = scene.clone().with_instruction_set(set);
-        let hits = shoot_all(&scene, &rays, &()).unwrap();
-        let any = occluded_all(&scene, &rays, &()).unwrap();
+        let engine = Cpu::with(set);
+        let hits = trace_with(&engine, scene, &rays, First, &()).unwrap();
+        let any = trace_with(&engine, scene, &rays, Any, &()).unwrap();
         let missed = (0..rays.len()).find(|&k| hits.get(k).is_miss() || !any[k]);
         let missed = missed.map(|k| rays[k]);
         assert_eq!(missed, None, "{} {set:?}", path.display());

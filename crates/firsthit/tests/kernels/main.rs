@@ -17,7 +17,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use firsthit::scene::AlphaMode;
-use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit, occluded_all, shoot_all};
+use firsthit::shoot::{Any, BruteForce, Count, Cpu, Engine, First, trace, trace_with};
 use firsthit::{
     DAffine3, DVec3, Hit, Hits, InstructionSet, Material, Object, Ray, Rays, Scene, Transform,
 };
@@ -48,20 +48,23 @@ fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
 /// The judge's hits, which are those of every instruction set.
 fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
     let judge: Vec<Hit> = (0..rays.len())
-        .map(|k| first_hit::<BruteForce>(scene, &rays.ray(k)))
+        .map(|k| BruteForce.first_hit(scene, &rays.ray(k)))
         .collect();
+    let judged_counts = trace_with(&BruteForce, scene, rays, Count, &()).unwrap();
     for set in sets() {
-        let scene = scene.clone().with_instruction_set(set);
-        let hits = shoot_all(&scene, rays, &()).unwrap();
-        let any = occluded_all(&scene, rays, &()).unwrap();
+        let engine = Cpu::with(set);
+        let hits = trace_with(&engine, scene, rays, First, &()).unwrap();
+        let any = trace_with(&engine, scene, rays, Any, &()).unwrap();
+        let counts = trace_with(&engine, scene, rays, Count, &()).unwrap();
         for (k, judge) in judge.iter().enumerate() {
             let (ray, hit) = (rays.ray(k), hits.get(k));
             let what = || format!("{set:?} {k} {ray:?}: {hit:?}, the judge says {judge:?}");
             assert_eq!(bits(&hit), bits(judge), "{}", what());
             assert_eq!(any[k], !judge.is_miss(), "any hit: {}", what());
+            assert_eq!(counts[k], judged_counts[k], "count: {}", what());
             if k % 64 == 0 {
-                assert_eq!(any_hit(&scene, &ray), !judge.is_miss(), "{}", what());
-                let alone = first_hit::<Trees>(&scene, &ray);
+                assert_eq!(engine.any_hit(scene, &ray), !judge.is_miss(), "{}", what());
+                let alone = engine.first_hit(scene, &ray);
                 assert_eq!(bits(&alone), bits(judge), "alone: {}", what());
             }
         }
@@ -363,12 +366,11 @@ fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
                 .build()
                 .unwrap();
             hashes.push(pool.install(|| {
-                let scene = Scene::new(objects.clone())
-                    .unwrap()
-                    .with_instruction_set(set);
+                let scene = Scene::new(objects.clone()).unwrap();
+                let engine = Cpu::with(set);
                 [
-                    hash(&shoot_all(&scene, &batch, &()).unwrap()),
-                    hash(&shoot_all(&scene, &camera, &()).unwrap()),
+                    hash(&trace_with(&engine, &scene, &batch, First, &()).unwrap()),
+                    hash(&trace_with(&engine, &scene, &camera, First, &()).unwrap()),
                 ]
             }));
         }
@@ -414,13 +416,13 @@ fn identical_and_degenerate_triangles_do_no_harm() {
     let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
     let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]; 20_000]))]).unwrap();
     let ray = Ray::new(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z);
-    let hits = shoot_all(&scene, &vec![ray; 3], &()).unwrap();
+    let hits = trace(&scene, &vec![ray; 3], First, &()).unwrap();
     assert_eq!((hits.t[2], hits.primitive[2]), (1.0, 0));
 
     let mut degenerate = vec![[0, 0, 1]; 1_000_000];
     degenerate.push([0, 1, 2]);
     let scene = Scene::new(vec![Object::new(mesh(&points, degenerate))]).unwrap();
-    let hits = shoot_all(&scene, &vec![ray; 3], &()).unwrap();
+    let hits = trace(&scene, &vec![ray; 3], First, &()).unwrap();
     assert_eq!((hits.t[2], hits.primitive[2]), (1.0, 1_000_000));
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firsthit::shoot::{Trees, first_hit, shoot_all};
+use firsthit::shoot::{Cpu, Engine, First, trace_with};
 use firsthit::{
     Camera, DAffine3, DMat3, DVec3, Object, Plane, Projection, Ray, RayStart, Scene, Sphere,
     Transform, View,
@@ -455,7 +455,7 @@ fn large_pictures_of_any_width() {
     let one = Object::new(mesh(&points, triangles));
     for set in sets() {
         let scene = Scene::new(vec![one.clone()]).unwrap();
-        let scene = scene.with_instruction_set(set);
+        let engine = Cpu::with(set);
         for [rows, columns] in [[225, 613], [1031, 129], [2049, 64], [131, 1003]] {
             let (height, width) = (rows as f64 / 500.0, columns as f64 / 500.0);
             let view = View {
@@ -468,12 +468,12 @@ fn large_pictures_of_any_width() {
                 ..View::default()
             };
             let camera = Camera::new(view).unwrap();
-            let hits = shoot_all(&scene, &camera, &()).unwrap();
+            let hits = trace_with(&engine, &scene, &camera, First, &()).unwrap();
             let met = (0..hits.len()).filter(|&k| hits.t[k].is_finite()).count();
             assert!(met > 9_000 && met < hits.len(), "{met}");
             for index in 0..hits.len() {
                 let ray = camera.ray(index / columns, index % columns);
-                let (got, wanted) = (hits.get(index), first_hit::<Trees>(&scene, &ray));
+                let (got, wanted) = (hits.get(index), engine.first_hit(&scene, &ray));
                 assert_eq!(bits(&got), bits(&wanted), "{set:?} {columns} {index}");
             }
         }

@@ -14,7 +14,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use firsthit::shoot::{BruteForce, Trees, any_hit, first_hit};
+use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Projection, Ray, Scene};
 
 /// Reproducible numbers (a linear congruential generator of Knuth's).
@@ -121,15 +121,19 @@ pub fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
 /// The hit that trees and brute force agree about.
 pub fn agree(scene: &Scene, ray: &Ray) -> Hit {
     let (fast, judge) = (
-        first_hit::<Trees>(scene, ray),
-        first_hit::<BruteForce>(scene, ray),
+        Cpu::default().first_hit(scene, ray),
+        BruteForce.first_hit(scene, ray),
     );
     assert_eq!(
         bits(&fast),
         bits(&judge),
         "{ray:?}: {fast:?}, the judge says {judge:?}"
     );
-    assert_eq!(any_hit(scene, ray), !judge.is_miss(), "{ray:?}");
+    assert_eq!(
+        Cpu::default().any_hit(scene, ray),
+        !judge.is_miss(),
+        "{ray:?}"
+    );
     judge
 }
 

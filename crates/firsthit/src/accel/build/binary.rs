@@ -1,0 +1,189 @@
+//! The builder: binned surface area heuristic, top down, in parallel.
+//!
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive
+//! Ray Tracing 2007. Nothing depends on the number of threads: the bins are sums of integers and unions
+//! of boxes, whose order does not matter, and the forks follow the sizes alone.
+
+use super::binned_sah::{self, Block, Box32, Item, Split, around};
+use crate::memory;
+
+/// From this depth on ranges are halved: geometry can make the heuristic peel off one box at a time.
+pub(super) const SAH_DEPTH: u32 = 64;
+/// Below this a range is built by one thread.
+const FORK: usize = 8192;
+/// How many boxes one task makes.
+pub(super) const CHUNK: usize = 65_536;
+
+/// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
+/// two nodes from `first` on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BinaryNode {
+    pub(super) bounds: Box32,
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+/// A binary tree: the root first, the children of a node side by side, after them all that is below the first, then all
+/// that is below the second.
+pub(super) struct Binary {
+    pub(super) nodes: Vec<BinaryNode>,
+    /// The items' indices, those of a leaf side by side.
+    pub(super) order: Vec<u32>,
+}
+
+/// What a builder has to know about what it puts in order.
+pub(super) trait Kind: Sync {
+    /// How many items a ray tests at once.
+    fn block(&self) -> Block;
+    /// Whether items can be a leaf; one always can.
+    fn is_leaf(&self, items: &[Item]) -> bool;
+    /// Puts those in front that are not in the place of others, which win over them, and says how many they are.
+    /// Asked only where no plane separates the middles.
+    fn distinct(&self, items: &mut [Item]) -> usize {
+        items.len()
+    }
+}
+
+/// The tree over `items`, which are put in order for it.
+pub(super) fn binary(items: &mut [Item], kind: &impl Kind) -> Binary {
+    let all = around(items);
+    let Subtree { root, nodes } = subtree(items, all, [0, 0], kind);
+    let mut order = memory::room(items.len());
+    order.extend(items.iter().map(Item::index));
+    Binary {
+        nodes: std::iter::once(root)
+            .chain(nodes)
+            .map(|node| shift(node, 1))
+            .collect(),
+        order,
+    }
+}
+
+/// A range's nodes: its root, and all others with `first` counted from their own start.
+struct Subtree {
+    root: BinaryNode,
+    nodes: Vec<BinaryNode>,
+}
+
+/// The same node after its subtree moved by `offset`.
+fn shift(node: BinaryNode, offset: u32) -> BinaryNode {
+    if node.count == 0 {
+        BinaryNode {
+            first: node.first + offset,
+            ..node
+        }
+    } else {
+        node
+    }
+}
+
+/// The tree over a range that starts at `start`, at a depth.
+fn subtree(
+    items: &mut [Item],
+    around: Box32,
+    [start, depth]: [u32; 2],
+    kind: &impl Kind,
+) -> Subtree {
+    let mut nodes = Vec::new();
+    if items.len() < FORK {
+        let root = append(items, around, [start, depth], kind, &mut nodes);
+        return Subtree { root, nodes };
+    }
+    let Some(parts) = split(items, depth, kind.block()) else {
+        return match kind.distinct(items) {
+            kept if kept < items.len() => subtree(&mut items[..kept], around, [start, depth], kind),
+            _ => join(items, around, &halves(items), [start, depth], kind),
+        };
+    };
+    join(items, around, &parts, [start, depth], kind)
+}
+
+/// The tree over the two parts of a range.
+fn join(
+    items: &mut [Item],
+    around: Box32,
+    parts: &Split,
+    [start, depth]: [u32; 2],
+    kind: &impl Kind,
+) -> Subtree {
+    let mut nodes = Vec::new();
+    let (left, right) = items.split_at_mut(parts.middle);
+    let right_start = start + index(parts.middle);
+    let (left, right) = rayon::join(
+        || subtree(left, parts.left, [start, depth + 1], kind),
+        || subtree(right, parts.right, [right_start, depth + 1], kind),
+    );
+    let left_at = 2;
+    let right_at = 2 + index(left.nodes.len());
+    nodes.reserve_exact(2 + left.nodes.len() + right.nodes.len());
+    nodes.extend([shift(left.root, left_at), shift(right.root, right_at)]);
+    nodes.extend(left.nodes.into_iter().map(|node| shift(node, left_at)));
+    nodes.extend(right.nodes.into_iter().map(|node| shift(node, right_at)));
+    Subtree {
+        root: inner(around, 0),
+        nodes,
+    }
+}
+
+/// Appends the nodes below a range's root; the recursion ends, because from [`SAH_DEPTH`] on it halves.
+fn append(
+    items: &mut [Item],
+    around: Box32,
+    [start, depth]: [u32; 2],
+    kind: &impl Kind,
+    nodes: &mut Vec<BinaryNode>,
+) -> BinaryNode {
+    if kind.is_leaf(items) {
+        return BinaryNode {
+            count: index(items.len()),
+            ..inner(around, start)
+        };
+    }
+    let parts = match split(items, depth, kind.block()) {
+        Some(parts) => parts,
+        None => match kind.distinct(items) {
+            kept if kept < items.len() => {
+                return append(&mut items[..kept], around, [start, depth], kind, nodes);
+            }
+            _ => halves(items),
+        },
+    };
+    let (left, right) = items.split_at_mut(parts.middle);
+    let at = nodes.len();
+    let placeholder = inner(around, 0);
+    nodes.extend([placeholder, placeholder]);
+    let right_start = start + index(parts.middle);
+    nodes[at] = append(left, parts.left, [start, depth + 1], kind, nodes);
+    nodes[at + 1] = append(right, parts.right, [right_start, depth + 1], kind, nodes);
+    inner(around, index(at))
+}
+
+fn inner(bounds: Box32, first: u32) -> BinaryNode {
+    BinaryNode {
+        bounds,
+        first,
+        count: 0,
+    }
+}
+
+/// Counts stay below 2^32: there are at most two nodes for each item, and items have an `i32` identifier.
+fn index(count: usize) -> u32 {
+    u32::try_from(count).expect("identifiers are signed 32-bit")
+}
+
+/// The two parts of a range, which is put in order for them; `None` where it has to be halved.
+fn split(items: &mut [Item], depth: u32, block: Block) -> Option<Split> {
+    (depth < SAH_DEPTH)
+        .then(|| binned_sah::split(items, block))
+        .flatten()
+}
+
+fn halves(items: &[Item]) -> Split {
+    let middle = items.len() / 2;
+    let (left, right) = items.split_at(middle);
+    Split {
+        middle,
+        left: around(left),
+        right: around(right),
+    }
+}

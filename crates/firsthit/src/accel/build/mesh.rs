@@ -1,0 +1,279 @@
+//! A mesh to its tree: weld, split, collapse, fill the leaves.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use super::binary::{self, Binary, CHUNK, Kind};
+use super::binned_sah::{Block, Box32, Item};
+use super::collapse::{self, Wide};
+use super::weld::Sharing;
+use crate::accel::mesh_tree::MeshTree;
+use crate::accel::meshlet::Meshlet;
+use crate::accel::node::WIDTH;
+use crate::accel::space::Space;
+use crate::geometry::DVec3;
+use crate::memory;
+use crate::shape::Mesh;
+
+impl MeshTree {
+    /// Of a mesh that float32 does not serve, or that is empty.
+    fn without_nodes(mesh: &Mesh) -> Self {
+        Self {
+            space: Space {
+                origin: DVec3::ZERO,
+                scale: 1.0,
+                unscale: 1.0,
+            },
+            is_exact: false,
+            is_welded: false,
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            order: (0..count(mesh.triangles().len())).collect(),
+            copies: Vec::new(),
+            cost: 0.0,
+        }
+    }
+
+    /// The tree over the triangles of `mesh`, by all threads of the current rayon pool, and the same for any
+    /// number of them.
+    pub fn build(mesh: &Mesh) -> Self {
+        let Some(space) = Space::new(mesh).filter(|_| !mesh.triangles().is_empty()) else {
+            return Self::without_nodes(mesh);
+        };
+        let points = space.points(mesh);
+        let (sharing, vertices) = Sharing::new(mesh, &points);
+        let triangles = count(mesh.triangles().len());
+        let item = |index: u32| Item::new(Box32::of(sharing.triangle(index)), index);
+        let mut items = memory::room(mesh.triangles().len());
+        (0..triangles)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(item)
+            .collect_into_vec(&mut items);
+        let Binary {
+            nodes: binary,
+            order,
+        } = binary::binary(
+            &mut items,
+            &Triangles {
+                mesh,
+                sharing,
+                vertices,
+            },
+        );
+        drop(items);
+        let Wide { nodes, ranges } = collapse::collapse(&binary);
+        drop(binary);
+        let leaf = |&(first, length): &(u32, u32)| {
+            let of_leaf = &order[first as usize..(first + length) as usize];
+            Meshlet::new(&sharing, of_leaf, first)
+        };
+        let mut leaves = memory::room(ranges.len());
+        ranges
+            .par_iter()
+            .with_min_len(1024)
+            .map(leaf)
+            .collect_into_vec(&mut leaves);
+        let mut tree = Self {
+            is_exact: space.is_exact(mesh, &points),
+            is_welded: sharing.is_welded,
+            space,
+            nodes,
+            copies: copies(mesh, &order, &ranges),
+            leaves,
+            order,
+            cost: 0.0,
+        };
+        tree.cost = tree.expected_cost();
+        tree
+    }
+}
+
+/// A mesh's triangles as the builder sees them.
+struct Triangles<'a> {
+    mesh: &'a Mesh,
+    sharing: Sharing<'a>,
+    /// How many vertices they are over, about.
+    vertices: usize,
+}
+
+impl Kind for Triangles<'_> {
+    /// As many as are over sixteen vertices: of a soup, where nobody shares any, only five are. (Vertices of nobody, or of
+    /// other meshes, make it fewer, which does no harm.)
+    fn block(&self) -> Block {
+        let triangles = self.sharing.triangles.len();
+        let full = triangles.saturating_mul(WIDTH) / self.vertices.max(1);
+        Block(full.clamp(1, WIDTH).ilog2())
+    }
+
+    fn is_leaf(&self, items: &[Item]) -> bool {
+        items.len() <= WIDTH && self.sharing.fits(items.iter().map(Item::index))
+    }
+
+    fn distinct(&self, items: &mut [Item]) -> usize {
+        let mesh = self.mesh;
+        if !mesh.has_plain_triangles() {
+            return items.len();
+        }
+        let key = |item: &Item| corner_bits(mesh, item.index());
+        items.sort_by_cached_key(|item| (key(item), item.index()));
+        // Of those that are alike the lowest wins, and comes first.
+        let mut kept = 0;
+        for k in 0..items.len() {
+            if kept == 0 || key(&items[k]) != key(&items[kept - 1]) {
+                items.swap(kept, k);
+                kept += 1;
+            }
+        }
+        kept
+    }
+}
+
+/// The corners of a triangle, as bits.
+fn corner_bits(mesh: &Mesh, triangle: u32) -> [[u64; 3]; 3] {
+    let corners = mesh.corners(triangle as usize);
+    corners.map(|corner| corner.to_array().map(f64::to_bits))
+}
+
+/// See [`MeshTree::copies`]: the triangles of `order` that are in none of the leaves' `ranges`.
+fn copies(mesh: &Mesh, order: &[u32], ranges: &[(u32, u32)]) -> Vec<[u32; 2]> {
+    let in_leaves: usize = ranges.iter().map(|&(_, length)| length as usize).sum();
+    if in_leaves == order.len() {
+        return Vec::new();
+    }
+    let mut is_in_leaf = vec![false; order.len()];
+    for &(first, length) in ranges {
+        for &triangle in &order[first as usize..(first + length) as usize] {
+            is_in_leaf[triangle as usize] = true;
+        }
+    }
+    let triangles = || (0..count(order.len())).zip(&is_in_leaf);
+    let mut first_with = HashMap::new();
+    for (triangle, _) in triangles().filter(|(_, is_in_leaf)| **is_in_leaf) {
+        let first = first_with.entry(corner_bits(mesh, triangle));
+        first.or_insert(triangle);
+    }
+    let of = |triangle| first_with.get(&corner_bits(mesh, triangle)).copied();
+    let others = triangles().filter(|(_, is_in_leaf)| !**is_in_leaf);
+    let mut copies: Vec<[u32; 2]> = others
+        .filter_map(|(triangle, _)| Some([of(triangle)?, triangle]))
+        .collect();
+    copies.sort_unstable();
+    copies
+}
+
+/// Meshes have at most `i32::MAX` triangles, and their vertices are counted by `u32`.
+fn count(length: usize) -> u32 {
+    u32::try_from(length).expect("vertices are indexed by u32")
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::shape::Positions;
+    use crate::simd::LANES;
+
+    /// A hilly field of so many squares along a side; its first triangle stands there forty times more, which is too
+    /// many for a leaf.
+    fn field(side: u32) -> Mesh {
+        let height = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 24) / 256.0;
+        let points: Vec<[f64; 3]> = (0..(side + 1) * (side + 1))
+            .map(|k| {
+                [
+                    f64::from(k % (side + 1)),
+                    f64::from(k / (side + 1)),
+                    height(k),
+                ]
+            })
+            .collect();
+        let squares = (0..side * side).map(|k| k % side + k / side * (side + 1));
+        let mut triangles: Vec<[u32; 3]> = squares
+            .flat_map(|a| [[a, a + 1, a + side + 2], [a, a + side + 2, a + side + 1]])
+            .collect();
+        triangles.extend([triangles[0]; 40]);
+        Mesh::new(Positions::compact(points), triangles).unwrap()
+    }
+
+    /// The same with vertices for each triangle alone, a thousandth of which lie so far from where the next have theirs.
+    pub(in super::super) fn apart(mesh: &Mesh, by: f64) -> Mesh {
+        let triangles = count(mesh.triangles().len());
+        let corners = (0..triangles).flat_map(|k| {
+            let corners = mesh.corners(k as usize);
+            corners.map(|corner| (corner + by * f64::from(k % 1000)).to_array())
+        });
+        let own = (0..triangles).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        Mesh::new(Positions::compact(corners.collect()), own.collect()).unwrap()
+    }
+
+    #[test]
+    fn the_tree_is_the_same_for_any_number_of_threads() {
+        // Enough that planning forks too.
+        let mesh = field(400);
+        for mesh in [apart(&mesh, 0.0), mesh] {
+            let trees = [1, 2, 7].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
+                pool.install(|| MeshTree::build(&mesh))
+            });
+            assert!(trees[0].leaves.len() > 20_000, "{}", trees[0].leaves.len());
+            for tree in &trees[1..] {
+                assert!(tree.nodes == trees[0].nodes);
+                assert!(tree.leaves == trees[0].leaves);
+                assert_eq!(tree.order, trees[0].order);
+            }
+        }
+    }
+
+    /// Where triangles share their vertices, where those are in the same places, and where there is nothing to share.
+    #[test]
+    fn leaves_and_nodes_are_full() {
+        let field = field(100);
+        let (together, soup) = (apart(&field, 0.0), apart(&field, 1e-5));
+        for (mesh, triangles) in [(field, 12.0), (together, 12.0), (soup, 3.8)] {
+            let tree = MeshTree::build(&mesh);
+            let (nodes, leaves) = (tree.nodes.len() as f64, tree.leaves.len() as f64);
+            let in_leaf = tree.order.len() as f64 / leaves;
+            let in_node = (leaves + nodes - 1.0) / nodes;
+            assert!(in_leaf > triangles, "{in_leaf}");
+            assert!(in_node > 9.0, "{in_node}");
+        }
+    }
+
+    /// Leaves hold the corners as the mesh has them, to the sign of a zero.
+    #[test]
+    fn corners_stay_what_they_are() {
+        let zeros = |k: u32| [0.0, -0.0][k as usize % 2];
+        let square = |k: u32| {
+            let (x, y) = (f64::from(k % 20), f64::from(k / 20));
+            let corner = |right, up, zero| [x + right, y + up, zeros(zero)];
+            [
+                [
+                    corner(0.0, 0.0, k),
+                    corner(1.0, 0.0, k + 1),
+                    corner(1.0, 1.0, k),
+                ],
+                [
+                    corner(0.0, 0.0, k + 1),
+                    corner(1.0, 1.0, k),
+                    corner(0.0, 1.0, k + 1),
+                ],
+            ]
+        };
+        let corners: Vec<[f64; 3]> = (0..400).flat_map(square).flatten().collect();
+        let own = (0..800).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        let mesh = Mesh::new(Positions::compact(corners), own.collect()).unwrap();
+        let tree = MeshTree::build(&mesh);
+        assert!(tree.is_exact && tree.is_welded);
+        for (k, leaf) in tree.leaves.iter().enumerate() {
+            for lane in 0..leaf.filled.count_ones() as usize {
+                let slot = count(k * LANES + lane);
+                let bits = |corners: [DVec3; 3]| corners.map(|p| p.to_array().map(f64::to_bits));
+                let own = mesh.corners(tree.triangle_at(slot) as usize);
+                assert_eq!(bits(tree.corners_at(&mesh, slot)), bits(own));
+            }
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Boxes to their tree.
+
+use rayon::prelude::*;
+
+use super::binary::{Binary, BinaryNode, CHUNK, Kind, binary};
+use super::binned_sah::{Block, Box32, Item};
+use crate::accel::bvh::{Bvh, Node};
+use crate::geometry::{Bounds, DVec3};
+
+/// Leaves have up to this many boxes.
+const LEAF: usize = 4;
+
+/// Boxes of which nothing else is known.
+struct Boxes;
+
+impl Kind for Boxes {
+    fn block(&self) -> Block {
+        Block(0)
+    }
+
+    fn is_leaf(&self, items: &[Item]) -> bool {
+        items.len() <= LEAF
+    }
+}
+
+impl Bvh {
+    /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
+    /// out; each is asked for twice. `slack` is the rounding of the test that decides about the
+    /// candidates, as a share of the coordinates it works with.
+    ///
+    /// Built by all threads of the current rayon pool, and the same for any number of them.
+    pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
+        let indices = || (0..count).into_par_iter().with_min_len(CHUNK);
+        let all = indices()
+            .map(&bounds)
+            .reduce(|| Bounds::EMPTY, Bounds::union);
+        if all.is_empty() {
+            return Self {
+                origin: DVec3::ZERO,
+                extent: 0.0,
+                slack,
+                nodes: Vec::new(),
+                order: Vec::new(),
+            };
+        }
+        let origin = all.centre();
+        let item = |index: u32| {
+            let bounds = bounds(index);
+            (!bounds.is_empty()).then(|| Item::new(rounded_outwards(bounds, origin), index))
+        };
+        let mut items: Vec<Item> = indices().filter_map(item).collect();
+        let Binary { nodes, order } = binary(&mut items, &Boxes);
+        Self {
+            origin,
+            extent: (all.high - origin).max(origin - all.low).max_element(),
+            slack,
+            nodes: nodes.into_iter().map(Node::from).collect(),
+            order,
+        }
+    }
+}
+
+/// A box around `bounds`, relative to `origin`: a whole float32 step wider, which covers the difference's
+/// rounding too.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding is what this is for"
+)]
+fn rounded_outwards(bounds: Bounds, origin: DVec3) -> Box32 {
+    let single = |point: DVec3| (point - origin).to_array().map(|x| x as f32);
+    Box32::new(
+        single(bounds.low).map(f32::next_down),
+        single(bounds.high).map(f32::next_up),
+    )
+}
+
+impl From<BinaryNode> for Node {
+    fn from(node: BinaryNode) -> Self {
+        Self {
+            low: node.bounds.low(),
+            high: node.bounds.high(),
+            first: node.first,
+            count: node.count,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::build::binary::SAH_DEPTH;
+
+    fn depth(bvh: &Bvh) -> usize {
+        let mut deepest = 0;
+        let mut stack = vec![(0_u32, 1_usize)];
+        while let Some((index, depth)) = stack.pop() {
+            let node = bvh.nodes[index as usize];
+            deepest = deepest.max(depth);
+            if node.count == 0 {
+                stack.extend([(node.first, depth + 1), (node.first + 1, depth + 1)]);
+            }
+        }
+        deepest
+    }
+
+    #[test]
+    fn identical_boxes_make_a_balanced_tree() {
+        let bounds = Bounds::of([DVec3::ZERO, DVec3::ONE]);
+        let bvh = Bvh::build(20_000, |_| bounds, Bvh::OBJECTS);
+        assert_eq!(bvh.order.len(), 20_000);
+        assert!(depth(&bvh) <= 14, "{}", depth(&bvh));
+    }
+
+    /// Sizes that shrink by a constant factor make the heuristic peel off one box after the other.
+    #[test]
+    fn no_geometry_makes_the_tree_deeper_than_the_stack() {
+        let spiral = |k: u32| {
+            let x = libm::pow(0.7, f64::from(k % 250));
+            Bounds::of([DVec3::splat(x), DVec3::splat(x * 1.01)])
+        };
+        let bvh = Bvh::build(50_000, spiral, Bvh::OBJECTS);
+        assert!(depth(&bvh) <= SAH_DEPTH as usize + 32, "{}", depth(&bvh));
+    }
+
+    #[test]
+    fn the_tree_is_the_same_for_any_number_of_threads() {
+        let bounds = |k: u32| {
+            let x = DVec3::new(f64::from(k % 1009), f64::from(k % 997), f64::from(k % 89));
+            Bounds::of([x, x + DVec3::splat(f64::from(k % 13))])
+        };
+        let trees = [1, 2, 7].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| Bvh::build(100_000, bounds, Bvh::OBJECTS))
+        });
+        for tree in &trees[1..] {
+            assert_eq!(tree.nodes, trees[0].nodes);
+            assert_eq!(tree.order, trees[0].order);
+        }
+    }
+
+    #[test]
+    fn empty_boxes_are_left_out() {
+        let bvh = Bvh::build(
+            3,
+            |k| {
+                if k == 1 {
+                    Bounds::of([DVec3::ONE])
+                } else {
+                    Bounds::EMPTY
+                }
+            },
+            0.0,
+        );
+        assert_eq!(bvh.order, [1]);
+        assert!(Bvh::build(0, |_| Bounds::EMPTY, 0.0).nodes.is_empty());
+    }
+}

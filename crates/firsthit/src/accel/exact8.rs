@@ -1,0 +1,391 @@
+//! The judge's last word for eight rays at once, each with a triangle that it is known to meet.
+//!
+//! It is the code of `shape/triangle/place.rs`, in lanes, so the bits are the same. What is special (triangles seen
+//! edge-on, numbers of extreme sizes) is left to a single lane of `shape/triangle.rs`.
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "of chains of iterators over registers the compiler makes copies in memory"
+)]
+
+use super::mesh_tree::MeshTree;
+use crate::geometry::DVec3;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
+use crate::shape::Mesh;
+use crate::shape::triangle::{Plain, PlainStart, Plane, Start};
+use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE};
+
+/// Eight rays, in the space of a mesh.
+pub(crate) struct RayBundle<L: Lanes> {
+    pub(crate) origin: [L::Doubles; 3],
+    pub(crate) direction: [L::Doubles; 3],
+}
+
+/// The corners of sixteen triangles in lanes, corner by corner and axis by axis.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it lives for a block, on the stack"
+)]
+pub(crate) enum Corners {
+    /// In units of the tree's space: what they are multiplied with, and where the tree's origin is, if not in that of
+    /// the mesh.
+    Scaled(Box3<[f32; LANES]>, f64, Option<[f64; 3]>),
+    /// As they are, in two halves.
+    Whole(Box3<[[f64; WIDE]; 2]>),
+}
+
+/// Three corners of three coordinates.
+type Box3<T> = Aligned<[[T; 3]; 3]>;
+
+impl Corners {
+    /// Those of the triangles in `leaf_lanes` (as bits), in the lanes of `wanted`; of others anything. The triangles' indices
+    /// (as bits) go into the same lanes of `triangles`.
+    #[inline(always)]
+    pub(crate) fn new<L: Lanes>(
+        l: L,
+        (tree, mesh): (&MeshTree, &Mesh),
+        (leaf_lanes, wanted): (&[f32; LANES], u16),
+        triangles: &mut [f32; LANES],
+    ) -> Self {
+        if tree.is_exact {
+            Self::scaled(l, tree, (leaf_lanes, wanted), triangles)
+        } else {
+            Self::whole(tree, mesh, (leaf_lanes, wanted), triangles)
+        }
+    }
+
+    /// From the leaves, which are in the cache: what neighbours meet is mostly in the same one or two.
+    #[inline(always)]
+    fn scaled<L: Lanes>(
+        l: L,
+        tree: &MeshTree,
+        (leaf_lanes, wanted): (&[f32; LANES], u16),
+        triangles: &mut [f32; LANES],
+    ) -> Self {
+        let all = l.load(leaf_lanes);
+        let mut indices = l.load(triangles);
+        let mut corners = [[l.splat(0.0); 3]; 3];
+        let mut left = wanted;
+        while left != 0 {
+            let leaf_lane = leaf_lanes[left.trailing_zeros() as usize % LANES];
+            // Other lanes may be those of another tree, with the same number.
+            let here = wanted & l.same_sixteen(all, l.splat(leaf_lane));
+            left &= !here;
+            let leaf = &tree.leaves[leaf_lane.to_bits() as usize / LANES];
+            let of_leaf = l.permute_by(tree.triangles_of(l, leaf), all);
+            indices = l.select(here, of_leaf, indices);
+            for corner in 0..3 {
+                let vertices = l.permute_by(l.load_places(&leaf.corners[corner]), all);
+                for axis in 0..3 {
+                    let along = l.load(&leaf.vertices[axis]);
+                    let lanes = &mut corners[corner][axis];
+                    *lanes = l.select(here, l.permute_by(along, vertices), *lanes);
+                }
+            }
+        }
+        l.store(indices, triangles);
+        let mut out = Aligned([[[0.0; LANES]; 3]; 3]);
+        for corner in 0..3 {
+            for axis in 0..3 {
+                l.store(corners[corner][axis], &mut out.0[corner][axis]);
+            }
+        }
+        let origin = tree.space.origin.to_array();
+        let is_elsewhere = tree.space.origin != DVec3::ZERO;
+        Self::Scaled(out, tree.space.unscale, is_elsewhere.then_some(origin))
+    }
+
+    /// From the mesh, one by one.
+    #[inline(always)]
+    fn whole(
+        tree: &MeshTree,
+        mesh: &Mesh,
+        (leaf_lanes, wanted): (&[f32; LANES], u16),
+        triangles: &mut [f32; LANES],
+    ) -> Self {
+        let mut out = Aligned([[[[0.0; WIDE]; 2]; 3]; 3]);
+        let mut left = wanted;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let leaf_lane = leaf_lanes[lane].to_bits();
+            triangles[lane] = f32::from_bits(tree.triangle_at(leaf_lane));
+            let corners: [DVec3; 3] = tree.corners_at(mesh, leaf_lane);
+            for (out, corner) in out.0.iter_mut().zip(corners) {
+                for (axis, out) in out.iter_mut().enumerate() {
+                    out[lane / WIDE][lane % WIDE] = corner[axis];
+                }
+            }
+        }
+        Self::Whole(out)
+    }
+
+    /// Eight of them in float64.
+    #[inline(always)]
+    fn half<L: Lanes>(&self, l: L, half: usize) -> [[L::Doubles; 3]; 3] {
+        let mut out = [[l.splat64(0.0); 3]; 3];
+        match self {
+            // The unit is a power of two, so products are exact.
+            Self::Scaled(corners, unscale, origin) => {
+                let unscale = l.splat64(*unscale);
+                for corner in 0..3 {
+                    for axis in 0..3 {
+                        let lanes =
+                            l.load_widened(&corners.0[corner][axis].as_chunks().0[half % 2]);
+                        out[corner][axis] = match origin {
+                            None => l.mul64(lanes, unscale),
+                            Some(origin) => {
+                                l.fused_mul_add64(lanes, unscale, l.splat64(origin[axis]))
+                            }
+                        };
+                    }
+                }
+            }
+            Self::Whole(corners) => {
+                for corner in 0..3 {
+                    for axis in 0..3 {
+                        out[corner][axis] = l.load64(&corners.0[corner][axis][half % 2]);
+                    }
+                }
+            }
+        }
+        out
+    }
+}
+
+/// `t` and the weights of corners 1 and 2, and in which of the lanes `wanted` they are the judge's: those where nothing is
+/// special.
+#[inline(always)]
+pub(crate) fn intersect8<L: Lanes>(
+    l: L,
+    rays: &RayBundle<L>,
+    corners: &Corners,
+    half: usize,
+    wanted: u8,
+) -> (u8, [L::Doubles; 3]) {
+    intersect8_at(l, rays, &corners.half(l, half), wanted)
+}
+
+/// The same with the corners in lanes.
+#[inline(always)]
+pub(super) fn intersect8_at<L: Lanes>(
+    l: L,
+    rays: &RayBundle<L>,
+    corners: &[[L::Doubles; 3]; 3],
+    wanted: u8,
+) -> (u8, [L::Doubles; 3]) {
+    let a = InLanes(l);
+    let triangles = Plain::new(a, corners);
+    let (enough, start) = triangles.seen_from(a, &rays.origin);
+    let place = triangles.place(a, &start, &rays.direction);
+    let (sound, place) = if enough & wanted == wanted {
+        (enough, place)
+    } else {
+        in_double(l, rays, corners, (enough, place))
+    };
+    (sound & ahead(l, place[0]), place)
+}
+
+/// Where `t` is positive and finite.
+#[inline(always)]
+fn ahead<L: Lanes>(l: L, t: L::Doubles) -> u8 {
+    l.lt64(l.splat64(0.0), t) & l.lt64(t, l.splat64(f64::INFINITY))
+}
+
+/// The lanes that are not `sound` in twice the digits.
+#[inline(always)]
+fn in_double<L: Lanes>(
+    l: L,
+    rays: &RayBundle<L>,
+    [a, b, c]: &[[L::Doubles; 3]; 3],
+    (sound, place): (u8, [L::Doubles; 3]),
+) -> (u8, [L::Doubles; 3]) {
+    let mut numbers = Aligned([[0.0; WIDE]; 15]);
+    let vectors = [&rays.origin, &rays.direction, a, b, c];
+    for k in 0..15 {
+        l.store64(vectors[k / 3][k % 3], &mut numbers.0[k]);
+    }
+    let (more, precise) = l.call(InDouble(&numbers.0));
+    let mut out = place;
+    for k in 0..3 {
+        out[k] = l.select64(sound, place[k], l.load64(&precise.0[k]));
+    }
+    (sound | more, out)
+}
+
+/// Places in twice the digits; in a function of its own, which is rarely called.
+struct InDouble<'a>(&'a [[f64; WIDE]; 15]);
+
+impl Kernel for InDouble<'_> {
+    type Output = (u8, Aligned<[[f64; WIDE]; 3]>);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Self::Output {
+        let a = InLanes(l);
+        let zero = l.splat64(0.0);
+        let mut vectors = [[zero; 3]; 5];
+        for k in 0..15 {
+            vectors[k / 3][k % 3] = l.load64(&self.0[k]);
+        }
+        let [origin, direction, corners @ ..] = vectors;
+        let planes = Plane::new(a, &corners);
+        let (of_start, start) = planes.seen_from(a, &origin);
+        let (of_place, place) = planes.place(a, &start, &direction);
+        let mut out = Aligned([[0.0; WIDE]; 3]);
+        for k in 0..3 {
+            l.store64(place[k], &mut out.0[k]);
+        }
+        (of_start & of_place, out)
+    }
+}
+
+/// A triangle that many rays meet, one after the other.
+#[derive(Debug)]
+pub(crate) struct SharedTriangle {
+    leaf_lane: u32,
+    triangle: u32,
+    plain: Plain<f64>,
+    plane: Plane<f64>,
+    /// Where the first of the rays starts, as most others do.
+    origin: [f64; 3],
+    /// The triangle from there, and whether plain float64 is enough.
+    plain_start: (bool, PlainStart<f64>),
+    /// The same in twice the digits.
+    start: (bool, Start<f64>),
+}
+
+impl SharedTriangle {
+    #[inline(always)]
+    pub(crate) fn new<L: Lanes>(
+        l: L,
+        (tree, mesh): (&MeshTree, &Mesh),
+        leaf_lane: u32,
+        rays: &RayBundle<L>,
+    ) -> Self {
+        let corners = tree
+            .corners_at(mesh, leaf_lane)
+            .map(|corner| corner.to_array());
+        let mut origin = [0.0; 3];
+        for (axis, first) in origin.iter_mut().enumerate() {
+            let mut lanes = [0.0; WIDE];
+            l.store64(rays.origin[axis], &mut lanes);
+            *first = lanes[0];
+        }
+        let plain = Plain::new(Scalar, &corners);
+        let plane = Plane::new(Scalar, &corners);
+        Self {
+            leaf_lane,
+            triangle: tree.triangle_at(leaf_lane),
+            plain_start: plain.seen_from(Scalar, &origin),
+            start: plane.seen_from(Scalar, &origin),
+            plain,
+            plane,
+            origin,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn is(&self, leaf_lane: u32) -> bool {
+        self.leaf_lane == leaf_lane
+    }
+
+    #[inline(always)]
+    pub(crate) fn triangle(&self) -> u32 {
+        self.triangle
+    }
+
+    /// As [`intersect8`], for all lanes or none.
+    #[inline(always)]
+    pub(crate) fn intersect8<L: Lanes>(&self, l: L, rays: &RayBundle<L>) -> (u8, [L::Doubles; 3]) {
+        let a = InLanes(l);
+        let mut same = u8::MAX;
+        for axis in 0..3 {
+            let first = l.splat64(self.origin[axis]);
+            same &= l.le64(first, rays.origin[axis]) & l.le64(rays.origin[axis], first);
+        }
+        let is_same = same == u8::MAX;
+        let (enough, plain_start) = if is_same {
+            (
+                if self.plain_start.0 { u8::MAX } else { 0 },
+                self.plain_start.1.splat(a),
+            )
+        } else {
+            self.plain.splat(a).seen_from(a, &rays.origin)
+        };
+        if enough == u8::MAX {
+            let place = self.plain.splat(a).place(a, &plain_start, &rays.direction);
+            return (ahead(l, place[0]), place);
+        }
+        let plane = self.plane.splat(a);
+        let (of_start, start) = if is_same {
+            (
+                if self.start.0 { u8::MAX } else { 0 },
+                self.start.1.splat(a),
+            )
+        } else {
+            plane.seen_from(a, &rays.origin)
+        };
+        let (of_place, place) = plane.place(a, &start, &rays.direction);
+        let sound = of_start & of_place & ahead(l, place[0]);
+        // In some lanes plain float64 is what the judge takes.
+        (if enough == 0 { sound } else { 0 }, place)
+    }
+}
+
+/// Eight float64 at a time.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InLanes<L>(pub(crate) L);
+
+impl<L: Lanes> Arithmetic for InLanes<L> {
+    type Number = L::Doubles;
+    type Mask = u8;
+
+    #[inline(always)]
+    fn number(self, x: f64) -> L::Doubles {
+        self.0.splat64(x)
+    }
+    #[inline(always)]
+    fn add(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.add64(a, b)
+    }
+    #[inline(always)]
+    fn sub(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.sub64(a, b)
+    }
+    #[inline(always)]
+    fn mul(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.mul64(a, b)
+    }
+    #[inline(always)]
+    fn div(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.div64(a, b)
+    }
+    #[inline(always)]
+    fn max(self, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.max64(a, b)
+    }
+    #[inline(always)]
+    fn fused_mul_add(self, a: L::Doubles, b: L::Doubles, c: L::Doubles) -> L::Doubles {
+        self.0.fused_mul_add64(a, b, c)
+    }
+    #[inline(always)]
+    fn fused_mul_sub(self, a: L::Doubles, b: L::Doubles, c: L::Doubles) -> L::Doubles {
+        self.0.fused_mul_sub64(a, b, c)
+    }
+    #[inline(always)]
+    fn fused_neg_mul_add(self, a: L::Doubles, b: L::Doubles, c: L::Doubles) -> L::Doubles {
+        self.0.fused_neg_mul_add64(a, b, c)
+    }
+    #[inline(always)]
+    fn lt(self, a: L::Doubles, b: L::Doubles) -> u8 {
+        self.0.lt64(a, b)
+    }
+    #[inline(always)]
+    fn select(self, mask: u8, a: L::Doubles, b: L::Doubles) -> L::Doubles {
+        self.0.select64(mask, a, b)
+    }
+    #[inline(always)]
+    fn is_anywhere(self, mask: u8) -> bool {
+        mask != 0
+    }
+}

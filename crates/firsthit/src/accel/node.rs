@@ -1,0 +1,33 @@
+//! A node of a [`MeshTree`](super::MeshTree): sixteen boxes and what is in them.
+
+use crate::simd::LANES;
+
+/// How many children a node has at most.
+pub(super) const WIDTH: usize = LANES;
+/// Marks a child that is a leaf.
+pub(super) const LEAF: u32 = 1 << 31;
+
+/// Boxes side by side, and what is in them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// The boxes' ends: low x, high x, low y, high y, low z, high z. Of a child that is not there the low end
+    /// is at plus infinity and the high end at minus infinity, which no ray passes.
+    pub(super) planes: [[f32; WIDTH]; 6],
+    /// The index of a node or, with [`LEAF`], of a leaf.
+    pub(super) children: [u32; WIDTH],
+}
+
+impl Node {
+    pub(super) const EMPTY: Self = Self {
+        planes: [
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+        ],
+        children: [LEAF; WIDTH],
+    };
+}

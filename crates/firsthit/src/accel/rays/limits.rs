@@ -1,0 +1,91 @@
+//! Where a packet's rays begin and end, as depths in float32, with bounds for all rounding; see `ray.rs`.
+
+use super::packet::{Packet, RAYS, Rounding, of, of_mut};
+use crate::accel::bounds::U;
+use crate::simd::Lanes;
+
+/// What a ray's `t_min` and `t_max` come to in depths.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// A hit before this does not count.
+    pub(in crate::accel) before: f32,
+    /// A hit beyond this is beyond `t_min`, for certain.
+    pub(in crate::accel) beyond: f32,
+    /// A hit up to this is within `t_max`, for certain.
+    pub(in crate::accel) within: f32,
+    /// Behind this nothing matters.
+    pub(in crate::accel) last: f32,
+}
+
+impl Packet {
+    /// What `t_min` and `t_max` come to in depths.
+    #[inline(always)]
+    pub(super) fn set_limits<L: Lanes>(&mut self, l: L, half: usize, rounding: &Rounding<L>) {
+        let blur = l.mul64(l.splat64(3.0), rounding.blur);
+        let error = l.add64(rounding.units(l, 24.0), blur);
+        l.store_narrowed(error, of_mut(&mut self.depth_error, half));
+        let zero = l.splat64(0.0);
+        // The depth at a parameter, less and more what it and a hit there may be off.
+        macro_rules! ends {
+            ($t:expr) => {{
+                let depth = l.mul64($t, l.load64(of(&self.depth_per_t, half)));
+                let depth = l.sub64(depth, l.load64(of(&self.moved, half)));
+                let share = l.mul64(l.abs64(depth), l.splat64(f64::from(4.0 * U)));
+                let slack = l.add64(share, error);
+                // Infinity less a part of infinity is NaN.
+                let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
+                let less = l.select64(is_finite, l.sub64(depth, slack), depth);
+                (less, l.add64(depth, slack))
+            }};
+        }
+        let (within, last) = ends!(l.load64(of(&self.t_max, half)));
+        l.store_narrowed(last, of_mut(&mut self.limit, half));
+        l.store_narrowed(within, of_mut(&mut self.within, half));
+        let t_min = l.load64(of(&self.t_min, half));
+        let begins = l.lt64(zero, t_min);
+        let (mut before, mut beyond) = (zero, zero);
+        if begins != 0 {
+            let (less, more) = ends!(t_min);
+            // What is ahead of the start, wherever that was moved, is ahead of the origin. Of a NaN nothing is certain.
+            before = l.select64(begins, l.max64(less, zero), zero);
+            beyond = l.select64(begins, l.max64(zero, more), zero);
+        }
+        l.store_narrowed(before, of_mut(&mut self.before, half));
+        l.store_narrowed(beyond, of_mut(&mut self.beyond, half));
+    }
+
+    /// Those of a ray.
+    #[inline(always)]
+    pub(in crate::accel) fn limits(&self, lane: usize) -> Limits {
+        let lane = lane % RAYS;
+        Limits {
+            before: self.before[lane],
+            beyond: self.beyond[lane],
+            within: self.within[lane],
+            last: self.limit[lane],
+        }
+    }
+
+    /// A depth that is not smaller than that of `t`, nor is that of a hit there as the filter sees it.
+    #[inline(always)]
+    pub(in crate::accel) fn depth_above(&self, lane: usize, t: f64) -> f32 {
+        let depth = self.depth(lane, t);
+        depth + depth.abs() * (4.0 * U) + self.depth_error[lane % RAYS]
+    }
+
+    /// A depth that is not larger than that of `t`, a finite one.
+    #[inline(always)]
+    pub(in crate::accel) fn depth_below(&self, lane: usize, t: f64) -> f32 {
+        let depth = self.depth(lane, t);
+        depth - depth.abs() * (4.0 * U) - self.depth_error[lane % RAYS]
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the rounding is allowed for"
+    )]
+    fn depth(&self, lane: usize, t: f64) -> f32 {
+        (t * self.depth_per_t[lane % RAYS] - self.moved[lane % RAYS]) as f32
+    }
+}

@@ -1,0 +1,120 @@
+//! The space of a [`MeshTree`](super::MeshTree): the mesh, moved and scaled so that float32 serves it.
+
+use rayon::prelude::*;
+
+use crate::geometry::DVec3;
+use crate::memory;
+use crate::shape::{Mesh, Positions};
+
+/// From here on rays are distant, in units of the tree: a last digit of float64 is less than one of float32 at 1 up to here.
+pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
+
+/// How many points one task converts.
+const CHUNK: usize = 65_536;
+
+/// How the tree's space lies in the mesh's.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Space {
+    /// Minus zero along each axis where it is the mesh's own: adding that changes no sign of a zero.
+    pub(super) origin: DVec3,
+    /// Units of the tree in a unit of the mesh: a power of two.
+    pub(super) scale: f64,
+    /// Its reciprocal.
+    pub(super) unscale: f64,
+}
+
+/// Coordinates up to here, and sizes down to its reciprocal, are scaled; products of three stay in float64.
+const LARGEST: f64 = 1e90;
+
+impl Space {
+    pub(super) fn new(mesh: &Mesh) -> Option<Self> {
+        let bounds = mesh.bounds();
+        let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
+        let half = 0.5 * bounds.size().max_element();
+        // Float32 coordinates stay what they are around the mesh's own origin, if that is not far away.
+        let is_near = largest <= 4.0 * half;
+        let origin = match mesh.positions().as_ref() {
+            _ if is_near => DVec3::splat(-0.0),
+            Positions::Single(_) => bounds.centre().as_vec3().as_dvec3(),
+            Positions::Double(_) => bounds.centre(),
+        };
+        let reach = (bounds.high - origin)
+            .max(origin - bounds.low)
+            .max_element();
+        if largest.is_nan() || largest > LARGEST {
+            return None;
+        }
+        let scale = 1.0 / power_of_two_above(reach.max(1.0 / LARGEST));
+        Some(Self {
+            origin,
+            scale,
+            unscale: 1.0 / scale,
+        })
+    }
+
+    /// The vertices of `mesh`.
+    pub(super) fn points(&self, mesh: &Mesh) -> Vec<[f32; 3]> {
+        let mut points = memory::room(mesh.positions().len());
+        (0..count(mesh.positions().len()))
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|k| self.point(mesh.positions().get(k)))
+            .collect_into_vec(&mut points);
+        points
+    }
+
+    /// Whether `points` are the vertices of `mesh` to the last bit (which zero it is can show in a hit's weights).
+    pub(super) fn is_exact(&self, mesh: &Mesh, points: &[[f32; 3]]) -> bool {
+        let is_same = |(k, point): (usize, &[f32; 3])| {
+            let position = mesh.positions().get(count(k));
+            let restored = self.restored(*point);
+            restored.to_array().map(f64::to_bits) == position.to_array().map(f64::to_bits)
+        };
+        points
+            .par_iter()
+            .with_min_len(CHUNK)
+            .enumerate()
+            .all(is_same)
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding is what this is for"
+    )]
+    fn point(&self, point: DVec3) -> [f32; 3] {
+        // Not even a difference with zero: it would change minus zero.
+        let moved = if self.origin == DVec3::ZERO {
+            point
+        } else {
+            point - self.origin
+        };
+        (moved * self.scale).to_array().map(|x| x as f32)
+    }
+
+    /// A point of the tree in the mesh; exact when the mesh's tree is.
+    #[inline(always)]
+    pub(super) fn restored(&self, [x, y, z]: [f32; 3]) -> DVec3 {
+        DVec3::new(x.into(), y.into(), z.into()) * self.unscale + self.origin
+    }
+}
+
+/// The smallest power of two that is larger than a normal `x`.
+fn power_of_two_above(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    2.0 * f64::from_bits(x.to_bits() & EXPONENT)
+}
+
+impl Space {
+    /// Whether rays from there are distant.
+    #[inline(always)]
+    pub(crate) fn is_distant(&self, origin: DVec3) -> bool {
+        let start = (origin - self.origin) * self.scale;
+        let largest = start.abs().max_element();
+        largest > DISTANT || start.is_nan()
+    }
+}
+
+/// A vertex' index; meshes count their vertices by `u32`.
+fn count(length: usize) -> u32 {
+    u32::try_from(length).expect("vertices are indexed by u32")
+}

@@ -1,0 +1,322 @@
+//! A tile's rays as seen from a tree: where a point of the tree lies in the tile, in float32, with bounds.
+//!
+//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where `x` and `y` are pixels
+//! counted from the tile's middle; parallel ones `eye + x * across + y * down + depth * centre`. So each point
+//! of the tree has coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z (parallel ones: x = X, y = Y), at
+//! the depth Z. They come from the inverse of the matrix with the columns `across`, `down` and `centre`.
+//!
+//! In float32 the large part must not swallow the small one: as in Woop's test (`shape/triangle.rs`), points
+//! are first sheared along the axis that the tile looks along, with slopes that are float32 numbers, so that
+//! what is left is small where the tile is. And a leaf's vertices are counted from the first of them, whose own place
+//! from the eye, sheared, float64 knows: so rounding depends on how large the leaf is, neither on the tree nor on
+//! the eye. With the leaf's extent e, a sheared coordinate x is off by no more, in units of u (see `ray.rs`), than: the
+//! differences e for each of two axes, with a slope of at most 1; the product e and its difference 2 e; the first
+//! vertex' place, rounded, |x| + 2 e; and the sum |x|. In all 7 e and two shares of x. Where float32 does not hold
+//! the vertices, to that come 2 (no coordinate in the tree is larger than 1).
+//!
+//! As it is multiplied with the matrix there come that of an entry and three of products and sums, which skew pixels
+//! make larger than X and Y. What is counted from a sample is covered by a share of that (`relative`); but X and Y are
+//! counted from the tile's middle, from where to a sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth
+//! is counted from the eye, and off by the same 7 e, by 4 units of `u reach`, and by three roundings of no more than
+//! 4 reaches each.
+
+use crate::accel::bounds::U;
+use crate::accel::mesh_tree::MeshTree;
+use crate::accel::meshlet::Meshlet;
+use crate::accel::node::Node;
+use crate::geometry::{DMat3, DVec3};
+use crate::simd::Lanes;
+
+/// From a tile's first sample to its middle.
+pub(super) const HALF: f32 = 7.5;
+
+/// The rays of a tile, in the space of a mesh.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TileCamera {
+    /// Where all rays start, or would where those at an angle meet; of parallel ones the start of that in the
+    /// tile's middle.
+    pub(crate) eye: DVec3,
+    /// From there to the tile's middle on the viewplane.
+    pub(crate) centre: DVec3,
+    /// A pixel to the right, and one down, on the viewplane.
+    pub(crate) across: DVec3,
+    pub(crate) down: DVec3,
+    pub(crate) is_perspective: bool,
+    /// The depth at which hits begin: 1 on the viewplane, 0 at the eye.
+    pub(crate) start_depth: f64,
+    /// How large the numbers were that all this is made from.
+    pub(crate) largest: f64,
+    /// What the rays are off at most, in pixels.
+    pub(crate) off: f64,
+}
+
+/// A [`TileCamera`] made ready for a tree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TileFrustum {
+    axes: [usize; 3],
+    /// The eye along those axes, sheared.
+    eye: [f64; 3],
+    slope: [f32; 2],
+    /// From sheared coordinates to X, Y and Z.
+    rows: [[f32; 3]; 3],
+    /// The planes around the tile: normals along the axes of space, towards the inside, and what a point inside
+    /// may be below zero.
+    planes: [([f32; 3], f32); 4],
+    /// The gradient of the depth.
+    depth: [f32; 3],
+    /// The eye along the axes of space.
+    start: [f32; 3],
+    pub(super) is_perspective: bool,
+    pub(super) start_depth: f32,
+    /// The depth that the eye was moved by.
+    slid: f32,
+    /// What X and Y are off, and by how much more for each unit that a leaf extends; with what a wrong depth moves.
+    error: f32,
+    error_per_extent: f32,
+    /// What they are off as a share of Z, in perspective.
+    pub(super) share: f32,
+    /// What depths are off.
+    pub(super) depth_error: f32,
+    /// A side of an edge is off by `(absolute + relative * size) * size`, where `size` is how far the corners are from a
+    /// sample along X and Y at most, both together, times Z; to `absolute` a leaf adds its part.
+    absolute: f32,
+    pub(super) relative: f32,
+}
+
+impl TileFrustum {
+    /// `None` where float32 is of no use: rays one by one then are.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the rounding is allowed for"
+    )]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one derivation, each line of which needs those before"
+    )]
+    pub(crate) fn new(tree: &MeshTree, bundle: &TileCamera) -> Option<Self> {
+        let space = &tree.space;
+        let mut eye = (bundle.eye - space.origin) * space.scale;
+        let far = eye.abs().max_element();
+        let [centre, across, down] =
+            [bundle.centre, bundle.across, bundle.down].map(|v| v * space.scale);
+        // Parallel rays may start anywhere on their way: near the tree, differences lose nothing.
+        let mut slid = 0.0;
+        if !bundle.is_perspective {
+            slid = -eye.dot(centre) / centre.length_squared();
+            eye += slid * centre;
+        }
+        let reach = eye.abs().max_element() + 1.0;
+        let z = largest_axis(centre);
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let slope = [axes[0], axes[1]].map(|k| (centre[k] / centre[z]) as f32);
+        let sheared = |v: DVec3| {
+            let [x, y, z] = axes.map(|k| v[k]);
+            DVec3::new(x - f64::from(slope[0]) * z, y - f64::from(slope[1]) * z, z)
+        };
+        let columns = [across, down, centre].map(sheared);
+        let inverse = DMat3::from_cols(columns[0], columns[1], columns[2]).inverse();
+        let rows = [0, 1, 2].map(|k| inverse.row(k));
+        // For what is a plane in space: the same rows, not sheared.
+        let unsheared = |row: DVec3| {
+            let mut out = DVec3::ZERO;
+            out[axes[0]] = row.x;
+            out[axes[1]] = row.y;
+            out[axes[2]] = row.z - row.x * f64::from(slope[0]) - row.y * f64::from(slope[1]);
+            out
+        };
+        let sum = |row: DVec3| row.abs().element_sum();
+        let u = f64::from(U);
+        let blur = 4e-15 * (bundle.largest * space.scale + far + reach);
+        // What rays are off: at the largest depth of the tree; of parallel ones in any direction, depth included.
+        let [x, y, depth] = rows.map(unsheared);
+        let (off, off_along) = if bundle.is_perspective {
+            let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
+            (bundle.off * farthest, 0.0)
+        } else {
+            let pixel = sum(columns[0]).max(sum(columns[1]));
+            (bundle.off, 3.0 * bundle.off * pixel)
+        };
+        let across_both = sum(rows[0]).max(sum(rows[1]));
+        let units = if tree.is_exact { 0.0 } else { 2.0 };
+        let rounding = across_both * (units * u + 2.0 * blur);
+        let pixels = columns[0].abs() + columns[1].abs();
+        let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
+        let share = 45.0 * u * skewness;
+        let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
+        // With an extent of 2, vertices' depths, of up to 2 reaches, are off by 30 units. Those between a triangle's corners
+        // are rounded seven times more (`sides.rs`), and once with what they may be off: 16.
+        let along = 60.0 * u * reach + 4.0 * blur + off_along;
+        let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
+        // What a wrong depth of a vertex moves on the picture.
+        let sideways = if bundle.is_perspective {
+            sum(rows[2]) * (16.0 * u * reach + 4.0 * blur)
+        } else {
+            0.0
+        };
+        // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 8 u Z, which
+        // `sideways` is no smaller than, six times are the share.
+        let lever = if bundle.is_perspective {
+            12.0 + 6.0 * skewness
+        } else {
+            0.0
+        };
+        let skew = across_both * (sum(columns[0]) + sum(columns[1]));
+        let fine = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
+        // Where a pixel is not seen sharply at the distance of the tree's far side, most would be undecided.
+        let far_depth = if bundle.is_perspective {
+            0.1 * sum(rows[2])
+        } else {
+            1.0
+        };
+        let is_sharp =
+            rounding + across_both * 4.0 * u + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
+        // Written so that a NaN fails.
+        let is_fine = fine
+            && is_sharp
+            && error.is_finite()
+            && slid.abs() < 1e30
+            && depth_error < 1e30
+            && across_both < 1e12;
+        if !is_fine {
+            return None;
+        }
+        let reach_of_pixels = f64::from(HALF) + 0.02;
+        let plane = |side: DVec3, sign: f64| {
+            let normal = if bundle.is_perspective {
+                sign * side + reach_of_pixels * depth
+            } else {
+                sign * side
+            };
+            let below = if bundle.is_perspective {
+                0.0
+            } else {
+                reach_of_pixels
+            };
+            let box_error = sum(normal) * (8.0 * u * reach + 2.0 * blur);
+            let slack = box_error + error + across_both * 4.0 * u + 8.0 * sideways;
+            (
+                normal.to_array().map(|x| x as f32),
+                -((below + slack) * 1.000_01) as f32,
+            )
+        };
+        Some(Self {
+            axes,
+            eye: sheared(eye).to_array(),
+            slope,
+            rows: rows.map(|row| row.to_array().map(|x| x as f32)),
+            planes: [plane(x, 1.0), plane(x, -1.0), plane(y, 1.0), plane(y, -1.0)],
+            depth: depth.to_array().map(|x| x as f32),
+            start: eye.to_array().map(|x| x as f32),
+            is_perspective: bundle.is_perspective,
+            start_depth: bundle.start_depth as f32,
+            slid: slid as f32,
+            error: error as f32,
+            error_per_extent: (7.2 * u * (across_both + lever * sum(rows[2]))) as f32,
+            depth_error: depth_error as f32,
+            share: share as f32,
+            // A side is a difference of two products, so it is off by what a coordinate is twice for each of X and Y, and
+            // a little for what is quadratic in that.
+            absolute: (2.15 * (error + lever * sideways)) as f32,
+            // A quarter of what it is in squares of half the size: 26 roundings, and what the matrix' and those of what
+            // is sheared come to.
+            relative: ((8.0 + 12.0 * skew) * u) as f32,
+        })
+    }
+
+    /// The coordinates X, Y and Z of a leaf's vertices.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the rounding is allowed for"
+    )]
+    pub(super) fn transformed<L: Lanes>(&self, l: L, leaf: &Meshlet) -> [L::Floats; 3] {
+        macro_rules! vertices {
+            ($k:literal) => {
+                &leaf.vertices[self.axes[$k] % 3]
+            };
+        }
+        let (first_x, first_y, first_z) = (vertices!(0)[0], vertices!(1)[0], vertices!(2)[0]);
+        macro_rules! place {
+            ($k:literal, $first:ident) => {{
+                let sheared = f64::from($first) - f64::from(self.slope[$k]) * f64::from(first_z);
+                l.splat((sheared - self.eye[$k]) as f32)
+            }};
+        }
+        let along = l.sub(l.load(vertices!(2)), l.splat(first_z));
+        macro_rules! sheared {
+            ($k:literal, $first:ident) => {{
+                let across = l.sub(l.load(vertices!($k)), l.splat($first));
+                let sheared = l.neg_mul_add(l.splat(self.slope[$k]), along, across);
+                l.add(sheared, place!($k, $first))
+            }};
+        }
+        let (x, y) = (sheared!(0, first_x), sheared!(1, first_y));
+        let z = l.add(along, l.splat((f64::from(first_z) - self.eye[2]) as f32));
+        let row = |k: usize| {
+            let [rx, ry, rz] = self.rows[k];
+            l.mul_add(
+                l.splat(rx),
+                x,
+                l.mul_add(l.splat(ry), y, l.mul(l.splat(rz), z)),
+            )
+        };
+        [row(0), row(1), l.add(row(2), l.splat(self.slid))]
+    }
+
+    /// What X and Y of a leaf's vertices are off.
+    #[inline(always)]
+    pub(super) fn error(&self, leaf: &Meshlet) -> f32 {
+        self.error + self.error_per_extent * leaf.extent
+    }
+
+    /// The first part of what a leaf's sides are off; see [`Self::relative`].
+    #[inline(always)]
+    pub(super) fn absolute(&self, leaf: &Meshlet) -> f32 {
+        self.absolute + 2.15 * self.error_per_extent * leaf.extent
+    }
+
+    /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.
+    #[inline(always)]
+    pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
+        let end = |plane: usize| l.sub(l.load(&node.planes[plane]), l.splat(self.start[plane / 2]));
+        let ends = [end(0), end(1), end(2), end(3), end(4), end(5)];
+        // The corner that is farthest along a direction.
+        let farthest = |[x, y, z]: [f32; 3]| {
+            let corner = |axis: usize, along: f32| ends[2 * axis + usize::from(along > 0.0)];
+            l.mul_add(
+                l.splat(x),
+                corner(0, x),
+                l.mul_add(l.splat(y), corner(1, y), l.mul(l.splat(z), corner(2, z))),
+            )
+        };
+        let inside = |k: usize| {
+            let (normal, least) = self.planes[k];
+            l.le(l.splat(least), farthest(normal))
+        };
+        let [x, y, z] = self.depth;
+        let last = l.add(farthest(self.depth), l.splat(self.slid + self.depth_error));
+        let first = l.sub(
+            l.splat(self.slid - self.depth_error),
+            farthest([-x, -y, -z]),
+        );
+        let met = inside(0)
+            & inside(1)
+            & inside(2)
+            & inside(3)
+            & l.le(l.splat(self.start_depth), last)
+            & l.le(first, l.splat(limit));
+        (met, l.max(first, l.splat(0.0)))
+    }
+}
+
+/// The axis along which a vector is longest, of equal ones the first.
+pub(crate) fn largest_axis(v: DVec3) -> usize {
+    let v = v.abs();
+    if v.x >= v.y && v.x >= v.z {
+        0
+    } else if v.y >= v.z {
+        1
+    } else {
+        2
+    }
+}

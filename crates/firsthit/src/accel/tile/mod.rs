@@ -1,0 +1,7 @@
+//! A camera's rays, tile by tile.
+
+mod edge_test;
+pub(super) mod frustum;
+mod raster;
+pub(super) mod traverse;
+pub(super) mod visibility;

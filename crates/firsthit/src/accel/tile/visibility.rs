@@ -1,0 +1,144 @@
+//! The visibility buffer of a tile: for each pixel the triangle that is nearest so far, and between which depths.
+//!
+//! Burns and Hunt, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading", Journal of Computer Graphics
+//! Techniques 2(2), 2013: what is stored is which triangle, not what it looks like; the rest is computed once, when the
+//! tile is complete. It departs in that a depth is an interval.
+
+use crate::simd::{LANES, Lanes};
+
+/// Pixels across and down a tile.
+pub(crate) const TILE: usize = BLOCK * BLOCK;
+
+/// Pixels across and down a block, of which a tile has as many across and down: blocks of a tile and pixels of a block
+/// have a lane each, from the left to the right and then down.
+pub(crate) const BLOCK: usize = 4;
+
+const _: () = assert!(BLOCK * BLOCK == LANES);
+
+/// A triangle of an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TriangleId {
+    pub(crate) object: u32,
+    /// In the tree of the object's mesh: a leaf's index times sixteen, and the triangle's lane.
+    pub(crate) leaf_lane: u32,
+}
+
+impl TriangleId {
+    /// No triangle.
+    pub(crate) const NONE: Self = Self {
+        object: u32::MAX,
+        leaf_lane: u32::MAX,
+    };
+}
+
+/// The exact test, for pixels that float32 cannot decide.
+pub(crate) trait ExactTest {
+    /// Which of `old` and `new` the ray of a pixel meets first, and at which depth; `None` when it does not meet `new`.
+    /// It meets `old`, if there is one.
+    fn nearer<L: Lanes>(
+        &mut self,
+        l: L,
+        row: usize,
+        column: usize,
+        old: TriangleId,
+        new: TriangleId,
+    ) -> Option<(TriangleId, f64)>;
+}
+
+/// The block of a tile's pixel, and its lane there.
+pub(crate) const fn place(row: usize, column: usize) -> (usize, usize) {
+    let block = row / BLOCK * BLOCK + column / BLOCK;
+    (block, row % BLOCK * BLOCK + column % BLOCK)
+}
+
+/// The row and the column of a pixel in its tile.
+pub(crate) const fn pixel(block: usize, lane: usize) -> (usize, usize) {
+    let row = block / BLOCK * BLOCK + lane / BLOCK;
+    (row % TILE, (block % BLOCK * BLOCK + lane % BLOCK) % TILE)
+}
+
+/// See [the module](self). Block by block; depths are in units of the viewplane's.
+#[repr(C, align(64))]
+pub(crate) struct VisibilityBuffer {
+    /// Depths between which the nearest hit is; infinite where there is none yet.
+    pub(super) low: [[f32; LANES]; LANES],
+    pub(super) high: [[f32; LANES]; LANES],
+    /// The largest `high` of each block.
+    pub(super) farthest: [f32; LANES],
+    pub(super) leaf_lanes: [[f32; LANES]; LANES],
+    pub(super) objects: [[f32; LANES]; LANES],
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+}
+
+impl VisibilityBuffer {
+    /// Nothing met yet. Tiles at the border of a picture have fewer rows and columns.
+    pub(crate) fn new(rows: usize, columns: usize) -> Self {
+        let none = f32::from_bits(u32::MAX);
+        let mut buffer = Self {
+            low: [[f32::INFINITY; LANES]; LANES],
+            high: [[f32::INFINITY; LANES]; LANES],
+            farthest: [f32::INFINITY; LANES],
+            leaf_lanes: [[none; LANES]; LANES],
+            objects: [[none; LANES]; LANES],
+            rows,
+            columns,
+        };
+        if (rows, columns) != (TILE, TILE) {
+            buffer.cut();
+        }
+        buffer
+    }
+
+    /// What is outside the picture is in front of everything.
+    fn cut(&mut self) {
+        for (block, high) in self.high.iter_mut().enumerate() {
+            for (lane, high) in high.iter_mut().enumerate() {
+                let (row, column) = pixel(block, lane);
+                if row >= self.rows || column >= self.columns {
+                    *high = f32::NEG_INFINITY;
+                }
+            }
+            self.farthest[block] = high.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        }
+    }
+
+    /// The nearest triangle of the pixel in a lane of a block.
+    pub(super) fn triangle(&self, block: usize, lane: usize) -> TriangleId {
+        TriangleId {
+            object: self.objects[block][lane].to_bits(),
+            leaf_lane: self.leaf_lanes[block][lane].to_bits(),
+        }
+    }
+
+    /// The triangles of a block as bits: their leaves and lanes, and their objects.
+    pub(crate) fn block(&self, block: usize) -> (&[f32; LANES], &[f32; LANES]) {
+        (&self.leaf_lanes[block], &self.objects[block])
+    }
+
+    #[inline(always)]
+    pub(super) fn set(
+        &mut self,
+        block: usize,
+        lane: usize,
+        triangle: TriangleId,
+        low: f32,
+        high: f32,
+    ) {
+        self.low[block][lane] = low;
+        self.high[block][lane] = high;
+        self.leaf_lanes[block][lane] = f32::from_bits(triangle.leaf_lane);
+        self.objects[block][lane] = f32::from_bits(triangle.object);
+    }
+
+    #[inline(always)]
+    pub(super) fn update_block<L: Lanes>(&mut self, l: L, block: usize) {
+        self.farthest[block] = l.largest(l.load(&self.high[block]));
+    }
+
+    /// The depth beyond which nothing matters to any pixel.
+    #[inline(always)]
+    pub(crate) fn limit<L: Lanes>(&self, l: L) -> f32 {
+        l.largest(l.load(&self.farthest))
+    }
+}

@@ -1,0 +1,93 @@
+//! Whether a ray meets anything. A candidate that is certain to be met ends the traversal at once; for any other the
+//! exact test decides.
+
+use super::mesh_packet::MeshRay;
+use super::query::{MeshQuery, Visitor};
+use crate::accel::filter::Candidates;
+use crate::accel::rays::limits::Limits;
+use crate::shape::Crossing;
+use crate::simd::{Lanes, set_bits};
+
+/// See [the module](self).
+pub(crate) struct Any {
+    is_found: bool,
+    limit: f32,
+    limits: Limits,
+}
+
+impl MeshQuery for Any {
+    type Found = bool;
+    const NONE: Self::Found = false;
+
+    #[inline(always)]
+    fn new(limits: Limits) -> Self {
+        Self {
+            is_found: false,
+            limit: limits.last,
+            limits,
+        }
+    }
+
+    #[inline(always)]
+    fn visit_one<L: Lanes>(
+        &mut self,
+        l: L,
+        ray: &MeshRay<'_>,
+        (leaf, lane): (u32, usize),
+        (low, high): (f32, f32),
+        is_certain: bool,
+    ) {
+        if high < self.limits.before {
+            return;
+        }
+        let leaf = &ray.tree.leaves[leaf as usize];
+        let is_inside = is_certain && low > self.limits.beyond && high < self.limits.within;
+        if is_inside || ray.intersect(l, leaf, lane).is_some() {
+            self.is_found = true;
+            self.limit = -1.0;
+        }
+    }
+
+    #[inline(always)]
+    fn deferred(&self) -> Option<(u32, usize)> {
+        None
+    }
+
+    #[inline(always)]
+    fn finish<L: Lanes>(&self, _: L, _: &MeshRay<'_>) -> Self::Found {
+        self.is_found
+    }
+
+    #[inline(always)]
+    fn of_crossing(crossing: Option<Crossing>) -> Self::Found {
+        crossing.is_some()
+    }
+}
+
+impl Visitor for Any {
+    const ORDERED: bool = false;
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let inside = l.lt(l.splat(self.limits.beyond), candidates.low)
+            & l.lt(candidates.high, l.splat(self.limits.within));
+        let leaf = &ray.tree.leaves[leaf as usize];
+        let possible = candidates.possible & l.le(l.splat(self.limits.before), candidates.high);
+        debug_assert!(!self.is_found, "an answer is never taken back");
+        self.is_found = possible & candidates.certain & inside != 0;
+        for lane in set_bits(possible) {
+            if self.is_found {
+                break;
+            }
+            self.is_found = ray.intersect(l, leaf, lane).is_some();
+        }
+        if self.is_found {
+            self.limit = -1.0;
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+}

@@ -1,0 +1,81 @@
+//! How many triangles a ray meets. Those in the same place count each, so the copies that are not in the tree are added.
+
+use super::mesh_packet::MeshRay;
+use super::query::{MeshQuery, Visitor};
+use crate::accel::filter::Candidates;
+use crate::accel::rays::limits::Limits;
+use crate::shape::Crossing;
+use crate::simd::{Aligned, LANES, Lanes, set_bits};
+
+/// See [the module](self).
+pub(crate) struct Count {
+    count: u32,
+    limits: Limits,
+}
+
+impl MeshQuery for Count {
+    type Found = u32;
+    const NONE: u32 = 0;
+
+    #[inline(always)]
+    fn new(limits: Limits) -> Self {
+        Self { count: 0, limits }
+    }
+
+    #[inline(always)]
+    fn visit_one<L: Lanes>(
+        &mut self,
+        l: L,
+        ray: &MeshRay<'_>,
+        (leaf, lane): (u32, usize),
+        (low, high): (f32, f32),
+        is_certain: bool,
+    ) {
+        if high < self.limits.before {
+            return;
+        }
+        let leaf = &ray.tree.leaves[leaf as usize];
+        let is_inside = is_certain && low > self.limits.beyond && high < self.limits.within;
+        if is_inside || ray.intersect(l, leaf, lane).is_some() {
+            let copies = ray.tree.copies_of(ray.tree.triangle(leaf, lane)).len();
+            self.count += u32::try_from(1 + copies).unwrap_or(u32::MAX);
+        }
+    }
+
+    #[inline(always)]
+    fn deferred(&self) -> Option<(u32, usize)> {
+        None
+    }
+
+    #[inline(always)]
+    fn finish<L: Lanes>(&self, _: L, _: &MeshRay<'_>) -> u32 {
+        self.count
+    }
+
+    #[inline(always)]
+    fn of_crossing(crossing: Option<Crossing>) -> u32 {
+        u32::from(crossing.is_some())
+    }
+}
+
+impl Visitor for Count {
+    const ORDERED: bool = false;
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let mut lows = Aligned([0.0; LANES]);
+        let mut highs = lows;
+        l.store(candidates.low, &mut lows.0);
+        l.store(candidates.high, &mut highs.0);
+        for lane in set_bits(candidates.possible) {
+            let is_certain = candidates.certain >> lane & 1 == 1;
+            let depths = (lows.0[lane], highs.0[lane]);
+            self.visit_one(l, ray, (leaf, lane), depths, is_certain);
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limits.last
+    }
+}

@@ -1,0 +1,81 @@
+//! Many rays through the trees of meshes, packet by packet, each by the traversal that suits it.
+//!
+//! 1. [`coherent`]: the rays of a packet go nearly the same way. It gives up when they do not.
+//! 2. [`masked`]: short rays from a small place in all directions, where any hit will do. It gives up likewise.
+//! 3. [`interleaved`]: all rays that are left.
+//!
+//! Where one packet after the other gives up, some are not tried.
+
+use super::coherent::coherent;
+use super::interleaved::{InFlight, interleaved};
+use super::masked::masked;
+use super::mesh_packet::MeshPacket;
+use super::query::{MeshQuery, Sink};
+use super::stack::Stack;
+use crate::simd::Lanes;
+
+/// Memory for traversals, to be used again.
+#[derive(Debug)]
+pub(crate) struct Dispatcher {
+    stack: Stack,
+    in_flight: InFlight,
+}
+
+impl Dispatcher {
+    pub(crate) fn new() -> Self {
+        Self {
+            stack: Stack::new(),
+            in_flight: InFlight::new(),
+        }
+    }
+
+    /// Puts the answer of each open ray of `packets` into `sink`, in any order.
+    #[inline(always)]
+    pub(crate) fn run<L: Lanes, Q: MeshQuery>(
+        &mut self,
+        l: L,
+        packets: &mut [MeshPacket<'_>],
+        sink: &mut impl Sink<Q::Found>,
+    ) {
+        let (mut of_coherent, mut of_masked) = (Trials::new(), Trials::new());
+        let stack = &mut self.stack;
+        for (number, packet) in packets.iter_mut().enumerate() {
+            if of_coherent.tries() {
+                of_coherent.learn(coherent::<L, Q>(l, stack, (number, packet), sink));
+            }
+            if !Q::ORDERED && packet.open != 0 && of_masked.tries() {
+                of_masked.learn(masked::<L, Q>(l, stack, (number, packet), sink));
+            }
+        }
+        interleaved::<L, Q>(l, &mut self.in_flight, packets, sink);
+    }
+}
+
+/// Whether to try a traversal on the next packet: after each failure but the first two, one more packet is left out,
+/// up to eight.
+struct Trials {
+    failures: u32,
+    left_out: u32,
+}
+
+impl Trials {
+    fn new() -> Self {
+        Self {
+            failures: 0,
+            left_out: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn tries(&mut self) -> bool {
+        let tries = self.left_out == 0;
+        self.left_out = self.left_out.saturating_sub(1);
+        tries
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, has_succeeded: bool) {
+        self.failures = if has_succeeded { 0 } else { self.failures + 1 };
+        self.left_out = self.failures.saturating_sub(2).min(8);
+    }
+}

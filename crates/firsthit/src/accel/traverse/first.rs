@@ -1,0 +1,164 @@
+//! The first hit: the smallest `t`, at the same `t` the lowest triangle.
+//!
+//! 1. A candidate that is beyond the best so far is dropped by its depths.
+//! 2. A candidate that is certain to be met, and certainly nearer than the best so far, becomes the best one; where it
+//!    is met is computed only when the traversal ends.
+//! 3. Between any other candidate and the best so far the exact test decides.
+
+use super::mesh_packet::MeshRay;
+use super::query::{MeshQuery, Visitor};
+use crate::accel::filter::Candidates;
+use crate::accel::rays::limits::Limits;
+use crate::shape::Crossing;
+use crate::simd::{Aligned, LANES, Lanes, set_bits};
+
+/// The nearest triangle so far.
+enum Best {
+    None,
+    /// Certain to be met, between two depths; where is not computed yet.
+    Deferred {
+        leaf: u32,
+        lane: usize,
+        low: f32,
+        high: f32,
+    },
+    /// Met, between two depths.
+    Located {
+        crossing: Crossing,
+        low: f32,
+        high: f32,
+    },
+}
+
+impl Best {
+    #[inline(always)]
+    fn located<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Option<Crossing> {
+        match *self {
+            Self::None => None,
+            Self::Located { crossing, .. } => Some(crossing),
+            Self::Deferred { leaf, lane, .. } => ray.locate(l, leaf, lane),
+        }
+    }
+}
+
+/// See [the module](self).
+pub(crate) struct First {
+    best: Best,
+    limit: f32,
+    limits: Limits,
+}
+
+impl First {
+    /// Compares a candidate with the best so far by the exact test.
+    #[inline(always)]
+    fn compare<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, lane: usize) {
+        let leaf = &ray.tree.leaves[leaf as usize];
+        let Some(new) = ray.intersect(l, leaf, lane) else {
+            return;
+        };
+        let old = self.best.located(l, ray);
+        let crossing = match old {
+            Some(old) if !ray.precedes(l, &new, &old) => old,
+            _ => new,
+        };
+        let low = ray.packet.depth_below(ray.lane, crossing.t);
+        let high = ray.packet.depth_above(ray.lane, crossing.t);
+        self.best = Best::Located {
+            crossing,
+            low,
+            high,
+        };
+        self.limit = self.limit.min(high);
+    }
+}
+
+impl MeshQuery for First {
+    type Found = Option<Crossing>;
+    const NONE: Self::Found = None;
+
+    #[inline(always)]
+    fn new(limits: Limits) -> Self {
+        Self {
+            best: Best::None,
+            limit: limits.last,
+            limits,
+        }
+    }
+
+    #[inline(always)]
+    fn visit_one<L: Lanes>(
+        &mut self,
+        l: L,
+        ray: &MeshRay<'_>,
+        (leaf, lane): (u32, usize),
+        (low, high): (f32, f32),
+        is_certain: bool,
+    ) {
+        let (best_low, best_high) = match self.best {
+            Best::None => (self.limits.within, f32::INFINITY),
+            Best::Deferred { low, high, .. } | Best::Located { low, high, .. } => (low, high),
+        };
+        if low > best_high || high < self.limits.before {
+            return;
+        }
+        if is_certain && low > self.limits.beyond && high < best_low {
+            self.best = Best::Deferred {
+                leaf,
+                lane,
+                low,
+                high,
+            };
+            self.limit = self.limit.min(high);
+        } else {
+            self.compare(l, ray, leaf, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn deferred(&self) -> Option<(u32, usize)> {
+        match self.best {
+            Best::Deferred { leaf, lane, .. } => Some((leaf, lane)),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn finish<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Self::Found {
+        self.best.located(l, ray)
+    }
+
+    #[inline(always)]
+    fn of_crossing(crossing: Option<Crossing>) -> Self::Found {
+        crossing
+    }
+}
+
+impl Visitor for First {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let mut lows = Aligned([0.0; LANES]);
+        let mut highs = lows;
+        l.store(candidates.low, &mut lows.0);
+        l.store(candidates.high, &mut highs.0);
+        let first = ray.tree.leaves[leaf as usize].first as usize;
+        for lane in set_bits(candidates.possible) {
+            // The index of the nearest triangle is read in the end.
+            if let Some(index) = ray.tree.order.get(first + lane) {
+                l.prefetch(index);
+            }
+            let is_certain = candidates.certain >> lane & 1 == 1;
+            self.visit_one(
+                l,
+                ray,
+                (leaf, lane),
+                (lows.0[lane], highs.0[lane]),
+                is_certain,
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+}

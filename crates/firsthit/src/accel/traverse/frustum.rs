@@ -1,0 +1,240 @@
+//! The planes around the rays of a packet, and which boxes are within them.
+//!
+//! Points are counted from the beam's reference, the planes from there on along its axis z: at a depth d all rays
+//! are between `start low + d * slope low` and `start high + d * slope high`, along x and along y. The reference
+//! is as far back as the rearmost ray, so d is not negative where a ray may meet something.
+//!
+//! What rounding comes to, in units of u (see `bounds.rs`), beside the blurs of the rays' starts. Let W be how far a start
+//! is from the reference at most, along x and y sheared to the reference's depth. A start then is off by 13 W: two
+//! differences along each of two axes 6, a slope of at most 1 with what its product and difference round 7. A sheared
+//! coordinate X of a vertex at the depth D that is P from the reference: the differences with the reference P and D, that
+//! with the start P + W, slope, product and difference 2 D + X, and the start. P is at most X + W + D, and where a ray
+//! passes a triangle, X is at most the size of that (sheared, along x or y): in all 5 D + 3 X + 16 W.
+//! Against planes all of this is in units of the reach, with which 40 covers it: the starts' differences are below
+//! twice the reach each, so a start is off by 20 at most, and a vertex by 6.
+//!
+//! Neighbours often lie in a plane, or nearly: pixels of a row, and what a row sees, seen from a light. So there are two
+//! more planes, almost parallel, at whatever angle to x and y. Along their common normal, whose parts along x and y are
+//! `normal` and whose part along the depth is minus the `tilt`, all rays are within `between` at the depth 0, and each end
+//! moves outwards by the `spread` for a depth of 1. A ray's start along the normal is off by twice the 20, by 12 of its own
+//! rounding and 8 of the bounds'; a place by 20 (three differences, three products, two sums, and the spread's share): 80 of
+//! the 160 that are allowed. Slopes are off by 9 in all, where the spread has 16.
+
+use super::mesh_packet::{FEWEST, MeshPacket};
+use crate::accel::bounds::U;
+use crate::accel::node::Node;
+use crate::accel::rays::packet::RAYS;
+use crate::simd::{Aligned, Lanes};
+
+/// The space that the rays of a packet are in.
+pub(super) struct PacketFrustum {
+    /// Which of the packet's rays are in it.
+    pub(super) rays: u16,
+    /// As `TreeRay::axes`.
+    pub(super) axes: [usize; 3],
+    pub(super) forwards: f32,
+    /// Along those axes.
+    pub(super) reference: [f32; 3],
+    /// The smallest and the largest start, less and more for rounding, and slope, along x and along y.
+    pub(super) starts: [[f32; 2]; 2],
+    pub(super) slopes: [[f32; 2]; 2],
+    /// Where each ray is at the reference's depth.
+    pub(super) start: [Aligned<[f32; RAYS]>; 2],
+    /// The depth at which it starts.
+    pub(super) behind: Aligned<[f32; RAYS]>,
+    /// What a box may be off the planes.
+    pub(super) margin: f32,
+    /// What a sheared coordinate is off whatever the depth.
+    pub(super) error: f32,
+    /// What a depth is off whatever it is.
+    pub(super) depth_error: f32,
+    /// A direction along which rays are much the same: its parts along x and y, at most 1, and minus that along the depth.
+    pub(super) normal: [f32; 2],
+    pub(super) tilt: f32,
+    /// What rays are along it where their depth is 0, and by how much, beside the tilt, that changes with the depth at most.
+    pub(super) between: [f32; 2],
+    pub(super) spread: f32,
+}
+
+impl PacketFrustum {
+    /// `None` when the rays do not go the same way at all.
+    #[inline(always)]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one derivation, each line of which needs those before"
+    )]
+    pub(super) fn new<L: Lanes>(l: L, packet: &MeshPacket<'_>) -> Option<Self> {
+        let (packet, rays) = (packet.packet, packet.open);
+        if rays.count_ones() < FEWEST {
+            return None;
+        }
+        let first = rays.trailing_zeros() as usize % RAYS;
+        let axes = packet.common_axes(rays)?;
+        let forwards = packet.forwards[first];
+        let signs = l.load(&packet.forwards);
+        if rays & !l.same(signs, l.splat(forwards)) != 0 {
+            return None;
+        }
+        let (least, most) = (f32::NEG_INFINITY, f32::INFINITY);
+        // The smallest and the largest among the rays'.
+        macro_rules! ends {
+            ($values:expr) => {{
+                let values = $values;
+                [
+                    l.smallest(l.select(rays, values, l.splat(most))),
+                    l.largest(l.select(rays, values, l.splat(least))),
+                ]
+            }};
+        }
+        let [x, y, z] = &packet.start;
+        let (zx, zy, zz) = (l.load(&x[0]), l.load(&y[0]), l.load(&z[0]));
+        let [rear, _] = ends!(l.mul(signs, zz));
+        let reference = [x[0][first], y[0][first], forwards * rear];
+        let [_, largest] = ends!(l.max(l.max(l.abs(zx), l.abs(zy)), l.abs(zz)));
+        let [_, blur] = ends!(l.load(&packet.blur));
+        let margin = 40.0 * U * (1.0 + largest) + 4.0 * blur;
+        // Written so that a NaN fails.
+        let is_fine = margin < 1e-2;
+        if !is_fine {
+            return None;
+        }
+        macro_rules! from_reference {
+            ($high:expr, $part:expr, $k:literal) => {
+                l.add(l.sub($high, l.splat(reference[$k])), l.load(&$part[1]))
+            };
+        }
+        let behind = l.mul(signs, from_reference!(zz, z, 2));
+        let (sx, sy) = (l.load(&packet.slope[0]), l.load(&packet.slope[1]));
+        let ax = l.neg_mul_add(sx, behind, from_reference!(zx, x, 0));
+        let ay = l.neg_mul_add(sy, behind, from_reference!(zy, y, 1));
+        let (starts, slopes) = ([ends!(ax), ends!(ay)], [ends!(sx), ends!(sy)]);
+        let [_, width] = ends!(l.max(l.max(l.abs(ax), l.abs(ay)), l.abs(behind)));
+        let mut start = [Aligned([0.0; RAYS]); 2];
+        l.store(ax, &mut start[0].0);
+        l.store(ay, &mut start[1].0);
+        let last = rays.ilog2() as usize % RAYS;
+        let normal = normal(
+            start.each_ref().map(|x| x.0[last] - x.0[first]),
+            packet.slope.each_ref().map(|x| x[last] - x[first]),
+        );
+        macro_rules! along_normal {
+            ($x:expr, $y:expr) => {
+                l.mul_add($y, l.splat(normal[1]), l.mul($x, l.splat(normal[0])))
+            };
+        }
+        let between = ends!(along_normal!(ax, ay));
+        let [low, high] = ends!(along_normal!(sx, sy));
+        let tilt = 0.5 * (low + high);
+        let wider = |[low, high]: [f32; 2], by: f32| [low - by, high + by];
+        let mut out = Self {
+            rays,
+            axes,
+            forwards,
+            reference,
+            starts: [wider(starts[0], margin), wider(starts[1], margin)],
+            slopes,
+            start,
+            behind: Aligned([0.0; RAYS]),
+            margin,
+            error: 20.0 * U * width + 3.0 * blur,
+            depth_error: 24.0 * U * width + 3.0 * blur,
+            normal,
+            tilt,
+            between: wider(between, 4.0 * margin),
+            spread: 0.5 * (high - low) + 16.0 * U,
+        };
+        l.store(behind, &mut out.behind.0);
+        Some(out)
+    }
+
+    /// The depth beyond which nothing matters to any ray.
+    #[inline(always)]
+    pub(super) fn limit<L: Lanes>(&self, l: L, limits: &[f32; RAYS]) -> f32 {
+        let limits = l.load(limits);
+        let matters = l.le(l.splat(0.0), limits);
+        let depths = l.add(limits, l.load(&self.behind.0));
+        self.margin + l.largest(l.select(matters, depths, l.splat(-2.0 - 3.0 * self.margin)))
+    }
+
+    /// Which of a node's boxes the beam may meet at depths up to `limit`, and from which depth on.
+    #[inline(always)]
+    pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
+        let [x, y, z] = self.axes;
+        macro_rules! plane {
+            ($axis:ident, $k:literal, $side:expr) => {
+                l.sub(
+                    l.load(&node.planes[(2 * $axis + $side) % 6]),
+                    l.splat(self.reference[$k]),
+                )
+            };
+        }
+        let is_back = usize::from(self.forwards < 0.0);
+        let sign = l.splat(self.forwards);
+        let near = l.mul(plane!(z, 2, is_back), sign);
+        let far = l.mul(plane!(z, 2, 1 - is_back), sign);
+        let mut met = l.le(near, l.splat(limit)) & l.le(l.splat(-self.margin), far);
+        // Only where rays are, and where anything matters.
+        let near = l.max(near, l.splat(-self.margin));
+        let far = l.min(far, l.splat(limit));
+        let (low_x, high_x) = (plane!(x, 0, 0), plane!(x, 0, 1));
+        let (low_y, high_y) = (plane!(y, 1, 0), plane!(y, 1, 1));
+        // Of each box the corner that is farthest towards a plane's inside.
+        macro_rules! inside {
+            ($k:literal, $low:ident, $high:ident) => {{
+                let [start, end] = self.starts[$k];
+                let [least, most] = self.slopes[$k];
+                let depth = if least > 0.0 { near } else { far };
+                met &= l.le(l.splat(start), l.neg_mul_add(l.splat(least), depth, $high));
+                let depth = if most > 0.0 { far } else { near };
+                met &= l.le(l.neg_mul_add(l.splat(most), depth, $low), l.splat(end));
+            }};
+        }
+        inside!(0, low_x, high_x);
+        inside!(1, low_y, high_y);
+        let [normal_x, normal_y] = self.normal;
+        macro_rules! ordered {
+            ($factor:expr, $low:ident, $high:ident) => {
+                if $factor > 0.0 {
+                    ($low, $high)
+                } else {
+                    ($high, $low)
+                }
+            };
+        }
+        let (less_x, more_x) = ordered!(normal_x, low_x, high_x);
+        let (less_y, more_y) = ordered!(normal_y, low_y, high_y);
+        let (less_z, more_z) = ordered!(-self.tilt, near, far);
+        let wide = l.mul(l.splat(self.spread), l.max(far, l.splat(0.0)));
+        macro_rules! along {
+            ($x:ident, $y:ident, $z:ident) => {
+                l.mul_add(
+                    l.splat(normal_x),
+                    $x,
+                    l.neg_mul_add(l.splat(self.tilt), $z, l.mul(l.splat(normal_y), $y)),
+                )
+            };
+        }
+        let most = l.add(along!(more_x, more_y, more_z), wide);
+        let least = l.sub(along!(less_x, less_y, less_z), wide);
+        let [low, high] = self.between;
+        met &= l.le(l.splat(low), most) & l.le(least, l.splat(high));
+        (met, l.max(near, l.splat(0.0)))
+    }
+}
+
+/// The normal of the plane that rays are in, across the depth, from what is between the first and the last of them in start
+/// and in slope. One part is 1 or -1, or both are 0 where there is nothing between.
+#[inline(always)]
+fn normal([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> [f32; 2] {
+    let (size, change) = (x.abs().max(y.abs()), along_x.abs().max(along_y.abs()));
+    let (x, y, size) = if change > size {
+        (along_x, along_y, change)
+    } else {
+        (x, y, size)
+    };
+    if size > 0.0 {
+        [y / size, -x / size]
+    } else {
+        [0.0; 2]
+    }
+}

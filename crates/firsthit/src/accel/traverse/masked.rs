@@ -1,0 +1,331 @@
+//! Sixteen rays together through the tree of a mesh: short ones in all directions from a small place, as ambient occlusion
+//! shoots them. It serves queries that do not ask for an order.
+//!
+//! 1. Put a box around the segments of all rays; give up when it is as wide as half the mesh.
+//! 2. At a node, test its sixteen boxes against that box, then each one that is left against the sixteen rays; a child goes
+//!    onto the stack with a mask of the rays that meet it.
+//! 3. At a leaf, or at a node that only one ray meets, go on ray by ray.
+//! 4. Give up when nodes have few rays in common.
+//!
+//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum 20(3),
+//! 2001, for the masks. It departs in step 1, which rules out most children of a wide node for all rays at once, whatever
+//! their directions.
+
+use std::array::from_fn;
+
+use super::deferred::finish_packet;
+use super::mesh_packet::{FEWEST, MeshPacket};
+use super::query::{MeshQuery, Sink};
+use super::stack::Stack;
+use crate::accel::bounds::{FAR, U};
+use crate::accel::filter::filter;
+use crate::accel::node::{LEAF, Node};
+use crate::accel::rays::packet::{Packet, RAYS};
+use crate::simd::{Lanes, set_bits};
+
+/// After each this many nodes and leaves, it is looked whether rays have them in common.
+const TRIAL: u32 = 32;
+/// How many rays a node or leaf must have had so far, on average.
+const COMMON: u32 = 3;
+/// At this depth a ray has left the tree, which is in the cube from -1 to 1.
+const FARTHEST: f32 = 10.0;
+const _: () = assert!(FAR + 2.0 <= FARTHEST as f64);
+
+/// Answers the open rays of a packet, but for those whose start float32 does not resolve; `false` when it gave up, and any
+/// may be open still.
+#[inline(always)]
+pub(super) fn masked<L: Lanes, Q: MeshQuery>(
+    l: L,
+    stack: &mut Stack,
+    (number, packet): (usize, &mut MeshPacket<'_>),
+    sink: &mut impl Sink<Q::Found>,
+) -> bool {
+    let all = packet.packet;
+    let rays = packet.open & l.lt(l.load(&all.blur), l.splat(1e-2));
+    if rays.count_ones() < FEWEST {
+        return false;
+    }
+    let around = Around::new(l, all, rays);
+    if around.is_wide(packet) {
+        return false;
+    }
+    let mut queries: [Q; RAYS] = from_fn(|lane| Q::new(all.limits(lane)));
+    let mut alive = rays;
+    let (mut visits, mut visitors) = (0, 0);
+    let mut is_done = true;
+    stack.clear();
+    stack.push(key(rays, 0));
+    while alive != 0
+        && let Some(next) = stack.pop_any()
+    {
+        let (here, index) = parts(next);
+        let here = here & alive;
+        if here == 0 {
+            continue;
+        }
+        visits += 1;
+        visitors += here.count_ones();
+        if visits % TRIAL == 0 && visitors < COMMON * visits {
+            is_done = false;
+            break;
+        }
+        if index & LEAF == 0 {
+            let node = &packet.tree.nodes[index as usize];
+            let base = stack.len();
+            around.open(l, all, node, here, stack);
+            for &key in stack.entries_from(base) {
+                let (_, next) = parts(key);
+                let tree = packet.tree;
+                l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
+            }
+        } else {
+            alive &= !visit(l, packet, index & !LEAF, here, &mut queries);
+        }
+    }
+    finish_packet(l, (number, packet), (rays, is_done), &queries, sink);
+    is_done
+}
+
+/// Shows a leaf to the rays `here`; returns which of them have their answer.
+#[inline(always)]
+fn visit<L: Lanes, Q: MeshQuery>(
+    l: L,
+    packet: &MeshPacket<'_>,
+    index: u32,
+    here: u16,
+    queries: &mut [Q; RAYS],
+) -> u16 {
+    let leaf = &packet.tree.leaves[index as usize];
+    let mut answered = 0;
+    for lane in set_bits(here) {
+        let query = &mut queries[lane];
+        let ray = packet.packet.tree_ray(lane);
+        if let Some(candidates) = filter(l, &ray, leaf, query.limit()) {
+            query.visit(l, &packet.ray(lane), index, &candidates);
+            answered |= u16::from(query.limit() < 0.0) << lane;
+        }
+    }
+    answered
+}
+
+/// Rays, and a node or a leaf that they meet, as a stack holds them.
+#[inline(always)]
+fn key(rays: u16, index: u32) -> u64 {
+    u64::from(rays) << 32 | u64::from(index)
+}
+
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "what `key` put together")]
+fn parts(key: u64) -> (u16, u32) {
+    ((key >> 32) as u16, key as u32)
+}
+
+/// The box around the segments of a packet's rays, from their starts to where nothing matters any more.
+struct Around {
+    low: [f32; 3],
+    high: [f32; 3],
+    /// The rays that go backwards along an axis.
+    back: [u16; 3],
+}
+
+impl Around {
+    #[inline(always)]
+    fn new<L: Lanes>(l: L, packet: &Packet, rays: u16) -> Self {
+        let mut out = Self {
+            low: [0.0; 3],
+            high: [0.0; 3],
+            back: [0; 3],
+        };
+        let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
+        let limit = l.max(l.min(l.load(&packet.limit), l.splat(FARTHEST)), zero);
+        for axis in 0..3 {
+            let inverse = l.load(&packet.inverse[axis]);
+            let [first, last] = &packet.ends[axis];
+            let (first, last) = (l.load(first), l.load(last));
+            let direction = l.div(one, inverse);
+            // Each of the ends is minus the start over the direction, one less and one more for rounding.
+            let start = l.mul(l.mul(l.add(first, last), half), l.sub(zero, direction));
+            let margin = l.mul(l.sub(last, first), direction);
+            // What is rounded here, in units of `u FARTHEST`: the start 5, the slope at the end 2, product and sum 3, and the
+            // last difference 2; and the margin itself.
+            let margin = l.mul_add(l.abs(margin), half, l.splat(16.0 * U * FARTHEST));
+            let end = l.mul_add(direction, limit, start);
+            let low = l.sub(l.min(start, end), margin);
+            let high = l.add(l.max(start, end), margin);
+            out.low[axis] = l.smallest(l.select(rays, low, l.splat(f32::INFINITY)));
+            out.high[axis] = l.largest(l.select(rays, high, l.splat(f32::NEG_INFINITY)));
+            out.back[axis] = l.lt(inverse, zero);
+        }
+        out
+    }
+
+    /// Whether it is as wide as half the mesh, so that it would rule out little.
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "about so much")]
+    fn is_wide(&self, packet: &MeshPacket<'_>) -> bool {
+        let size = packet.mesh.bounds().size().max_element();
+        let half = (0.5 * size * packet.tree.space.scale) as f32;
+        (0..3).any(|axis| self.high[axis] - self.low[axis] > half)
+    }
+
+    /// Puts a node's children onto the stack, each with those of the rays `here` that meet its box.
+    #[inline(always)]
+    fn open<L: Lanes>(&self, l: L, packet: &Packet, node: &Node, here: u16, stack: &mut Stack) {
+        if here.is_power_of_two() {
+            let lane = here.trailing_zeros() as usize % RAYS;
+            let (met, _) = packet.tree_ray(lane).boxes(l, node, packet.limit[lane]);
+            for child in set_bits(met) {
+                stack.push(key(here, node.children[child]));
+            }
+            return;
+        }
+        let mut met = u16::MAX;
+        for axis in 0..3 {
+            let [low, high] = [&node.planes[2 * axis], &node.planes[2 * axis + 1]];
+            met &= l.le(l.load(low), l.splat(self.high[axis]));
+            met &= l.le(l.splat(self.low[axis]), l.load(high));
+        }
+        macro_rules! end {
+            ($child:ident, $axis:literal, $side:literal) => {{
+                let low = l.splat(node.planes[2 * $axis][$child]);
+                let high = l.splat(node.planes[2 * $axis + 1][$child]);
+                let plane = if $side == 0 {
+                    l.select(self.back[$axis], high, low)
+                } else {
+                    l.select(self.back[$axis], low, high)
+                };
+                let inverse = l.load(&packet.inverse[$axis]);
+                l.mul_add(plane, inverse, l.load(&packet.ends[$axis][$side]))
+            }};
+        }
+        for child in set_bits(met) {
+            let entry = l.max(
+                l.max(end!(child, 0, 0), end!(child, 1, 0)),
+                l.max(end!(child, 2, 0), l.splat(0.0)),
+            );
+            let exit = l.min(
+                l.min(end!(child, 0, 1), end!(child, 1, 1)),
+                l.min(end!(child, 2, 1), l.load(&packet.limit)),
+            );
+            let rays = here & l.le(entry, exit);
+            stack.push_if(rays != 0, key(rays, node.children[child]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::mesh_tree::MeshTree;
+    use crate::accel::traverse::any::Any;
+    use crate::geometry::{DVec3, Ray};
+    use crate::shape::{Mesh, Positions};
+    use crate::simd::{self, InstructionSet, Kernel};
+
+    /// Sixteen rays that start around a point, in directions of all octants, up to a reach.
+    struct Sixteen<'a> {
+        mesh: &'a Mesh,
+        tree: &'a MeshTree,
+        middle: DVec3,
+        reach: f64,
+    }
+
+    /// Whether they were answered together, which are open still, and how far their segments are outside the box.
+    struct Outcome {
+        is_done: bool,
+        open: u16,
+        outside: f64,
+    }
+
+    struct Nowhere;
+    impl<A> Sink<A> for Nowhere {
+        fn put(&mut self, _: usize, _: usize, _: A) {}
+    }
+
+    impl Sixteen<'_> {
+        fn ray(&self, lane: usize) -> Ray {
+            let sign = |bit: usize| [1.0, -1.0][lane >> bit & 1];
+            let share = 0.1 + lane as f64 / 20.0;
+            let direction = DVec3::new(sign(0), share * sign(1), (1.0 - share) * sign(2));
+            let direction = if lane == 5 { DVec3::NEG_Y } else { direction };
+            let start = self.middle + 0.01 * DVec3::new(direction.y, direction.z, direction.x);
+            Ray::new(start, direction.normalize()).up_to(self.reach * share)
+        }
+    }
+
+    impl Kernel for Sixteen<'_> {
+        type Output = Outcome;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Outcome {
+            let mut packet = Packet::default();
+            for lane in 0..RAYS {
+                packet.put(lane, &self.ray(lane));
+            }
+            packet.prepare(l, self.tree, RAYS);
+            let around = Around::new(l, &packet, u16::MAX);
+            let mut outside = f64::NEG_INFINITY;
+            for lane in 0..RAYS {
+                let ray = self.ray(lane);
+                for end in [ray.origin, ray.at(ray.t_max.min(1.0))] {
+                    let place = (end - self.tree.space.origin) * self.tree.space.scale;
+                    for axis in 0..3 {
+                        let below = f64::from(around.low[axis]) - place[axis];
+                        let above = place[axis] - f64::from(around.high[axis]);
+                        outside = outside.max(below).max(above);
+                    }
+                }
+            }
+            let mut packet = MeshPacket::new(self.tree, self.mesh, &packet);
+            let mut stack = Stack::new();
+            let is_done = masked::<L, Any>(l, &mut stack, (0, &mut packet), &mut Nowhere);
+            Outcome {
+                is_done,
+                open: packet.open,
+                outside,
+            }
+        }
+    }
+
+    /// A sheet of `2 * 40 * 40` triangles from -1 to 1.
+    fn sheet() -> Mesh {
+        let place = |k: u32| f64::from(k) / 20.0 - 1.0;
+        let points = (0..41 * 41).map(|k| [place(k % 41), place(k / 41), 0.0]);
+        let cell = |k: u32| {
+            let a = k / 40 * 41 + k % 40;
+            [[a, a + 1, a + 41], [a + 1, a + 42, a + 41]]
+        };
+        let triangles = (0..40 * 40).flat_map(cell).collect();
+        Mesh::new(Positions::Double(points.collect()), triangles).unwrap()
+    }
+
+    #[test]
+    fn short_rays_go_together_and_long_ones_do_not() {
+        let mesh = sheet();
+        let tree = MeshTree::build(&mesh);
+        let sets = InstructionSet::ALL.into_iter();
+        for set in sets.filter(|set| set.is_available()) {
+            for (reach, goes) in [
+                (0.3, true),
+                (1e-6, true),
+                (3.0, false),
+                (f64::INFINITY, false),
+            ] {
+                let sixteen = Sixteen {
+                    mesh: &mesh,
+                    tree: &tree,
+                    middle: DVec3::new(0.2, -0.1, 0.005),
+                    reach,
+                };
+                let outcome = simd::run(set, sixteen);
+                assert_eq!(outcome.is_done, goes, "{set:?} {reach}");
+                assert_eq!(outcome.open, if goes { 0 } else { u16::MAX });
+                assert!(
+                    outcome.outside < 0.0,
+                    "{set:?} {reach}: {}",
+                    outcome.outside
+                );
+            }
+        }
+    }
+}

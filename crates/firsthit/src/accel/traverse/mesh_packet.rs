@@ -1,0 +1,137 @@
+//! A packet of rays at a mesh, and one of its rays: what a traversal works with.
+
+use crate::accel::mesh_tree::MeshTree;
+use crate::accel::meshlet::Meshlet;
+use crate::accel::rays::packet::Packet;
+use crate::geometry::{DVec3, Ray};
+use crate::shape::triangle::{self, Doubtful, Shear, TriangleHit};
+use crate::shape::{Crossing, Mesh};
+use crate::simd::{Kernel, Lanes};
+
+/// A packet with fewer rays than this is traversed ray by ray.
+pub(super) const FEWEST: u32 = 4;
+
+/// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
+#[derive(Clone, Copy)]
+pub(crate) struct MeshPacket<'a> {
+    pub(super) tree: &'a MeshTree,
+    pub(super) mesh: &'a Mesh,
+    pub(super) packet: &'a Packet,
+    /// The rays without an answer yet, a bit each.
+    pub(super) open: u16,
+}
+
+impl<'a> MeshPacket<'a> {
+    pub(crate) fn new(tree: &'a MeshTree, mesh: &'a Mesh, packet: &'a Packet) -> Self {
+        Self {
+            tree,
+            mesh,
+            packet,
+            open: packet.alive,
+        }
+    }
+
+    /// One of its rays.
+    #[inline(always)]
+    pub(super) fn ray(&self, lane: usize) -> MeshRay<'a> {
+        MeshRay {
+            tree: self.tree,
+            mesh: self.mesh,
+            packet: self.packet,
+            lane,
+        }
+    }
+}
+
+/// A ray of a packet, at a mesh with its tree.
+#[derive(Clone, Copy)]
+pub(crate) struct MeshRay<'a> {
+    pub(super) tree: &'a MeshTree,
+    pub(super) mesh: &'a Mesh,
+    pub(super) packet: &'a Packet,
+    pub(super) lane: usize,
+}
+
+impl MeshRay<'_> {
+    /// The exact test: where the ray meets the triangle in a lane of a leaf, if it does.
+    #[inline(always)]
+    pub(super) fn intersect<L: Lanes>(
+        &self,
+        l: L,
+        leaf: &Meshlet,
+        lane: usize,
+    ) -> Option<Crossing> {
+        let corners = self.tree.corners(self.mesh, leaf, lane);
+        let ray = self.packet.ray(self.lane);
+        let hit =
+            Shear::new(&ray).intersect_by(corners, |doubtful| l.call(SettleExactly(doubtful)))?;
+        ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
+    }
+
+    /// The corners of the triangle in a lane of a leaf.
+    #[inline(always)]
+    pub(super) fn corners(&self, leaf: u32, lane: usize) -> [DVec3; 3] {
+        let leaf = &self.tree.leaves[leaf as usize];
+        self.tree.corners(self.mesh, leaf, lane)
+    }
+
+    /// The crossing with a triangle that the ray meets for certain.
+    #[inline(always)]
+    pub(super) fn locate<L: Lanes>(&self, l: L, leaf: u32, lane: usize) -> Option<Crossing> {
+        let corners = self.corners(leaf, lane);
+        let ray = self.packet.ray(self.lane);
+        let hit = triangle::locate(&ray, corners, |doubtful| l.call(SettleExactly(doubtful)))?;
+        let leaf = &self.tree.leaves[leaf as usize];
+        ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
+    }
+
+    /// The crossing with a triangle at a known `[t, v, w]`.
+    #[inline(always)]
+    pub(super) fn crossing_at(&self, leaf: u32, lane: usize, place: [f64; 3]) -> Option<Crossing> {
+        let hit = TriangleHit::new(place);
+        let leaf = &self.tree.leaves[leaf as usize];
+        let ray = self.packet.ray(self.lane);
+        ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
+    }
+
+    /// Whether `new` comes before `old`: by the float64 nearest to the exact `t`, then by the triangle's index.
+    #[inline(always)]
+    pub(super) fn precedes<L: Lanes>(&self, l: L, new: &Crossing, old: &Crossing) -> bool {
+        if triangle::are_close(new.t, old.t) {
+            let ray = self.packet.ray(self.lane);
+            let nearest = |crossing| l.call(NearestT(self.mesh, &ray, crossing));
+            (nearest(new), new.primitive) < (nearest(old), old.primitive)
+        } else {
+            new.t < old.t
+        }
+    }
+
+    #[inline(always)]
+    fn crossing(&self, leaf: &Meshlet, lane: usize, hit: TriangleHit) -> Crossing {
+        hit.crossing(self.tree.triangle(leaf, lane).cast_signed())
+    }
+}
+
+/// Exact arithmetic for a triangle that float64 could not decide, as a function of its own: it is rarely called.
+pub(crate) struct SettleExactly(pub(crate) Doubtful);
+
+impl Kernel for SettleExactly {
+    type Output = Option<TriangleHit>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> Self::Output {
+        self.0.settle_in_place()
+    }
+}
+
+/// The float64 nearest to the exact `t` of a crossing, likewise.
+struct NearestT<'a>(&'a Mesh, &'a Ray, &'a Crossing);
+
+impl Kernel for NearestT<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> f64 {
+        self.0.nearest_t(self.1, self.2)
+    }
+}

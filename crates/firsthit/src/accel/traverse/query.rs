@@ -1,0 +1,52 @@
+//! What a traversal of one mesh is asked for, and where the answers go.
+//!
+//! A traversal finds leaves; [`filter`](crate::accel::filter) says which triangles of a leaf a ray may meet, and
+//! between which depths. A [`Visitor`] sees these candidates and narrows the ray. A [`MeshQuery`] is a visitor with an
+//! answer: a file each for the first hit, any hit and the count.
+
+use super::mesh_packet::MeshRay;
+use crate::accel::filter::Candidates;
+use crate::accel::rays::limits::Limits;
+use crate::shape::Crossing;
+use crate::simd::Lanes;
+
+/// Sees the candidates of one ray.
+pub(crate) trait Visitor {
+    /// Whether near leaves should come first.
+    const ORDERED: bool = true;
+    /// Sees the candidates of a leaf.
+    fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>);
+    /// The depth beyond which no candidate matters; negative to end the traversal.
+    fn limit(&self) -> f32;
+}
+
+/// What is asked of one ray and one mesh: its state on the way, and its answer in the end.
+pub(crate) trait MeshQuery: Visitor {
+    /// The answer.
+    type Found: Copy;
+    /// The answer of a ray that meets nothing.
+    const NONE: Self::Found;
+    /// Before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).
+    fn new(limits: Limits) -> Self;
+    /// Sees a single candidate: the triangle in a lane of a leaf, met between two depths, or `is_certain` to be met.
+    fn visit_one<L: Lanes>(
+        &mut self,
+        l: L,
+        ray: &MeshRay<'_>,
+        triangle: (u32, usize),
+        depths: (f32, f32),
+        is_certain: bool,
+    );
+    /// The triangle that is the answer, if where it is met has still to be computed: a leaf and a lane of it.
+    fn deferred(&self) -> Option<(u32, usize)>;
+    /// The answer, after the last leaf.
+    fn finish<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Self::Found;
+    /// The answer of a ray that meets one thing at most.
+    fn of_crossing(crossing: Option<Crossing>) -> Self::Found;
+}
+
+/// Takes the answers of packets of rays.
+pub(crate) trait Sink<Found> {
+    /// Takes the answer of the ray in a lane of a packet, by the packet's number.
+    fn put(&mut self, packet: usize, lane: usize, found: Found);
+}

@@ -1,0 +1,127 @@
+//! The stack of a traversal.
+
+/// Nodes and leaves still to be visited: the index, and above it the depth's bits, or the rays of a packet.
+#[derive(Debug)]
+pub(in crate::accel) struct Stack {
+    entries: Box<[u64; STACK]>,
+    height: usize,
+}
+
+/// A tree has no more levels than the binary one it is made from; see `build/binary.rs`.
+const LEVELS: usize = 97;
+/// A power of two: each level leaves up to 15 behind.
+const STACK: usize = 2048;
+/// From here on [`Stack::pop_any`] takes the last, and what is above is that of one way down.
+const MANY: usize = 256;
+const _: () = assert!(MANY + 15 * LEVELS < STACK);
+
+impl Stack {
+    pub(in crate::accel) fn new() -> Self {
+        Self {
+            entries: vec![0; STACK].try_into().expect("it has that length"),
+            height: 0,
+        }
+    }
+
+    #[inline(always)]
+    pub(in crate::accel) fn clear(&mut self) {
+        self.height = 0;
+    }
+
+    #[inline(always)]
+    pub(in crate::accel) fn len(&self) -> usize {
+        self.height
+    }
+
+    #[inline(always)]
+    pub(in crate::accel) fn push(&mut self, key: u64) {
+        debug_assert!(self.height < STACK, "a tree is not that deep");
+        self.entries[self.height % STACK] = key;
+        self.height += 1;
+    }
+
+    /// Pushes `key` if it `is` wanted, without a branch.
+    #[inline(always)]
+    pub(in crate::accel) fn push_if(&mut self, is: bool, key: u64) {
+        debug_assert!(self.height < STACK, "a tree is not that deep");
+        self.entries[self.height % STACK] = key;
+        self.height += usize::from(is);
+    }
+
+    /// Those from `base` on.
+    #[inline(always)]
+    pub(in crate::accel) fn entries_from(&self, base: usize) -> &[u64] {
+        &self.entries[base.min(STACK)..self.height.min(STACK)]
+    }
+
+    /// Any one: the last but two, whose memory was asked for longer ago than the last; of many, the last.
+    #[inline(always)]
+    pub(in crate::accel) fn pop_any(&mut self) -> Option<u64> {
+        let last = self.height.checked_sub(1)?;
+        let at = if last < MANY {
+            last.saturating_sub(2)
+        } else {
+            last
+        };
+        let key = self.entries[at % STACK];
+        self.entries[at % STACK] = self.entries[last % STACK];
+        self.height = last;
+        Some(key)
+    }
+
+    /// Puts `key` among those from `base` on, the smallest on top.
+    #[inline(always)]
+    pub(in crate::accel) fn insert(&mut self, base: usize, key: u64) {
+        debug_assert!(self.height < STACK, "a tree is not that deep");
+        let mut at = self.height;
+        while at > base && self.entries[(at - 1) % STACK] < key {
+            self.entries[at % STACK] = self.entries[(at - 1) % STACK];
+            at -= 1;
+        }
+        self.entries[at % STACK] = key;
+        self.height += 1;
+    }
+
+    /// The next that is at a depth of at most `limit`: the depth, and what is there.
+    #[inline(always)]
+    pub(in crate::accel) fn pop_within(&mut self, limit: f32) -> Option<(f32, u32)> {
+        loop {
+            self.height = self.height.checked_sub(1)?;
+            let key = self.entries[self.height % STACK];
+            let depth = f32::from_bits((key >> 32) as u32);
+            if depth <= limit {
+                #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
+                return Some((depth, key as u32));
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(in crate::accel) fn top(&self) -> Option<u64> {
+        Some(self.entries[self.height.checked_sub(1)? % STACK])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tree as deep as one can be, with all sixteen children of each node met.
+    #[test]
+    fn the_stack_holds_what_is_left_of_the_deepest_tree() {
+        let mut stack = Stack::new();
+        stack.push(0);
+        let mut highest = 0;
+        // Not all of it, which nobody could: what comes first is what piles up.
+        for _ in 0..200_000 {
+            let level = stack.pop_any().unwrap();
+            if level < LEVELS as u64 {
+                for _ in 0..16 {
+                    stack.push(level + 1);
+                }
+            }
+            highest = highest.max(stack.len());
+        }
+        assert!(highest > MANY && highest < STACK, "{highest}");
+    }
+}

@@ -1,0 +1,116 @@
+//! Objects in the same place as an earlier one.
+//!
+//! Files repeat themselves, and some do so to keep a renderer busy: a thousand objects in one place would be a thousand
+//! tests for every ray, and the first of them wins them all. Queries that ask for all hits visit them after the first.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::Object;
+use crate::geometry::Bounds;
+use crate::shape::Shape;
+
+/// With how many earlier objects of the same bounds one is compared.
+const MOST: usize = 4;
+
+/// The objects whose every hit an earlier one has too, at the same `t`. No ray meets them first, so they are left out of trees.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Duplicates {
+    is_duplicate: Vec<bool>,
+    /// Those in the place of an object, by its index.
+    of: HashMap<u32, Vec<u32>>,
+}
+
+impl Duplicates {
+    pub(super) fn new(objects: &[Object], bounds: &[Bounds]) -> Self {
+        let mut first: HashMap<[u64; 6], Vec<u32>> = HashMap::new();
+        let mut found = Self {
+            is_duplicate: vec![false; objects.len()],
+            of: HashMap::new(),
+        };
+        for ((index, object), bounds) in (0_u32..).zip(objects).zip(bounds) {
+            let ends = [bounds.low, bounds.high].map(|end| end.to_array().map(f64::to_bits));
+            let [[a, b, c], [d, e, f]] = ends;
+            let earlier = first.entry([a, b, c, d, e, f]).or_default();
+            let is_same = |&&other: &&u32| covers(&objects[other as usize], object);
+            if let Some(&other) = earlier.iter().find(is_same) {
+                found.is_duplicate[index as usize] = true;
+                found.of.entry(other).or_default().push(index);
+            } else if earlier.len() < MOST && !object.may_have_holes() {
+                // What is cut out covers nothing.
+                earlier.push(index);
+            }
+        }
+        found
+    }
+
+    /// Whether an object is in the place of an earlier one.
+    pub(super) fn contains(&self, object: u32) -> bool {
+        self.is_duplicate[object as usize]
+    }
+
+    /// The objects in the place of one.
+    pub(super) fn of(&self, object: u32) -> &[u32] {
+        self.of.get(&object).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// Whether two objects are the same surface at the same place, to the last bit.
+fn covers(a: &Object, b: &Object) -> bool {
+    let is_same = match (a.shape(), b.shape()) {
+        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b) || a.is_congruent(b),
+        (a, b) => a == b,
+    };
+    is_same && a.transform() == b.transform()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{DAffine3, DVec3, Transform};
+    use crate::scene::{AlphaMode, Material};
+    use crate::shape::{Mesh, Positions, Sphere};
+
+    fn triangle(z: f64) -> Object {
+        let corners = vec![[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
+        let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2]]).unwrap();
+        Object::new(Arc::new(mesh))
+    }
+
+    #[test]
+    fn only_what_an_earlier_object_hides_wholly_is_covered() {
+        let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+        let moved = |object: &Object, z: f64| {
+            let transform = Transform::translation(DVec3::new(0.0, 0.0, z)).unwrap();
+            object.clone().placed(transform)
+        };
+        let glass = Material {
+            alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
+            ..Material::default()
+        };
+        let holes = triangle(0.0).with_materials([glass]);
+        let half_turn = DAffine3::from_scale(DVec3::new(-1.0, -1.0, 1.0));
+        let objects = [
+            holes.clone(),
+            triangle(0.0),
+            triangle(0.0).colored(DVec3::ONE),
+            holes,
+            triangle(1.0),
+            moved(&triangle(1.0), 1.0),
+            ball.clone(),
+            moved(&ball, 1.0),
+            ball.clone(),
+            // In the same bounds, and still not the same to the last bit.
+            ball.placed(Transform::new(half_turn).unwrap()),
+        ];
+        let bounds: Vec<Bounds> = objects.iter().map(Object::bounds).collect();
+        let expected = [
+            false, false, true, true, false, false, false, false, true, false,
+        ];
+        let duplicates = Duplicates::new(&objects, &bounds);
+        assert_eq!(duplicates.is_duplicate, expected);
+        assert_eq!(duplicates.of(1), [2, 3]);
+        assert_eq!(duplicates.of(6), [8]);
+        assert!(duplicates.of(0).is_empty());
+    }
+}

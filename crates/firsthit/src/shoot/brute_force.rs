@@ -1,0 +1,99 @@
+//! Brute force: every ray against everything, in float64. Slow, and right by construction.
+
+use super::engine::Engine;
+use super::moderate::{Moderate, identifier};
+use super::query::Answers;
+use super::ray_query::{AnyHit, FirstHit, RayQuery, Sink};
+use crate::accel::MeshQuery;
+use crate::error::{Error, Result};
+use crate::geometry::{Hit, Ray, Rays};
+use crate::scene::{Object, Scene};
+use crate::shape::{Crossing, Shape, Surface, triangle::Shear};
+use crate::watch::Watch;
+
+/// The reference: what every faster engine is tested against.
+#[derive(Debug, Clone, Copy)]
+pub struct BruteForce;
+
+impl Engine for BruteForce {
+    fn first_hit(&self, scene: &Scene, ray: &Ray) -> Hit {
+        let FirstHit(hit) = answer(scene, ray);
+        hit
+    }
+
+    fn any_hit(&self, scene: &Scene, ray: &Ray) -> bool {
+        let AnyHit(is_hit) = answer(scene, ray);
+        is_hit
+    }
+
+    fn trace(
+        &self,
+        scene: &Scene,
+        rays: &dyn Rays,
+        answers: Answers<'_>,
+        watch: &dyn Watch,
+    ) -> Result<()> {
+        assert_eq!(answers.count(), Some(rays.len()), "an answer for each ray");
+        match answers {
+            Answers::First(hits) => answer_all(scene, rays, hits, watch),
+            Answers::Any(found) => answer_all(scene, rays, found, watch),
+            Answers::Count(counts) => answer_all(scene, rays, counts, watch),
+        }
+    }
+}
+
+fn answer_all<S: Sink>(
+    scene: &Scene,
+    rays: &dyn Rays,
+    mut sink: S,
+    watch: &dyn Watch,
+) -> Result<()> {
+    for index in 0..rays.len() {
+        if watch.is_stopped() {
+            return Err(Error::Interrupted);
+        }
+        sink.put(index, &answer(scene, &rays.ray(index)));
+        watch.advance(1);
+    }
+    Ok(())
+}
+
+/// Shows all hits of a ray to a query.
+fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray) -> Q {
+    let mut query = Q::START;
+    let Some(moderate) = Moderate::new(ray) else {
+        return query;
+    };
+    for (index, object) in (0..).zip(scene.objects()) {
+        all_crossings(&moderate, object, |crossing| {
+            if moderate.hit(index, crossing).is_some() {
+                let found = Q::InMesh::of_crossing(Some(crossing));
+                query.take(scene, &moderate, index, found);
+            }
+        });
+    }
+    query
+}
+
+/// Calls `accept` with every crossing of an object's surface.
+fn all_crossings(moderate: &Moderate, object: &Object, mut accept: impl FnMut(Crossing)) {
+    let Some(mut ray) = moderate.in_object(object, moderate.ray.t_max) else {
+        return;
+    };
+    let Shape::Mesh(mesh) = object.shape() else {
+        while let Some(crossing) = object.shape().intersect(&ray) {
+            accept(crossing);
+            ray = ray.beyond(crossing.t);
+        }
+        return;
+    };
+    let shear = Shear::new(&ray);
+    for triangle in 0..mesh.triangles().len() {
+        if let Some(hit) = mesh.intersect_triangle(triangle, &shear)
+            && ray.holds(hit.t)
+            && !(object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric))
+        {
+            accept(hit.crossing(identifier(triangle)));
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! What can be asked about rays, and where the answers go.
+
+use super::hits::{HitSlices, Hits, fit};
+use crate::error::Result;
+
+/// A question about rays, with an answer for each: [`First`], [`Any`] or [`Count`].
+///
+/// ```
+/// use firsthit::{DVec3, Object, Ray, Scene, Sphere};
+/// use firsthit::shoot::{Any, Count, First, trace};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let rays = [
+///     Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z),
+///     Ray::new(DVec3::new(2.0, 0.0, 5.0), DVec3::NEG_Z),
+/// ];
+/// assert_eq!(trace(&scene, &rays[..], First, &())?.object, [0, -1]);
+/// assert_eq!(trace(&scene, &rays[..], Any, &())?, [true, false]);
+/// assert_eq!(trace(&scene, &rays[..], Count, &())?, [2, 0]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+pub trait Query {
+    /// The answers for many rays, in their order.
+    type Answers: Default;
+
+    /// Makes room for the answers of `count` rays, using memory that is there again.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`](crate::Error::Limit) when they do not fit into memory.
+    fn room<'a>(&self, answers: &'a mut Self::Answers, count: usize) -> Result<Answers<'a>>;
+}
+
+/// The first hit of each ray.
+#[derive(Debug, Clone, Copy)]
+pub struct First;
+
+/// Whether each ray meets anything. Sooner known than the first hit.
+#[derive(Debug, Clone, Copy)]
+pub struct Any;
+
+/// How many times each ray meets a surface: all pairs of (object, primitive) that it meets, and of a solid that is no mesh both
+/// ends. Surfaces in the same place count each, and so do two triangles at the edge that they share.
+#[derive(Debug, Clone, Copy)]
+pub struct Count;
+
+impl Query for First {
+    type Answers = Hits;
+
+    fn room<'a>(&self, answers: &'a mut Hits, count: usize) -> Result<Answers<'a>> {
+        answers.fit(count)?;
+        Ok(Answers::First(answers.slices()))
+    }
+}
+
+impl Query for Any {
+    type Answers = Vec<bool>;
+
+    fn room<'a>(&self, answers: &'a mut Vec<bool>, count: usize) -> Result<Answers<'a>> {
+        fit(answers, count)?;
+        Ok(Answers::Any(answers))
+    }
+}
+
+impl Query for Count {
+    type Answers = Vec<u32>;
+
+    fn room<'a>(&self, answers: &'a mut Vec<u32>, count: usize) -> Result<Answers<'a>> {
+        fit(answers, count)?;
+        Ok(Answers::Count(answers))
+    }
+}
+
+/// Memory for the answers of many rays, one for each; what is asked follows from it. What is in it before does not matter.
+#[derive(Debug)]
+pub enum Answers<'a> {
+    /// Those of [`First`].
+    First(HitSlices<'a>),
+    /// Those of [`Any`].
+    Any(&'a mut [bool]),
+    /// Those of [`Count`].
+    Count(&'a mut [u32]),
+}
+
+impl Answers<'_> {
+    /// For how many rays they are; `None` where the slices of hits differ in length.
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::First(hits) => hits.count(),
+            Self::Any(found) => Some(found.len()),
+            Self::Count(counts) => Some(counts.len()),
+        }
+    }
+}

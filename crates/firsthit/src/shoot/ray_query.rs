@@ -1,0 +1,185 @@
+//! The queries as a ray's state on its way through a scene, and memory for what came of many rays.
+
+use super::hits::HitSlices;
+use super::moderate::Moderate;
+use crate::accel::{self, MeshQuery};
+use crate::geometry::Hit;
+use crate::scene::Scene;
+use crate::shape::Crossing;
+use crate::shape::triangle::clear_of;
+
+/// What is asked about a ray, and what it has met so far.
+pub(super) trait RayQuery: Copy + Send {
+    /// What each mesh is asked for it.
+    type InMesh: MeshQuery;
+    /// Whether every hit matters, those in the same place too.
+    const ALL: bool = false;
+    /// Before anything is met.
+    const START: Self;
+    /// After the only object of a scene.
+    fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self;
+    /// Takes what an object was found to do to the ray. Returns the `t_max` of the moderate ray from here on, which the
+    /// caller lowers and never raises; below zero nothing else matters.
+    fn take(
+        &mut self,
+        scene: &Scene,
+        moderate: &Moderate,
+        object: u32,
+        found: <Self::InMesh as MeshQuery>::Found,
+    ) -> f64;
+}
+
+/// The first hit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FirstHit(pub(super) Hit);
+
+impl RayQuery for FirstHit {
+    type InMesh = accel::First;
+    const START: Self = Self(Hit::MISS);
+
+    #[inline(always)]
+    fn of_mesh(object: u32, crossing: Option<Crossing>) -> Self {
+        Self(crossing.map_or(Hit::MISS, |crossing| Hit {
+            t: crossing.t,
+            object: object.cast_signed(),
+            primitive: crossing.primitive,
+            barycentric: crossing.barycentric,
+        }))
+    }
+
+    #[inline(always)]
+    fn take(
+        &mut self,
+        scene: &Scene,
+        moderate: &Moderate,
+        object: u32,
+        crossing: Option<Crossing>,
+    ) -> f64 {
+        if let Some(hit) = crossing.and_then(|crossing| moderate.hit(object, crossing))
+            && moderate.precedes(scene, &hit, &self.0)
+        {
+            self.0 = hit;
+        }
+        // Not below zero, as in `SceneWalk::new`.
+        (clear_of(self.0.t) / moderate.scale).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Whether there is any hit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AnyHit(pub(super) bool);
+
+impl RayQuery for AnyHit {
+    type InMesh = accel::Any;
+    const START: Self = Self(false);
+
+    #[inline(always)]
+    fn of_mesh(_: u32, is_hit: bool) -> Self {
+        Self(is_hit)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, _: &Scene, _: &Moderate, _: u32, is_hit: bool) -> f64 {
+        self.0 |= is_hit;
+        if self.0 { -1.0 } else { f64::INFINITY }
+    }
+}
+
+/// How many hits there are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HitCount(pub(super) u32);
+
+impl RayQuery for HitCount {
+    type InMesh = accel::Count;
+    const ALL: bool = true;
+    const START: Self = Self(0);
+
+    #[inline(always)]
+    fn of_mesh(_: u32, count: u32) -> Self {
+        Self(count)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, _: &Scene, _: &Moderate, _: u32, count: u32) -> f64 {
+        self.0 = self.0.saturating_add(count);
+        f64::INFINITY
+    }
+}
+
+/// Memory for the answers of a query, one for each ray.
+pub(super) trait Sink: Sized + Send {
+    /// What the rays are asked.
+    type Query: RayQuery;
+    /// For how many rays it is.
+    fn len(&self) -> usize;
+    /// That of the rays before an index, and that of the others.
+    fn split_at(self, index: usize) -> (Self, Self);
+    /// Takes the answer of a ray, by its index. Answers come in any order.
+    fn put(&mut self, index: usize, answer: &Self::Query);
+
+    /// In chunks of `size` rays; the last one may have fewer.
+    fn chunks(self, size: usize) -> Vec<Self> {
+        let mut chunks = Vec::with_capacity(self.len().div_ceil(size));
+        let mut rest = self;
+        while rest.len() > size {
+            let (chunk, after) = rest.split_at(size);
+            chunks.push(chunk);
+            rest = after;
+        }
+        if rest.len() > 0 {
+            chunks.push(rest);
+        }
+        chunks
+    }
+}
+
+impl Sink for HitSlices<'_> {
+    type Query = FirstHit;
+
+    fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    fn split_at(self, index: usize) -> (Self, Self) {
+        self.split_at(index)
+    }
+
+    #[inline(always)]
+    fn put(&mut self, index: usize, FirstHit(hit): &FirstHit) {
+        HitSlices::put(self, index, hit);
+    }
+}
+
+impl Sink for &mut [bool] {
+    type Query = AnyHit;
+
+    fn len(&self) -> usize {
+        <[bool]>::len(self)
+    }
+
+    fn split_at(self, index: usize) -> (Self, Self) {
+        self.split_at_mut(index)
+    }
+
+    #[inline(always)]
+    fn put(&mut self, index: usize, AnyHit(is_hit): &AnyHit) {
+        self[index] = *is_hit;
+    }
+}
+
+impl Sink for &mut [u32] {
+    type Query = HitCount;
+
+    fn len(&self) -> usize {
+        <[u32]>::len(self)
+    }
+
+    fn split_at(self, index: usize) -> (Self, Self) {
+        self.split_at_mut(index)
+    }
+
+    #[inline(always)]
+    fn put(&mut self, index: usize, HitCount(count): &HitCount) {
+        self[index] = *count;
+    }
+}

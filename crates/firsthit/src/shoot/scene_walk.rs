@@ -1,0 +1,171 @@
+//! A ray on its way through a scene, from object to object: the top-level traversal.
+//!
+//! 1. Take the next object whose box the ray may meet, from the tree over the objects.
+//! 2. Intersect a shape that is no mesh at once.
+//! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray or for many, and hands
+//!    the result to [`SceneWalk::take`].
+
+use super::moderate::{Moderate, identifier};
+use super::ray_query::RayQuery;
+use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
+use crate::geometry::Ray;
+use crate::scene::{Object, OnTheWay, Scene};
+use crate::shape::triangle::Shear;
+use crate::shape::{Crossing, Mesh, Shape, Surface};
+use crate::simd::Lanes;
+
+/// A mesh that a ray comes to, and the ray in the space of that.
+#[derive(Clone, Copy)]
+pub(super) struct Instance<'a> {
+    pub(super) object: u32,
+    pub(super) tree: &'a MeshTree,
+    pub(super) mesh: &'a Mesh,
+    pub(super) ray: Ray,
+}
+
+/// A ray, and what it has met so far.
+pub(super) struct SceneWalk<'a, Q> {
+    moderate: Option<Moderate>,
+    objects: OnTheWay<'a>,
+    /// The last object, and those in the same place that are still to come.
+    object: u32,
+    duplicates: &'a [u32],
+    t_max: f64,
+    pub(super) query: Q,
+}
+
+impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
+    /// Begins with `ray`; `query` knows what that has met already, at `t_max` or before.
+    #[inline(always)]
+    pub(super) fn new(scene: &'a Scene, ray: &Ray, query: Q, t_max: f64) -> Self {
+        let moderate = Moderate::new(ray);
+        // A ray may begin behind its origin. Below zero `t_max` says that nothing matters any more, so it stays above.
+        let within = |moderate: &Moderate| {
+            let t_max = moderate.ray.t_max.min(t_max / moderate.scale);
+            t_max.max(f64::MIN_POSITIVE)
+        };
+        Self {
+            t_max: moderate.as_ref().map_or(-1.0, within),
+            moderate,
+            objects: scene.on_the_way(),
+            object: 0,
+            duplicates: &[],
+            query,
+        }
+    }
+
+    /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the same each time.
+    #[inline(always)]
+    pub(super) fn next<L: Lanes>(
+        &mut self,
+        l: L,
+        scratch: &mut Scratch,
+        (scene, stack): (&'a Scene, &mut WalkStack),
+        is_wanted: impl Fn(u32) -> bool,
+    ) -> Option<Instance<'a>> {
+        while self.t_max >= 0.0 {
+            let moderate = self.moderate.as_ref()?;
+            let index = if let Some((&copy, rest)) = self.duplicates.split_first() {
+                self.duplicates = rest;
+                copy
+            } else {
+                let index = self.objects.next(&moderate.ray, self.t_max, stack)?;
+                if Q::ALL {
+                    self.duplicates = scene.duplicates_of(index);
+                }
+                index
+            };
+            if !is_wanted(index) {
+                continue;
+            }
+            let object = &scene.objects()[index as usize];
+            let Some(ray) = moderate.in_object(object, self.t_max) else {
+                continue;
+            };
+            self.object = index;
+            match (object.shape(), scene.mesh_tree(index as usize)) {
+                (Shape::Mesh(mesh), Some(tree)) => {
+                    let is_plain = moderate.scale == 1.0 && !object.may_have_holes();
+                    let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
+                    if is_plain && is_near && tree.has_nodes() {
+                        return Some(Instance {
+                            object: index,
+                            tree,
+                            mesh,
+                            ray,
+                        });
+                    }
+                    self.triangle_by_triangle(l, scratch, scene, (tree, mesh), &ray);
+                }
+                (shape, _) => self.shape(scene, shape, ray),
+            }
+        }
+        None
+    }
+
+    /// Takes what the last mesh was found to do to the ray.
+    #[inline(always)]
+    pub(super) fn take(&mut self, scene: &Scene, found: <Q::InMesh as MeshQuery>::Found) {
+        if let Some(moderate) = &self.moderate {
+            let t_max = self.query.take(scene, moderate, self.object, found);
+            self.t_max = self.t_max.min(t_max);
+        }
+    }
+
+    /// Intersects a shape that is no mesh.
+    fn shape(&mut self, scene: &Scene, shape: &Shape, mut ray: Ray) {
+        while let Some(crossing) = shape.intersect(&ray) {
+            self.cross(scene, crossing);
+            if !Q::ALL {
+                return;
+            }
+            ray = ray.beyond(crossing.t);
+        }
+    }
+
+    /// Takes a crossing with the last object, if it is a hit of the caller's ray.
+    fn cross(&mut self, scene: &Scene, crossing: Crossing) {
+        let moderate = self.moderate.as_ref();
+        if moderate.is_some_and(|moderate| moderate.hit(self.object, crossing).is_some()) {
+            self.take(scene, Q::InMesh::of_crossing(Some(crossing)));
+        }
+    }
+
+    /// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, or the ray is distant,
+    /// begins behind its origin or has other units.
+    fn triangle_by_triangle<L: Lanes>(
+        &mut self,
+        l: L,
+        scratch: &mut Scratch,
+        scene: &Scene,
+        (tree, mesh): (&MeshTree, &Mesh),
+        ray: &Ray,
+    ) {
+        let object = &scene.objects()[self.object as usize];
+        accel::each(
+            l,
+            scratch,
+            (tree, mesh),
+            (ray, Q::ALL),
+            |triangle, t_max| {
+                let Some(crossing) = crossing(object, mesh, triangle as usize, ray) else {
+                    return t_max;
+                };
+                self.cross(scene, crossing);
+                if self.t_max < 0.0 {
+                    accel::END
+                } else {
+                    t_max.min(self.t_max)
+                }
+            },
+        );
+    }
+}
+
+/// Where a ray meets a triangle that is not cut out there.
+#[cold]
+fn crossing(object: &Object, mesh: &Mesh, triangle: usize, ray: &Ray) -> Option<Crossing> {
+    let hit = mesh.intersect_triangle(triangle, &Shear::new(ray))?;
+    let is_cut_out = object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric);
+    (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(identifier(triangle)))
+}

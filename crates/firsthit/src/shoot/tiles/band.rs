@@ -1,0 +1,98 @@
+//! A band of a picture: some rows of tiles, a square of 4 x 4 tiles at a time.
+
+use std::cell::Cell;
+
+use super::fit::SquareRays;
+use super::plan::{Plan, TALL};
+use super::square::Square;
+use super::tile::TileTask;
+use crate::accel::{TILE, TileScratch};
+use crate::shoot::batch::Memory;
+use crate::shoot::hits::HitSlices;
+use crate::simd::{Kernel, Lanes};
+
+/// See [the module](self).
+pub(super) struct Band<'a> {
+    pub(super) plan: &'a Plan<'a>,
+    /// Its number, from the top.
+    pub(super) index: usize,
+    pub(super) out: HitSlices<'a>,
+}
+
+impl Kernel for Band<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        let plan = self.plan;
+        let mut memory = Memory::take();
+        let mut tiles = TILES.take().unwrap_or_else(TileMemory::new);
+        let TileMemory {
+            scratch,
+            square,
+            rays,
+        } = &mut tiles;
+        let first = self.index * plan.tiles_down;
+        let [down, across] = [plan.grid.rows, plan.grid.columns].map(|n| n.div_ceil(TILE));
+        let mut near = Vec::new();
+        for left in (0..across).step_by(TALL) {
+            plan.list_near(first, left, &mut near);
+            if plan.is_fitted {
+                let rays = rays.get_or_insert_default();
+                let place = [first * TILE, left * TILE];
+                let rows = plan.tiles_down * TILE;
+                rays.load(plan.rays, &plan.grid, place, rows);
+            }
+            // Neighbours one after the other: what one has brought into the cache the next one needs.
+            for (dx, dy) in ORDER {
+                let [row, column] = [first + dy, left + dx];
+                if dy < plan.tiles_down && row < down && column < across {
+                    let rays = rays.as_ref().filter(|_| plan.is_fitted);
+                    let rays = rays.map(|rays| rays.tile((dy, dx)));
+                    let place = Square::place(dy * TILE, dx * TILE);
+                    let mut task = TileTask::new(l, plan, [row, column], place, rays);
+                    task.run(l, (&mut memory, scratch), &near, &mut square.out());
+                }
+            }
+            self.out
+                .take(l, square, left * TILE, plan.grid.columns, plan.is_large);
+        }
+        l.end_streams();
+        TILES.set(Some(tiles));
+        memory.give_back();
+    }
+}
+
+thread_local! {
+    /// Made once for each thread.
+    static TILES: Cell<Option<TileMemory>> = const { Cell::new(None) };
+}
+
+/// Memory for tiles, to be used again.
+struct TileMemory {
+    scratch: TileScratch,
+    square: Square,
+    /// Made when rays are an array's.
+    rays: Option<SquareRays>,
+}
+
+impl TileMemory {
+    fn new() -> Self {
+        Self {
+            scratch: TileScratch::new(),
+            square: Square::default(),
+            rays: None,
+        }
+    }
+}
+
+/// The tiles of a square of a band, columns and rows, along Morton's curve.
+const ORDER: [(usize, usize); TALL * TALL] = {
+    let mut order = [(0, 0); TALL * TALL];
+    let mut k = 0;
+    while k < order.len() {
+        order[k] = (k & 1 | k >> 1 & 2, k >> 1 & 1 | k >> 2 & 2);
+        k += 1;
+    }
+    order
+};

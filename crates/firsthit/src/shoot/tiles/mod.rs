@@ -1,0 +1,71 @@
+//! The rays of a camera, and arrays of rays that are like those of one: tile by tile.
+
+mod band;
+mod fit;
+mod pixels;
+mod plan;
+mod resolve;
+mod square;
+mod tile;
+
+use super::batch::{each_chunk, trace_array};
+use super::hits::HitSlices;
+use crate::accel::InstructionSet;
+use crate::error::Result;
+use crate::geometry::{PixelGrid, Ray, Rays};
+use crate::scene::Scene;
+use crate::simd;
+use crate::watch::Watch;
+use band::Band;
+use plan::Plan;
+
+/// The first hits of rays: by tiles where they are those of a grid of pixels, or near one.
+pub(super) fn trace_hits(
+    set: InstructionSet,
+    scene: &Scene,
+    rays: &dyn Rays,
+    hits: HitSlices<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
+    let fits = |grid: &PixelGrid| grid.rows.checked_mul(grid.columns) == Some(rays.len());
+    let own = rays.grid().filter(fits);
+    let is_fitted = own.is_none();
+    let (first, grid) = match own {
+        Some(grid) => (0, Some(grid)),
+        None => fit::grid(rays).map_or((0, None), |(first, grid)| (first, Some(grid))),
+    };
+    let pixels = Later { rays, first };
+    let plan = grid.and_then(|grid| Plan::new(scene, &pixels, grid, is_fitted));
+    let Some(plan) = &plan else {
+        return trace_array(set, scene, rays, hits, watch);
+    };
+    // An array may begin and end within a row of pixels.
+    let (before, later) = hits.split_at(first);
+    trace_array(set, scene, rays, before, watch)?;
+    let (tiled, after) = later.split_at(plan.pixels());
+    each_chunk(tiled, plan.band(), watch, |index, out| {
+        simd::run(set, Band { plan, index, out });
+    })?;
+    let first = first + plan.pixels();
+    trace_array(set, scene, &Later { rays, first }, after, watch)
+}
+
+/// The rays from one on.
+struct Later<'a> {
+    rays: &'a dyn Rays,
+    first: usize,
+}
+
+impl Rays for Later<'_> {
+    fn len(&self) -> usize {
+        self.rays.len() - self.first
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self.rays.ray(self.first + index)
+    }
+
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        self.rays.read(self.first + first, rays);
+    }
+}

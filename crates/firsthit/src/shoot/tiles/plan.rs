@@ -1,0 +1,267 @@
+//! What a picture's tiles need to know of the scene: which objects they can do, and where each may be seen.
+
+use std::ops::Range;
+
+use super::square::SIDE;
+use crate::accel::{TILE, TileCamera};
+use crate::geometry::{DVec3, PixelGrid, Rays};
+use crate::scene::{Object, Scene};
+
+/// What rounding in an object's transform may come to, as a share of coordinates, for its box to be of use.
+const MOST_ROUNDING: f64 = 1e-10;
+
+/// From so many pixels on, results go past the caches.
+const LARGE: usize = 1 << 17;
+
+/// Tiles down a band, where there are many bands.
+pub(super) const TALL: usize = SIDE / TILE;
+
+/// A scene made ready for a grid of pixels.
+pub(super) struct Plan<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) rays: &'a dyn Rays,
+    pub(super) grid: PixelGrid,
+    /// Whether the rays are an array's, and only near the grid.
+    pub(super) is_fitted: bool,
+    /// What tiles can do, the nearest first.
+    pub(super) meshes: Vec<Placed>,
+    /// Whether an object is in there, and whether all are.
+    pub(super) is_tiled: Vec<bool>,
+    pub(super) all_tiled: bool,
+    /// Rows of tiles in a band.
+    pub(super) tiles_down: usize,
+    /// Whether the results are more than the caches hold.
+    pub(super) is_large: bool,
+}
+
+/// An object, and the tiles that it may be seen in.
+pub(super) struct Placed {
+    pub(super) object: u32,
+    pub(super) rows: Range<usize>,
+    pub(super) columns: Range<usize>,
+    /// The depth from which on it may be met, in units of the viewplane's.
+    pub(super) entry: f64,
+}
+
+impl<'a> Plan<'a> {
+    /// `None` when rays one by one are the better way.
+    pub(super) fn new(
+        scene: &'a Scene,
+        rays: &'a dyn Rays,
+        grid: PixelGrid,
+        is_fitted: bool,
+    ) -> Option<Self> {
+        let has_directions = !is_fitted && grid.parallel.is_none();
+        if !is_moderate(&grid) || (has_directions && !has_digits(&grid)) {
+            return None;
+        }
+        let mut is_tiled = vec![false; scene.objects().len()];
+        let mut meshes = Vec::new();
+        for (index, object) in (0..).zip(scene.objects()) {
+            if scene.is_duplicate(index) {
+                is_tiled[index as usize] = true;
+            } else if scene.plain_mesh(index).is_some() {
+                is_tiled[index as usize] = true;
+                meshes.extend(placed(&grid, index, object));
+            }
+        }
+        meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
+        // Enough bands for all threads; fewer, and one of them would be waited for.
+        let many = 8 * rayon::current_num_threads();
+        let tiles_down = if grid.rows >= many * TALL * TILE {
+            TALL
+        } else {
+            1
+        };
+        let all_tiled = !is_tiled.contains(&false);
+        is_tiled.contains(&true).then_some(Self {
+            scene,
+            rays,
+            grid,
+            is_fitted,
+            meshes,
+            is_tiled,
+            all_tiled,
+            tiles_down,
+            is_large: grid.rows * grid.columns >= LARGE,
+        })
+    }
+
+    /// Lists which of `meshes` may be seen in the square of tiles from a row and a column of them on.
+    pub(super) fn list_near(&self, row: usize, column: usize, near: &mut Vec<u32>) {
+        near.clear();
+        for (index, placed) in (0..).zip(&self.meshes) {
+            let overlaps =
+                |tiles: &Range<usize>, first| tiles.start < first + TALL && first < tiles.end;
+            if overlaps(&placed.rows, row) && overlaps(&placed.columns, column) {
+                near.push(index);
+            }
+        }
+    }
+
+    /// How many pixels there are.
+    pub(super) fn pixels(&self) -> usize {
+        self.grid.rows * self.grid.columns
+    }
+
+    /// How many pixels a band has, but for the last one.
+    pub(super) fn band(&self) -> usize {
+        self.tiles_down * TILE * self.grid.columns
+    }
+}
+
+/// Whether no direction needs other units (see [`Moderate`]).
+fn is_moderate(grid: &PixelGrid) -> bool {
+    let toward = grid.toward.length();
+    let range = 1e-80..1e80;
+    range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80
+}
+
+/// Whether no part of a direction is so small that its quotient, or what
+/// [`quotient_by_inverse`](crate::geometry::arithmetic::quotient_by_inverse) corrects it by, has lost digits: a sum of such parts times
+/// such sizes is zero or above 1e-160.
+fn has_digits(grid: &PixelGrid) -> bool {
+    let is_sound = |x: f64| x == 0.0 || x.abs() >= 1e-60;
+    let vectors = [grid.toward, grid.right, grid.upwards];
+    vectors
+        .iter()
+        .all(|v| v.to_array().into_iter().all(is_sound))
+        && is_sound(grid.width)
+        && is_sound(grid.height)
+}
+
+/// Where an object may be seen; `None` for nowhere.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast of a float saturates"
+)]
+fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
+    let aim = grid.toward.normalize();
+    let focal = grid.toward.length();
+    let [low, high] = seen(grid, object, aim)?;
+    // An array's grid need not be quite at right angles.
+    let skew = [
+        grid.right.dot(aim),
+        grid.upwards.dot(aim),
+        grid.right.dot(grid.upwards),
+    ];
+    let skew = skew.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    // Far more than rounding.
+    let largest = high.abs().max(low.abs());
+    let slack =
+        1e-9 * (largest.z + grid.position.abs().max_element()) + 8.0 * skew * largest.max_element();
+    // What a skewed grid moves depths by grows with how far aside a point is, at its own depth.
+    let aside = largest.x.max(largest.y);
+    let reach = largest.z + aside.max(aside * largest.z / focal);
+    let entry = (low.z - slack - 8.0 * skew * reach) / focal;
+    let is_sharp = skew <= 1e-6 && object.slack() < MOST_ROUNDING;
+    let is_known = is_sharp && entry.is_finite();
+    let whole = Placed {
+        object: index,
+        rows: 0..grid.rows.div_ceil(TILE),
+        columns: 0..grid.columns.div_ceil(TILE),
+        entry: if is_known { entry } else { f64::NEG_INFINITY },
+    };
+    if !is_known {
+        return Some(whole);
+    }
+    if high.z < -slack {
+        return None;
+    }
+    // Written so that a NaN leads to all of the picture.
+    let is_in_front = low.z > slack || grid.parallel.is_some();
+    if !(is_in_front && low.is_finite() && high.is_finite()) {
+        return Some(whole);
+    }
+    let tiles = |low: f64, high: f64, size: f64, count: usize| {
+        let pixel = size / count as f64;
+        let blur = if grid.parallel.is_some() {
+            slack
+        } else {
+            slack * focal / low.max(slack)
+        };
+        let pad = 1.0 + blur / pixel;
+        let tile = |x: f64| (x / pixel + 0.5 * count as f64) / TILE as f64;
+        let first = (tile(low) - pad).floor().max(0.0) as usize;
+        first..((tile(high) + pad).ceil().max(0.0) as usize).min(count.div_ceil(TILE))
+    };
+    let columns = tiles(low.x, high.x, grid.width, grid.columns);
+    let rows = tiles(-high.y, -low.y, grid.height, grid.rows);
+    (!columns.is_empty() && !rows.is_empty()).then_some(Placed {
+        rows,
+        columns,
+        ..whole
+    })
+}
+
+/// The box around an object as the grid sees it: to the right and upwards on the viewplane, and the depth.
+fn seen(grid: &PixelGrid, object: &Object, aim: DVec3) -> Option<[DVec3; 2]> {
+    let bounds = object.mesh()?.bounds();
+    let focal = grid.toward.length();
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for corner in bounds.corners() {
+        let world = object
+            .transform()
+            .world_from_object()
+            .transform_point3(corner);
+        let relative = world - grid.position;
+        let depth = relative.dot(aim);
+        let share = if grid.parallel.is_some() {
+            1.0
+        } else {
+            focal / depth
+        };
+        let seen = DVec3::new(
+            share * relative.dot(grid.right),
+            share * relative.dot(grid.upwards),
+            depth,
+        );
+        if !depth.is_finite() {
+            // Which neither `min` nor `max` would keep.
+            return Some([DVec3::NAN; 2]);
+        }
+        (low, high) = (low.min(seen), high.max(seen));
+    }
+    Some([low, high])
+}
+
+/// The rays of the tile from a row and a column of pixels on, in an object's space; they are off the grid by so many
+/// pixels at most.
+pub(super) fn camera_of_tile(
+    grid: &PixelGrid,
+    object: &Object,
+    off: f64,
+    [row, column]: [usize; 2],
+) -> TileCamera {
+    let half = 0.5 * (TILE as f64);
+    let middle = |size: f64, count: usize, first: usize| {
+        -size / 2.0 + size / count as f64 * (first as f64 + half)
+    };
+    let x = middle(grid.width, grid.columns, column);
+    let y = -middle(grid.height, grid.rows, row);
+    let aside = x * grid.right + y * grid.upwards;
+    let map = object.transform().object_from_world();
+    let place = object.transform().world_from_object().translation;
+    let turned = |v: DVec3| map.transform_vector3(v);
+    let (start, centre) = if grid.parallel.is_some() {
+        (grid.position + aside, grid.toward)
+    } else {
+        (grid.position, grid.toward + aside)
+    };
+    let matrix = map.matrix3;
+    let largest =
+        [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.abs().max_element());
+    let growth: f64 = largest.iter().sum();
+    TileCamera {
+        eye: turned(start - place),
+        centre: turned(centre),
+        across: turned(grid.width / grid.columns as f64 * grid.right),
+        down: turned(-grid.height / grid.rows as f64 * grid.upwards),
+        is_perspective: grid.parallel.is_none(),
+        start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
+        off,
+        largest: growth
+            * (start.abs().max_element() + place.abs().max_element() + centre.abs().max_element()),
+    }
+}

@@ -1,0 +1,212 @@
+//! Where a tile's hits are written first: a square of 4 x 4 tiles, small enough for the first cache.
+//!
+//! From there they go to memory in long rows, which it takes far faster; of large pictures past the caches, in whole cache lines
+//! only: a line written in two parts costs more than five whole ones. What is left of a row's last line waits for the square to the
+//! right.
+
+use std::ops::Range;
+
+use bytemuck::Pod;
+
+use crate::accel::{BLOCK, TILE};
+use crate::geometry::{DVec2, Hit};
+use crate::shoot::hits::{HitSlices, Hits};
+use crate::simd::{LANES, Lanes, WIDE};
+
+/// Pixels across and down a square of tiles.
+pub(super) const SIDE: usize = 4 * TILE;
+
+/// The hits of a square of tiles, small enough for the cache next to the registers: a tile's are written there,
+/// and from there in long rows, which memory takes far faster. Past the caches it takes whole lines only: in front
+/// of a row stands what the square to the left has kept of its last one.
+#[derive(Debug)]
+pub(super) struct Square(Hits);
+
+/// What memory takes at once, in bytes.
+const LINE: usize = 64;
+
+/// Elements that may be kept: a line of the smallest.
+const KEPT: usize = LINE / size_of::<i32>();
+
+impl Square {
+    /// From a row to the next.
+    pub(super) const STRIDE: usize = KEPT + SIDE;
+
+    /// Where a pixel's hit is.
+    pub(super) const fn place(row: usize, column: usize) -> usize {
+        row * Self::STRIDE + KEPT + column
+    }
+}
+
+impl Default for Square {
+    fn default() -> Self {
+        let count = SIDE * Self::STRIDE;
+        Self(Hits {
+            t: vec![0.0; count],
+            object: vec![0; count],
+            primitive: vec![0; count],
+            barycentric: vec![DVec2::ZERO; count],
+        })
+    }
+}
+
+impl Square {
+    pub(super) fn out(&mut self) -> HitSlices<'_> {
+        self.0.slices()
+    }
+}
+
+impl HitSlices<'_> {
+    /// Writes those of a whole block to a square, from a place on: each meets `object`, half of them in a register.
+    #[inline(always)]
+    pub(super) fn put_block<L: Lanes>(
+        &mut self,
+        l: L,
+        at: usize,
+        object: i32,
+        primitives: &[i32; LANES],
+        halves: [[L::Doubles; 3]; 2],
+    ) {
+        for (half, [t, v, w]) in halves.into_iter().enumerate() {
+            let mut ts = [0.0; WIDE];
+            l.store64(t, &mut ts);
+            for (row, weights) in l.interleave64(v, w).into_iter().enumerate() {
+                let at = at + (2 * half + row) * Square::STRIDE;
+                let lane = (2 * half + row) * BLOCK;
+                self.t[at..][..BLOCK].copy_from_slice(&ts[row * BLOCK..][..BLOCK]);
+                self.object[at..][..BLOCK].fill(object);
+                self.primitive[at..][..BLOCK].copy_from_slice(&primitives[lane..][..BLOCK]);
+                let pairs: &mut [f64] = bytemuck::cast_slice_mut(&mut self.barycentric[at..]);
+                let pairs = pairs
+                    .first_chunk_mut()
+                    .expect("a row's pairs are eight numbers");
+                l.store64(weights, pairs);
+            }
+        }
+    }
+
+    /// Takes a square's hits, whose first column is `left`, into a band as wide as `columns`; past the caches if there
+    /// are many. Squares come from the left to the right.
+    #[inline(always)]
+    pub(super) fn take<L: Lanes>(
+        &mut self,
+        l: L,
+        square: &mut Square,
+        left: usize,
+        columns: usize,
+        is_large: bool,
+    ) {
+        let right = (left + SIDE).min(columns);
+        let hits = &mut square.0;
+        macro_rules! copy {
+            ($field:ident, $row:ident) => {
+                let to = &mut self.$field[$row * columns..][..columns];
+                let from = &mut hits.$field[$row * Square::STRIDE..][..Square::STRIDE];
+                if is_large {
+                    stream(l, from, to, left..right);
+                } else {
+                    to[left..right].copy_from_slice(&from[KEPT..][..right - left]);
+                }
+            };
+        }
+        for row in 0..self.t.len() / columns {
+            copy!(t, row);
+            copy!(object, row);
+            copy!(primitive, row);
+            copy!(barycentric, row);
+        }
+    }
+}
+
+/// Takes a square's row to `columns` of a picture's, past the caches: the whole lines, with what was kept before;
+/// what is left of the last one is kept.
+#[inline(always)]
+fn stream<L: Lanes, T: Pod>(l: L, from: &mut [T], to: &mut [T], columns: Range<usize>) {
+    let Range { start, end } = columns;
+    let beyond = |column: usize| (&raw const to[column]).addr() % LINE / size_of::<T>();
+    let before = if start == 0 { 0 } else { beyond(start) };
+    let after = if end == to.len() { 0 } else { beyond(end) };
+    let last = KEPT + end - start;
+    let lines = &from[KEPT - before..last - after];
+    l.stream(lines, &mut to[start - before..end - after]);
+    from.copy_within(last - after..last, KEPT - after);
+}
+
+/// The hits of a block, on their way to memory: there, a few bytes at a time would be slow.
+#[repr(align(64))]
+pub(super) struct BlockOfHits {
+    t: [[f64; WIDE]; 2],
+    pub(super) object: [i32; LANES],
+    pub(super) primitive: [i32; LANES],
+    barycentric: [[DVec2; BLOCK]; BLOCK],
+}
+
+impl BlockOfHits {
+    pub(super) const MISSES: Self = Self {
+        t: [[Hit::MISS.t; WIDE]; 2],
+        object: [Hit::MISS.object; LANES],
+        primitive: [Hit::MISS.primitive; LANES],
+        barycentric: [[DVec2::NAN; BLOCK]; BLOCK],
+    };
+
+    /// The hit of the pixel in a lane.
+    pub(super) fn put(&mut self, lane: usize, hit: &Hit) {
+        let lane = lane % LANES;
+        self.t.as_flattened_mut()[lane] = hit.t;
+        self.object[lane] = hit.object;
+        self.primitive[lane] = hit.primitive;
+        self.barycentric.as_flattened_mut()[lane] = hit.barycentric;
+    }
+
+    /// Takes eight hits where the mask says so.
+    #[inline(always)]
+    pub(super) fn put_half<L: Lanes>(
+        &mut self,
+        l: L,
+        half: usize,
+        mask: u8,
+        [t, v, w]: [L::Doubles; 3],
+    ) {
+        let half = half % 2;
+        let old = l.load64(&self.t[half]);
+        l.store64(l.select64(mask, t, old), &mut self.t[half]);
+        let [low, high] = l.interleave64(v, w);
+        let rows: &mut [[f64; WIDE]; BLOCK] = bytemuck::cast_mut(&mut self.barycentric);
+        if mask == u8::MAX {
+            l.store64(low, &mut rows[2 * half]);
+            l.store64(high, &mut rows[2 * half + 1]);
+            return;
+        }
+        let mut both = [[0.0; WIDE]; 2];
+        l.store64(low, &mut both[0]);
+        l.store64(high, &mut both[1]);
+        let (both, own) = (both.as_flattened(), rows.as_flattened_mut());
+        for k in (0..WIDE).filter(|k| mask >> k & 1 == 1) {
+            own[2 * (WIDE * half + k)..][..2].copy_from_slice(&both[2 * k..][..2]);
+        }
+    }
+
+    /// Writes those of so many rows and columns to a square, from a place on.
+    #[inline(always)]
+    pub(super) fn write(&self, at: usize, [rows, columns]: [usize; 2], out: &mut HitSlices<'_>) {
+        if [rows, columns] == [BLOCK, BLOCK] {
+            // Lengths that the compiler knows.
+            for row in 0..BLOCK {
+                self.copy(row, at + row * Square::STRIDE, BLOCK, out);
+            }
+        } else {
+            for row in 0..rows {
+                self.copy(row, at + row * Square::STRIDE, columns, out);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn copy(&self, row: usize, at: usize, columns: usize, out: &mut HitSlices<'_>) {
+        let lane = row * BLOCK;
+        out.t[at..][..columns].copy_from_slice(&self.t.as_flattened()[lane..][..columns]);
+        out.object[at..][..columns].copy_from_slice(&self.object[lane..][..columns]);
+        out.primitive[at..][..columns].copy_from_slice(&self.primitive[lane..][..columns]);
+        out.barycentric[at..][..columns].copy_from_slice(&self.barycentric[row][..columns]);
+    }
+}

@@ -1,0 +1,267 @@
+//! A tile of 16 x 16 pixels: which triangle is visible in each pixel, then where it is met.
+//!
+//! 1. Fill a [`VisibilityBuffer`] from the meshes that may be seen in the tile, the nearest first.
+//! 2. Compute the hits of its pixels from that, eight at a time (`resolve.rs`).
+//! 3. Shoot single rays at the objects that tiles cannot do; or at all, where float32 cannot do the tile.
+
+use super::fit::TileRays;
+use super::pixels::Pixels;
+use super::plan::{Plan, camera_of_tile};
+use super::square::Square;
+use crate::accel::{
+    ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId, VisibilityBuffer, fill,
+};
+use crate::geometry::{Hit, Ray};
+use crate::scene::Scene;
+use crate::shape::triangle::Shear;
+use crate::shoot::batch::{Memory, SingleRay};
+use crate::shoot::hits::HitSlices;
+use crate::shoot::moderate::Moderate;
+use crate::shoot::ray_query::{FirstHit, RayQuery};
+use crate::simd::{Kernel, Lanes};
+
+/// See [the module](self).
+pub(super) struct TileTask<'a> {
+    pub(super) plan: &'a Plan<'a>,
+    /// Its rays where they are an array's.
+    pub(super) rays: Option<TileRays<'a>>,
+    /// How far these are off the grid, in pixels; `None` where that is too far.
+    off: Option<f64>,
+    /// Its row and column of tiles.
+    tile: [usize; 2],
+    /// Its first pixel in the picture.
+    first_row: usize,
+    first_column: usize,
+    /// How many pixels it has down and across.
+    size: [usize; 2],
+    /// Where its results begin in their square.
+    place: usize,
+    pub(super) pixels: Pixels,
+}
+
+impl<'a> TileTask<'a> {
+    #[inline(always)]
+    pub(super) fn new<L: Lanes>(
+        l: L,
+        plan: &'a Plan<'a>,
+        tile: [usize; 2],
+        place: usize,
+        rays: Option<TileRays<'a>>,
+    ) -> Self {
+        let grid = &plan.grid;
+        let [first_row, first_column] = tile.map(|k| k * TILE);
+        let rows = (grid.rows - first_row).min(TILE);
+        let columns = (grid.columns - first_column).min(TILE);
+        let pixels = Pixels::new(grid, [first_row, first_column], [rows, columns]);
+        let off = match &rays {
+            Some(rays) => rays.distance(l, grid, &pixels, rows),
+            None => Some(0.0),
+        };
+        Self {
+            plan,
+            rays,
+            off,
+            tile,
+            first_row,
+            first_column,
+            size: [rows, columns],
+            place,
+            pixels,
+        }
+    }
+
+    /// Writes the tile's hits to its square; `near` is the square's [list](Plan::list_near).
+    #[inline(always)]
+    pub(super) fn run<L: Lanes>(
+        &mut self,
+        l: L,
+        (memory, scratch): (&mut Memory, &mut TileScratch),
+        near: &[u32],
+        out: &mut HitSlices<'_>,
+    ) {
+        let [rows, columns] = self.size;
+        let mut buffer = VisibilityBuffer::new(rows, columns);
+        let is_filled = self.fill(l, scratch, near, &mut buffer);
+        if is_filled {
+            self.resolve(l, &buffer, self.size, out);
+        }
+        for row in 0..rows {
+            self.complete(l, memory, row, columns, is_filled, out);
+        }
+    }
+
+    /// Fills the visibility buffer; `false` where float32 cannot.
+    #[inline(always)]
+    fn fill<L: Lanes>(
+        &mut self,
+        l: L,
+        scratch: &mut TileScratch,
+        near: &[u32],
+        buffer: &mut VisibilityBuffer,
+    ) -> bool {
+        let Some(off) = self.off else {
+            return false;
+        };
+        let plan = self.plan;
+        let [row, column] = self.tile;
+        for &index in near {
+            let placed = &plan.meshes[index as usize];
+            if !(placed.rows.contains(&row) && placed.columns.contains(&column)) {
+                continue;
+            }
+            // What all pixels meet already is nearer, than the objects that come later too.
+            if placed.entry > 1.000_001 * f64::from(buffer.limit(l)) {
+                break;
+            }
+            let Some((_, tree)) = plan.scene.plain_mesh(placed.object) else {
+                continue;
+            };
+            let object = &plan.scene.objects()[placed.object as usize];
+            let first = [self.first_row, self.first_column];
+            let camera = camera_of_tile(&plan.grid, object, off, first);
+            let Some(frustum) = TileFrustum::new(tree, &camera) else {
+                return false;
+            };
+            fill(l, scratch, tree, &frustum, placed.object, buffer, self);
+        }
+        true
+    }
+
+    /// Where in the square's results a row begins.
+    #[inline(always)]
+    pub(super) fn at(&self, row: usize) -> usize {
+        self.place + row * Square::STRIDE
+    }
+
+    /// Shoots single rays at what the tile leaves out: at all objects unless `is_filled`, else at those that tiles
+    /// cannot do.
+    #[inline(always)]
+    fn complete<L: Lanes>(
+        &self,
+        l: L,
+        memory: &mut Memory,
+        row: usize,
+        columns: usize,
+        is_filled: bool,
+        out: &mut HitSlices<'_>,
+    ) {
+        let plan = self.plan;
+        if is_filled && plan.all_tiled {
+            return;
+        }
+        for column in 0..columns {
+            let at = self.at(row) + column;
+            let pixel = (self.first_row + row) * plan.grid.columns + self.first_column + column;
+            let ray = plan.rays.ray(pixel);
+            let mut single = SingleRay::new(memory, plan.scene, &ray, FirstHit::START);
+            if is_filled {
+                single = single.after(out.get(at), &plan.is_tiled);
+            }
+            out.put(at, &l.call(single).0);
+        }
+    }
+
+    /// The ray of a pixel of the tile.
+    fn ray(&self, row: usize, column: usize) -> Ray {
+        let columns = self.plan.grid.columns;
+        let pixel = (self.first_row + row) * columns + self.first_column + column;
+        self.plan.rays.ray(pixel)
+    }
+
+    /// The hit of the ray of a pixel in a triangle, by the exact test.
+    #[inline(always)]
+    pub(super) fn decide<L: Lanes>(
+        &self,
+        l: L,
+        row: usize,
+        column: usize,
+        triangle: TriangleId,
+    ) -> Option<Hit> {
+        let ray = self.ray(row, column);
+        let scene = self.plan.scene;
+        l.call(Decision {
+            scene,
+            ray,
+            triangle,
+        })
+    }
+
+    /// Whether `new` is the first of two hits of a pixel.
+    fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
+        Moderate::new(&self.ray(row, column))
+            .is_some_and(|moderate| moderate.precedes(self.plan.scene, new, old))
+    }
+
+    /// The depth of a hit at `t`, in units of the viewplane's.
+    fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
+        let grid = &self.plan.grid;
+        if self.rays.is_some() {
+            let normal = grid.right.cross(grid.upwards);
+            let direction = self.ray(row, column).direction;
+            let depth = t * direction.dot(normal) / grid.toward.dot(normal);
+            return depth + f64::from(u8::from(grid.starts_on_viewplane));
+        }
+        let unit = if grid.parallel.is_some() {
+            grid.toward.length()
+        } else {
+            grid.point(self.first_row + row, self.first_column + column)
+                .length()
+        };
+        t / unit + f64::from(u8::from(grid.starts_on_viewplane))
+    }
+}
+
+/// The exact test of a ray and a triangle, as a function of its own: it is rarely called.
+struct Decision<'a> {
+    scene: &'a Scene,
+    ray: Ray,
+    triangle: TriangleId,
+}
+
+impl Kernel for Decision<'_> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Option<Hit> {
+        let TriangleId {
+            object: index,
+            leaf_lane,
+        } = self.triangle;
+        let (mesh, tree) = self.scene.plain_mesh(index)?;
+        let moderate = Moderate::new(&self.ray)?;
+        let object = &self.scene.objects()[index as usize];
+        let ray = moderate.in_object(object, moderate.ray.t_max)?;
+        let corners = tree.corners_at(mesh, leaf_lane);
+        let hit =
+            Shear::new(&ray).intersect_by(corners, |doubtful| l.call(SettleExactly(doubtful)))?;
+        let primitive = tree.triangle_at(leaf_lane).cast_signed();
+        let crossing = hit.crossing(primitive);
+        ray.holds(hit.t)
+            .then(|| moderate.hit(index, crossing))
+            .flatten()
+    }
+}
+
+impl ExactTest for TileTask<'_> {
+    #[inline(never)]
+    fn nearer<L: Lanes>(
+        &mut self,
+        l: L,
+        row: usize,
+        column: usize,
+        old: TriangleId,
+        new: TriangleId,
+    ) -> Option<(TriangleId, f64)> {
+        let new_hit = self.decide(l, row, column, new)?;
+        let old_hit = if old == TriangleId::NONE {
+            None
+        } else {
+            self.decide(l, row, column, old)
+        };
+        let (triangle, hit) = match old_hit {
+            Some(old_hit) if !self.precedes(row, column, &new_hit, &old_hit) => (old, old_hit),
+            _ => (new, new_hit),
+        };
+        Some((triangle, self.depth(row, column, hit.t)))
+    }
+}
