@@ -1,8 +1,9 @@
 //! The camera.
 
 use firsthit::camera::Description;
+use firsthit::camera::{Equirectangular, Projection};
 use firsthit::render::{framing_camera, sample_ray};
-use firsthit::{DVec3, Ray, RayStart, Rays, View};
+use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
@@ -52,18 +53,27 @@ impl Camera {
         } else {
             firsthit::Camera::new
         };
+        let flat = |parallel| {
+            Lens::Flat(Viewplane {
+                focal_length,
+                width: size[0],
+                height: size[1],
+                parallel,
+                ray_start,
+            })
+        };
         let camera = projection.parse().and_then(|projection| {
             make(View {
                 position: DVec3::from(position),
                 aim: DVec3::from(aim),
                 up: DVec3::from(up),
-                focal_length,
-                width: size[0],
-                height: size[1],
                 rows: pixels[0],
                 columns: pixels[1],
-                projection,
-                ray_start,
+                lens: match projection {
+                    Projection::Perspective => flat(false),
+                    Projection::Orthographic => flat(true),
+                    Projection::Equirectangular => Lens::Equirectangular(Equirectangular {}),
+                },
             })
         });
         camera.map(Self).map_err(|error| raise(py, &error))
@@ -106,14 +116,9 @@ impl Camera {
         rows: usize,
         columns: usize,
     ) -> PyResult<(f64, f64, f64)> {
-        let view = View {
-            rows,
-            columns,
-            ..View::default()
-        }
-        .with_vertical_fov(vertical_fov_degrees);
-        let view = view.map_err(|error| raise(py, &error))?;
-        Ok((view.focal_length, view.width, view.height))
+        let viewplane = Viewplane::with_vertical_fov(vertical_fov_degrees, rows, columns);
+        let viewplane = viewplane.map_err(|error| raise(py, &error))?;
+        Ok((viewplane.focal_length, viewplane.width, viewplane.height))
     }
 
     /// Position, aim, right, upwards.
@@ -230,18 +235,19 @@ pub(crate) fn view_out(view: &View) -> ViewOut {
         position,
         aim,
         up,
-        focal_length,
-        width,
-        height,
         rows,
         columns,
-        projection,
-        ray_start,
+        lens,
     } = view;
+    let viewplane = lens.viewplane();
+    let lengths = viewplane.map_or([f64::NAN; 3], |viewplane| {
+        [viewplane.focal_length, viewplane.width, viewplane.height]
+    });
+    let ray_start = viewplane.map_or(RayStart::Eye, |viewplane| viewplane.ray_start);
     (
         [position, aim, up].map(|vector| vector.to_array()),
-        [focal_length, width, height],
+        lengths,
         [rows, columns],
-        [projection.name(), ray_start.name()],
+        [lens.projection().name(), ray_start.name()],
     )
 }

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::sync::Mutex;
 
 use clap::ValueEnum;
-use firsthit::{Camera, Hits, Projection, Ray, Rays, Scene};
+use firsthit::{Camera, Hits, Ray, Rays, Scene};
 use rayon::ThreadPool;
 
 use crate::check::{Checked, Judge};
@@ -153,7 +153,7 @@ pub(crate) struct Shots<'a> {
 
 impl<'a> Shots<'a> {
     pub(crate) fn new(scene: &'a Scene, look: &'a Look, side: usize) -> Result<Self, String> {
-        let camera = look.camera(Projection::Perspective, side)?;
+        let camera = look.camera(false, side)?;
         Ok(Self {
             scene,
             look,
@@ -168,9 +168,7 @@ impl<'a> Shots<'a> {
         let count = self.side * self.side;
         Ok(match row {
             Row::Primary => Shot::Pixels(self.camera),
-            Row::Orthographic => {
-                Shot::Pixels(self.look.camera(Projection::Orthographic, self.side)?)
-            }
+            Row::Orthographic => Shot::Pixels(self.look.camera(true, self.side)?),
             Row::Array => Shot::First(rays::of_pixels(&self.camera)),
             Row::Shadow => Shot::Any(self.surface.to_light(self.look.light)),
             Row::Occlusion => Shot::Any(self.surface.around(self.look.reach, count)),

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::str::SplitWhitespace;
 
 use firsthit::camera::View;
-use firsthit::{Camera, DVec3, Object, Positions, Projection, RayStart, Shape};
+use firsthit::{Camera, DVec3, Lens, Object, Positions, RayStart, Shape, Viewplane};
 
 use crate::embree::Triangles;
 use crate::firsthit_side;
@@ -39,24 +39,29 @@ pub(crate) struct Look {
 
 impl Look {
     /// A camera of square pixels, its rays starting at the eye.
-    pub(crate) fn camera(&self, projection: Projection, side: usize) -> Result<Camera, String> {
-        let view = View {
+    pub(crate) fn camera(&self, parallel: bool, side: usize) -> Result<Camera, String> {
+        let viewplane = if parallel {
+            Ok(Viewplane {
+                width: self.height,
+                height: self.height,
+                parallel,
+                ray_start: RayStart::Eye,
+                ..Viewplane::default()
+            })
+        } else {
+            Viewplane::with_vertical_fov(self.vertical_fov_degrees, side, side)
+        };
+        let view = |viewplane| View {
             position: self.eye,
             aim: self.target - self.eye,
             up: self.up,
             rows: side,
             columns: side,
-            width: self.height,
-            height: self.height,
-            projection,
-            ray_start: RayStart::Eye,
-            ..View::default()
+            lens: Lens::Flat(viewplane),
         };
-        let view = match projection {
-            Projection::Perspective => view.with_vertical_fov(self.vertical_fov_degrees),
-            Projection::Orthographic => Ok(view),
-        };
-        view.and_then(Camera::new)
+        viewplane
+            .map(view)
+            .and_then(Camera::new)
             .map_err(|error| error.to_string())
     }
 }

@@ -93,7 +93,11 @@ pub(crate) struct CameraArgs {
     /// The viewplane's width and height, in scene units
     #[arg(long, value_name = "WxH", value_parser = values::lengths, allow_hyphen_values = true)]
     pub(crate) viewplane: Option<(f64, f64)>,
-    /// Parallel rays instead of rays through the camera's position
+    /// How rays are made: through a viewplane, parallel to the aim, or in all directions (a panorama) [default:
+    /// perspective, or the file's]
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), conflicts_with = "orthographic")]
+    pub(crate) projection: Option<String>,
+    /// Short for --projection orthographic
     #[arg(long)]
     pub(crate) orthographic: bool,
     /// Where rays start, and t counts from: what lies between the eye and the viewplane is not seen

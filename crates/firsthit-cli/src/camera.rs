@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use firsthit::camera::{Aim, Description, Lens, StandardView};
+use firsthit::camera::{Aim, Description, Opening, StandardView};
 use firsthit::error::{escape_controls, escaped};
 use firsthit::io::{Model, NamedCamera};
 use firsthit::{Camera, DVec3, Projection, Scene};
@@ -183,18 +183,18 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
         (_, _, Some(Target::Auto)) => Some(Aim::Centre),
         _ => base.aim,
     };
-    let projection = if args.orthographic {
-        Some(Projection::Orthographic)
-    } else {
-        base.projection
-    };
+    let projection = projection(args).or(base.projection);
+    let has_viewplane = projection != Some(Projection::Equirectangular);
     let described = Description {
         position: args.position.or(base.position),
         aim,
         up: args.up.or(base.up),
-        lens: lens(args, base)?,
+        opening: opening(args, base)?,
         projection,
-        ray_start: args.ray_start.map(Into::into).or(base.ray_start),
+        ray_start: args
+            .ray_start
+            .map(Into::into)
+            .or(base.ray_start.filter(|_| has_viewplane)),
         columns: args.size.map_or(base.columns, |(columns, _)| Some(columns)),
         rows: args.size.map_or(base.rows, |(_, rows)| Some(rows)),
     };
@@ -202,11 +202,31 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
     Ok(described)
 }
 
-/// The viewplane: by its own size, or by an angle.
-fn lens(args: &CameraArgs, base: &Description) -> Result<Option<Lens>, Failure> {
-    let is_parallel = args.orthographic || base.projection == Some(Projection::Orthographic);
-    let of_file = match base.lens {
-        Some(Lens::Viewplane { focal_length, .. }) => focal_length,
+/// The projection that the arguments name.
+fn projection(args: &CameraArgs) -> Option<Projection> {
+    if args.orthographic {
+        return Some(Projection::Orthographic);
+    }
+    args.projection
+        .as_deref()
+        .and_then(|name| name.parse().ok())
+}
+
+/// How much the camera sees: by the viewplane's own size, or by an angle.
+fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Opening>, Failure> {
+    let projection = projection(args).or(base.projection);
+    if projection == Some(Projection::Equirectangular) {
+        return if args.fov.is_some() || args.viewplane.is_some() {
+            Err(Failure::usage(
+                "--fov and --viewplane are for cameras with a viewplane; an equirectangular one sees all directions",
+            ))
+        } else {
+            Ok(None)
+        };
+    }
+    let is_parallel = projection == Some(Projection::Orthographic);
+    let of_file = match base.opening {
+        Some(Opening::Viewplane { focal_length, .. }) => focal_length,
         _ => None,
     };
     if let Some((width, height)) = args.viewplane {
@@ -216,19 +236,19 @@ fn lens(args: &CameraArgs, base: &Description) -> Result<Option<Lens>, Failure> 
                 "--viewplane needs --focal-length (or --orthographic), or use --fov",
             ));
         }
-        return Ok(Some(Lens::Viewplane {
+        return Ok(Some(Opening::Viewplane {
             width,
             height,
             focal_length,
         }));
     }
-    match (args.fov, base.lens) {
+    match (args.fov, base.opening) {
         (Some(_), _) if is_parallel => Err(Failure::usage(
             "--fov is for perspective cameras, and the file's is orthographic; use --viewplane",
         )),
-        (Some(fov), _) => Ok(Some(Lens::Fov(fov))),
+        (Some(fov), _) => Ok(Some(Opening::Fov(fov))),
         // Of an angle parallel rays know nothing.
-        (None, Some(Lens::Fov(_))) if is_parallel => Ok(None),
+        (None, Some(Opening::Fov(_))) if is_parallel => Ok(None),
         (None, lens) => Ok(lens),
     }
 }

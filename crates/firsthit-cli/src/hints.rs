@@ -56,16 +56,18 @@ pub(crate) fn number(x: f64) -> String {
 }
 
 fn looks_away(camera: &Camera, bounds: Bounds) -> bool {
-    bounds
-        .corners()
-        .iter()
-        .all(|&corner| (corner - camera.position()).dot(camera.aim()) <= 0.0)
+    let sees_ahead = camera.lens().viewplane().is_some();
+    let corners = bounds.corners();
+    sees_ahead
+        && corners
+            .iter()
+            .all(|&corner| (corner - camera.position()).dot(camera.aim()) <= 0.0)
 }
 
 /// Whether anything lies between the eye and the viewplane, on a grid of rays.
 fn hidden_in_front(scene: &Scene, camera: &Camera) -> bool {
-    let view = camera.view();
-    if view.ray_start == RayStart::Eye {
+    let viewplane = camera.lens().viewplane();
+    if viewplane.is_none_or(|viewplane| viewplane.ray_start == RayStart::Eye) {
         return false;
     }
     let from_eye = camera.starting_at(RayStart::Eye);

@@ -2,7 +2,8 @@
 //! gives the colour. Prints the picture as text; `cargo run --release --example minimal`.
 
 use firsthit::{
-    Camera, Color, DVec3, Hit, Object, Plane, Result, Scene, Shade, Sphere, View, shoot,
+    Camera, Color, DVec3, Hit, Lens, Object, Plane, Result, Scene, Shade, Sphere, View, Viewplane,
+    shoot,
 };
 
 fn main() -> Result<()> {
@@ -14,12 +15,14 @@ fn main() -> Result<()> {
         position: DVec3::new(0.0, -6.0, 2.0),
         aim: DVec3::new(0.0, 1.0, -0.2),
         up: DVec3::Z,
-        focal_length: 1.0,
-        width: 1.2,
-        height: 0.9,
         rows: 30,
         columns: 80,
-        ..View::default()
+        lens: Lens::Flat(Viewplane {
+            focal_length: 1.0,
+            width: 1.2,
+            height: 0.9,
+            ..Viewplane::default()
+        }),
     })?;
 
     // Brighter where the surface faces a light, darker with the distance; misses get the background.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::camera::{Camera, View};
+use crate::camera::{Camera, Lens, RayStart, View, Viewplane};
 use crate::error::Result;
 use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform};
 use crate::scene::{Background, Light, Object, Scene};
@@ -119,14 +119,19 @@ fn placed(scale: DVec3, turn: DQuat, offset: DVec3) -> Result<Transform> {
 /// [`Error::Argument`](crate::Error::Argument) for a picture without pixels.
 pub fn camera(rows: usize, columns: usize) -> Result<Camera> {
     let (position, target) = (DVec3::new(0.7, -6.4, 1.75), DVec3::new(0.05, 0.0, 1.0));
+    let lens = Lens::Flat(Viewplane {
+        ray_start: RayStart::Viewplane,
+        ..Viewplane::with_vertical_fov(32.0, rows, columns)?
+    });
     let view = View {
         position,
         up: DVec3::Z,
         rows,
         columns,
+        lens,
         ..View::default()
     };
-    Camera::new(view.aimed_at(target).with_vertical_fov(32.0)?)
+    Camera::new(view.aimed_at(target))
 }
 
 /// The example's sky.

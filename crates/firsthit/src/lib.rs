@@ -105,6 +105,8 @@ pub mod render;
 #[cfg(feature = "frame")]
 mod sampling;
 pub mod scene;
+#[cfg(feature = "frame")]
+pub mod sensor;
 pub mod shade;
 pub mod shape;
 pub mod shoot;
@@ -112,7 +114,7 @@ mod simd;
 pub mod watch;
 
 pub use accel::InstructionSet;
-pub use camera::{Camera, Projection, RayStart, View};
+pub use camera::{Camera, Lens, Projection, RayStart, View, Viewplane};
 pub use error::{Error, Result};
 pub use geometry::{
     Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Hit, Ray, Rays, Transform,

@@ -6,14 +6,15 @@ pub use settings::{Look, Render};
 
 use rayon::prelude::*;
 
-use crate::camera::{Aim, Camera, Description, StandardView, View};
+use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::{Kind, SHADED, Shots, single_of};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DMat3, DVec3, Ray};
-use crate::image::{CameraRecord, Data, Frame, Intrinsics, Origin, Pose};
+use crate::geometry::{Color, DVec3, Ray};
+use crate::image::{Data, Frame, Origin};
 use crate::memory::filled;
 use crate::sampling::offset;
 use crate::scene::{Background, Light, Scene};
+use crate::sensor::Sensor;
 use crate::shade::Shade;
 use crate::shoot::{First, Hits, trace};
 use crate::watch::Watch;
@@ -173,50 +174,8 @@ fn antialiased<const N: usize>(
 pub fn origin(scene: &Scene, camera: Option<&Camera>, samples: Option<u32>) -> Origin {
     Origin {
         scene: Some(scene.fingerprint().to_owned()),
-        camera: camera.map(camera_record),
+        camera: camera.map(Sensor::record),
         samples,
-    }
-}
-
-fn camera_record(camera: &Camera) -> CameraRecord {
-    let &View {
-        position,
-        aim,
-        up,
-        focal_length,
-        width,
-        height,
-        rows,
-        columns,
-        projection,
-        ray_start,
-    } = camera.view();
-    let row = |m: &DMat3, k: usize| m.row(k).to_array();
-    let pose = camera.world_from_camera();
-    let pose_row = |k: usize| {
-        let [x, y, z] = row(&pose.matrix3, k);
-        [x, y, z, pose.translation[k]]
-    };
-    CameraRecord {
-        position: position.to_array(),
-        aim: aim.to_array(),
-        up: up.to_array(),
-        focal_length,
-        width,
-        height,
-        rows: rows as u64,
-        columns: columns as u64,
-        projection: projection.name().to_owned(),
-        ray_start: ray_start.name().to_owned(),
-        intrinsics: camera.intrinsic_matrix().map(|k| Intrinsics {
-            k: [0, 1, 2].map(|row_index| row(&k, row_index)),
-            first_pixel_center: 0.5,
-            axes: "right, down, forwards".to_owned(),
-        }),
-        pose: Pose {
-            world_from_camera: [pose_row(0), pose_row(1), pose_row(2), [0.0, 0.0, 0.0, 1.0]],
-            axes: "right, up, backwards".to_owned(),
-        },
     }
 }
 

@@ -9,7 +9,8 @@
 
 mod support;
 
-use firsthit::{Bounds, Camera, DVec2, DVec3, Projection, RayStart, View};
+use firsthit::camera::Equirectangular;
+use firsthit::{Bounds, Camera, DVec2, DVec3, Lens, RayStart, View, Viewplane};
 use support::seen;
 
 fn close(a: DVec3, b: DVec3) -> bool {
@@ -19,15 +20,18 @@ fn close(a: DVec3, b: DVec3) -> bool {
 /// The specification's formula, literally: i counts rows from the bottom.
 fn literal(view: &View, i: usize, j: usize) -> (DVec3, DVec3) {
     let u_c = view.aim / view.aim.length();
-    let c_0 = view.position + view.focal_length * u_c;
+    let c_0 = view.position + view.lens.viewplane().unwrap().focal_length * u_c;
     let u_x = u_c.cross(view.up) / u_c.cross(view.up).length();
     let u_y = (-u_c).cross(u_x);
-    let p_x = -view.width / 2.0 + view.width / view.columns as f64 * (j as f64 + 0.5);
-    let p_y = -view.height / 2.0 + view.height / view.rows as f64 * (i as f64 + 0.5);
+    let p_x = -view.lens.viewplane().unwrap().width / 2.0
+        + view.lens.viewplane().unwrap().width / view.columns as f64 * (j as f64 + 0.5);
+    let p_y = -view.lens.viewplane().unwrap().height / 2.0
+        + view.lens.viewplane().unwrap().height / view.rows as f64 * (i as f64 + 0.5);
     let p = c_0 + p_x * u_x + p_y * u_y;
-    let u_r = match view.projection {
-        Projection::Perspective => (p - view.position) / (p - view.position).length(),
-        Projection::Orthographic => u_c,
+    let u_r = if view.lens.viewplane().unwrap().parallel {
+        u_c
+    } else {
+        (p - view.position) / (p - view.position).length()
     };
     (p, u_r)
 }
@@ -37,30 +41,47 @@ fn views() -> Vec<View> {
         position: DVec3::new(3.0, -2.0, 1.5),
         aim: DVec3::new(-2.0, 1.0, -0.7),
         up: DVec3::new(0.1, 0.3, 2.0),
-        focal_length: 0.8,
-        width: 1.9,
-        height: 0.7,
         rows: 5,
         columns: 4,
-        ..View::default()
+        lens: Lens::Flat(Viewplane {
+            focal_length: 0.8,
+            width: 1.9,
+            height: 0.7,
+            ..Viewplane::default()
+        }),
     };
     let mut views = Vec::new();
-    for projection in [Projection::Perspective, Projection::Orthographic] {
+    for parallel in [false, true] {
         views.push(View {
-            projection,
+            lens: Lens::Flat(Viewplane {
+                parallel,
+                ..Viewplane::default()
+            }),
             ..View::default()
         });
-        views.push(View { projection, ..some });
         views.push(View {
-            projection,
-            rows: 1,
-            columns: 1,
+            lens: Lens::Flat(Viewplane {
+                parallel,
+                ..*some.lens.viewplane().unwrap()
+            }),
             ..some
         });
         views.push(View {
-            projection,
+            rows: 1,
+            columns: 1,
+            lens: Lens::Flat(Viewplane {
+                parallel,
+                ..*some.lens.viewplane().unwrap()
+            }),
+            ..some
+        });
+        views.push(View {
             aim: DVec3::Z,
             up: DVec3::NEG_X,
+            lens: Lens::Flat(Viewplane {
+                parallel,
+                ..*some.lens.viewplane().unwrap()
+            }),
             ..some
         });
     }
@@ -110,11 +131,12 @@ fn the_eye_start_keeps_the_directions_and_moves_the_start_back() {
         let (a, b) = (camera.ray(0, 0), eye.ray(0, 0));
         assert_eq!(a.direction, b.direction);
         let back = (a.origin - b.origin).length();
-        match view.projection {
-            Projection::Perspective => assert_eq!(b.origin, view.position),
-            Projection::Orthographic => {
+        if view.lens.viewplane().unwrap().parallel {
+            {
                 assert!((b.origin - view.position).dot(eye.aim()).abs() < 1e-14);
             }
+        } else {
+            assert_eq!(b.origin, view.position);
         }
         assert!((camera.range(0, 0, 2.0) - (2.0 + back)).abs() < 1e-14);
         assert_eq!(eye.range(0, 0, 2.0), 2.0);
@@ -130,9 +152,10 @@ fn range_and_z_are_what_their_definitions_say() {
             let hit = ray.at(7.25);
             let z = (hit - view.position).dot(camera.aim());
             assert!((camera.z(row, column, 7.25) - z).abs() < 1e-13, "{view:?}");
-            let range = match view.projection {
-                Projection::Perspective => (hit - view.position).length(),
-                Projection::Orthographic => z,
+            let range = if view.lens.viewplane().unwrap().parallel {
+                z
+            } else {
+                (hit - view.position).length()
             };
             assert!(
                 (camera.range(row, column, 7.25) - range).abs() < 1e-13,
@@ -160,8 +183,11 @@ fn points_of_a_pixel_run_rightwards_and_upwards() {
 #[test]
 fn directions_do_not_suffer_from_a_far_position() {
     let near = Camera::new(View {
-        width: 0.01,
-        height: 0.01,
+        lens: Lens::Flat(Viewplane {
+            width: 0.01,
+            height: 0.01,
+            ..Viewplane::default()
+        }),
         ..View::default()
     })
     .unwrap();
@@ -186,9 +212,17 @@ fn look_at_has_its_field_of_view_between_the_edges() {
     )
     .unwrap();
     let view = camera.view();
-    assert_eq!(view.ray_start, RayStart::Eye);
-    assert!((view.height / 2.0 / view.focal_length - 1.0).abs() < 1e-15);
-    assert!((view.width / view.height - 1.5).abs() < 1e-15);
+    assert_eq!(view.lens.viewplane().unwrap().ray_start, RayStart::Eye);
+    assert!(
+        (view.lens.viewplane().unwrap().height / 2.0 / view.lens.viewplane().unwrap().focal_length
+            - 1.0)
+            .abs()
+            < 1e-15
+    );
+    assert!(
+        (view.lens.viewplane().unwrap().width / view.lens.viewplane().unwrap().height - 1.5).abs()
+            < 1e-15
+    );
     assert_eq!(camera.aim(), DVec3::NEG_Z);
 }
 
@@ -209,23 +243,25 @@ fn framing_touches_the_margin_on_opposite_sides_and_centres_the_rest() {
         DVec3::Y,
         DVec3::new(-3.0, 0.01, 0.02),
     ];
-    for projection in [Projection::Perspective, Projection::Orthographic] {
+    for parallel in [false, true] {
         for aim in aims {
             for (rows, columns) in [(480, 640), (100, 1000), (900, 300)] {
                 let view = View {
                     aim,
                     up: DVec3::Z,
-                    projection,
                     rows,
                     columns,
+                    lens: Lens::Flat(Viewplane {
+                        parallel,
+                        ..Viewplane::with_vertical_fov(45.0, rows, columns).unwrap()
+                    }),
                     ..View::default()
                 };
-                let view = view.with_vertical_fov(45.0).unwrap();
                 let camera = Camera::framing(view, support_of(bounds)).unwrap();
                 let corners = bounds.corners().map(|corner| seen(&camera, corner));
                 let low = corners.into_iter().fold(DVec2::INFINITY, DVec2::min);
                 let high = corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
-                let told = format!("{projection:?} {aim} {columns} x {rows}: {low} {high}");
+                let told = format!("{parallel} {aim} {columns} x {rows}: {low} {high}");
                 assert!((high.max_element() - 1.0 / 1.05).abs() < 1e-9, "{told}");
                 assert!((low.min_element() + 1.0 / 1.05).abs() < 1e-9, "{told}");
                 // False position stops where nobody sees the rest.
@@ -237,10 +273,13 @@ fn framing_touches_the_margin_on_opposite_sides_and_centres_the_rest() {
 
 #[test]
 fn a_point_and_a_line_along_the_aim_are_framed_too() {
-    for projection in [Projection::Perspective, Projection::Orthographic] {
+    for parallel in [false, true] {
         for (low, high) in [(5.0, 5.0), (-4.0, 9.0)] {
             let view = View {
-                projection,
+                lens: Lens::Flat(Viewplane {
+                    parallel,
+                    ..Viewplane::default()
+                }),
                 ..View::default()
             };
             let ends = [low, high].map(|z| DVec3::new(1.0, 2.0, z));
@@ -264,6 +303,54 @@ fn what_reaches_nowhere_or_everywhere_is_not_framed() {
     }
 }
 
+fn viewplane(view: &mut View) -> &mut Viewplane {
+    match &mut view.lens {
+        Lens::Flat(viewplane) => viewplane,
+        Lens::Equirectangular(_) => panic!("it has no viewplane"),
+    }
+}
+
+/// Longitude and latitude of a direction, in degrees, as seen from a camera.
+fn angles(camera: &Camera, direction: DVec3) -> (f64, f64) {
+    let along = |axis: DVec3| direction.dot(axis);
+    let longitude = libm::atan2(along(camera.right()), along(camera.aim()));
+    (
+        longitude.to_degrees(),
+        libm::asin(along(camera.upwards())).to_degrees(),
+    )
+}
+
+#[test]
+fn a_panorama_has_degrees_for_columns_and_rows() {
+    let camera = Camera::new(View {
+        position: DVec3::new(5.0, 6.0, 7.0),
+        aim: DVec3::new(1.0, 2.0, -0.5),
+        up: DVec3::Z,
+        rows: 18,
+        columns: 36,
+        lens: Lens::Equirectangular(Equirectangular {}),
+    })
+    .unwrap();
+    for row in 0..18 {
+        for column in 0..36 {
+            let ray = camera.ray(row, column);
+            assert_eq!(ray.origin, camera.position());
+            assert!((ray.direction.length() - 1.0).abs() < 1e-15);
+            let (longitude, latitude) = angles(&camera, ray.direction);
+            assert!((longitude - (10.0 * column as f64 - 175.0)).abs() < 1e-12);
+            assert!((latitude - (85.0 - 10.0 * row as f64)).abs() < 1e-12);
+            assert_eq!(camera.range(row, column, 3.0), 3.0);
+            let z = 3.0 * ray.direction.dot(camera.aim());
+            assert!((camera.z(row, column, 3.0) - z).abs() < 1e-15);
+        }
+    }
+    // Offsets run rightwards and upwards.
+    let corner = camera.ray_within(4, 20, DVec2::new(1.0, 1.0)).direction;
+    let (longitude, latitude) = angles(&camera, corner);
+    assert!((longitude - 30.0).abs() < 1e-12 && (latitude - 50.0).abs() < 1e-12);
+    assert_eq!(camera.intrinsic_matrix(), None);
+}
+
 type Change<'a> = (&'a str, &'a dyn Fn(&mut View));
 
 #[test]
@@ -279,10 +366,14 @@ fn what_makes_no_sense_is_refused_with_its_name() {
             (view.aim, view.up) = (parallel / -3.0, parallel);
         }),
         ("position", &|view| view.position.y = inf),
-        ("focal_length", &|view| view.focal_length = 0.0),
-        ("focal_length", &|view| view.focal_length = -1.0),
-        ("width", &|view| view.width = nan),
-        ("height", &|view| view.height = inf),
+        ("focal_length", &|view| {
+            viewplane(view).focal_length = 0.0;
+        }),
+        ("focal_length", &|view| {
+            viewplane(view).focal_length = -1.0;
+        }),
+        ("width", &|view| viewplane(view).width = nan),
+        ("height", &|view| viewplane(view).height = inf),
         ("rows", &|view| view.rows = 0),
         ("columns", &|view| view.columns = 0),
     ];
@@ -370,14 +461,11 @@ fn framing_does_not_depend_on_where_the_model_is() {
 fn no_columns_are_refused_by_their_own_name() {
     for camera in [
         Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, 40.0, 5, 0),
-        Camera::new(
-            View {
-                columns: 0,
-                ..View::default()
-            }
-            .with_vertical_fov(40.0)
-            .unwrap(),
-        ),
+        Camera::new(View {
+            columns: 0,
+            lens: Lens::Flat(Viewplane::with_vertical_fov(40.0, 480, 0).unwrap()),
+            ..View::default()
+        }),
     ] {
         let error = camera.unwrap_err().to_string();
         assert_eq!(error, "columns must be at least 1, got 0");

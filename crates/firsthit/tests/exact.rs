@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 use firsthit::shoot::{Cpu, Engine, First, trace};
 use firsthit::{
-    Camera, DAffine3, DMat3, DVec3, Hit, Mesh, Object, Projection, Ray, Scene, Shape, Transform,
+    Camera, DAffine3, DMat3, DVec3, Hit, Lens, Mesh, Object, Ray, Scene, Shape, Transform,
+    Viewplane,
 };
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
@@ -212,8 +213,12 @@ fn pictures_have_exact_distances() {
             let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 50.0, 24, 32).unwrap();
             let mut view = *camera.view();
             if parallel {
-                (view.width, view.height) = (4.0, 3.0);
-                view.projection = Projection::Orthographic;
+                view.lens = Lens::Flat(Viewplane {
+                    width: 4.0,
+                    height: 3.0,
+                    parallel,
+                    ..*view.lens.viewplane().unwrap()
+                });
             }
             let camera = Camera::new(view).unwrap();
             let all = trace(&scene, &camera, First, &()).unwrap();

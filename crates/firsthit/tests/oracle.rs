@@ -17,7 +17,9 @@ use std::path::Path;
 
 use firsthit::io::{LoadSettings, load};
 use firsthit::shoot::{BruteForce, Cpu, Engine};
-use firsthit::{Camera, DVec3, Object, Plane, Projection, Ray, Scene, Sphere, View};
+use firsthit::{
+    Camera, DVec3, Lens, Object, Plane, Projection, Ray, Scene, Sphere, View, Viewplane,
+};
 use serde_json::Value;
 
 /// The arrays of an NPZ file, whatever their type, as float64.
@@ -48,17 +50,19 @@ fn camera(case: &Value) -> Camera {
         position: vector(&case["x_c"]),
         aim: vector(&case["u_c"]),
         up: vector(&case["v_up"]),
-        focal_length: number("z_p"),
-        width: number("w"),
-        height: number("h"),
         rows: count("M"),
         columns: count("N"),
-        projection: if orthographic {
-            Projection::Orthographic
-        } else {
-            Projection::Perspective
-        },
-        ..View::default()
+        lens: Lens::Flat(Viewplane {
+            focal_length: number("z_p"),
+            width: number("w"),
+            height: number("h"),
+            parallel: if orthographic {
+                Projection::Orthographic
+            } else {
+                Projection::Perspective
+            } == Projection::Orthographic,
+            ..Viewplane::default()
+        }),
     })
     .unwrap()
 }

@@ -20,8 +20,8 @@ use firsthit::image::{
     format_named, read, write, write_channel,
 };
 use firsthit::{
-    Camera, Color, DVec3, Error, Light, Mesh, Object, Positions, Projection, Scene, Shader,
-    Shading, Sphere, Transform, View, example, render,
+    Camera, Color, DVec3, Error, Lens, Light, Mesh, Object, Positions, Scene, Shader, Shading,
+    Sphere, Transform, View, Viewplane, example, render,
 };
 use serde_json::Value;
 use support::Numbers as Random;
@@ -30,10 +30,17 @@ const ROWS: usize = 37;
 const COLUMNS: usize = 50;
 
 /// The example scene with every channel, small.
-fn frame(projection: Projection) -> Frame {
+fn frame(parallel: bool) -> Frame {
     let scene = example::scene().unwrap();
     let view = *example::camera(ROWS, COLUMNS).unwrap().view();
-    let camera = Camera::new(View { projection, ..view }).unwrap();
+    let camera = Camera::new(View {
+        lens: Lens::Flat(Viewplane {
+            parallel,
+            ..*view.lens.viewplane().unwrap()
+        }),
+        ..view
+    })
+    .unwrap();
     let shade = Shading {
         scene: &scene,
         shader: Shader::default(),
@@ -88,8 +95,8 @@ fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
 fn every_file_says_what_the_schema_says_and_the_schema_says_no_more() {
     let folder = tempfile::tempdir().unwrap();
     let validator = jsonschema::validator_for(&schema()).unwrap();
-    for projection in [Projection::Perspective, Projection::Orthographic] {
-        for path in write_all(&frame(projection), folder.path()) {
+    for parallel in [false, true] {
+        for path in write_all(&frame(parallel), folder.path()) {
             let metadata = read(&path).unwrap().metadata.unwrap();
             let json: Value = serde_json::from_str(&metadata.to_json()).unwrap();
             let wrong: Vec<String> = validator
@@ -114,7 +121,7 @@ fn every_file_says_what_the_schema_says_and_the_schema_says_no_more() {
 #[test]
 fn files_hold_the_values_and_say_where_they_come_from() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(Projection::Perspective);
+    let frame = frame(false);
     let scene = example::scene().unwrap();
     for path in write_all(&frame, folder.path()) {
         let output = read(&path).unwrap();
@@ -159,7 +166,7 @@ fn files_hold_the_values_and_say_where_they_come_from() {
 
 #[test]
 fn the_same_frame_gives_the_same_bytes_whatever_the_threads() {
-    let frame = frame(Projection::Perspective);
+    let frame = frame(false);
     for format in FORMATS {
         let channel = (format.holds == Holds::OneChannel).then_some("z");
         let bytes = |threads| {
@@ -176,7 +183,7 @@ fn the_same_frame_gives_the_same_bytes_whatever_the_threads() {
 #[test]
 fn files_of_different_formats_compare_channel_by_channel() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(Projection::Perspective);
+    let frame = frame(false);
     let [exr, npz] = ["a.exr", "a.npz"].map(|name| folder.path().join(name));
     write(&frame, &exr).unwrap();
     write(&frame, &npz).unwrap();
@@ -200,7 +207,7 @@ fn files_of_different_formats_compare_channel_by_channel() {
 fn a_16_bit_png_refuses_what_it_cannot_hold_and_names_the_pixel() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("z.png");
-    let frame = frame(Projection::Perspective);
+    let frame = frame(false);
     let values = |index: usize| frame.channel("z").unwrap().data.value(index);
     let finite = (0..ROWS * COLUMNS).filter(|&k| values(k).is_finite());
     let by_value = |a: &usize, b: &usize| values(*a).total_cmp(&values(*b));
@@ -252,7 +259,7 @@ fn an_exr_refuses_what_float32_would_make_a_miss() {
 #[test]
 fn a_sidecar_of_another_array_is_not_believed() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(Projection::Perspective);
+    let frame = frame(false);
     let [z, object] = ["z.npy", "object.npy"].map(|name| folder.path().join(name));
     write_channel(&frame, "z", &z).unwrap();
     write_channel(&frame, "object", &object).unwrap();
@@ -329,7 +336,7 @@ fn the_fingerprint_sees_what_a_picture_would() {
 #[test]
 fn damaged_files_are_refused_or_read_but_never_a_panic() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(Projection::Perspective);
+    let frame = frame(false);
     let mut random = Random::new(4);
     let (mut refused, mut tried) = (0, 0);
     for format in FORMATS {
@@ -380,11 +387,7 @@ fn files_that_claim_more_than_they_hold_are_refused_before_memory_is_taken() {
     npy.extend((header.len() as u16).to_le_bytes());
     npy.extend(header.bytes());
     refuse("a.npy", &npy, "longer than the file");
-    let tiny = encode(
-        format_named("exr").unwrap(),
-        &frame(Projection::Perspective),
-        None,
-    );
+    let tiny = encode(format_named("exr").unwrap(), &frame(false), None);
     // The data window's and the display window's last corner.
     let corner: Vec<u8> = [COLUMNS as u32 - 1, ROWS as u32 - 1]
         .iter()
@@ -417,11 +420,7 @@ fn files_that_claim_more_than_they_hold_are_refused_before_memory_is_taken() {
 fn metadata_that_are_nonsense_are_a_note_and_the_numbers_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    let bytes = encode(
-        format_named("exr").unwrap(),
-        &frame(Projection::Perspective),
-        None,
-    );
+    let bytes = encode(format_named("exr").unwrap(), &frame(false), None);
     let mut changed = bytes.clone();
     let key = b"metadata_version";
     let at = bytes

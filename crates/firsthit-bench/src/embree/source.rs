@@ -1,6 +1,6 @@
 //! Where Embree's rays come from: a camera's pixels or arrays. Blocks of 256 rays, packets within them.
 
-use firsthit::{Camera, DVec3, Projection, Ray};
+use firsthit::{Camera, DVec3, Ray};
 
 use super::packet::Rays;
 
@@ -37,19 +37,21 @@ impl Pixels {
     /// The rays of a camera with as many columns as rows, a multiple of 16, starting at its eye.
     pub(crate) fn new(camera: &Camera) -> Self {
         let view = camera.view();
-        let right = view.width / view.columns as f64 * camera.right();
-        let down = -view.height / view.rows as f64 * camera.upwards();
+        let lens = view.lens.viewplane().expect("the bench's cameras have one");
+        let right = lens.width / view.columns as f64 * camera.right();
+        let down = -lens.height / view.rows as f64 * camera.upwards();
         let half =
             0.5 * (view.columns as f64 - 1.0) * right + 0.5 * (view.rows as f64 - 1.0) * down;
         Self {
             side: view.columns,
-            perspective: view.projection == Projection::Perspective,
+            perspective: !lens.parallel,
             eye: single(view.position),
             aim: single(view.aim),
-            corner: match view.projection {
-                Projection::Perspective => single(view.focal_length * view.aim - half),
+            corner: if lens.parallel {
                 // Parallel rays start on the plane through the camera's position.
-                Projection::Orthographic => single(view.position - half),
+                single(view.position - half)
+            } else {
+                single(lens.focal_length * view.aim - half)
             },
             right: single(right),
             down: single(down),
@@ -214,7 +216,7 @@ impl Source for Columns {
 
 #[cfg(test)]
 mod tests {
-    use firsthit::View;
+    use firsthit::{Lens, View, Viewplane};
 
     use super::super::packet::RayHits;
     use super::*;
@@ -222,18 +224,20 @@ mod tests {
     /// Sides that are a power of two times 16, and not.
     const SIDES: [usize; 2] = [64, 48];
 
-    fn camera(projection: Projection, side: usize) -> Camera {
+    fn camera(parallel: bool, side: usize) -> Camera {
         let view = View {
             position: DVec3::new(3.0, -5.0, 2.0),
             aim: DVec3::new(-3.0, 5.0, -1.5),
             up: DVec3::Z,
-            width: 1.5,
-            height: 1.0,
             rows: side,
             columns: side,
-            projection,
-            ray_start: firsthit::RayStart::Eye,
-            ..View::default()
+            lens: Lens::Flat(Viewplane {
+                width: 1.5,
+                height: 1.0,
+                parallel,
+                ray_start: firsthit::RayStart::Eye,
+                ..Viewplane::default()
+            }),
         };
         Camera::new(view).unwrap()
     }
@@ -263,9 +267,9 @@ mod tests {
 
     #[test]
     fn packets_hold_every_pixel_of_the_camera_once() {
-        for projection in [Projection::Perspective, Projection::Orthographic] {
+        for parallel in [false, true] {
             for side in SIDES {
-                let camera = camera(projection, side);
+                let camera = camera(parallel, side);
                 let pixels = Pixels::new(&camera);
                 for mut all in [rays::<1>(&pixels), rays::<8>(&pixels), rays::<16>(&pixels)] {
                     all.sort_by_key(|&(index, ..)| index);

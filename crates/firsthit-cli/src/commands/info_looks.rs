@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use firsthit::io::{Model, NamedCamera};
-use firsthit::{AlphaMode, Light, Material, Projection, Scene, Texture};
+use firsthit::{AlphaMode, Lens, Light, Material, Scene, Texture};
 use serde_json::{Value, json};
 
 use super::info::listed;
@@ -34,16 +34,17 @@ impl<'a> Looks<'a> {
     pub(super) fn cameras_as_json(&self, most: usize) -> Vec<Value> {
         let camera = |camera: &NamedCamera| {
             let view = &camera.view;
+            let viewplane = view.lens.viewplane();
             json!({
                 "name": camera.name,
                 "own_name": camera.own_name,
-                "projection": view.projection.name(),
+                "projection": view.lens.projection().name(),
                 "position": view.position.to_array(),
                 "aim": view.aim.to_array(),
                 "up": view.up.to_array(),
-                "focal_length": view.focal_length,
-                "width": view.width,
-                "height": view.height,
+                "focal_length": viewplane.map(|viewplane| viewplane.focal_length),
+                "width": viewplane.map(|viewplane| viewplane.width),
+                "height": viewplane.map(|viewplane| viewplane.height),
             })
         };
         self.cameras.iter().take(most).map(camera).collect()
@@ -151,14 +152,15 @@ fn size(texture: &Arc<Texture>) -> Value {
 
 fn camera_line(place: usize, camera: &NamedCamera) -> String {
     let view = &camera.view;
-    let sees = match view.projection {
-        Projection::Perspective => {
-            let angle = 2.0 * (view.height / 2.0 / view.focal_length).atan();
+    let sees = match &view.lens {
+        Lens::Flat(viewplane) if viewplane.parallel => format!("{} high", number(viewplane.height)),
+        Lens::Flat(viewplane) => {
+            let angle = 2.0 * (viewplane.height / 2.0 / viewplane.focal_length).atan();
             format!("{} degrees", number(angle.to_degrees()))
         }
-        Projection::Orthographic => format!("{} high", number(view.height)),
+        Lens::Equirectangular(_) => "all directions".to_owned(),
     };
-    let (label, kind) = (labelled(place, camera), view.projection.name());
+    let (label, kind) = (labelled(place, camera), view.lens.projection().name());
     let (position, aim) = (triple(view.position), triple(view.aim));
     format!("{label}  ({kind}, {sees}, at {position}, aim {aim})")
 }

@@ -113,11 +113,15 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
     say("  position", triple(camera.position));
     say("  aim", triple(camera.aim));
     say("  up", triple(camera.up));
-    say("  focal_length", number(camera.focal_length));
-    say(
-        "  viewplane",
-        format!("{}x{}", number(camera.width), number(camera.height)),
-    );
+    if let Some(focal_length) = camera.focal_length {
+        say("  focal_length", number(focal_length));
+    }
+    if let (Some(width), Some(height)) = (camera.width, camera.height) {
+        say(
+            "  viewplane",
+            format!("{}x{}", number(width), number(height)),
+        );
+    }
     if let Some(intrinsics) = &camera.intrinsics {
         let center = intrinsics.first_pixel_center;
         say(

@@ -1,7 +1,7 @@
 //! Cameras made from what they should show.
 
 use super::framing::Axes;
-use super::{Camera, Projection, RayStart, View, require};
+use super::{Camera, Lens, RayStart, View, Viewplane, require};
 use crate::error::Result;
 use crate::geometry::{DVec3, unit};
 
@@ -28,20 +28,14 @@ impl Camera {
             target != position,
             target,
         )?;
-        let height = 2.0 * half_height(vertical_fov_degrees)?;
-        let width = width_of_square_pixels(height, rows, columns);
-        let ray_start = RayStart::Eye;
-        let aim = target - position;
+        let viewplane = Viewplane::with_vertical_fov(vertical_fov_degrees, rows, columns)?;
         Self::new(View {
             position,
-            aim,
+            aim: target - position,
             up,
-            width,
-            height,
             rows,
             columns,
-            ray_start,
-            ..View::default()
+            lens: Lens::Flat(viewplane),
         })
     }
 
@@ -66,44 +60,61 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for a `support` that is not finite, and all that
-    /// [`Camera::new`] refuses.
+    /// [`Error::Argument`](crate::Error::Argument) for a `support` that is not finite, a lens without a viewplane, and all
+    /// that [`Camera::new`] refuses.
     pub fn framing(view: View, support: impl Fn(DVec3) -> f64) -> Result<Self> {
-        let camera = Self::new(View {
-            ray_start: RayStart::Eye,
-            ..view
-        })?;
+        let camera = Self::new(view)?.starting_at(RayStart::Eye);
+        let name = view.lens.projection().name();
+        let Some(&viewplane) = camera.lens().viewplane() else {
+            return require(
+                "projection",
+                "one with a viewplane, to be framed",
+                false,
+                name,
+            )
+            .map(|()| camera);
+        };
         let axes = Axes {
-            right: camera.right,
-            upwards: camera.upwards,
+            right: camera.right(),
+            upwards: camera.upwards(),
             aim: camera.aim(),
         };
-        let view = match view.projection {
-            Projection::Perspective => axes.perspective(camera.view, &support)?,
-            Projection::Orthographic => axes.orthographic(camera.view, &support)?,
+        let (position, viewplane) = if viewplane.parallel {
+            axes.orthographic(viewplane, &support)?
+        } else {
+            (axes.perspective(&viewplane, &support)?, viewplane)
         };
-        Self::new(view)
+        Self::new(View {
+            position,
+            lens: Lens::Flat(viewplane),
+            ..*camera.view()
+        })
     }
 }
 
-impl View {
-    /// The same view with a viewplane of square pixels at distance one, so high that
-    /// `vertical_fov_degrees` lie between its lower and upper edge.
+impl Viewplane {
+    /// A perspective camera's viewplane of square pixels at distance one, so high that `vertical_fov_degrees` lie between its lower
+    /// and upper edge. Rays start at the eye.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`](crate::Error::Argument) for a field of view not between 0 and 180 degrees.
-    pub fn with_vertical_fov(self, vertical_fov_degrees: f64) -> Result<Self> {
+    pub fn with_vertical_fov(
+        vertical_fov_degrees: f64,
+        rows: usize,
+        columns: usize,
+    ) -> Result<Self> {
         let height = 2.0 * half_height(vertical_fov_degrees)?;
-        let width = width_of_square_pixels(height, self.rows, self.columns);
         Ok(Self {
-            focal_length: 1.0,
-            width,
+            width: width_of_square_pixels(height, rows, columns),
             height,
-            ..self
+            ray_start: RayStart::Eye,
+            ..Self::default()
         })
     }
+}
 
+impl View {
     /// The same view, aimed at `target`.
     pub fn aimed_at(self, target: DVec3) -> Self {
         Self {

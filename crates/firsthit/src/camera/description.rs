@@ -1,7 +1,9 @@
 //! Cameras as people describe them: what they leave open, the scene decides.
 
 use super::framing::{MARGIN, smallest};
-use super::{Camera, Projection, RayStart, StandardView, View, require};
+use super::{
+    Camera, Equirectangular, Lens, Projection, RayStart, StandardView, View, Viewplane, require,
+};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, unit};
 
@@ -15,8 +17,8 @@ pub struct Description {
     /// Which way is up; else the scene's.
     pub up: Option<DVec3>,
     /// How much it sees; else [`Description::FOV`].
-    pub lens: Option<Lens>,
-    /// How it makes rays; else perspective.
+    pub opening: Option<Opening>,
+    /// How it makes rays; else perspective. A panorama needs no opening, and stands in the middle of the scene.
     pub projection: Option<Projection>,
     /// Where rays start; else on a viewplane whose distance is given, and otherwise at the eye.
     pub ray_start: Option<RayStart>,
@@ -41,7 +43,7 @@ pub enum Aim {
 
 /// How much a camera sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Lens {
+pub enum Opening {
     /// Degrees from the picture's lower to its upper edge, with square pixels: for perspective cameras.
     Fov(f64),
     /// A viewplane of a size.
@@ -92,28 +94,30 @@ impl Description {
     ) -> Result<Camera> {
         let (columns, rows) = self.size();
         let up = self.up.unwrap_or(up);
-        let view = self.through_lens(View {
+        let lens = self.lens([rows, columns])?;
+        let view = View {
             up,
             rows,
             columns,
+            lens,
             ..View::default()
-        })?;
-        let camera = match self.position {
-            Some(position) => {
-                let view = self.aimed(View { position, ..view }, bounds)?;
-                let view = self.upright(view);
-                let is_open = view.projection == Projection::Orthographic && self.lens.is_none();
-                Camera::new(if is_open { sized(view, bounds)? } else { view })?
-            }
-            None => self.framed(view, support)?,
         };
-        Ok(camera.starting_at(self.ray_start.unwrap_or(view.ray_start)))
+        let camera = match (self.position, lens) {
+            (Some(position), _) => self.at_position(View { position, ..view }, bounds)?,
+            (None, Lens::Flat(_)) => self.framed(view, support)?,
+            (None, Lens::Equirectangular(_)) => self.in_the_middle(view, bounds)?,
+        };
+        let Some(viewplane) = lens.viewplane() else {
+            return Ok(camera);
+        };
+        Ok(camera.starting_at(self.ray_start.unwrap_or(viewplane.ray_start)))
     }
 
     /// Columns and rows of pixels.
     pub fn size(&self) -> (usize, usize) {
-        let aspect = match self.lens {
-            Some(Lens::Viewplane { width, height, .. }) => width / height,
+        let aspect = match self.opening {
+            Some(Opening::Viewplane { width, height, .. }) => width / height,
+            _ if self.projection == Some(Projection::Equirectangular) => 2.0,
             _ => 4.0 / 3.0,
         };
         #[expect(
@@ -130,43 +134,82 @@ impl Description {
         }
     }
 
-    /// The viewplane: by its own size, or by an angle.
-    fn through_lens(&self, view: View) -> Result<View> {
+    /// What it sees through: a viewplane by its own size or by an angle, or all directions.
+    fn lens(&self, [rows, columns]: [usize; 2]) -> Result<Lens> {
         let projection = self.projection.unwrap_or_default();
-        let is_parallel = projection == Projection::Orthographic;
-        let view = View {
-            projection,
-            ray_start: RayStart::Eye,
-            ..view
-        };
-        match self.lens {
-            None => view.with_vertical_fov(Self::FOV),
-            Some(Lens::Fov(degrees)) => {
+        if projection == Projection::Equirectangular {
+            let expected = "left out of an equirectangular camera, which sees all directions";
+            let is_fine = self.opening.is_none();
+            require("fov or viewplane", expected, is_fine, "one")?;
+            let expected = "left out of an equirectangular camera, whose rays start at the eye";
+            let is_fine = self.ray_start != Some(RayStart::Viewplane);
+            require("ray_start", expected, is_fine, "viewplane")?;
+            return Ok(Lens::Equirectangular(Equirectangular {}));
+        }
+        let parallel = projection == Projection::Orthographic;
+        let square = |degrees| Viewplane::with_vertical_fov(degrees, rows, columns);
+        let viewplane = match self.opening {
+            None => square(Self::FOV)?,
+            Some(Opening::Fov(degrees)) => {
                 let expected = "left out of an orthographic camera, which has a width and a height";
-                require("fov", expected, !is_parallel, degrees)?;
-                view.with_vertical_fov(degrees)
+                require("fov", expected, !parallel, degrees)?;
+                square(degrees)?
             }
-            Some(Lens::Viewplane {
+            Some(Opening::Viewplane {
                 width,
                 height,
                 focal_length,
             }) => {
                 let expected = "given with the viewplane of a perspective camera";
-                let is_known = is_parallel || focal_length.is_some();
+                let is_known = parallel || focal_length.is_some();
                 require("focal_length", expected, is_known, "none")?;
-                Ok(View {
+                Viewplane {
+                    focal_length: focal_length.unwrap_or(1.0),
                     width,
                     height,
-                    focal_length: focal_length.unwrap_or(1.0),
                     ray_start: match focal_length {
                         Some(_) => RayStart::Viewplane,
                         // Parallel rays are the same wherever the viewplane is.
                         None => RayStart::Eye,
                     },
-                    ..view
-                })
+                    parallel,
+                }
             }
+        };
+        Ok(Lens::Flat(Viewplane {
+            parallel,
+            ..viewplane
+        }))
+    }
+
+    /// The camera at a position that is given.
+    fn at_position(&self, view: View, bounds: Bounds) -> Result<Camera> {
+        let view = self.upright(self.aimed(view, bounds)?);
+        let is_open = self.opening.is_none();
+        match view.lens {
+            Lens::Flat(viewplane) if viewplane.parallel && is_open => {
+                sized(view, viewplane, bounds)
+            }
+            _ => Camera::new(view),
         }
+    }
+
+    /// The camera in the middle of the scene, looking ahead unless it is told where.
+    fn in_the_middle(&self, view: View, bounds: Bounds) -> Result<Camera> {
+        let position = bounds.centre();
+        let view = match self.aim {
+            None | Some(Aim::Centre) => {
+                let (aim, up) = StandardView::Front.aim_and_up(view.up);
+                View {
+                    position,
+                    aim,
+                    up,
+                    ..view
+                }
+            }
+            Some(_) => self.aimed(View { position, ..view }, bounds)?,
+        };
+        Camera::new(self.upright(view))
     }
 
     /// The view from a position that is given.
@@ -216,11 +259,10 @@ impl Description {
             Some(Aim::Centre) | None => as_in(StandardView::default()),
         };
         let camera = Camera::framing(view, support)?;
-        match self.lens {
+        match self.opening {
             // A viewplane that was asked for stays as it was asked for.
-            Some(Lens::Viewplane { width, height, .. }) => Camera::new(View {
-                width,
-                height,
+            Some(Opening::Viewplane { .. }) => Camera::new(View {
+                lens: view.lens,
                 ..*camera.view()
             }),
             _ => Ok(camera),
@@ -228,10 +270,10 @@ impl Description {
     }
 }
 
-/// The view with an orthographic viewplane on which the scene's box fits around its middle.
-fn sized(view: View, bounds: Bounds) -> Result<View> {
+/// The camera with a viewplane of the same shape on which the scene's box fits around its middle.
+fn sized(view: View, viewplane: Viewplane, bounds: Bounds) -> Result<Camera> {
     let camera = Camera::new(view)?;
-    let aspect = view.width / view.height;
+    let aspect = viewplane.width / viewplane.height;
     let centre = bounds.centre();
     let corners = bounds.corners().map(|corner| {
         let corner = corner - centre;
@@ -240,9 +282,12 @@ fn sized(view: View, bounds: Bounds) -> Result<View> {
     });
     let smallest = smallest(centre.abs().max_element());
     let height = 2.0 * MARGIN * corners.into_iter().fold(smallest, f64::max);
-    Ok(View {
-        width: height * aspect,
-        height,
+    Camera::new(View {
+        lens: Lens::Flat(Viewplane {
+            width: height * aspect,
+            height,
+            ..viewplane
+        }),
         ..view
     })
 }

@@ -9,7 +9,7 @@
 //!
 //! An orthographic viewplane is the scene's extent along the two axes of the picture.
 
-use super::{View, require};
+use super::{Viewplane, require};
 use crate::error::Result;
 use crate::geometry::DVec3;
 
@@ -95,22 +95,23 @@ impl Wedge {
 }
 
 impl Axes {
-    /// The view whose eye is where the scene touches the margin at two opposite edges and is centred between the others.
-    pub(super) fn perspective(&self, view: View, support: &impl Fn(DVec3) -> f64) -> Result<View> {
-        let slope = |size: f64| 0.5 * size / view.focal_length / MARGIN;
+    /// The eye from where the scene touches the margin at two opposite edges of a viewplane and is centred between the others.
+    pub(super) fn perspective(
+        &self,
+        viewplane: &Viewplane,
+        support: &impl Fn(DVec3) -> f64,
+    ) -> Result<DVec3> {
+        let slope = |size: f64| 0.5 * size / viewplane.focal_length / MARGIN;
         let deep = Extent::of(self.aim, support)?;
-        let wide = Wedge::of((self.right, self.aim), slope(view.width), support)?;
-        let high = Wedge::of((self.upwards, self.aim), slope(view.height), support)?;
+        let wide = Wedge::of((self.right, self.aim), slope(viewplane.width), support)?;
+        let high = Wedge::of((self.upwards, self.aim), slope(viewplane.height), support)?;
         let farthest = deep.farthest().max(wide.right.abs()).max(high.right.abs());
         // The eye stays off the scene, also where that is a line along the aim.
         let nearest = deep.low - smallest(farthest).max(1e-6 * deep.length());
         let depth = wide.depth().min(high.depth()).min(nearest);
         let x = self.centred(self.right, (&wide, depth), deep, support)?;
         let y = self.centred(self.upwards, (&high, depth), deep, support)?;
-        Ok(View {
-            position: x * self.right + y * self.upwards + depth * self.aim,
-            ..view
-        })
+        Ok(x * self.right + y * self.upwards + depth * self.aim)
     }
 
     /// The position across, for an eye at `depth`, at which the scene is centred.
@@ -149,25 +150,30 @@ impl Axes {
         Ok(position.clamp(least, most))
     }
 
-    /// The view with the scene in the middle of its viewplane, and the camera well in front of the scene.
-    pub(super) fn orthographic(&self, view: View, support: &impl Fn(DVec3) -> f64) -> Result<View> {
+    /// A viewplane of the same shape with the scene in its middle, and an eye well in front of the scene.
+    pub(super) fn orthographic(
+        &self,
+        viewplane: Viewplane,
+        support: &impl Fn(DVec3) -> f64,
+    ) -> Result<(DVec3, Viewplane)> {
         let [wide, high, deep] = [self.right, self.upwards, self.aim];
         let wide = Extent::of(wide, support)?;
         let high = Extent::of(high, support)?;
         let deep = Extent::of(deep, support)?;
-        let aspect = view.width / view.height;
+        let aspect = viewplane.width / viewplane.height;
         let farthest = [wide, high, deep].map(Extent::farthest);
         let smallest = smallest(farthest.into_iter().fold(0.0, f64::max));
         let smallest = smallest.max(1e-6 * deep.length());
         let height = MARGIN * high.length().max(wide.length() / aspect).max(smallest);
         let width = height * aspect;
         let depth = deep.low - 0.5 * width.max(height).max(deep.length());
-        Ok(View {
-            position: wide.middle() * self.right + high.middle() * self.upwards + depth * self.aim,
+        let eye = wide.middle() * self.right + high.middle() * self.upwards + depth * self.aim;
+        let viewplane = Viewplane {
             width,
             height,
-            ..view
-        })
+            ..viewplane
+        };
+        Ok((eye, viewplane))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A camera as the matrices that other programs take.
 
-use super::{Camera, Projection, View};
+use super::Camera;
 use crate::geometry::{DAffine3, DMat3, DVec3};
 
 impl Camera {
@@ -13,34 +13,24 @@ impl Camera {
     /// The intrinsic matrix K, for camera coordinates (x right, y down, z forwards, as in OpenCV and
     /// COLMAP): `K (x, y, z) / z` is `(u, v, 1)`, u columns from the picture's left edge and v rows from its
     /// upper one. The centre of the first pixel is at (0.5, 0.5), as in COLMAP; for OpenCV, where it is at
-    /// (0, 0), subtract 0.5 from the last column. `None` for parallel rays.
+    /// (0, 0), subtract 0.5 from the last column. `None` where rays do not run through a viewplane's
+    /// pixels from one point.
     pub fn intrinsic_matrix(&self) -> Option<DMat3> {
-        let &View {
-            focal_length,
-            width,
-            height,
-            rows,
-            columns,
-            projection,
-            ..
-        } = self.view();
-        match projection {
-            Projection::Perspective => {
-                let (across, down) = (columns as f64, rows as f64);
-                Some(DMat3::from_cols(
-                    DVec3::new(focal_length * across / width, 0.0, 0.0),
-                    DVec3::new(0.0, focal_length * down / height, 0.0),
-                    DVec3::new(across / 2.0, down / 2.0, 1.0),
-                ))
-            }
-            Projection::Orthographic => None,
-        }
+        let viewplane = self.lens().viewplane().filter(|lens| !lens.parallel)?;
+        let focal_length = viewplane.focal_length;
+        let (across, down) = (self.columns() as f64, self.rows() as f64);
+        Some(DMat3::from_cols(
+            DVec3::new(focal_length * across / viewplane.width, 0.0, 0.0),
+            DVec3::new(0.0, focal_length * down / viewplane.height, 0.0),
+            DVec3::new(across / 2.0, down / 2.0, 1.0),
+        ))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::{Lens, View, Viewplane};
 
     /// What both matrices make of the point at `t` on a pixel's ray is that pixel's centre.
     #[test]
@@ -49,12 +39,14 @@ mod tests {
             position: DVec3::new(3.0, -2.0, 5.0),
             aim: DVec3::new(-1.0, 0.5, -2.0),
             up: DVec3::new(0.1, 1.0, 0.3),
-            focal_length: 0.7,
-            width: 1.9,
-            height: 0.8,
             rows: 7,
             columns: 11,
-            ..View::default()
+            lens: Lens::Flat(Viewplane {
+                focal_length: 0.7,
+                width: 1.9,
+                height: 0.8,
+                ..Viewplane::default()
+            }),
         })
         .unwrap();
         let k = camera.intrinsic_matrix().unwrap();
@@ -72,7 +64,10 @@ mod tests {
     #[test]
     fn parallel_rays_have_no_intrinsic_matrix() {
         let view = View {
-            projection: Projection::Orthographic,
+            lens: Lens::Flat(Viewplane {
+                parallel: true,
+                ..Viewplane::default()
+            }),
             ..View::default()
         };
         assert_eq!(Camera::new(view).unwrap().intrinsic_matrix(), None);

@@ -1,11 +1,12 @@
-use super::DVec3;
+use super::{DVec2, DVec3, Ray, unit};
 
-/// What all rays of a camera with a flat viewplane have in common: a pixel's is known from its row and column
-/// alone, and neighbours are close to each other.
+/// The rays of a camera with a flat viewplane, one for each pixel: all of them follow from a row and a column, and neighbours
+/// are close to each other.
 ///
 /// The point of the viewplane for row `i`, counted from the bottom, and column `j` is
-/// `toward + (-width / 2 + width / columns * (j + 1/2)) * right + (-height / 2 + height / rows * (i + 1/2)) *
-/// upwards`, from `position` on; the ray is the one there, as [`Rays`](super::Rays) gives it.
+/// `toward + (-width / 2 + width / columns * (j + x)) * right + (-height / 2 + height / rows * (i + y)) *
+/// upwards`, from `position` on, where (x, y) is the `offset`. This is the one formula for pixels: cameras, tiles and what
+/// fits a grid to an array of rays all use it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelGrid {
     /// Pixels down and across.
@@ -28,25 +29,44 @@ pub struct PixelGrid {
     pub parallel: Option<DVec3>,
     /// Whether rays start on the viewplane, not at the camera.
     pub starts_on_viewplane: bool,
+    /// The point of each pixel that its ray goes through, from 0 to 1 rightwards and upwards.
+    pub offset: DVec2,
 }
 
 impl PixelGrid {
-    /// How far to the right of the middle a column's centre is.
+    /// The offset of pixels' centres.
+    pub const CENTRE: DVec2 = DVec2::splat(0.5);
+
+    /// How far to the right of the middle the ray of a column is.
     #[inline]
     pub fn x(&self, column: usize) -> f64 {
-        -self.width / 2.0 + self.width / self.columns as f64 * (column as f64 + 0.5)
+        -self.width / 2.0 + self.width / self.columns as f64 * (column as f64 + self.offset.x)
     }
 
-    /// How far above the middle a row's centre is; row 0 is the top.
+    /// How far above the middle the ray of a row is; row 0 is the top.
     #[inline]
     pub fn y(&self, row: usize) -> f64 {
+        // The one place where rows are flipped: the formula counts them from the bottom.
         let from_bottom = (self.rows - 1) as f64 - row as f64;
-        -self.height / 2.0 + self.height / self.rows as f64 * (from_bottom + 0.5)
+        -self.height / 2.0 + self.height / self.rows as f64 * (from_bottom + self.offset.y)
     }
 
-    /// The point of the viewplane in the middle of a pixel, relative to `position`.
+    /// The point of the viewplane that the ray of a pixel goes through, relative to `position`: far from the world's origin
+    /// it would drown in the rounding of world coordinates.
     #[inline]
     pub fn point(&self, row: usize, column: usize) -> DVec3 {
         self.toward + self.x(column) * self.right + self.y(row) * self.upwards
+    }
+
+    /// The ray of a pixel, its direction of length one.
+    pub fn ray(&self, row: usize, column: usize) -> Ray {
+        let point = self.point(row, column);
+        let (start, direction) = match self.parallel {
+            Some(direction) if self.starts_on_viewplane => (point, direction),
+            Some(direction) => (point - self.toward, direction),
+            None if self.starts_on_viewplane => (point, unit(point)),
+            None => return Ray::new(self.position, unit(point)),
+        };
+        Ray::new(self.position + start, direction)
     }
 }

@@ -54,12 +54,12 @@ pub struct CameraRecord {
     pub aim: [f64; 3],
     /// Which way is up, as it was given.
     pub up: [f64; 3],
-    /// The distance from the camera to the viewplane.
-    pub focal_length: f64,
+    /// The distance from the camera to the viewplane; `None` for a projection without one, as for the next two.
+    pub focal_length: Option<f64>,
     /// The viewplane's width.
-    pub width: f64,
+    pub width: Option<f64>,
     /// The viewplane's height.
-    pub height: f64,
+    pub height: Option<f64>,
     /// Pixels down.
     pub rows: u64,
     /// Pixels across.

@@ -45,7 +45,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "scene-file")]
 pub use scene_file::{nearest_word, schema};
 
-use crate::camera::{Aim, Description, Lens, View};
+use crate::camera::{Aim, Description, Opening, View};
 use crate::error::{Error, Place, Result};
 use crate::geometry::DVec3;
 use crate::geometry::summary::Few;
@@ -177,17 +177,18 @@ impl NamedCamera {
     /// its width follows from square pixels.
     pub fn described(&self, size: Option<(usize, usize)>) -> Description {
         let view = self.view;
+        let viewplane = view.lens.viewplane();
         let whole = Description {
             position: Some(view.position),
             aim: Some(Aim::Along(view.aim)),
             up: Some(view.up),
-            lens: Some(Lens::Viewplane {
-                width: view.width,
-                height: view.height,
-                focal_length: Some(view.focal_length),
+            opening: viewplane.map(|viewplane| Opening::Viewplane {
+                width: viewplane.width,
+                height: viewplane.height,
+                focal_length: Some(viewplane.focal_length),
             }),
-            projection: Some(view.projection),
-            ray_start: Some(view.ray_start),
+            projection: Some(view.lens.projection()),
+            ray_start: viewplane.map(|viewplane| viewplane.ray_start),
             columns: None,
             rows: None,
         };
@@ -195,8 +196,8 @@ impl NamedCamera {
         if let Some((columns, rows)) = size {
             (described.columns, described.rows) = (Some(columns), Some(rows));
         }
-        if let (Some(Lens::Viewplane { width, height, .. }), false) =
-            (&mut described.lens, self.has_size)
+        if let (Some(Opening::Viewplane { width, height, .. }), false) =
+            (&mut described.opening, self.has_size)
         {
             let (columns, rows) = (described.columns, described.rows);
             if let (Some(columns), Some(rows)) = (columns, rows) {

@@ -91,11 +91,20 @@ fn cameras_are_where_their_nodes_are() {
     assert_eq!((&*wide.name, &*wide.own_name), ("Front", "wide"));
     assert_eq!(wide.view.position, DVec3::new(1.0, 2.0, 3.0));
     assert!((wide.view.aim - DVec3::NEG_X).length() < 1e-15);
-    assert!((wide.view.height - 2.0 * 0.5_f64.tan()).abs() < 1e-15);
-    assert_eq!(wide.view.width, 2.0 * wide.view.height);
-    assert_eq!(wide.view.ray_start, RayStart::Eye);
-    assert_eq!(parallel.view.projection, Projection::Orthographic);
-    assert_eq!((parallel.view.width, parallel.view.height), (6.0, 3.0));
+    assert!((wide.view.lens.viewplane().unwrap().height - 2.0 * 0.5_f64.tan()).abs() < 1e-15);
+    assert_eq!(
+        wide.view.lens.viewplane().unwrap().width,
+        2.0 * wide.view.lens.viewplane().unwrap().height
+    );
+    assert_eq!(wide.view.lens.viewplane().unwrap().ray_start, RayStart::Eye);
+    assert_eq!(parallel.view.lens.projection(), Projection::Orthographic);
+    assert_eq!(
+        (
+            parallel.view.lens.viewplane().unwrap().width,
+            parallel.view.lens.viewplane().unwrap().height
+        ),
+        (6.0, 3.0)
+    );
     assert!(parallel.name.is_empty());
     // As pictures: its own shape, or another one with square pixels and the same height.
     let bounds = firsthit::Bounds::EMPTY;
@@ -109,9 +118,16 @@ fn cameras_are_where_their_nodes_are() {
             .camera(bounds, support, DVec3::Y)
             .unwrap();
         let view = square.view();
-        assert!((view.width - view.height).abs() < 1e-12, "{view:?}");
         assert!(
-            (view.height / camera.view.height - 1.0).abs() < 1e-12,
+            (view.lens.viewplane().unwrap().width - view.lens.viewplane().unwrap().height).abs()
+                < 1e-12,
+            "{view:?}"
+        );
+        assert!(
+            (view.lens.viewplane().unwrap().height / camera.view.lens.viewplane().unwrap().height
+                - 1.0)
+                .abs()
+                < 1e-12,
             "{view:?}"
         );
     }

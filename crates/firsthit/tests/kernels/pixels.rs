@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use firsthit::shoot::{Cpu, Engine, First, trace_with};
 use firsthit::{
-    Camera, DAffine3, DMat3, DVec3, Object, Plane, Projection, Ray, RayStart, Scene, Sphere,
-    Transform, View,
+    Camera, DAffine3, DMat3, DVec3, Lens, Object, Plane, Ray, RayStart, Scene, Sphere, Transform,
+    View, Viewplane,
 };
 
 use super::support::{Numbers, bits, bumpy_sphere, mesh};
@@ -15,35 +15,41 @@ pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Ca
     let mut cameras = Vec::new();
     for k in 0..8 {
         let position = middle + size * [2.0, 0.4, 8.0, 1.0][k % 4] * numbers.point();
-        let projection = [Projection::Perspective, Projection::Orthographic][k / 4 % 2];
+        let parallel = [false, true][k / 4 % 2];
         let ray_start = [RayStart::Eye, RayStart::Viewplane][k % 2];
         let focal_length = size * [0.5, 0.01, 1.0][k % 3];
-        let wide = match projection {
-            Projection::Perspective => focal_length * [1.0, 3.0][k % 2],
-            Projection::Orthographic => 2.0 * size,
+        let wide = if parallel {
+            2.0 * size
+        } else {
+            focal_length * [1.0, 3.0][k % 2]
         };
         let view = View {
             position,
             aim: middle + 0.3 * size * numbers.point() - position,
             up: numbers.point(),
-            focal_length,
-            width: wide,
-            height: 0.8 * wide,
             rows: [33, 16, 50][k % 3],
             columns: [45, 31, 64][k % 3],
-            projection,
-            ray_start,
+            lens: Lens::Flat(Viewplane {
+                focal_length,
+                width: wide,
+                height: 0.8 * wide,
+                parallel,
+                ray_start,
+            }),
         };
         cameras.push(Camera::new(view).unwrap());
     }
     // Straight along an axis: slopes are exactly zero.
     let view = View {
         position: middle + 2.0 * size * DVec3::Z,
-        focal_length: size,
-        width: size,
-        height: size,
         rows: 32,
         columns: 32,
+        lens: Lens::Flat(Viewplane {
+            focal_length: size,
+            width: size,
+            height: size,
+            ..Viewplane::default()
+        }),
         ..View::default()
     };
     cameras.push(Camera::new(view).unwrap());
@@ -83,19 +89,29 @@ fn cameras_whose_directions_have_tiny_parts() {
             let view = View {
                 position: 4.0 * DVec3::Z,
                 aim: DVec3::new(tiny, -tiny, -1.0),
-                focal_length: 4.0,
-                width: f64::from(SIDE) * scale,
-                height: f64::from(SIDE),
                 rows: SIDE as usize,
                 columns: SIDE as usize,
-                ray_start: RayStart::Eye,
+                lens: Lens::Flat(Viewplane {
+                    focal_length: 4.0,
+                    width: f64::from(SIDE) * scale,
+                    height: f64::from(SIDE),
+                    ray_start: RayStart::Eye,
+                    ..Viewplane::default()
+                }),
                 ..View::default()
             };
             let place = |p: &DVec3| DVec3::new(p.x * scale, p.y, p.z);
             let points: Vec<DVec3> = points.iter().map(place).collect();
             let scene = Scene::new(vec![Object::new(mesh(&points, grid(SIDE)))]).unwrap();
-            for projection in [Projection::Perspective, Projection::Orthographic] {
-                let camera = Camera::new(View { projection, ..view }).unwrap();
+            for parallel in [false, true] {
+                let camera = Camera::new(View {
+                    lens: Lens::Flat(Viewplane {
+                        parallel,
+                        ..*view.lens.viewplane().unwrap()
+                    }),
+                    ..view
+                })
+                .unwrap();
                 hits += judged(&scene, &camera);
             }
         }
@@ -223,19 +239,24 @@ fn a_grid_looked_at_through_its_corners() {
     let side = f64::from(SIDE);
     let view = View {
         position: DVec3::new(0.5 * (side - 1.0), 0.5 * (side - 1.0), 4.0),
-        focal_length: 4.0,
-        width: side,
-        height: side,
         rows: SIDE as usize,
         columns: SIDE as usize,
-        projection: Projection::Orthographic,
-        ray_start: RayStart::Eye,
+        lens: Lens::Flat(Viewplane {
+            focal_length: 4.0,
+            width: side,
+            height: side,
+            parallel: true,
+            ray_start: RayStart::Eye,
+        }),
         ..View::default()
     };
     let camera = Camera::new(view).unwrap();
     assert_eq!(judged(&scene, &camera), camera.pixels());
     let perspective = View {
-        projection: Projection::Perspective,
+        lens: Lens::Flat(Viewplane {
+            parallel: false,
+            ..*view.lens.viewplane().unwrap()
+        }),
         ..view
     };
     let camera = Camera::new(perspective).unwrap();
@@ -278,13 +299,15 @@ fn small_triangles_of_a_large_mesh() {
             position: middle + distance * normal,
             aim: -normal,
             up: numbers.point(),
-            focal_length: distance,
-            width: wide,
-            height: wide,
             rows: 80,
             columns: 80,
-            projection: [Projection::Perspective, Projection::Orthographic][round as usize / 2 % 2],
-            ray_start: RayStart::Eye,
+            lens: Lens::Flat(Viewplane {
+                focal_length: distance,
+                width: wide,
+                height: wide,
+                parallel: [false, true][round as usize / 2 % 2],
+                ray_start: RayStart::Eye,
+            }),
         };
         hits += judged(&scene, &Camera::new(view).unwrap());
     }
@@ -327,13 +350,15 @@ fn a_hit_that_was_missed() {
             0.549_241_633_474_654_6,
             0.270_796_830_607_249_7,
         ),
-        width: 80.0,
-        height: 80.0,
         rows: 16,
         columns: 16,
-        projection: Projection::Orthographic,
-        ray_start: RayStart::Eye,
-        ..View::default()
+        lens: Lens::Flat(Viewplane {
+            width: 80.0,
+            height: 80.0,
+            parallel: true,
+            ray_start: RayStart::Eye,
+            ..Viewplane::default()
+        }),
     };
     let points = points.map(DVec3::from);
     let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
@@ -351,13 +376,15 @@ fn triangles_smaller_than_a_pixel() {
         let mut view = View {
             position: 40.0 * numbers.point(),
             up: numbers.point(),
-            focal_length: 30.0,
-            width: 16.0 * pixel,
-            height: 16.0 * pixel * [1.0, 30.0][round as usize / 6 % 2],
-            projection: [Projection::Orthographic, Projection::Perspective][round as usize / 3 % 2],
             rows: 16,
             columns: 16,
-            ray_start: RayStart::Eye,
+            lens: Lens::Flat(Viewplane {
+                focal_length: 30.0,
+                width: 16.0 * pixel,
+                height: 16.0 * pixel * [1.0, 30.0][round as usize / 6 % 2],
+                parallel: [true, false][round as usize / 3 % 2],
+                ray_start: RayStart::Eye,
+            }),
             ..View::default()
         };
         view.aim = -view.position + numbers.point();
@@ -432,11 +459,14 @@ fn meshes_with_other_orders_side_by_side() {
     for columns in [40, 64, 150] {
         let view = View {
             position: DVec3::new(1.0, 0.1, 6.0),
-            focal_length: 1.0,
-            width: 1.0,
-            height: 0.5,
             rows: columns / 2,
             columns,
+            lens: Lens::Flat(Viewplane {
+                focal_length: 1.0,
+                width: 1.0,
+                height: 0.5,
+                ..Viewplane::default()
+            }),
             ..View::default()
         };
         let camera = Camera::new(view).unwrap();
@@ -460,11 +490,14 @@ fn large_pictures_of_any_width() {
             let (height, width) = (rows as f64 / 500.0, columns as f64 / 500.0);
             let view = View {
                 position: 4.0 * DVec3::Z,
-                focal_length: 1.5,
-                width,
-                height,
                 rows,
                 columns,
+                lens: Lens::Flat(Viewplane {
+                    focal_length: 1.5,
+                    width,
+                    height,
+                    ..Viewplane::default()
+                }),
                 ..View::default()
             };
             let camera = Camera::new(view).unwrap();

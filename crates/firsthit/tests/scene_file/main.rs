@@ -136,11 +136,19 @@ fn cameras_are_what_their_words_say() {
         (DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z, DVec3::Y)
     );
     assert_eq!(
-        (view.focal_length, view.width, view.height),
+        (
+            view.lens.viewplane().unwrap().focal_length,
+            view.lens.viewplane().unwrap().width,
+            view.lens.viewplane().unwrap().height
+        ),
         (35.0, 36.0, 24.0)
     );
     assert_eq!(
-        (view.columns, view.rows, view.ray_start),
+        (
+            view.columns,
+            view.rows,
+            view.lens.viewplane().unwrap().ray_start
+        ),
         (720, 100, RayStart::Viewplane)
     );
     let side = &model.cameras[1];
@@ -148,12 +156,13 @@ fn cameras_are_what_their_words_say() {
         (side.view.aim, side.view.up, side.has_size),
         (DVec3::NEG_X, DVec3::Z, false)
     );
-    assert!((side.view.height - 2.0 / 3.0_f64.sqrt()).abs() < 1e-15);
+    assert!((side.view.lens.viewplane().unwrap().height - 2.0 / 3.0_f64.sqrt()).abs() < 1e-15);
     // The specification: cameras of a scene file start their rays at the eye.
-    assert_eq!(side.view.ray_start, RayStart::Eye);
+    assert_eq!(side.view.lens.viewplane().unwrap().ray_start, RayStart::Eye);
     let flat = model.cameras[2].view;
+    let viewplane = flat.lens.viewplane().unwrap();
     assert_eq!(
-        (flat.projection, flat.width, flat.height),
+        (flat.lens.projection(), viewplane.width, viewplane.height),
         (Projection::Orthographic, 4.0, 2.0)
     );
     assert_eq!((flat.columns, flat.rows), (1024, 512));

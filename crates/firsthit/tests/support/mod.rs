@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firsthit::shoot::{BruteForce, Cpu, Engine};
-use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Projection, Ray, Scene};
+use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Ray, Scene};
 
 /// Reproducible numbers (a linear congruential generator of Knuth's).
 pub struct Numbers(u64);
@@ -162,10 +162,14 @@ pub fn seen(camera: &Camera, point: DVec3) -> DVec2 {
     let v = point - camera.position();
     let depth = v.dot(camera.aim());
     assert!(depth > 0.0, "{point} is behind the camera");
-    let scale = match view.projection {
-        Projection::Perspective => view.focal_length / depth,
-        Projection::Orthographic => 1.0,
+    let scale = if view.lens.viewplane().unwrap().parallel {
+        1.0
+    } else {
+        view.lens.viewplane().unwrap().focal_length / depth
     };
-    let size = DVec2::new(view.width, view.height);
+    let size = DVec2::new(
+        view.lens.viewplane().unwrap().width,
+        view.lens.viewplane().unwrap().height,
+    );
     2.0 * scale * DVec2::new(v.dot(camera.right()), v.dot(camera.upwards())) / size
 }

@@ -5,7 +5,7 @@ use super::super::report::{Checked, Report};
 use super::document::{CameraEntry, Document, Index};
 use super::nodes::Placed;
 use super::place::Entry;
-use crate::camera::{Aim, Camera, Description, Lens, Projection, RayStart, View};
+use crate::camera::{Aim, Camera, Description, Lens, Opening, RayStart, View, Viewplane};
 use crate::error::escape_controls;
 use crate::geometry::{DVec3, unit};
 
@@ -64,16 +64,16 @@ pub(super) fn all(
 
 /// The view in words: of a perspective camera the angle counts, and of parallel rays the viewplane.
 fn describe(view: View) -> Description {
-    let View { width, height, .. } = view;
-    let is_parallel = view.projection == Projection::Orthographic;
+    let lens = view.lens.viewplane().copied().unwrap_or_default();
+    let Viewplane { width, height, .. } = lens;
     // Where nobody says how many pixels there are, the picture has the viewplane's shape.
-    let whole = Lens::Viewplane {
+    let whole = Opening::Viewplane {
         width,
         height,
         focal_length: None,
     };
     let (columns, rows) = Description {
-        lens: Some(whole),
+        opening: Some(whole),
         ..Description::default()
     }
     .size();
@@ -81,13 +81,13 @@ fn describe(view: View) -> Description {
         position: Some(view.position),
         aim: Some(Aim::Along(view.aim)),
         up: Some(view.up),
-        lens: Some(if is_parallel {
+        opening: Some(if lens.parallel {
             whole
         } else {
-            Lens::Fov(2.0 * libm::atan(height / 2.0).to_degrees())
+            Opening::Fov(2.0 * libm::atan(height / 2.0).to_degrees())
         }),
-        projection: Some(view.projection),
-        ray_start: Some(view.ray_start),
+        projection: Some(view.lens.projection()),
+        ray_start: Some(lens.ray_start),
         columns: Some(columns),
         rows: Some(rows),
     }
@@ -95,9 +95,14 @@ fn describe(view: View) -> Description {
 
 /// What a camera sees from the origin along -z.
 fn lens(camera: &CameraEntry<'_>, entry: Entry) -> Checked<View> {
-    let view = View {
+    let view = View::default();
+    let from_eye = Viewplane {
         ray_start: RayStart::Eye,
-        ..View::default()
+        ..Viewplane::default()
+    };
+    let through = |viewplane| View {
+        lens: Lens::Flat(viewplane),
+        ..view
     };
     let positive = |value: &str, number: f64| {
         if number > 0.0 {
@@ -118,19 +123,19 @@ fn lens(camera: &CameraEntry<'_>, entry: Entry) -> Checked<View> {
                 Some(ratio) => positive("perspective/aspectRatio", ratio)?,
                 None => view.columns as f64 / view.rows as f64,
             };
-            Ok(View {
+            Ok(through(Viewplane {
                 height,
                 width: height * aspect,
-                ..view
-            })
+                ..from_eye
+            }))
         }
-        ("orthographic", _, Some(lens)) => Ok(View {
+        ("orthographic", _, Some(lens)) => Ok(through(Viewplane {
             // Some programs write them with a sign, which would only mirror the picture.
             width: 2.0 * positive("orthographic/xmag", lens.xmag.abs())?,
             height: 2.0 * positive("orthographic/ymag", lens.ymag.abs())?,
-            projection: Projection::Orthographic,
-            ..view
-        }),
+            parallel: true,
+            ..from_eye
+        })),
         (kind @ ("perspective" | "orthographic"), _, _) => {
             Err(entry.fault(kind, format!("a camera of type {kind} must have this")))
         }

@@ -3,7 +3,7 @@
 use super::form::Form;
 use super::keys::{Key, Pick, Record, Rule, Variant, key};
 use super::section::Section;
-use crate::camera::{Aim, Description, Lens, Projection, RayStart};
+use crate::camera::{Aim, Description, Opening, Projection, RayStart};
 use crate::geometry::Bounds;
 use crate::io::report::Checked;
 use crate::io::{Model, NamedCamera};
@@ -127,9 +127,9 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
     let projection: Projection = section.checked(section.tag().unwrap_or_default().parse())?;
     let along = section.vector("aim").map(Aim::Along);
     let at = section.vector("look_at").map(Aim::At);
-    let fov = section.number("fov").map(Lens::Fov);
+    let fov = section.number("fov").map(Opening::Fov);
     let viewplane = || {
-        Some(Lens::Viewplane {
+        Some(Opening::Viewplane {
             width: section.number("width")?,
             height: section.number("height")?,
             focal_length: section.number("focal_length"),
@@ -143,7 +143,7 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
         position: section.vector("position"),
         aim: along.or(at),
         up: section.vector("up"),
-        lens: fov.or_else(viewplane),
+        opening: fov.or_else(viewplane),
         projection: Some(projection),
         ray_start: Some(ray_start),
         columns: section.whole("columns"),
@@ -172,7 +172,7 @@ pub(super) fn settle(cameras: Vec<Read<'_, '_>>, model: &Model) -> Checked<Vec<N
             name,
             own_name: String::new(),
             view: *settled.view(),
-            has_size: is_sized || matches!(description.lens, Some(Lens::Viewplane { .. })),
+            has_size: is_sized || matches!(description.opening, Some(Opening::Viewplane { .. })),
             description: Some(description),
         })
     };

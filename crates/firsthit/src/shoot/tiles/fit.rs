@@ -48,6 +48,7 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
         height: down.length() * rows as f64,
         parallel: is_parallel.then_some(first.direction),
         starts_on_viewplane: is_parallel,
+        offset: PixelGrid::CENTRE,
     };
     // Written so that a NaN fails.
     let is_sound = grid.right.dot(grid.upwards).abs() < 0.5
@@ -333,6 +334,7 @@ mod tests {
             height: 0.8,
             parallel: is_parallel.then_some(toward),
             starts_on_viewplane: false,
+            offset: PixelGrid::CENTRE,
         };
         let ray = |k: usize| {
             let point = grid.point(k / 70, k % 70);

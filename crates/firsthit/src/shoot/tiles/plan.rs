@@ -234,12 +234,10 @@ pub(super) fn camera_of_tile(
     off: f64,
     [row, column]: [usize; 2],
 ) -> TileCamera {
-    let half = 0.5 * (TILE as f64);
-    let middle = |size: f64, count: usize, first: usize| {
-        -size / 2.0 + size / count as f64 * (first as f64 + half)
-    };
-    let x = middle(grid.width, grid.columns, column);
-    let y = -middle(grid.height, grid.rows, row);
+    // From the first pixel to the middle of sixteen.
+    let half = 0.5 * (TILE as f64 - 1.0);
+    let x = grid.x(column) + half * grid.width / grid.columns as f64;
+    let y = grid.y(row) - half * grid.height / grid.rows as f64;
     let aside = x * grid.right + y * grid.upwards;
     let map = object.transform().object_from_world();
     let place = object.transform().world_from_object().translation;

@@ -1,0 +1,140 @@
+//! How a camera makes rays: a file per lens.
+
+use std::str::FromStr;
+
+use super::equirectangular::Equirectangular;
+use super::pose::Pose;
+use super::viewplane::Viewplane;
+use crate::error::{Error, Result};
+use crate::geometry::{DVec2, PixelGrid, Ray};
+
+/// What every lens can do, for a camera of a pose and with so many rows and columns of pixels.
+pub(super) trait Model {
+    /// Checks its numbers.
+    fn check(&self) -> Result<()>;
+    /// The ray through a point of a pixel, its direction of length one. `offset` runs from 0 to 1 rightwards and upwards.
+    fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray;
+    /// What turns the `t` of the ray through a pixel's centre into the other two distances.
+    fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach;
+    /// What the rays through that point of all pixels have in common, if they all go through a flat viewplane.
+    fn grid(&self, pose: &Pose, size: [usize; 2], offset: DVec2) -> Option<PixelGrid>;
+}
+
+/// What turns a ray's `t` into the other two distances: `range = t + offset`, `z = range * cosine`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reach {
+    pub(super) offset: f64,
+    pub(super) cosine: f64,
+}
+
+/// Makes [`Lens`]: a lens is a file with a [`Model`], and a row.
+macro_rules! lenses {
+    ($($(#[$doc:meta])* $variant:ident($model:ident);)*) => {
+        /// What a camera sees through, with the numbers that go with it.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Lens {
+            $($(#[$doc])* $variant($model),)*
+        }
+
+        impl Lens {
+            pub(super) fn check(&self) -> Result<()> {
+                match self { $(Self::$variant(lens) => lens.check(),)* }
+            }
+
+            pub(super) fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray {
+                match self { $(Self::$variant(lens) => lens.ray(pose, size, pixel, offset),)* }
+            }
+
+            pub(super) fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach {
+                match self { $(Self::$variant(lens) => lens.reach(pose, size, pixel),)* }
+            }
+
+            pub(super) fn grid(&self, pose: &Pose, size: [usize; 2], offset: DVec2) -> Option<PixelGrid> {
+                match self { $(Self::$variant(lens) => lens.grid(pose, size, offset),)* }
+            }
+        }
+    };
+}
+
+lenses! {
+    /// A flat viewplane.
+    Flat(Viewplane);
+    /// The whole sphere around the camera.
+    Equirectangular(Equirectangular);
+}
+
+impl Lens {
+    /// Its viewplane, if it has one.
+    pub fn viewplane(&self) -> Option<&Viewplane> {
+        match self {
+            Self::Flat(viewplane) => Some(viewplane),
+            Self::Equirectangular(_) => None,
+        }
+    }
+
+    /// What it is called, in files and on the command line.
+    pub fn projection(&self) -> Projection {
+        match self {
+            Self::Flat(viewplane) if viewplane.parallel => Projection::Orthographic,
+            Self::Flat(_) => Projection::Perspective,
+            Self::Equirectangular(_) => Projection::Equirectangular,
+        }
+    }
+}
+
+/// Makes [`Projection`]: a name, and the lens that it means.
+macro_rules! projections {
+    ($($(#[$doc:meta])* $name:literal => $variant:ident;)*) => {
+        /// The projections by name, as in files and on the command line.
+        ///
+        /// ```
+        /// use firsthit::Projection;
+        ///
+        /// assert_eq!("orthographic".parse::<Projection>()?, Projection::Orthographic);
+        /// assert_eq!(Projection::default().name(), "perspective");
+        /// # Ok::<(), firsthit::Error>(())
+        /// ```
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+        pub enum Projection {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl Projection {
+            /// Every projection's name.
+            pub const NAMES: &[&'static str] = &[$($name),*];
+
+            /// Its name.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+        }
+
+        impl FromStr for Projection {
+            type Err = Error;
+
+            fn from_str(name: &str) -> Result<Self> {
+                match name {
+                    $($name => Ok(Self::$variant),)*
+                    _ => Err(Error::argument("projection", concat!("one of" $(, " ", $name)*), name)),
+                }
+            }
+        }
+    };
+}
+
+projections! {
+    /// All rays pass through the camera's position and a flat viewplane.
+    #[default]
+    "perspective" => Perspective;
+    /// All rays are parallel to the aim.
+    "orthographic" => Orthographic;
+    /// All directions: columns are degrees of longitude, rows degrees of latitude.
+    "equirectangular" => Equirectangular;
+}
+
+impl Default for Lens {
+    /// A perspective one, at a size of 4/3 by 1 and at distance one.
+    fn default() -> Self {
+        Self::Flat(Viewplane::default())
+    }
+}

@@ -1,0 +1,121 @@
+//! A flat viewplane: perspective where rays run through the camera's position, orthographic where they are parallel.
+
+use super::lens::{Model, Reach};
+use super::pose::Pose;
+use super::require;
+use crate::error::Result;
+use crate::geometry::{DVec2, PixelGrid, Ray};
+
+/// A flat viewplane in front of the camera. Lengths are in scene units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewplane {
+    /// Its distance from the camera, `z_p`.
+    pub focal_length: f64,
+    /// Its width, `w`.
+    pub width: f64,
+    /// Its height, `h`.
+    pub height: f64,
+    /// Whether all rays are parallel to the aim; else they run through the camera's position.
+    pub parallel: bool,
+    /// Where rays start.
+    pub ray_start: RayStart,
+}
+
+impl Default for Viewplane {
+    /// Of 4/3 by 1, at distance one; rays run through the camera's position and start on the viewplane.
+    fn default() -> Self {
+        Self {
+            focal_length: 1.0,
+            width: 4.0 / 3.0,
+            height: 1.0,
+            parallel: false,
+            ray_start: RayStart::Viewplane,
+        }
+    }
+}
+
+/// Where a camera's rays start.
+///
+/// ```
+/// use firsthit::{Camera, DVec3, Lens, RayStart, View, Viewplane};
+///
+/// let lens = Lens::Flat(Viewplane { focal_length: 2.0, ..Viewplane::default() });
+/// let camera = Camera::new(View { lens, ..View::default() })?;
+/// assert_eq!(camera.ray(240, 320).origin.z, -2.0);
+/// assert_eq!(camera.starting_at(RayStart::Eye).ray(240, 320).origin, DVec3::ZERO);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum RayStart {
+    /// On the viewplane: what lies between the camera and the viewplane is not seen.
+    #[default]
+    Viewplane,
+    /// At the camera's position; for parallel rays, on the plane through it.
+    Eye,
+}
+
+impl RayStart {
+    /// Its name, as in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viewplane => "viewplane",
+            Self::Eye => "eye",
+        }
+    }
+}
+
+impl Viewplane {
+    fn pixels(&self, pose: &Pose, [rows, columns]: [usize; 2], offset: DVec2) -> PixelGrid {
+        PixelGrid {
+            rows,
+            columns,
+            position: pose.position,
+            toward: self.focal_length * pose.aim,
+            right: pose.right,
+            upwards: pose.upwards,
+            width: self.width,
+            height: self.height,
+            parallel: self.parallel.then_some(pose.aim),
+            starts_on_viewplane: self.ray_start == RayStart::Viewplane,
+            offset,
+        }
+    }
+}
+
+impl Model for Viewplane {
+    fn check(&self) -> Result<()> {
+        for (name, length) in [
+            ("focal_length", self.focal_length),
+            ("width", self.width),
+            ("height", self.height),
+        ] {
+            let fine = length > 0.0 && length.is_finite();
+            require(name, "positive and finite", fine, length)?;
+        }
+        Ok(())
+    }
+
+    fn ray(&self, pose: &Pose, size: [usize; 2], [row, column]: [usize; 2], offset: DVec2) -> Ray {
+        self.pixels(pose, size, offset).ray(row, column)
+    }
+
+    fn reach(&self, pose: &Pose, size: [usize; 2], [row, column]: [usize; 2]) -> Reach {
+        let grid = self.pixels(pose, size, PixelGrid::CENTRE);
+        let (distance, cosine) = if self.parallel {
+            (self.focal_length, 1.0)
+        } else {
+            let distance = grid.point(row, column).length();
+            (distance, self.focal_length / distance)
+        };
+        let offset = if grid.starts_on_viewplane {
+            distance
+        } else {
+            0.0
+        };
+        Reach { offset, cosine }
+    }
+
+    fn grid(&self, pose: &Pose, size: [usize; 2], offset: DVec2) -> Option<PixelGrid> {
+        Some(self.pixels(pose, size, offset))
+    }
+}

@@ -1,0 +1,89 @@
+//! What makes frames: rays in rows and columns, with distances of their own and a record for files.
+
+use std::fmt::Debug;
+
+use crate::camera::{Camera, View};
+use crate::geometry::{DMat3, DVec2, PixelGrid, Ray, Rays};
+use crate::image::{CameraRecord, Intrinsics, Pose};
+
+/// A ray for every pixel, row by row from the top, and for every point of a pixel. A [`Camera`] is one.
+pub trait Sensor: Rays + Debug {
+    /// Rows and columns.
+    fn shape(&self) -> [usize; 2];
+
+    /// The ray through a point of a pixel, pixels counted row by row from the top. `offset` runs from 0 to 1 rightwards and
+    /// upwards; [`Rays::ray`] is the one at (0.5, 0.5).
+    fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray;
+
+    /// What [`ray_within`](Self::ray_within) gives for one offset has in common, as [`Rays::grid`] says.
+    fn grid_within(&self, offset: DVec2) -> Option<PixelGrid>;
+
+    /// The distance from the sensor along the ray, and that along its aim, of what the ray through a pixel's centre meets at
+    /// its parameter `t`.
+    fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2];
+
+    /// What files say about it.
+    fn record(&self) -> CameraRecord;
+}
+
+impl Sensor for Camera {
+    fn shape(&self) -> [usize; 2] {
+        [self.rows(), self.columns()]
+    }
+
+    fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray {
+        let (row, column) = (pixel / self.columns(), pixel % self.columns());
+        Camera::ray_within(self, row, column, offset)
+    }
+
+    fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
+        Camera::grid_within(self, offset)
+    }
+
+    fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
+        let (row, column) = (pixel / self.columns(), pixel % self.columns());
+        [self.range(row, column, t), self.z(row, column, t)]
+    }
+
+    fn record(&self) -> CameraRecord {
+        let &View {
+            position,
+            aim,
+            up,
+            rows,
+            columns,
+            lens,
+        } = self.view();
+        let row = |m: &DMat3, k: usize| m.row(k).to_array();
+        let pose = self.world_from_camera();
+        let pose_row = |k: usize| {
+            let [x, y, z] = row(&pose.matrix3, k);
+            [x, y, z, pose.translation[k]]
+        };
+        let viewplane = lens.viewplane();
+        let intrinsics = |k: DMat3| Intrinsics {
+            k: [0, 1, 2].map(|row_index| row(&k, row_index)),
+            first_pixel_center: 0.5,
+            axes: "right, down, forwards".to_owned(),
+        };
+        CameraRecord {
+            position: position.to_array(),
+            aim: aim.to_array(),
+            up: up.to_array(),
+            focal_length: viewplane.map(|viewplane| viewplane.focal_length),
+            width: viewplane.map(|viewplane| viewplane.width),
+            height: viewplane.map(|viewplane| viewplane.height),
+            rows: rows as u64,
+            columns: columns as u64,
+            projection: lens.projection().name().to_owned(),
+            ray_start: viewplane
+                .map_or("eye", |viewplane| viewplane.ray_start.name())
+                .to_owned(),
+            intrinsics: self.intrinsic_matrix().map(intrinsics),
+            pose: Pose {
+                world_from_camera: [pose_row(0), pose_row(1), pose_row(2), [0.0, 0.0, 0.0, 1.0]],
+                axes: "right, up, backwards".to_owned(),
+            },
+        }
+    }
+}
