@@ -1,7 +1,7 @@
 use std::sync::LazyLock;
 
-use super::srgb::SRGB;
-use super::{Channel, Picture};
+use super::frame::{Channel, Picture};
+use super::srgb::{SRGB, unit_byte};
 
 type Rgb = [u8; 3];
 
@@ -219,18 +219,6 @@ impl Depths {
     }
 }
 
-/// A number from 0 to 1 as a byte, rounded to nearest.
-pub(super) fn unit_byte(unit: f64) -> u8 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` saturates, which is what is wanted here; NaN becomes 0"
-    )]
-    {
-        (unit * 255.0).round() as u8
-    }
-}
-
 /// Each identifier's own colour as bytes of red, green and blue, the same in every picture; misses, which are
 /// negative, are black.
 pub fn color_of_identifier(identifier: i32) -> [u8; 3] {
@@ -281,7 +269,7 @@ static VIRIDIS: LazyLock<[Rgb; 256]> = LazyLock::new(|| {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Data;
+    use super::super::frame::Data;
     use super::*;
 
     fn colors(picture: Picture, components: usize, data: Data) -> (Vec<Rgb>, Option<String>) {

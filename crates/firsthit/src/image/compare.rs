@@ -1,4 +1,4 @@
-use super::{Array, Numbers};
+use super::decode::output::{Array, Numbers};
 
 /// How two channels differ.
 #[derive(Debug, Clone, PartialEq)]

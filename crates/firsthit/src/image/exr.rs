@@ -10,9 +10,9 @@ use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, Vec2};
 use rayon::prelude::*;
 
-use super::format::{Content, picture_sides, pixel};
+use super::content::{Content, picture_sides, pixel};
+use super::frame::{Channel, Data, Picture};
 use super::metadata::{Encoding, KEY, Stored};
-use super::{Channel, Data, Picture};
 use crate::error::{Error, Result};
 
 /// Every sample has 32 bits.

@@ -1,14 +1,15 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::content::{Content, WriteSettings};
+use super::decode::output::Output;
 #[cfg(feature = "exr")]
 use super::exr;
 use super::file::{write_whole, write_with_sidecar};
+use super::frame::{Channel, Frame};
 use super::metadata::{Metadata, Stored};
 #[cfg(feature = "png")]
 use super::png;
-use super::read::Output;
-use super::{Channel, Frame};
 #[cfg(feature = "npy")]
 use super::{npy, npz};
 use crate::error::{Error, Result, escaped};
@@ -27,7 +28,7 @@ pub const FORMATS: &[Format] = &[
         check: png::check,
         stored: png::stored,
         encode: png::encode,
-        decode: super::read::png::decode,
+        decode: super::decode::png::decode,
     },
     #[cfg(feature = "exr")]
     Format {
@@ -40,7 +41,7 @@ pub const FORMATS: &[Format] = &[
         check: exr::check,
         stored: |channel, _| exr::stored(channel),
         encode: exr::encode,
-        decode: super::read::exr::decode,
+        decode: super::decode::exr::decode,
     },
     #[cfg(feature = "npy")]
     Format {
@@ -55,7 +56,7 @@ pub const FORMATS: &[Format] = &[
         encode: |content, out| {
             (content.channels.iter()).try_for_each(|c| npy::encode(content.shape, c, out))
         },
-        decode: super::read::npy::decode,
+        decode: super::decode::npy::decode,
     },
     #[cfg(feature = "npy")]
     Format {
@@ -68,7 +69,7 @@ pub const FORMATS: &[Format] = &[
         check: |_| Ok(()),
         stored: |channel, _| Stored::exact(channel, vec![channel.name.to_owned()]),
         encode: npz::encode,
-        decode: super::read::npz::decode,
+        decode: super::decode::npz::decode,
     },
 ];
 
@@ -106,24 +107,6 @@ pub enum Holds {
     AllChannels,
 }
 
-/// What a format leaves open.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WriteSettings {
-    /// What one step of a 16 bit PNG is, in scene units: distances are then stored in such steps, 0 being
-    /// a miss. `None`: as pictures to look at.
-    pub png_scale: Option<f64>,
-}
-
-/// What goes into a file.
-pub(super) struct Content<'a> {
-    pub(super) shape: &'a [usize],
-    pub(super) channels: Vec<&'a Channel>,
-    pub(super) settings: WriteSettings,
-    pub(super) metadata: Metadata,
-    /// For what takes long before the first byte is written.
-    pub(super) watch: &'a dyn Watch,
-}
-
 /// Writes all of `frame` to a file, whole or not at all, in the format that `path`'s extension names.
 ///
 /// # Errors
@@ -140,6 +123,35 @@ pub fn write(frame: &Frame, path: &Path) -> Result<()> {
 /// Those of [`format_of`] and [`Format::write`].
 pub fn write_channel(frame: &Frame, name: &str, path: &Path) -> Result<()> {
     format_of(path)?.write(frame, Some(name), WriteSettings::default(), path, &())
+}
+
+impl Frame {
+    /// Writes it to a file, whole or not at all, in the format that the path's extension names (see
+    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels.
+    ///
+    /// ```no_run
+    /// use firsthit::{Render, Scene};
+    ///
+    /// let scene = Scene::new(vec![])?;
+    /// Render::new(&scene).channels(&["color", "z"]).frame()?.save("all.exr")?;
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write`](super::write()).
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        write(self, path.as_ref())
+    }
+
+    /// Writes one of its channels to a file, otherwise as [`save`](Self::save).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write_channel`](super::write_channel).
+    pub fn save_channel(&self, name: &str, path: impl AsRef<Path>) -> Result<()> {
+        write_channel(self, name, path.as_ref())
+    }
 }
 
 /// The format that `path`'s extension names, in any case. To be asked before hours of rendering.
@@ -278,24 +290,5 @@ impl Format {
             return Err(Error::argument("channel", expected, got));
         }
         Ok(channels)
-    }
-}
-
-/// `[rows, columns]` of a picture, each from 1 to what the format can say.
-pub(super) fn picture_sides(shape: &[usize], expected: &'static str) -> Result<(usize, usize)> {
-    const LONGEST: usize = (1 << 31) - 1;
-    match *shape {
-        [rows, columns] if (1..=LONGEST).contains(&rows) && (1..=LONGEST).contains(&columns) => {
-            Ok((rows, columns))
-        }
-        _ => Err(Error::argument("shape", expected, format!("{shape:?}"))),
-    }
-}
-
-/// The row and the column of an element that a message is about.
-pub(super) fn pixel(index: usize, shape: &[usize]) -> String {
-    match shape {
-        [_, columns] => format!("row {}, column {}", index / columns, index % columns),
-        _ => format!("element {index}"),
     }
 }

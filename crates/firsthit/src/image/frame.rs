@@ -1,7 +1,6 @@
 use std::fmt::{self, Debug, Formatter};
-use std::path::Path;
 
-use super::{Metadata, Origin};
+use super::origin::Origin;
 use crate::error::{Error, Result};
 use crate::geometry::summary::Count;
 
@@ -146,39 +145,6 @@ impl Frame {
     /// Where it comes from.
     pub fn origin(&self) -> &Origin {
         &self.origin
-    }
-
-    /// What there is to be said about it and its channels.
-    pub fn metadata(&self) -> Metadata {
-        let all: Vec<&Channel> = self.channels.iter().collect();
-        Metadata::of(self, &all, |_| None)
-    }
-
-    /// Writes it to a file, whole or not at all, in the format that the path's extension names (see
-    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels.
-    ///
-    /// ```no_run
-    /// use firsthit::{Render, Scene};
-    ///
-    /// let scene = Scene::new(vec![])?;
-    /// Render::new(&scene).channels(&["color", "z"]).frame()?.save("all.exr")?;
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// Those of [`write`](super::write()).
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        super::write(self, path.as_ref())
-    }
-
-    /// Writes one of its channels to a file, otherwise as [`save`](Self::save).
-    ///
-    /// # Errors
-    ///
-    /// Those of [`write_channel`](super::write_channel).
-    pub fn save_channel(&self, name: &str, path: impl AsRef<Path>) -> Result<()> {
-        super::write_channel(self, name, path.as_ref())
     }
 
     /// Adds `channel` after the others.

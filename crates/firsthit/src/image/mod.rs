@@ -10,6 +10,8 @@
 #[cfg(feature = "png")]
 mod colormap;
 mod compare;
+mod content;
+mod decode;
 #[cfg(feature = "exr")]
 mod exr;
 mod file;
@@ -20,6 +22,7 @@ mod metadata;
 mod npy;
 #[cfg(feature = "npy")]
 mod npz;
+mod origin;
 #[cfg(feature = "png")]
 mod png;
 mod read;
@@ -31,15 +34,13 @@ mod steps;
 #[cfg(feature = "png")]
 pub use colormap::{color_of_identifier, legend, short_legend};
 pub use compare::{Difference, compare};
-pub use file::{sidecar_of, write_whole};
-pub use format::{
-    FORMATS, Format, Holds, WriteSettings, format_named, format_of, write, write_channel,
-};
-pub use frame::{Channel, Data, Description, Frame, Picture, Unit};
-pub use metadata::{
-    CameraRecord, ChannelRecord, Encoding, Intrinsics, METADATA_VERSION, Metadata, Origin, Pixels,
-    Pose, Stored,
-};
-pub use read::{Array, Numbers, Output, read, read_bytes};
+pub use content::WriteSettings;
 #[cfg(feature = "npy")]
-pub use read::{NpyHeader, NpyValues};
+pub use decode::npy_header::{NpyHeader, NpyValues};
+pub use decode::output::{Array, Numbers, Output};
+pub use file::{sidecar_of, write_whole};
+pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};
+pub use frame::{Channel, Data, Description, Frame, Picture, Unit};
+pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
+pub use origin::{CameraRecord, Intrinsics, Origin, Pose};
+pub use read::{read, read_bytes};

@@ -2,10 +2,11 @@ use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
-use super::colormap::ColorMap;
-use super::format::{Content, WriteSettings, picture_sides};
+use super::colormap::{ColorMap, legend};
+use super::content::{Content, WriteSettings, picture_sides};
+use super::frame::{Channel, Picture};
 use super::metadata::{Encoding, KEY, Stored};
-use super::{Channel, Picture, legend, steps};
+use super::steps;
 use crate::error::Result;
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.

@@ -1,7 +1,7 @@
 //! NumPy's arrays: the header, a dictionary as a Python literal, and the numbers behind it
 //! (`numpy.lib.format`, versions 1.0 to 3.0).
 
-use super::collected;
+use super::output::collected;
 use crate::error::escape_controls;
 
 /// What every array begins with.

@@ -9,8 +9,8 @@ use exr::meta::attribute::{AttributeValue, SampleType, Text};
 use exr::meta::header::Header;
 use exr::prelude::{Vec2, f16};
 
-use super::super::metadata::{ChannelRecord, Encoding, KEY};
-use super::{Array, Metadata, Numbers, Output, collected, elements, metadata_of};
+use super::super::metadata::{ChannelRecord, Encoding, KEY, Metadata};
+use super::output::{Array, Numbers, Output, collected, elements, metadata_of};
 
 /// Every channel of every flat layer, at full resolution: components put together as the metadata say,
 /// or as names that programs agree on do.

@@ -3,7 +3,8 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
 use super::super::npz::METADATA;
-use super::{Output, metadata_of, npy};
+use super::npy;
+use super::output::{Output, metadata_of};
 
 /// An array for each entry, and the metadata from theirs.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {

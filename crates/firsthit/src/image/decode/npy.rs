@@ -1,4 +1,5 @@
-use super::{Array, NpyHeader, NpyValues, Numbers, Output, elements};
+use super::npy_header::{NpyHeader, NpyValues};
+use super::output::{Array, Numbers, Output, elements};
 
 /// One array without a name.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {

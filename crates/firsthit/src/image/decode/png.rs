@@ -3,7 +3,7 @@ use std::io::{Cursor, ErrorKind};
 use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
 
 use super::super::metadata::{Encoding, KEY};
-use super::{Array, Numbers, Output, collected, elements, metadata_of, only_channel};
+use super::output::{Array, Numbers, Output, collected, elements, metadata_of, only_channel};
 
 /// The picture: distances where it holds steps of them, else its samples.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
