@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::embree::Answers;
 use crate::firsthit_side;
-use crate::rows::Picture;
+use crate::picture::Picture;
 
 /// What was compared, and what was not equal.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -11,7 +11,9 @@ mod embree;
 mod firsthit_side;
 mod measure;
 mod pairs;
+mod picture;
 mod report;
+mod row;
 mod rows;
 mod scenes;
 mod settings;
@@ -63,7 +65,7 @@ fn run(settings: &Settings) -> Result<bool, String> {
     }
     let mut report = Report::new(settings, device.as_ref());
     for name in settings.scenes()? {
-        let scene = scenes::find(&name, settings)?;
+        let scene = scenes::find(&name, &settings.folder)?;
         let trees = tree::measure(&scene, device.as_ref(), settings, &pool)?;
         report.tree(&scene, &trees);
         rows::measure(&scene, &trees, settings, &pool, &mut report)?;

@@ -19,7 +19,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
     let failed = |error: io::Error| format!("--pairs: {error}");
     let set = settings.instruction_set()?;
     for name in settings.scenes()? {
-        let scene = scenes::find(&name, settings)?;
+        let scene = scenes::find(&name, &settings.folder)?;
         let built = firsthit_side::build(&scene.objects, set)?;
         let mut build = || drop(black_box(firsthit_side::build(&scene.objects, set)));
         client

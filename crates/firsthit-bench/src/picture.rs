@@ -23,7 +23,7 @@ pub(crate) struct Picture {
 
 impl Picture {
     /// Each colour the mean over four points, without light.
-    pub(super) fn antialiased(scene: &Scene, camera: Camera) -> Self {
+    pub(crate) fn antialiased(scene: &Scene, camera: Camera) -> Self {
         let points = (0..camera.pixels()).flat_map(|pixel| (0..SAMPLES).map(move |k| (pixel, k)));
         let rays: Vec<Ray> = points
             .map(|(pixel, k)| sample_ray(&camera, pixel, k, SAMPLES))
@@ -39,7 +39,7 @@ impl Picture {
     }
 
     /// One point to a pixel, lit from one place, with shadows.
-    pub(super) fn shaded(scene: &Scene, camera: Camera, light: DVec3, shadows: &[Ray]) -> Self {
+    pub(crate) fn shaded(scene: &Scene, camera: Camera, light: DVec3, shadows: &[Ray]) -> Self {
         let light = Light::Point {
             position: light,
             intensity: Color::splat((camera.position() - light).length_squared()),
