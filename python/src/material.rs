@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use firsthit::geometry::{self, COLOR_NAMES, color_of};
-use firsthit::io::nearest_word;
 use firsthit::scene::{AlphaMode, Filter, Wrap};
+use firsthit::scene_file::nearest_word;
 use firsthit::{Color, Material, Texture, TextureMap};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

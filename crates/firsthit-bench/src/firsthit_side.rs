@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use firsthit::channel::kind;
 use firsthit::image::Data;
-use firsthit::io::LoadSettings;
+use firsthit::load::LoadSettings;
 use firsthit::shape::{Mesh, Positions};
 use firsthit::shoot::{BruteForce, first_hit, occluded_all, shoot_all_into};
 use firsthit::{Camera, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Shading, render};
@@ -13,7 +13,7 @@ use firsthit::{Camera, Hit, Hits, InstructionSet, Object, Ray, Rays, Scene, Shad
 /// The objects of a file.
 pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
     let model =
-        firsthit::io::load(path, &LoadSettings::default()).map_err(|error| error.to_string())?;
+        firsthit::load::load(path, &LoadSettings::default()).map_err(|error| error.to_string())?;
     Ok(model.objects)
 }
 

@@ -15,7 +15,7 @@ mod support;
 use std::collections::HashMap;
 use std::path::Path;
 
-use firsthit::io::{LoadSettings, load};
+use firsthit::load::{LoadSettings, load};
 use firsthit::shoot::{BruteForce, Trees, first_hit};
 use firsthit::{Camera, DVec3, Object, Plane, Projection, Ray, Scene, Sphere, View};
 use serde_json::Value;

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use firsthit::io::{Model, NamedCamera};
+use firsthit::world::{NamedCamera, World};
 use firsthit::{AlphaMode, Light, Material, Projection, Scene, Texture};
 use serde_json::{Value, json};
 
@@ -20,7 +20,7 @@ pub(super) struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    pub(super) fn of(model: &'a Model, scene: &'a Scene) -> Self {
+    pub(super) fn of(model: &'a World, scene: &'a Scene) -> Self {
         let materials = materials(scene);
         Self {
             cameras: &model.cameras,

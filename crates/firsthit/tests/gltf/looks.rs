@@ -5,14 +5,15 @@ use std::path::Path;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use firsthit::io::{LoadSettings, Model, load};
+use firsthit::load::{LoadSettings, load};
 use firsthit::scene::{Filter, Wrap};
+use firsthit::world::World;
 use firsthit::{AlphaMode, Color, DVec2, DVec3, Scene, shoot};
 use serde_json::{Value, json};
 
 use crate::builder::{Builder, FLOAT, reference};
 
-fn loaded(path: &Path) -> Model {
+fn loaded(path: &Path) -> World {
     load(path, &LoadSettings::default()).unwrap()
 }
 
@@ -256,7 +257,7 @@ fn textured() -> Builder {
 #[test]
 fn images_come_from_data_uris_views_and_files_beside_the_document() {
     let expected = Some(Color::new(0.5, 0.0, 0.0));
-    let seen = |model: Model| color(&Scene::new(model.objects).unwrap(), 0.2, 0.2);
+    let seen = |model: World| color(&Scene::new(model.objects).unwrap(), 0.2, 0.2);
     assert_eq!(seen(textured().load().unwrap()), expected);
 
     let mut builder = textured();

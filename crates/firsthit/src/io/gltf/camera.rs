@@ -1,13 +1,15 @@
 //! Cameras, where their nodes are.
 
-use super::super::NamedCamera;
-use super::super::report::{Checked, Report};
-use super::document::{CameraEntry, Document, Index};
+use super::super::fault::Checked;
+use super::super::report::Report;
+use super::document::{CameraEntry, Document};
+use super::index::Index;
 use super::nodes::Placed;
 use super::place::Entry;
 use crate::camera::{Aim, Camera, Description, Lens, Projection, RayStart, View};
 use crate::error::escape_controls;
 use crate::geometry::{DVec3, unit};
+use crate::world::NamedCamera;
 
 /// The cameras of the scene, in the order of the document's list.
 pub(super) fn all(

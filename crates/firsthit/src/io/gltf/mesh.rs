@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::super::fault::{Checked, Fault};
 use super::super::mend::{Kind, mend};
-use super::super::report::{Checked, Fault};
 use super::super::surface::{Surface, Vertices, push_fan};
 use super::accessor::{Component, Shape, component, has_shape};
-use super::document::Index;
+use super::index::Index;
 use super::material::Look;
 use super::skin::{self, Palette};
 use super::values::Values;
@@ -189,12 +189,16 @@ fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checke
                 "has more than 2^32 vertices",
             )
         })?;
-        values.report.spend(4 * u64::from(count), "the indices")?;
+        values
+            .report
+            .budget
+            .charge(4 * u64::from(count), "the indices")?;
         (0..count).collect()
     };
     values
         .report
-        .spend(12 * indices.len() as u64, "the triangles")?;
+        .budget
+        .charge(12 * indices.len() as u64, "the triangles")?;
     Ok(match mode {
         Mode::Triangles => {
             let (triangles, rest) = indices.as_chunks::<3>();

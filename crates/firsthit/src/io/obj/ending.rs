@@ -1,7 +1,7 @@
 //! Detects OBJ files that end early.
 
 use super::index::Indices;
-use super::{is_continued, is_known};
+use super::statement::{is_continued, is_known};
 use crate::io::text::{Words, shown, unended_line};
 
 /// Why the text seems to be truncated, if it does.

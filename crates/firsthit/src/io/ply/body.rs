@@ -2,7 +2,8 @@
 
 use super::header::{Element, Header, Kind, Type};
 use crate::error::Place;
-use crate::io::report::{Checked, Fault, Report};
+use crate::io::fault::{Checked, Fault};
+use crate::io::report::Report;
 use crate::io::text::{Lines, Words, number, shown};
 
 /// The values of a body, in order.
@@ -392,6 +393,33 @@ impl Rows for Ascii<'_> {
             report.warn("trailing", &Place::Line(lines.number), || {
                 "lines after the last element are not read".to_owned()
             });
+        }
+    }
+}
+
+/// Passes over an element that is not read.
+pub(super) fn skip<R: Rows>(element: &Element, rows: &mut R) -> Checked<()> {
+    if rows.skip_fixed(element)? {
+        return Ok(());
+    }
+    for _ in 0..element.count {
+        rows.begin(element)?;
+        for property in &element.properties {
+            skip_value(property.kind, rows)?;
+        }
+        rows.finish();
+    }
+    Ok(())
+}
+
+pub(super) fn skip_value<R: Rows>(kind: Kind, rows: &mut R) -> Checked<()> {
+    match kind {
+        Kind::Scalar(kind) => rows.value(kind).map(drop),
+        Kind::List { count, item } => {
+            for _ in 0..rows.length(count, item)? {
+                rows.value(item)?;
+            }
+            Ok(())
         }
     }
 }

@@ -4,8 +4,7 @@ use std::collections::VecDeque;
 
 use robust::orient2d;
 
-use super::Point;
-use super::columns::Columns;
+use super::columns::{Columns, Point};
 
 const NONE: u32 = u32::MAX;
 

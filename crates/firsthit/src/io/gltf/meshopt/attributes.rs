@@ -1,6 +1,6 @@
 //! Mode ATTRIBUTES: elements as differences from the ones before, byte by byte, in groups of 16.
 
-use super::{Decoded, Stream, TRUNCATED, unzigzag};
+use super::stream::{Decoded, Stream, TRUNCATED, unzigzag};
 
 const GROUP: usize = 16;
 

@@ -1,6 +1,6 @@
 //! What is done to attributes after unpacking.
 
-use super::super::buffers::Problem;
+use super::super::problem::Problem;
 use crate::error::escape_controls;
 
 /// Refuses a filter that is not known, or that does not go with the size of elements.

@@ -1,12 +1,12 @@
 //! Cameras of a scene file.
 
-use super::form::Form;
-use super::keys::{Key, Pick, Record, Rule, Variant, key};
 use super::section::Section;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Rule, Variant, key};
 use crate::camera::{Aim, Description, Lens, Projection, RayStart};
 use crate::geometry::Bounds;
-use crate::io::report::Checked;
-use crate::io::{Model, NamedCamera};
+use crate::io::fault::Checked;
+use crate::world::{NamedCamera, World};
 
 const PROJECTION: &str = "projection";
 
@@ -152,11 +152,11 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
 }
 
 /// The cameras with what they leave open decided by the objects.
-pub(super) fn settle(cameras: Vec<Read<'_, '_>>, model: &Model) -> Checked<Vec<NamedCamera>> {
+pub(super) fn settle(cameras: Vec<Read<'_, '_>>, world: &World) -> Checked<Vec<NamedCamera>> {
     if cameras.is_empty() {
         return Ok(Vec::new());
     }
-    let bounds = model.objects.iter().map(crate::scene::Object::bounds);
+    let bounds = world.objects.iter().map(crate::scene::Object::bounds);
     let finite = bounds.filter(Bounds::is_finite);
     let bounds = finite.fold(Bounds::EMPTY, Bounds::union);
     let settle = |camera: Read<'_, '_>| {
@@ -165,8 +165,8 @@ pub(super) fn settle(cameras: Vec<Read<'_, '_>>, model: &Model) -> Checked<Vec<N
             section,
             description,
         } = camera;
-        let support = |direction| crate::scene::support(&model.objects, direction);
-        let settled = section.checked(description.camera(bounds, support, model.up))?;
+        let support = |direction| crate::scene::support(&world.objects, direction);
+        let settled = section.checked(description.camera(bounds, support, world.up))?;
         let is_sized = description.columns.is_some() || description.rows.is_some();
         Ok(NamedCamera {
             name,

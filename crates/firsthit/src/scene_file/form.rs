@@ -3,58 +3,8 @@
 use serde_json::{Value as Json, json};
 
 use super::document::{Value, integer, number, numbers};
-use super::keys::Record;
+use super::table::Form;
 use crate::geometry::{COLOR_NAMES, Color, DVec3, color_of};
-
-/// What a key's value must look like.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Form {
-    /// A finite number.
-    Number,
-    /// A number above zero.
-    Positive,
-    /// A number from zero on.
-    NonNegative,
-    /// A number strictly between two.
-    Between(f64, f64),
-    /// A whole number from the first to the last.
-    Whole(i64, i64),
-    Boolean,
-    /// Any text but an empty one.
-    Text,
-    /// A file's name.
-    Path,
-    /// One of some words.
-    OneOf(fn() -> Vec<&'static str>),
-    /// One or more of some words.
-    SomeOf(fn() -> Vec<&'static str>),
-    /// Three numbers.
-    Vector,
-    /// Three numbers that are not all zero.
-    Direction,
-    /// Linear red, green and blue, or sRGB as `"#rrggbb"` or by a name of CSS.
-    Color,
-    /// The same, or `"transparent"`.
-    ColorOrTransparent,
-    /// A factor, or one for each axis.
-    Scale,
-    /// `x, y, z, w`.
-    Quaternion,
-    /// Three or four rows of four numbers.
-    Matrix,
-    /// Any number of points.
-    Points,
-    /// Any number of triples of indices.
-    Triples,
-    /// A table.
-    Table(&'static Record),
-    /// A table, or an array of them.
-    TableOrList(&'static Record),
-    /// An array of tables.
-    List(&'static Record),
-    /// Tables by name.
-    Named(&'static Record),
-}
 
 impl Form {
     /// What is expected, for "must be ...".

@@ -4,7 +4,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::document::{Text, integer};
 use crate::geometry::meant_as_levels;
-use crate::io::report::Report;
+use crate::io::Report;
 
 /// The keys of colours that should not exceed 1. Lights may.
 const KEYS: &[&str] = &["color", "ambient", "horizon", "zenith"];

@@ -4,7 +4,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Place, escape_controls};
-use crate::io::report::{Checked, Fault, Report};
+use crate::io::Report;
+use crate::io::fault::{Checked, Fault};
+use crate::io::memory_budget::check_free;
 
 pub(super) type Value<'t> = Spanned<DeValue<'t>>;
 
@@ -52,9 +54,11 @@ impl<'t> Text<'t> {
     /// The document's top table. The parser's own limit ends nesting at 80 levels.
     pub(super) fn parse(self, report: &mut Report) -> Checked<Spanned<DeTable<'t>>> {
         let needed = self.0.len().saturating_mul(BYTES_PER_BYTE);
-        report.spend_on_content(needed as u64, "its text, parsed,")?;
+        report
+            .budget
+            .charge_content(needed as u64, "its text, parsed,")?;
         // The parser cannot be told that memory is scarce: asked here, it is an error, not the end.
-        report.check_memory(needed)?;
+        check_free(needed)?;
         DeTable::parse(self.0).map_err(|error| {
             let byte = error.span().map_or(self.0.len(), |span| span.start);
             // One line, whatever the text holds.

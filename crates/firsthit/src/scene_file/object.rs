@@ -1,22 +1,22 @@
 //! Objects of a scene file: shapes, and the objects of other files.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use toml::de::DeValue;
 
-use super::FORMAT;
 use super::document::numbers;
-use super::form::{Form, triple};
-use super::keys::{Key, Pick, Record, Variant, key, required};
+use super::form::triple;
 use super::placement::{self, PLACED, PLACED_RULES};
 use super::section::Section;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Variant, key, required};
 use crate::error::{Error, escape_controls};
 use crate::geometry::{DAffine3, Transform};
-use crate::io::report::{Checked, Fault, OBJECT_BYTES, Report};
-use crate::io::surface::TOO_FAR;
-use crate::io::{format_of, load_part, read};
+use crate::io::fault::{Checked, Fault};
+use crate::io::memory_budget::OBJECT_BYTES;
+use crate::io::{Report, TOO_FAR, load_part, read, without_gz};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 
@@ -238,7 +238,7 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
             let each = OBJECT_BYTES.saturating_add(own_name);
             let names: usize = of_file.iter().map(|object| object.name().len()).sum();
             let needed = each.saturating_mul(of_file.len() as u64);
-            report.spend_at(
+            report.budget.charge_at(
                 section.place("file"),
                 needed.saturating_add(names as u64),
                 "an object for each of the file's",
@@ -290,6 +290,15 @@ fn name_of(section: &Section<'_, '_>, object: &Object, is_one_of_several: bool) 
     }
 }
 
+/// The extensions of scene files.
+pub(super) const EXTENSIONS: &[&str] = &["toml"];
+
+fn is_scene_file(path: &Path) -> bool {
+    let unpacked = without_gz(path);
+    let extension = unpacked.extension();
+    extension.is_some_and(|extension| EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e)))
+}
+
 /// The files that were read: each once, however often it is named.
 #[derive(Debug, Default)]
 struct Files(HashMap<PathBuf, Arc<[Object]>>);
@@ -301,28 +310,31 @@ impl Files {
             let name = escape_controls(name);
             section.fault_at("file", format!("'{name}' is not read: {reason}"))
         };
-        let path = report.scene().and_then(|scene| read::sibling(scene, name));
+        let path = report
+            .source
+            .base()
+            .and_then(|scene| read::sibling(scene, name));
         let path = path.map_err(|reason| refused(&reason))?;
         if let Some(objects) = self.0.get(&path) {
             return Ok(Arc::clone(objects));
         }
-        if format_of(&path).is_ok_and(|format| format.name == FORMAT.name) {
+        if is_scene_file(&path) {
             return Err(refused("a scene file holds no other scene files"));
         }
-        let model = match load_part(&path, report) {
-            Ok(model) => model,
+        let world = match load_part(&path, report) {
+            Ok(world) => world,
             Err(error @ (Error::Parse { .. } | Error::Read { .. })) => {
                 return Err(refused(&error.to_string()));
             }
             Err(error) => return Err(error.into()),
         };
-        if !(model.cameras.is_empty() && model.lights.is_empty()) {
+        if !(world.cameras.is_empty() && world.lights.is_empty()) {
             report.warn("only objects", &section.place("file"), || {
                 let name = escape_controls(name);
                 format!("of '{name}' only the objects are taken, not its cameras and lights")
             });
         }
-        let objects: Arc<[Object]> = model.objects.into();
+        let objects: Arc<[Object]> = world.objects.into();
         self.0.insert(path, Arc::clone(&objects));
         Ok(objects)
     }

@@ -1,10 +1,10 @@
 //! How hits get their colour.
 
-use super::form::Form;
-use super::keys::{Key, Pick, Record, Variant, key};
 use super::section::Section;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Variant, key};
 use crate::error::Result;
-use crate::io::report::Checked;
+use crate::io::fault::Checked;
 use crate::shade::Shader;
 
 const SAMPLES: Key = key(

@@ -1,12 +1,13 @@
 //! Where an object stands: scale, then rotate, then translate; or a matrix.
 
 use super::document::{named, numbers};
-use super::form::{Form, matrix, scale};
-use super::keys::{Key, Pick, Record, Rule, Variant, key};
+use super::form::{matrix, scale};
 use super::section::Section;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Rule, Variant, key};
 use crate::error::Error;
 use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, Transform, unit};
-use crate::io::report::Checked;
+use crate::io::fault::Checked;
 
 pub(super) const PLACED: &[Key] = &[
     key(

@@ -3,94 +3,12 @@
 
 use super::background::{BACKGROUND, SKY};
 use super::camera::CAMERA;
-use super::form::Form;
 use super::light::LIGHT;
 use super::object::OBJECT;
 use super::output::OUTPUT;
 use super::placement::ROTATION;
 use super::shading::SHADING;
-
-/// A key and what it takes.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Key {
-    pub(super) name: &'static str,
-    pub(super) form: Form,
-    pub(super) is_required: bool,
-    /// What it means, for people; editors show it.
-    pub(super) about: &'static str,
-}
-
-pub(super) const fn key(name: &'static str, form: Form, about: &'static str) -> Key {
-    Key {
-        name,
-        form,
-        is_required: false,
-        about,
-    }
-}
-
-pub(super) const fn required(name: &'static str, form: Form, about: &'static str) -> Key {
-    Key {
-        is_required: true,
-        ..key(name, form, about)
-    }
-}
-
-/// A kind of table.
-#[derive(Debug)]
-pub(super) struct Record {
-    pub(super) name: &'static str,
-    pub(super) about: &'static str,
-    /// The first whose `pick` fits is the one; all have the same tag.
-    pub(super) variants: &'static [Variant],
-}
-
-/// One form of a table.
-#[derive(Debug)]
-pub(super) struct Variant {
-    pub(super) pick: Pick,
-    pub(super) keys: &'static [&'static [Key]],
-    pub(super) rules: &'static [Rule],
-}
-
-impl Variant {
-    pub(super) fn keys(&self) -> impl Iterator<Item = &'static Key> {
-        self.keys.iter().flat_map(|group| group.iter())
-    }
-}
-
-/// What tells a table's variants apart.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Pick {
-    /// Nothing: there is one.
-    Always,
-    /// That the key is there.
-    Has(&'static str),
-    /// That the key has the value.
-    Tag(&'static str, &'static str),
-    /// The same, or that it is not there.
-    Default(&'static str, &'static str),
-}
-
-impl Pick {
-    /// The tag's key and value.
-    pub(super) fn tag(self) -> Option<(&'static str, &'static str)> {
-        match self {
-            Self::Tag(key, value) | Self::Default(key, value) => Some((key, value)),
-            Self::Always | Self::Has(_) => None,
-        }
-    }
-}
-
-/// How keys go together.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Rule {
-    NotBoth(&'static str, &'static str),
-    /// The first does nothing without the second.
-    Needs(&'static str, &'static str),
-    /// Exactly one of the two has to be there.
-    OneOf(&'static str, &'static str),
-}
+use super::table::{Form, Pick, Record, Rule, Variant, key};
 
 /// Every kind of table, the file itself first.
 pub(super) const RECORDS: &[&Record] = &[
@@ -166,22 +84,21 @@ pub(super) static SCENE: Record = Record {
     }],
 };
 
-/// The tags of a record, for the lists that they must be the same as.
-#[cfg(test)]
-pub(super) fn tags(record: &Record) -> Vec<&'static str> {
-    let tags = record
-        .variants
-        .iter()
-        .filter_map(|variant| variant.pick.tag());
-    tags.map(|(_, value)| value).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::camera::Projection;
     use crate::shade::Shader;
     use crate::shape::Shape;
+
+    /// The tags of a record, for the lists that they must be the same as.
+    fn tags(record: &Record) -> Vec<&'static str> {
+        let tags = record
+            .variants
+            .iter()
+            .filter_map(|variant| variant.pick.tag());
+        tags.map(|(_, value)| value).collect()
+    }
 
     #[test]
     fn every_kind_there_is_can_be_in_a_scene_file() {

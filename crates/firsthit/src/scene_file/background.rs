@@ -1,10 +1,11 @@
 //! What is seen where nothing is hit.
 
-use super::form::{Form, is_transparent};
-use super::keys::{Pick, Record, Variant, key, required};
+use super::form::is_transparent;
 use super::section::Section;
+use super::table::Form;
+use super::table::{Pick, Record, Variant, key, required};
 use crate::geometry::{Color, DVec3};
-use crate::io::report::Checked;
+use crate::io::fault::Checked;
 use crate::scene::Background;
 
 pub(super) static BACKGROUND: Record = Record {

@@ -1,13 +1,14 @@
 //! The files that a scene file asks for.
 
-use super::form::Form;
-use super::keys::{Pick, Record, Variant, key, required};
 use super::section::Section;
+use super::table::Form;
+use super::table::{Pick, Record, Variant, key, required};
 use crate::channel::KINDS;
 use crate::error::escape_controls;
 use crate::image::FORMATS;
-use crate::io::report::{Checked, Report};
-use crate::io::{Output, read};
+use crate::io::fault::Checked;
+use crate::io::{Report, read};
+use crate::world::Output;
 
 pub(super) static OUTPUT: Record = Record {
     name: "output",
@@ -33,7 +34,8 @@ pub(super) static OUTPUT: Record = Record {
 pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output> {
     let name = section.need_text("file")?;
     let path = report
-        .scene()
+        .source
+        .base()
         .and_then(|scene| read::sibling_to_be(scene, name));
     let path = path.map_err(|reason| {
         let name = escape_controls(name);

@@ -1,47 +1,62 @@
 //! The scene file: TOML with cameras, objects, lights, a background and outputs.
 //!
-//! The tables in [`keys`] and beside the readers say what keys there are; the reader checks a file against
-//! them, and [`schema`] is made from them.
+//! Tables list the keys: in `records`, and beside each reader. The reader checks a file against them, and [`schema`] is
+//! made from them.
+
+// A loader that panics is a loader that a file can crash.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::indexing_slicing
+    )
+)]
 
 mod background;
 mod camera;
 mod document;
 mod form;
-mod keys;
 mod levels;
 mod light;
 mod object;
 mod output;
 mod placement;
+mod records;
 mod schema;
 mod section;
 mod shading;
 mod suggest;
+mod table;
 mod variant;
 
 pub use schema::schema;
 pub use suggest::nearest_word;
 
-use super::report::{Checked, Report};
-use super::{Format, Model};
 use crate::geometry::DVec3;
+use crate::io::fault::Checked;
+use crate::io::{Format, Report};
+use crate::world::World;
 use document::Text;
-use keys::SCENE;
 use light::LIGHT;
+use object::EXTENSIONS;
 use output::OUTPUT;
+use records::SCENE;
 use section::Section;
 use shading::SHADING;
 
-/// The row of the table of formats.
-pub(super) const FORMAT: Format = Format {
+/// The row of the list of formats.
+pub(crate) static FORMAT: Format = Format {
     name: "scene file",
-    extensions: &["toml"],
+    extensions: EXTENSIONS,
     up: DVec3::Z,
     rules_up: true,
     read,
 };
 
-fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
+fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let text = Text::new(bytes)?;
     let document = text.parse(report)?;
     let scene = Section::new(text, document.get_ref(), 0, &SCENE)?;
@@ -54,19 +69,19 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     };
     let outputs = scene.list("outputs", &OUTPUT)?;
     let outputs = outputs.iter().map(|output| output::read(output, report));
-    let mut model = Model {
+    let mut world = World {
         lights: lights.iter().map(light::read).collect::<Checked<_>>()?,
         background: background::read(&scene, up)?,
         shader: shading.shader,
         samples: shading.samples,
         outputs: outputs.collect::<Checked<_>>()?,
         up,
-        ..Model::default()
+        ..World::default()
     };
     // What is wrong with the cameras' own values is told before large files are read.
     let cameras = camera::read(&scene)?;
-    model.objects = object::read(&scene, report)?;
-    model.cameras = camera::settle(cameras, &model)?;
-    model.has_view = !model.cameras.is_empty();
-    Ok(model)
+    world.objects = object::read(&scene, report)?;
+    world.cameras = camera::settle(cameras, &world)?;
+    world.has_view = !world.cameras.is_empty();
+    Ok(world)
 }

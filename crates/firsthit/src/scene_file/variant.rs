@@ -4,10 +4,10 @@ use toml::de::DeTable;
 
 use super::document::{Text, named};
 use super::form::quoted;
-use super::keys::{Pick, Record, Variant};
 use super::suggest::suggestion;
+use super::table::{Pick, Record, Variant};
 use crate::error::escape_controls;
-use crate::io::report::Checked;
+use crate::io::fault::Checked;
 
 /// The variant that a table is of.
 pub(super) fn pick(

@@ -3,13 +3,14 @@
 use toml::de::{DeTable, DeValue};
 
 use super::document::{Text, Value, integer, named, number, numbers};
-use super::form::{Form, color};
-use super::keys::{Key, Pick, Record, Rule, Variant};
+use super::form::color;
 use super::suggest::suggestion;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Rule, Variant};
 use super::variant::pick;
 use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{Color, DVec3};
-use crate::io::report::{Checked, Fault};
+use crate::io::fault::{Checked, Fault};
 
 /// A table whose keys are all known, of the right form, and in each other's company as they must be.
 #[derive(Debug, Clone, Copy)]

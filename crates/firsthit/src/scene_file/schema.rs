@@ -3,7 +3,9 @@
 use serde_json::{Map, Value as Json, json};
 
 use super::form::{color_schema, insert};
-use super::keys::{Pick, RECORDS, Record, Rule, SCENE, Variant};
+use super::records::RECORDS;
+use super::records::SCENE;
+use super::table::{Pick, Record, Rule, Variant};
 
 /// The JSON Schema (draft 2020-12) of scene files, as text with a newline at its end. Editors complete
 /// and check scene files by it.

@@ -1,10 +1,10 @@
 //! Lights of a scene file.
 
-use super::form::Form;
-use super::keys::{Pick, Record, Variant, key, required};
 use super::section::Section;
+use super::table::Form;
+use super::table::{Pick, Record, Variant, key, required};
 use crate::geometry::Color;
-use crate::io::report::Checked;
+use crate::io::fault::Checked;
 use crate::scene::Light;
 
 const KIND: &str = "kind";
