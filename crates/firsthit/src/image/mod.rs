@@ -36,7 +36,7 @@ pub use colormap::{color_of_identifier, legend, short_legend};
 pub use compare::{Difference, compare};
 pub use content::WriteSettings;
 #[cfg(feature = "npy")]
-pub use decode::npy_header::{NpyHeader, NpyValues};
+pub use decode::npy::{NpyHeader, NpyValues};
 pub use decode::output::{Array, Numbers, Output};
 pub use file::{sidecar_of, write_whole};
 pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};

@@ -19,8 +19,6 @@ pub(super) mod exr;
 #[cfg(feature = "npy")]
 pub(super) mod npy;
 #[cfg(feature = "npy")]
-pub(super) mod npy_header;
-#[cfg(feature = "npy")]
 pub(super) mod npz;
 pub(super) mod output;
 #[cfg(feature = "png")]

@@ -1,4 +1,13 @@
-use super::npy_header::{NpyHeader, NpyValues};
+//! NumPy's arrays.
+
+mod element;
+mod header;
+mod literal;
+mod values;
+
+pub use header::NpyHeader;
+pub use values::NpyValues;
+
 use super::output::{Array, Numbers, Output, elements};
 
 /// One array without a name.
