@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use firsthit::load::{LoadSettings, load_bytes};
 use firsthit::render::{BACKGROUND, SAMPLES, framing_camera, shoulder_light};
+use firsthit::scene::{MapRole, Maps};
 use firsthit::shoot::shoot_all;
 use firsthit::world::World;
 use firsthit::{
@@ -106,7 +107,10 @@ fn large() -> Arc<Mesh> {
 fn what_is_printed_of_large_things_is_a_summary() {
     let texture = Arc::new(Texture::new(512, 512, vec![[0; 4]; 512 * 512]).unwrap());
     let material = Material {
-        texture: Some(TextureMap::new(Arc::clone(&texture), TextureMap::V_UP)),
+        maps: Maps::default().with(
+            MapRole::Color,
+            TextureMap::new(Arc::clone(&texture), TextureMap::V_UP),
+        ),
         ..Material::default()
     };
     let mesh = large();

@@ -13,7 +13,7 @@ use super::material_entry::{ImageEntry, MaterialEntry, SamplerEntry, TextureInfo
 use super::place::Entry;
 use super::resource::{file_name, resource};
 use crate::geometry::Color;
-use crate::scene::{AlphaMode, Filter, Material, Texture, TextureMap, Wrap};
+use crate::scene::{AlphaMode, Filter, MapRole, Maps, Material, Texture, TextureMap, Wrap};
 
 /// A material as it is used.
 #[derive(Debug, Clone)]
@@ -55,8 +55,7 @@ impl Looks {
             materials: Arc::new([Material {
                 color: Color::new(red, green, blue),
                 alpha,
-                texture,
-                alpha_texture: None,
+                maps: Maps::default().with(MapRole::Color, texture),
                 alpha_mode,
                 unlit: material.extensions.unlit.is_some(),
                 double_sided: material.double_sided,

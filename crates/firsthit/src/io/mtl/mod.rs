@@ -11,7 +11,7 @@ use super::text::{self, Lines, Words, shown};
 use super::{picture, read};
 use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
-use crate::scene::{AlphaMode, Material, Texture, TextureMap};
+use crate::scene::{AlphaMode, MapRole, Maps, Material, Texture, TextureMap};
 use statement::{Map, Stated, cut, state};
 
 /// The materials of all libraries that a file names.
@@ -42,8 +42,8 @@ impl Library {
         let stated = self.materials.get(name).ok_or(UnknownMaterial)?;
         let color = stated.color;
         let [color_map, alpha_map] = [&stated.color_map, &stated.alpha_map].map(Clone::clone);
-        let texture = color_map.and_then(|map| self.texture(&map, report));
-        let alpha_texture = alpha_map.and_then(|map| {
+        let color_map = color_map.and_then(|map| self.texture(&map, report));
+        let alpha_map = alpha_map.and_then(|map| {
             let texture = self.texture(&map, report)?;
             let mask = self.mask(&map, &texture.texture, report)?;
             Some(TextureMap {
@@ -51,16 +51,17 @@ impl Library {
                 ..texture
             })
         });
-        if color.is_none() && texture.is_none() && alpha_texture.is_none() {
-            return Ok(None);
-        }
-        let alpha_mode = match alpha_texture {
+        let alpha_mode = match alpha_map {
             Some(_) => AlphaMode::Mask { cutoff: 0.5 },
             None => AlphaMode::Opaque,
         };
+        let maps = Maps::default().with(MapRole::Color, color_map);
+        let maps = maps.with(MapRole::Alpha, alpha_map);
+        if color.is_none() && maps.is_empty() {
+            return Ok(None);
+        }
         Ok(Some(Material {
-            texture,
-            alpha_texture,
+            maps,
             alpha_mode,
             ..Material::colored(color.unwrap_or(Color::ONE))
         }))

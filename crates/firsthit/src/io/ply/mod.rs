@@ -17,7 +17,7 @@ use super::report::Report;
 use super::surface::{Surface, Vertices, face_attribute};
 use super::text::shown;
 use crate::error::{Place, escape_controls};
-use crate::scene::{Material, Object, TextureMap};
+use crate::scene::{MapRole, Maps, Material, Object, TextureMap};
 use crate::shape::Attribute;
 use crate::world::World;
 use body::{Ascii, Binary, Rows, skip};
@@ -141,7 +141,7 @@ fn model(
     // White leaves the mesh's own colours as they are.
     let is_painted = colors.is_some() || texture.is_some();
     let look = is_painted.then(|| Material {
-        texture,
+        maps: Maps::default().with(MapRole::Color, texture),
         ..Material::default()
     });
     if let Some(mut colors) = colors {
