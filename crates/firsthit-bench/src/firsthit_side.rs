@@ -69,7 +69,7 @@ pub(crate) fn colors(
     }
 }
 
-const STOPPED: &str = "there is memory for a million hits, and nobody stops it";
+const STOPPED: &str = "there is memory for a million hits, and the watch stops nothing";
 
 /// The first hit by the judge: every triangle, in float64.
 pub(crate) fn judge(scene: &Scene, ray: &Ray) -> Hit {

@@ -52,7 +52,7 @@ fn run(settings: &Settings) -> Result<bool, String> {
         .map_err(|error| format!("--embree: {error}"))?;
     let device = |library| embree::Device::new(library, settings.embree_isa());
     let device = library.as_ref().map(device).transpose()?;
-    // The main thread is the one worker of the default pool: what is measured runs here, on one thread.
+    // The main thread is the one worker of the default pool: the measured code runs here, on one thread.
     let failed = |error: rayon::ThreadPoolBuildError| error.to_string();
     let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
     alone.build_global().map_err(failed)?;

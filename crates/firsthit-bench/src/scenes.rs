@@ -1,4 +1,4 @@
-//! What is shot at: the scenes of `make_scenes.py`, or small ones made here.
+//! The scenes: those of `make_scenes.py`, or small ones made here.
 
 mod built_in;
 mod look;

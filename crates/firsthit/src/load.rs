@@ -38,8 +38,8 @@ fn formats() -> impl Iterator<Item = &'static Format> + Clone {
 /// # Errors
 ///
 /// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the content or the
-/// extension is wrong; [`Error::TooLarge`] for more than `settings` allow, and [`Error::Limit`] for more than identifiers
-/// hold.
+/// extension is wrong; [`Error::TooLarge`] for more than `settings` allow, and [`Error::Limit`] for more than
+/// identifiers hold.
 ///
 /// [`Error::Read`]: crate::Error::Read
 /// [`Error::Parse`]: crate::Error::Parse

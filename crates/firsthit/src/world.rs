@@ -61,8 +61,8 @@ impl Debug for World {
 }
 
 impl World {
-    /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as [`Scene::likely_up`] guesses if it does
-    /// not say. Cameras, background and the rest are dropped: take them before.
+    /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as [`Scene::likely_up`] guesses
+    /// if it does not say. Cameras, background and the rest are dropped: take them before.
     ///
     /// ```
     /// use std::path::Path;
@@ -105,10 +105,10 @@ fn up_in(scene: &Scene, up: DVec3, is_guessed: bool) -> DVec3 {
     if is_guessed { scene.likely_up(up) } else { up }
 }
 
-/// A file that a scene file asks for.
+/// An output that a scene file asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
-    /// Where it goes: in the scene file's folder or below. `{channel}` stands for a channel's name.
+    /// Its path, in the scene file's folder or below. `{channel}` stands for a channel's name.
     pub path: PathBuf,
     /// The channels' names, at least one.
     pub channels: Vec<String>,
@@ -121,20 +121,20 @@ pub struct NamedCamera {
     pub name: String,
     /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes may share.
     pub own_name: String,
-    /// What it is made from.
+    /// Its description in numbers.
     pub view: View,
-    /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, the view's height
-    /// alone counts, and whoever makes the picture decides about the rest.
+    /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, only the view's height
+    /// counts, and the renderer decides about the rest.
     pub has_size: bool,
-    /// What the file says of it, where that may leave something open: whoever replaces a part of it decides the
-    /// open rest anew.
+    /// The camera as a scene file describes it, in part. The parts that it leaves open are decided anew when another
+    /// part is replaced.
     pub description: Option<Description>,
 }
 
 impl NamedCamera {
-    /// The camera in words, for a picture of so many columns and rows; `None`: as many as the camera asks for,
-    /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and
-    /// its width follows from square pixels.
+    /// The camera as a description, for a picture of `size` columns and rows. `None`: as many as the camera asks for,
+    /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and its
+    /// width follows from square pixels.
     pub fn described(&self, size: Option<(usize, usize)>) -> Description {
         let view = self.view;
         let whole = Description {

@@ -39,8 +39,8 @@ pub(crate) struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// One thread, and huge pages, as Embree's manual recommends; with no instructions beyond those of `isa`, by Embree's
-    /// name for it.
+    /// One thread, and huge pages, as Embree's manual recommends; with no instructions beyond those of `isa`, by
+    /// Embree's name for it.
     pub(crate) fn new(library: &'a Library, isa: Option<&str>) -> Result<Self, String> {
         let api = &library.0;
         let isa = isa.map_or_else(String::new, |isa| format!(",isa={isa}"));

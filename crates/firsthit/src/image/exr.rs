@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 /// Every sample has 32 bits.
 const BYTES: usize = 4;
 
-/// Refuses what is no picture, and finite numbers that float32 would make infinite.
+/// Refuses a frame that is no picture, and finite numbers that float32 would make infinite.
 pub(super) fn check(content: &Content<'_>) -> Result<()> {
     picture_sides(
         content.shape,

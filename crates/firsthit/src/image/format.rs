@@ -76,29 +76,29 @@ pub const FORMATS: &[Format] = &[
 /// A file format.
 #[derive(Debug, Clone, Copy)]
 pub struct Format {
-    /// What it is called, in lower case.
+    /// Its name, in lower case.
     pub name: &'static str,
     /// The extensions that choose it, in lower case and without the dot.
     pub extensions: &'static [&'static str],
-    /// How much of a frame a file of it takes.
+    /// Whether a file holds one channel or all.
     pub holds: Holds,
-    /// Whether it takes `[rows, columns]` alone, not a batch of rays.
+    /// Whether it stores only pictures, `[rows, columns]`, and no batches of rays.
     pub only_pictures: bool,
-    /// Whether the metadata is in a file of its own beside, `NAME.json`, because there is no room within.
+    /// Whether the metadata is in a separate file, `NAME.json`, because the format has no place for it.
     pub has_sidecar: bool,
-    /// What it is for, as a phrase for lists.
+    /// Its purpose, as a phrase for lists.
     pub summary: &'static str,
     /// Whether this content can be stored.
     check: fn(&Content<'_>) -> Result<()>,
     /// How it stores a channel.
     stored: fn(&Channel, &WriteSettings) -> Stored,
-    /// Writes what was checked.
+    /// Writes content that was checked.
     encode: fn(&Content<'_>, &mut dyn Write) -> io::Result<()>,
-    /// Reads a file of any origin, all of it at once; its numbers may take so many bytes.
+    /// Decodes a file of any origin. The second argument limits the bytes of its numbers.
     pub(super) decode: fn(&[u8], u64) -> std::result::Result<Output, String>,
 }
 
-/// How much of a [`Frame`] one file takes.
+/// How much of a [`Frame`] one file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holds {
     /// One channel.
@@ -154,7 +154,7 @@ impl Frame {
     }
 }
 
-/// The format that `path`'s extension names, in any case. To be asked before hours of rendering.
+/// The format that the extension of `path` names, in upper or lower case. Call it before hours of rendering.
 ///
 /// # Errors
 ///
@@ -172,7 +172,7 @@ pub fn format_of(path: &Path) -> Result<&'static Format> {
         })
 }
 
-/// The format called `name`, in any case: where there is no extension to tell it.
+/// The format called `name`, in upper or lower case: for outputs without an extension.
 ///
 /// # Errors
 ///
@@ -215,11 +215,11 @@ impl Format {
     }
 
     /// Writes the same bytes as [`write`](Self::write) to any writer, which need not be buffered.
-    /// `target` is what errors call it.
+    /// Errors call it `target`.
     ///
     /// # Errors
     ///
-    /// As [`write`](Self::write). What `out` took until an error stays there.
+    /// As [`write`](Self::write). Bytes that `out` took before an error stay there.
     pub fn encode(
         &self,
         frame: &Frame,
@@ -238,8 +238,8 @@ impl Format {
             })
     }
 
-    /// Refuses what [`write`](Self::write) would refuse before it opens anything: to be asked where several
-    /// files are to be written, or none.
+    /// Checks a frame as [`write`](Self::write) does before it opens anything. Call it first where several files are to
+    /// be written, or none.
     ///
     /// # Errors
     ///
@@ -253,7 +253,7 @@ impl Format {
         self.content(frame, channel, settings, &()).map(drop)
     }
 
-    /// What goes into the file, checked.
+    /// The content of the file, checked.
     fn content<'a>(
         &self,
         frame: &'a Frame,

@@ -4,7 +4,7 @@ use super::origin::Origin;
 use crate::error::{Error, Result};
 use crate::geometry::summary::Count;
 
-/// What a picture or a batch of rays gave: named channels over the same elements.
+/// The result of a picture or a batch of rays: named channels over the same elements.
 ///
 /// Elements are in row-major order; row 0 of a picture is its top.
 ///
@@ -29,34 +29,34 @@ pub struct Frame {
 /// One named output: the same number of values for every element of its [`Frame`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// What it is called in files and in interfaces, unique in its frame.
+    /// Its name in files and in interfaces, unique in its frame.
     pub name: &'static str,
-    /// How many values each element has, at least 1.
+    /// The number of values of each element, at least 1.
     pub components: usize,
     /// The values: all components of element 0, then those of element 1.
     pub data: Data,
-    /// How it becomes something to look at.
+    /// How it is shown.
     pub picture: Picture,
-    /// What it is, for those who see nothing but the file.
+    /// Its description, for readers of the file.
     pub description: Description,
 }
 
-/// What a [`Channel`]'s values are, in words for its metadata.
+/// The meaning of a [`Channel`]'s values, for its metadata.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Description {
-    /// One line: what it is, and its value for a miss.
+    /// One line: the meaning, and the value of a miss.
     pub about: &'static str,
-    /// What its numbers count.
+    /// The unit of its numbers.
     pub unit: Unit,
-    /// What its numbers are relative to: `world`, `camera`, `ray`, `triangle` or `texture`.
+    /// The frame of its numbers: `world`, `camera`, `ray`, `triangle` or `texture`.
     pub frame: Option<&'static str>,
 }
 
-/// What a channel's numbers count.
+/// The unit of a channel's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Unit {
-    /// Nothing: identifiers, fractions, vectors of length one.
+    /// None: identifiers, fractions, vectors of length one.
     #[default]
     None,
     /// Linear light with Rec. 709 primaries, 1 being a white surface in full light.
@@ -80,11 +80,12 @@ pub enum Data {
     Bool(Vec<bool>),
 }
 
-/// What a [`Channel`]'s values mean, and so how a PNG shows them. `docs/outputs.md` has the formulas.
+/// The kind of a [`Channel`]'s values, which decides how a PNG shows them. `docs/outputs.md` has the formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Picture {
-    /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the coverage (alpha) from 0 to 1.
+    /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the coverage (alpha) from 0 to
+    /// 1.
     Color,
     /// Distances, one float: from near, yellow, to far, violet.
     Distance,
@@ -137,12 +138,12 @@ impl Frame {
         }
     }
 
-    /// The same frame, knowing where it comes from.
+    /// The same frame with another origin.
     pub fn from_origin(self, origin: Origin) -> Self {
         Self { origin, ..self }
     }
 
-    /// Where it comes from.
+    /// Its scene and its camera.
     pub fn origin(&self) -> &Origin {
         &self.origin
     }
@@ -204,7 +205,7 @@ impl Frame {
 }
 
 impl Channel {
-    /// The value of a miss, as metadata say it.
+    /// The value of a miss, in the words of the metadata.
     pub fn miss(&self) -> &'static str {
         if self.is_transparent() {
             "transparent"
@@ -273,7 +274,7 @@ impl Unit {
 }
 
 impl Picture {
-    /// What a ray has that met nothing, as metadata say it.
+    /// The value of a miss, in the words of the metadata.
     pub fn miss(self) -> &'static str {
         match self {
             Self::Color => "background",

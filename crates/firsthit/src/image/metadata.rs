@@ -1,4 +1,4 @@
-//! What an output says about itself: one structure, kept as JSON in every file.
+//! The metadata of an output: one structure, kept as JSON in every file.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,10 +8,10 @@ use super::origin::{CameraRecord, Origin};
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
 pub(super) const KEY: &str = "firsthit";
 
-/// The number of this structure; it grows when a reader of the old one would be wrong about a new one.
+/// The version of this structure. It grows when a reader of the old version would misread the new one.
 pub const METADATA_VERSION: u32 = 1;
 
-/// What an output is, for people and programs that see nothing but the file.
+/// Describes an output to people and programs that have only the file.
 ///
 /// `docs/output-metadata.schema.json` is its JSON Schema, `docs/outputs.md` shows it. It has no date and
 /// no path: the same picture has the same metadata.
@@ -29,7 +29,7 @@ pub struct Metadata {
     pub pixels: Option<Pixels>,
     /// The camera that made the rays, if one did.
     pub camera: Option<CameraRecord>,
-    /// How many points of a pixel its colour is the mean of; other channels are of the pixel's centre.
+    /// The number of samples whose mean is a pixel's colour; other channels are sampled at the pixel's centre.
     pub samples: Option<u32>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
@@ -77,9 +77,9 @@ pub struct Stored {
     pub dtype: String,
     /// How the numbers were made from the channel's.
     pub encoding: Encoding,
-    /// What stands for a miss in the file.
+    /// The value of a miss in the file.
     pub miss: String,
-    /// With [`Encoding::Steps`]: what one step is, in the channel's unit.
+    /// With [`Encoding::Steps`]: the size of one step, in the channel's unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// With [`Encoding::Picture`]: how to read the picture, where that needs words.
@@ -117,7 +117,7 @@ impl Encoding {
 }
 
 impl Frame {
-    /// What there is to be said about it and its channels.
+    /// The metadata of the frame and all its channels.
     pub fn metadata(&self) -> Metadata {
         let all: Vec<&Channel> = self.channels.iter().collect();
         Metadata::of(self, &all, |_| None)
@@ -125,7 +125,7 @@ impl Frame {
 }
 
 impl Metadata {
-    /// What is to be said about `channels` of `frame`; `stored` tells how a file stores each.
+    /// The metadata of `channels` of `frame`; `stored` tells how a file stores each.
     pub(super) fn of(
         frame: &Frame,
         channels: &[&Channel],
@@ -166,12 +166,12 @@ impl Metadata {
     ///
     /// # Errors
     ///
-    /// In words, what is wrong with it.
+    /// In words, for text that is no metadata.
     pub fn from_json(text: &str) -> Result<Self, String> {
         serde_json::from_str(text).map_err(|error| format!("metadata: {error}"))
     }
 
-    /// What it says about the channel called `name`.
+    /// The record of the channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&ChannelRecord> {
         self.channels.iter().find(|channel| channel.name == name)
     }
@@ -204,7 +204,7 @@ impl ChannelRecord {
 }
 
 impl Stored {
-    /// Numbers under some names, otherwise nothing to be said.
+    /// Numbers under `names`, without a scale or a legend.
     pub(super) fn new(names: Vec<String>, dtype: &str, encoding: Encoding, miss: &str) -> Self {
         Self {
             names,

@@ -1,11 +1,12 @@
-//! The stored result: named channels over the elements of a picture or a batch, and their file formats.
+//! Results and their file formats: named channels over the pixels of a picture or the rays of a batch.
 //!
-//! A [`Frame`] holds what came out. [`write()`] stores it, in the [`Format`] that the path's extension
-//! names; [`FORMATS`] lists them. A file appears whole or not at all, see [`write_whole`]. [`Metadata`] is
-//! what every file says about itself, and [`read`] reads any of them back.
+//! A [`Frame`] holds the channels. [`write()`] stores it in the [`Format`] that the path's extension names; [`FORMATS`]
+//! lists the formats. A file appears whole or not at all, see [`write_whole`]. Every file holds the same [`Metadata`],
+//! and
+//! [`read`] reads any of them back.
 //!
-//! Colours are linear in a frame and in NPY and NPZ; only PNG applies the sRGB curve. Nothing is ever
-//! filtered, tone-mapped or resized here, and the same frame gives the same bytes on every machine.
+//! Colours are linear in a frame; only PNG applies the sRGB curve. Nothing is filtered, tone-mapped or resized, and the
+//! same frame gives the same bytes on every machine.
 
 #[cfg(feature = "png")]
 mod colormap;

@@ -2,14 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where a frame comes from: what no channel knows. In JSON, the part of [`Metadata`](super::Metadata) with these names.
+/// Where a frame comes from: the facts that no channel has. In JSON, the part of [`Metadata`](super::Metadata) with
+/// these names.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Origin {
     /// The scene's fingerprint, such as that of `Scene::fingerprint`.
     pub scene: Option<String>,
     /// The camera that made the rays, if one did.
     pub camera: Option<CameraRecord>,
-    /// How many points of a pixel its colour is the mean of, if there are colours.
+    /// The number of samples whose mean is a pixel's colour, if there are colours.
     pub samples: Option<u32>,
 }
 

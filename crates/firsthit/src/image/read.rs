@@ -1,4 +1,4 @@
-//! Reads an output back: ours, or another program's file in the same format.
+//! Reads outputs back: our own, and other programs' files in the same formats.
 
 // A reader that panics is a reader that a file can crash.
 #![cfg_attr(
@@ -22,8 +22,7 @@ use super::format::format_of;
 use super::metadata::Metadata;
 use crate::error::{Error, Place, Result};
 
-/// What the numbers of one file may take in memory, in bytes, where nobody says: 16,384 squared pixels of four
-/// channels.
+/// The default limit of memory for the numbers of one file, in bytes: 16,384 squared pixels of four channels.
 const MOST_BYTES: u64 = 1 << 32;
 
 /// Metadata are short; a sidecar that is longer is none.

@@ -56,7 +56,7 @@ impl From<Error> for Fault {
     }
 }
 
-/// The most characters of one message.
+/// The longest message, in characters.
 const LONGEST: usize = 1000;
 
 /// Cuts a text that the names in a file have made too long to read.

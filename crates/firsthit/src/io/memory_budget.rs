@@ -64,7 +64,7 @@ impl MemoryBudget {
         }
     }
 
-    /// The budget of a file that this one names: it shares what is left.
+    /// The budget of a file that this one names: all that is left.
     pub(crate) fn part(&self) -> Self {
         Self {
             room: self.room,
@@ -123,8 +123,8 @@ impl MemoryBudget {
         self.charge_content(bytes, "its content")
     }
 
-    /// Charges the growth since the last call, where what is made of the file takes `bytes` in all by now. Loops in
-    /// which a short file can make much of little call it from time to time.
+    /// Charges the growth since the last call; `bytes` is the total by now. Loops in which few bytes can describe much
+    /// call it from time to time.
     pub(crate) fn charge_growth(&mut self, bytes: usize) -> Checked<()> {
         let more = bytes.saturating_sub(self.grown);
         self.grown += more;

@@ -28,7 +28,7 @@ pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<T
 ///
 /// # Errors
 ///
-/// In words, what is wrong with it.
+/// In words, for a picture that is damaged, too large or of no known format.
 pub(super) fn decode(
     bytes: &[u8],
     extension: Option<&str>,

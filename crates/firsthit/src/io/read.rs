@@ -1,4 +1,4 @@
-//! The only door to the file system: regular files, and siblings under the scene's folder.
+//! Opens files: regular ones only, and those that a scene names only under its folder. No other file of this room does.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -56,8 +56,7 @@ pub(crate) fn refuse_folder(path: &Path) -> Result<()> {
     })
 }
 
-/// The content of a file that a scene names; of a packed one, what is packed. It counts against the
-/// scene's memory.
+/// The content of a file that a scene names, unpacked. It is charged to the scene's memory budget.
 pub(crate) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
     let bytes = regular_file(path, report.budget.left())?;
     report.budget.charge_read(path, bytes.len())?;
@@ -128,8 +127,7 @@ pub(crate) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<Pat
         folder => folder,
     };
     let top = top.canonicalize().map_err(|error| error.to_string())?;
-    // Whatever is there already, on the way or at its end, must not lead out of the folder. What is not there
-    // yet cannot be a link.
+    // The parts of the path that exist must not lead out of the folder. The others cannot be links.
     let there = path.ancestors().find_map(|part| part.canonicalize().ok());
     let is_within = there.is_none_or(|there| there.starts_with(&top));
     let is_link = path

@@ -17,7 +17,7 @@ use crate::world::World;
 const HEADER: usize = 80;
 const FACET: usize = 50;
 
-/// After so many lines of text it is asked how much memory they take.
+/// The memory is charged after this many lines of text.
 const CHECK_EVERY: u64 = 1 << 16;
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {

@@ -106,7 +106,7 @@ pub enum AlphaMode {
         /// The least alpha that is there.
         cutoff: f64,
     },
-    /// How much of what is behind shows through. Opaque for now: loaders warn of it.
+    /// The surface is translucent. Opaque for now: loaders warn of it.
     Blend,
 }
 

@@ -1,4 +1,4 @@
-//! What is seen where nothing is hit.
+//! The background of a scene file.
 
 use super::form::is_transparent;
 use super::section::Section;

@@ -68,7 +68,7 @@ impl<'t> Text<'t> {
     }
 }
 
-/// A value as an error names it: as it is written where that is short, else what it is.
+/// The name of a value in an error: its text where that is short, else its type.
 pub(super) fn named(value: &DeValue<'_>) -> String {
     const LONGEST: usize = 40;
     match value {

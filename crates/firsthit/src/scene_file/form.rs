@@ -1,4 +1,4 @@
-//! The forms that values take: what each accepts, in code, in words, and in JSON Schema.
+//! The forms of values: the accepted ones in code, in words and in JSON Schema.
 
 use serde_json::{Value as Json, json};
 
@@ -7,7 +7,7 @@ use super::table::Form;
 use crate::geometry::{COLOR_NAMES, Color, DVec3, color_of};
 
 impl Form {
-    /// What is expected, for "must be ...".
+    /// The expected values, for "must be ...".
     pub(super) fn expected(self) -> String {
         match self {
             Self::Number => "a finite number".into(),

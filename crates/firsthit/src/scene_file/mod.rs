@@ -78,7 +78,7 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
         up,
         ..World::default()
     };
-    // What is wrong with the cameras' own values is told before large files are read.
+    // The cameras' own values are checked before large files are read.
     let cameras = camera::read(&scene)?;
     world.objects = object::read(&scene, report)?;
     world.cameras = camera::settle(cameras, &world)?;

@@ -200,7 +200,7 @@ fn mesh(section: &Section<'_, '_>) -> Checked<Mesh> {
         .iter()
         .filter_map(|item| numbers::<3>(item.get_ref()))
         .collect();
-    // The rule of mesh files, where such a corner costs its triangle: here somebody can be told.
+    // Mesh files lose the triangles at such a corner; a scene file, written by hand, is refused.
     if let Some(far) = points
         .iter()
         .position(|p| p.iter().any(|x| x.abs() >= TOO_FAR))

@@ -95,7 +95,7 @@ pub(super) fn read(section: &Section<'_, '_>) -> Checked<DAffine3> {
     checked(section, "translate", placed)
 }
 
-/// Refuses what cannot be undone, at the key that is to blame.
+/// Refuses a transform without an inverse, at the key that causes it.
 fn checked(section: &Section<'_, '_>, name: &str, map: DAffine3) -> Checked<DAffine3> {
     match Transform::new(map) {
         Ok(_) => Ok(map),

@@ -1,4 +1,4 @@
-//! One table of a scene file, checked against what is known about it.
+//! One table of a scene file, checked against the list of its keys.
 
 use toml::de::{DeTable, DeValue};
 
@@ -295,7 +295,7 @@ fn check_form(text: Text<'_>, key: &Key, value: &Value<'_>) -> Checked<()> {
         );
         return Err(text.fault(culprit.span().start, what));
     }
-    // Written as two brackets too few is what this most often is.
+    // Most often two brackets are missing.
     let hint = match key.form {
         Form::List(record) if came.is_table() => format!("; write [[{}s]]", record.name),
         _ => String::new(),

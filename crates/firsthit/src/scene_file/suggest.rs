@@ -5,8 +5,8 @@ use strsim::damerau_levenshtein;
 /// Longer words are no slip of the finger, and comparing them would take long.
 const LONGEST: usize = 40;
 
-/// The one of the `known` words that `word` is a misspelling of, in any case: by the distance of Damerau and Levenshtein, one slip
-/// in every third letter at most.
+/// The one of the `known` words that `word` is a misspelling of, in any case: by the distance of Damerau and
+/// Levenshtein, one slip in every third letter at most.
 ///
 /// ```
 /// use firsthit::io::nearest_word;
@@ -19,7 +19,7 @@ pub fn nearest_word<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) ->
     }
     let plain = word.to_ascii_lowercase();
     let distance = |other: &str| damerau_levenshtein(&plain, other);
-    // Never so many that nothing of the word is left.
+    // At most a third of the characters, so that most of the word remains.
     let is_near = |other: &&str| distance(other) <= (other.len().max(plain.len()) / 3).min(3);
     let near = known.into_iter().filter(is_near);
     near.min_by_key(|other| distance(other))

@@ -1,12 +1,12 @@
-//! What a scene file's tables are made of: keys, the forms of their values, and rules.
+//! The description of a table in a scene file: its keys, the forms of their values, and rules.
 
-/// A key and what it takes.
+/// A key and the form of its value.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Key {
     pub(super) name: &'static str,
     pub(super) form: Form,
     pub(super) is_required: bool,
-    /// What it means, for people; editors show it.
+    /// Its meaning, which editors show.
     pub(super) about: &'static str,
 }
 
@@ -49,7 +49,7 @@ impl Variant {
     }
 }
 
-/// What tells a table's variants apart.
+/// How a table's variants are told apart.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pick {
     /// Nothing: there is one.
@@ -82,7 +82,7 @@ pub(super) enum Rule {
     OneOf(&'static str, &'static str),
 }
 
-/// What a key's value must look like.
+/// The form of a key's value.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Form {
     /// A finite number.

@@ -52,7 +52,7 @@ fn decode_checked(bytes: &[u8], most: u64) -> Result<Output, String> {
     Ok(output)
 }
 
-/// Refuses what a file claims to hold and cannot, before memory is taken for it.
+/// Refuses a file that claims more than it can hold, before memory is allocated.
 fn check_claims(headers: &[Header], length: usize, most: u64) -> Result<(), String> {
     let mut total = 0_u64;
     for header in headers {
@@ -209,7 +209,7 @@ fn interleaved(
     })
 }
 
-/// What programs agree to call what is in a picture.
+/// The common names of a picture's components.
 const CUSTOM: [(&str, &[&str]); 4] = [
     ("color", &["R", "G", "B"]),
     ("z", &["Z"]),

@@ -7,9 +7,9 @@ use super::super::metadata::{Encoding, Metadata};
 pub struct Output {
     /// The channels, as numbers. Those of ours have the values that were written, misses included.
     pub arrays: Vec<Array>,
-    /// What the file says about itself; `None` for a file of another program.
+    /// The file's metadata; `None` for a file of another program.
     pub metadata: Option<Metadata>,
-    /// What is doubtful about it: a line each.
+    /// The doubts about the file: a line each.
     pub notes: Vec<String>,
 }
 

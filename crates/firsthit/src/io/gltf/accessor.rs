@@ -177,8 +177,8 @@ pub(super) fn check_shape(document: &Document<'_>, index: Index, shape: &Shape) 
 }
 
 impl<'a> Packed<'a> {
-    /// The bytes of elements: a view, where in it they begin, and how many there are. What is wrong with those
-    /// numbers is told in words, for whoever knows their place.
+    /// The bytes of elements: a view, where in it they begin, and how many there are. An error about these
+    /// numbers is in words; the caller knows their place.
     fn new(
         [view, Index(offset), Index(count)]: [Index; 3],
         size: usize,
@@ -282,7 +282,7 @@ impl<'a> Elements<'a> {
         &self,
         report: &mut Report,
     ) -> Checked<Vec<[T; N]>> {
-        // What is not in the bytes is zero, and its count is nothing but a claim.
+        // Values that are not in the bytes are zero; their count is only a claim.
         let needed = (self.count as u64).saturating_mul(size_of::<[T; N]>() as u64);
         report
             .budget
@@ -305,7 +305,7 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// Room for so many values, or an error.
+/// An empty vector with room for `count` values, or an error.
 fn reserved<T>(count: usize, entry: Entry) -> Checked<Vec<T>> {
     let mut values = Vec::new();
     let reserved = values.try_reserve_exact(count);

@@ -107,7 +107,7 @@ impl<'a> Buffers<'a> {
             }
         };
         let Index(length) = buffer.byte_length;
-        // What is there beyond the stated length is padding.
+        // Bytes beyond the stated length are padding.
         let bytes = bytes.part(0, length).ok_or_else(|| {
             let there = bytes.get().len();
             entry.fault(

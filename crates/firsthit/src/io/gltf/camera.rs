@@ -68,7 +68,7 @@ pub(super) fn all(
 fn describe(view: View) -> Description {
     let View { width, height, .. } = view;
     let is_parallel = view.projection == Projection::Orthographic;
-    // Where nobody says how many pixels there are, the picture has the viewplane's shape.
+    // Without a number of pixels the picture has the viewplane's shape.
     let whole = Lens::Viewplane {
         width,
         height,

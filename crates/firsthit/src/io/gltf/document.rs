@@ -1,4 +1,4 @@
-//! The JSON of a glTF document: only what is read of it.
+//! The JSON of a glTF document: the parts that are read.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -288,7 +288,7 @@ pub(super) struct Buffer<'a> {
     pub(super) byte_length: Index,
 }
 
-/// Takes the memory that a document may need at most: a few characters can stand for a large record.
+/// Charges the most memory that a document can need: few characters can stand for a large record.
 pub(super) fn charge(container: &Container<'_>, report: &mut Report) -> Checked<()> {
     // Lists grow by doubling. Nodes are the largest records; names are the largest plain values, two to an
     // entry of a map.
@@ -302,8 +302,7 @@ pub(super) fn charge(container: &Container<'_>, report: &mut Report) -> Checked<
     check_free(needed)
 }
 
-/// Reads the JSON. What is wrong with it is told by its place: a line of a text, a byte of a GLB, or the
-/// value's pointer.
+/// Parses the JSON. A fault names its place: the line of a text, the byte of a GLB, or the pointer of a value.
 pub(super) fn parse<'a>(container: &Container<'a>) -> Checked<Document<'a>> {
     let mut json = serde_json::Deserializer::from_slice(container.json);
     let document: Document<'a> = serde_path_to_error::deserialize(&mut json)

@@ -30,8 +30,8 @@ impl Unpacked {
             .with_max_points(memory / FACE_BYTES)
             .with_max_decoded_bytes(memory / 2);
         // The one place where another's code decodes hostile bytes with indices of its own: it is safe Rust
-        // throughout, so what a bug in it can do is panic, and that is this file's fault, not the program's.
-        // What it was working on is dropped.
+        // throughout, so a bug in it can only panic. That is an error of the file, not of the program;
+        // the decoder's state is dropped.
         let decoded = catch_unwind(AssertUnwindSafe(|| {
             let mut mesh = Mesh::new();
             let mut buffer = DecoderBuffer::new(source).with_limits(limits);
@@ -59,7 +59,7 @@ impl Unpacked {
         faces.map(|face| face.map(|point| point.0)).collect()
     }
 
-    /// The values of an attribute at the vertices, so many numbers each.
+    /// The values of an attribute at the vertices, `components` numbers each.
     pub(super) fn attribute(
         &self,
         Index(identifier): Index,

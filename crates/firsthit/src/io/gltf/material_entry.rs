@@ -141,7 +141,7 @@ impl MaterialEntry<'_> {
         (texture.as_ref(), factor.unwrap_or([1.0; 4]))
     }
 
-    /// The names of what it has that is not read.
+    /// The names of its properties that are not read.
     pub(super) fn unread(&self) -> impl Iterator<Item = &'static str> {
         let rough = self
             .pbr_metallic_roughness

@@ -14,7 +14,7 @@ use super::values::Values;
 use crate::geometry::{DAffine3, DVec3};
 use crate::shape::{Attribute, Mesh, Positions};
 
-/// What is done to a primitive's vertices before they make a mesh.
+/// The deformation of a primitive's vertices: morph targets and joints.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Deformation<'a> {
     /// How much of each morph target is added.
@@ -170,7 +170,7 @@ fn morph(
     Ok(())
 }
 
-/// The triangles of a primitive of so many vertices.
+/// The triangles of a primitive of `vertices` vertices.
 fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checked<Vec<[u32; 3]>> {
     if let Some(triangles) = values.unpacked_triangles() {
         let largest = triangles.iter().flatten().max();
@@ -289,7 +289,7 @@ fn with_normals(
     Ok(mesh.with_normals(Attribute::per_vertex(normals))?)
 }
 
-/// Replaces what is no number in the values of an attribute.
+/// Replaces unusable values of an attribute.
 fn mend_in<const N: usize>(
     values: &mut Values<'_, '_>,
     numbers: &mut [[f32; N]],

@@ -21,7 +21,7 @@ use crate::geometry::{DAffine3, Transform};
 use crate::scene::{Material, Object};
 use crate::shape::Mesh;
 
-/// Makes objects; what several nodes name is made once.
+/// Makes objects. A mesh that several nodes name is made once.
 pub(super) struct Objects<'a, 'b> {
     document: &'a Document<'a>,
     placed: &'b [Placed<'a>],

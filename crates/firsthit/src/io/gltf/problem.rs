@@ -1,10 +1,10 @@
-//! What is wrong with bytes.
+//! Why bytes cannot be read.
 
 use super::super::fault::Fault;
 use super::super::report::Report;
 use crate::error::Place;
 
-/// Why bytes cannot be had, before it is known where in the document they are asked for.
+/// Why bytes cannot be read, before their place in the document is known.
 #[derive(Debug)]
 pub(super) enum Problem {
     Words(String),
@@ -19,7 +19,7 @@ impl Problem {
         }
     }
 
-    /// As words, for those to whom it is a mere warning.
+    /// In words, for a warning.
     pub(super) fn into_words(self, report: &Report) -> String {
         match self {
             Self::Words(what) => what,

@@ -1,4 +1,4 @@
-//! Every index of a document names something that is there, whether it is used or not.
+//! Checks that every index of a document names something that exists, used or not.
 
 use super::super::fault::Checked;
 use super::document::{Accessor, Attributes, BufferView, Document, MeshEntry, Node};
@@ -8,7 +8,7 @@ use super::place::{Entry, key};
 use crate::error::Place;
 use crate::io::fault::Fault;
 
-/// Refuses a document with an index of what is not there.
+/// Refuses a document with an index out of range.
 pub(super) fn check(document: &Document<'_>) -> Checked<()> {
     let counts = Counts::of(document);
     let scene = document.scene.filter(|_| !document.scenes.is_empty());

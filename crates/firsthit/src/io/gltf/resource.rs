@@ -51,7 +51,7 @@ impl<'a> Bytes<'a> {
         whole.get(self.range.clone()).unwrap_or_default()
     }
 
-    /// The part of so many bytes from `offset` on, if there is.
+    /// The `length` bytes from `offset` on, if there are that many.
     pub(super) fn part(&self, offset: usize, length: usize) -> Option<Self> {
         let end = offset.checked_add(length)?;
         let start = self.range.start.checked_add(offset)?;

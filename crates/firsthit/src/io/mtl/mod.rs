@@ -19,12 +19,12 @@ use statement::{Map, Stated, cut, state};
 pub(super) struct Library {
     /// Of two with one name the first counts.
     materials: HashMap<Vec<u8>, Stated>,
-    /// Statements and files that were dealt with: each is read once, however often it is named.
+    /// The statements and files that were read: each is read once, however often it is named.
     asked: HashSet<Vec<u8>>,
     read: HashSet<PathBuf>,
     /// The pictures that were asked for, by library and name; `None` for those that cannot be read.
     pictures: HashMap<(PathBuf, String), Option<Arc<Texture>>>,
-    /// What is made of them where they say what is solid.
+    /// The same pictures as masks: opaque where the surface is.
     masks: HashMap<(PathBuf, String), Option<Arc<Texture>>>,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Library {
 pub(super) struct UnknownMaterial;
 
 impl Library {
-    /// What a material looks like, if it says; reads its textures.
+    /// The look of a material, if the library states one; reads its textures.
     pub(super) fn look(
         &mut self,
         name: &[u8],
@@ -79,7 +79,7 @@ impl Library {
         })
     }
 
-    /// What a picture says of what is solid; each is made, and paid for, once.
+    /// A picture as a mask; each is made, and charged, once.
     fn mask(
         &mut self,
         map: &Map,
@@ -163,7 +163,7 @@ impl Library {
 
     fn parse(&mut self, text: &[u8], path: &Path, report: &mut Report) {
         let mut lines = Lines::new(text);
-        // What is stated of a material whose name there was before counts for nothing.
+        // A second material of one name is read and ignored.
         let (mut known, mut again) = (None, Stated::default());
         while let Some(line) = lines.next() {
             let mut words = Words::new(line);

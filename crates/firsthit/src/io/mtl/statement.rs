@@ -8,7 +8,7 @@ use crate::io::report::Report;
 use crate::io::text::{Lines, Words, next_number, number, shown, unended_line};
 use crate::scene::Wrap;
 
-/// What a library says of a material.
+/// The statements about a material.
 #[derive(Debug, Default)]
 pub(super) struct Stated {
     /// Linear.
@@ -100,7 +100,7 @@ const KEYWORDS: &[&[u8]] = &[
     b"norm",
 ];
 
-/// Notes what a line says of a material.
+/// Reads a line about a material.
 pub(super) fn state(
     material: &mut Stated,
     keyword: &[u8],
@@ -169,7 +169,7 @@ fn parse_map(mut words: Words, path: &Path, line: u64) -> Result<(Map, Option<St
     };
     let mut passed_over = None;
     loop {
-        // What follows the options is the name, which may have blanks.
+        // The name follows the options, and may have blanks.
         let rest = words.rest();
         let Some(option) = words.next() else {
             return Err("the file's name is missing".to_owned());

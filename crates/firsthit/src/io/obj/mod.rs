@@ -22,7 +22,7 @@ use object::{Face, Gather, Object};
 use statement::{CURVES, HARMLESS, is_continued, is_known, joined, linear, name_of, numbers};
 use values::{Materials, Values};
 
-/// After so many lines it is asked how much memory they take.
+/// The memory is charged after this many lines.
 const CHECK_EVERY: u64 = 1 << 16;
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let mut reader = Reader::new(report);
     let mut lines = Lines::new(&text);
     loop {
-        // Counted, not measured: what a statement adds is of the order of its bytes.
+        // By the count of lines, not their memory: a statement adds about as much as it has bytes.
         if lines.number.is_multiple_of(CHECK_EVERY) {
             reader.check_memory()?;
         }

@@ -42,7 +42,7 @@ impl Materials {
         next
     }
 
-    /// What a material looks like, if its library says.
+    /// The look of a material, if its library states one.
     pub(super) fn look(&self, number: u32) -> Option<&Material> {
         self.looks.get(number as usize)?.as_ref()
     }

@@ -10,10 +10,10 @@ use crate::io::report::Report;
 use crate::io::surface::Surface;
 use crate::shape::PropertyOf;
 
-/// After so many rows it is asked how much memory they take.
+/// The memory is charged after this many rows.
 const CHECK_EVERY: u64 = 1 << 16;
 
-/// What the rows of faces say.
+/// The faces that were read.
 pub(super) struct Faces {
     pub(super) surface: Surface,
     /// A linear colour for each face, where all faces so far have one.
@@ -24,7 +24,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// For faces between so many vertices, which need not have been read yet.
+    /// No faces yet, of `vertex_count` vertices, which need not have been read.
     pub(super) fn new(vertex_count: u64) -> Self {
         Self {
             surface: Surface::default(),

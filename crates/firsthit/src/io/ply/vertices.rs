@@ -23,7 +23,7 @@ const NAMES: [&[&str]; 11] = [
     &["blue", "b", "diffuse_blue"],
 ];
 
-/// What the rows of vertices say.
+/// The vertices that were read.
 pub(super) struct VertexRows {
     /// For each property of the element which of [`NAMES`] it is.
     slots: Vec<Option<usize>>,

@@ -10,14 +10,14 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 /// Headers of plain arrays have a hundred bytes.
 const LONGEST_HEADER: u64 = 1 << 16;
 
-/// No file holds so many elements.
+/// More elements than any file holds.
 const MOST_ELEMENTS: u64 = 1 << 48;
 
 /// As many axes as NumPy 2 allows.
 const MOST_AXES: usize = 64;
 
-/// What the header of a NumPy array (`.npy`) says: the type of its elements, its shape and its order. The data behind it is
-/// not looked at before [`NpyHeader::values`].
+/// The header of a NumPy array (`.npy`): the type of its elements, its shape and its order. [`NpyHeader::values`] reads
+/// the data behind it.
 ///
 /// ```
 /// use firsthit::image::{NpyHeader, NpyValues};
@@ -43,7 +43,7 @@ impl NpyHeader {
     ///
     /// # Errors
     ///
-    /// In words: for what is no NumPy array, for records, and for headers that claim what no file has.
+    /// In words: for bytes that are no NumPy array, for records, and for headers that claim more than any file has.
     pub fn parse(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
         let (text, data) = split(bytes)?;
         let header = dictionary(text).and_then(Self::of);
@@ -130,7 +130,7 @@ pub(super) fn wrong(what: &str) -> String {
     format!("not a NumPy array: {what}")
 }
 
-/// The text of a header, and what is behind it.
+/// The text of a header, and the data behind it.
 fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), String> {
     if !bytes.starts_with(MAGIC) {
         return Err(wrong("it does not begin as one"));

@@ -36,7 +36,7 @@ pub(super) fn array(bytes: &[u8], name: Option<String>, most: u64) -> Result<Arr
     let shape: Vec<usize> = (claimed.iter())
         .map(|&side| usize::try_from(side).map_err(|error| error.to_string()))
         .collect::<Result<_, _>>()?;
-    // Without anybody to tell, the third axis is taken for the components of a picture.
+    // The file does not tell: the third axis is taken for the components of a picture.
     let components = match shape.as_slice() {
         [_, _, components] => (*components).max(1),
         _ => 1,

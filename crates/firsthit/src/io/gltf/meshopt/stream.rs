@@ -1,11 +1,11 @@
 //! What the decoders of packed bytes share.
 
-/// What a decoder finds wrong.
+/// The result of a step of a decoder.
 pub(super) type Decoded<T> = Result<T, &'static str>;
 
 pub(super) const TRUNCATED: &str = "truncated: the packed bytes end too early";
 
-/// What is left to be read of a stream.
+/// The rest of a stream that is being read.
 pub(super) struct Stream<'a> {
     pub(super) rest: &'a [u8],
 }
