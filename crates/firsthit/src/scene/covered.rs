@@ -24,7 +24,7 @@ pub(super) fn covered(objects: &[Object], bounds: &[Bounds]) -> Vec<bool> {
         let is_covered = earlier.iter().any(|&other| covers(&objects[other], object));
         covered[index] = is_covered;
         // What has holes covers nothing.
-        if !is_covered && earlier.len() < MOST && !object.may_have_holes() {
+        if !is_covered && earlier.len() < MOST && !object.has_cutouts() {
             earlier.push(index);
         }
     }

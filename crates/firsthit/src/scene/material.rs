@@ -1,4 +1,4 @@
-//! What a surface looks like, and where it has holes.
+//! The look of a surface, and its alpha cut-outs.
 
 use super::texture::{Sample, TextureMap};
 use crate::geometry::{Color, DVec2};
@@ -94,7 +94,7 @@ impl Maps {
 ///     alpha_mode: AlphaMode::Mask { cutoff: 0.6 },
 ///     ..Material::default()
 /// };
-/// assert!(leaf.may_have_holes());
+/// assert!(leaf.has_cutouts());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AlphaMode {
@@ -136,13 +136,13 @@ impl Material {
         self.color * sample.map_or(Color::ONE, |sample| sample.color)
     }
 
-    /// Whether alpha can make holes at all.
-    pub fn may_have_holes(&self) -> bool {
+    /// Whether alpha cuts anything out: whether it is a mask.
+    pub fn has_cutouts(&self) -> bool {
         matches!(self.alpha_mode, AlphaMode::Mask { .. })
     }
 
-    /// Whether the surface has a hole at texture coordinates, its own alpha there being `own`.
-    pub fn is_hole(&self, uv: Option<DVec2>, own: f64) -> bool {
+    /// Whether the surface is cut out at texture coordinates, where the mesh's own alpha is `own`.
+    pub fn is_cut_out(&self, uv: Option<DVec2>, own: f64) -> bool {
         let AlphaMode::Mask { cutoff } = self.alpha_mode else {
             return false;
         };
@@ -161,17 +161,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn alpha_makes_holes_only_where_it_is_a_mask() {
+    fn alpha_cuts_out_only_where_it_is_a_mask() {
         let mut material = Material {
             alpha: 0.5,
             ..Material::default()
         };
-        assert!(!material.is_hole(None, 0.1));
+        assert!(!material.is_cut_out(None, 0.1));
         material.alpha_mode = AlphaMode::Mask { cutoff: 0.4 };
-        assert!(!material.is_hole(None, 1.0));
-        assert!(!material.is_hole(None, 0.8));
-        assert!(material.is_hole(None, 0.7));
+        assert!(!material.is_cut_out(None, 1.0));
+        assert!(!material.is_cut_out(None, 0.8));
+        assert!(material.is_cut_out(None, 0.7));
         material.alpha_mode = AlphaMode::Blend;
-        assert!(!material.is_hole(None, 0.1));
+        assert!(!material.is_cut_out(None, 0.1));
     }
 }

@@ -195,7 +195,7 @@ impl<'a, Q: Quest> Journey<'a, Q> {
 /// Whether all that a mesh's triangles meet is a hit.
 #[inline(always)]
 fn is_plain(moderate: &Moderate, object: &Object) -> bool {
-    moderate.scale == 1.0 && !object.may_have_holes()
+    moderate.scale == 1.0 && !object.has_cutouts()
 }
 
 /// The first hit in a mesh, or any, each of them asked for.
@@ -238,8 +238,8 @@ fn checked(
 ) -> Option<Crossing> {
     let hit = mesh.intersect_triangle(triangle, &Shear::new(ray))?;
     let is_within = ray.holds(hit.t);
-    let is_hole = || object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric);
+    let is_cut_out = || object.has_cutouts() && object.is_cut_out(mesh, triangle, hit.barycentric);
     let crossing = hit.crossing(identifier(triangle));
     // In the caller's units `t` may be too small for float64.
-    (is_within && moderate.hit(0, crossing).is_some() && !is_hole()).then_some(crossing)
+    (is_within && moderate.hit(0, crossing).is_some() && !is_cut_out()).then_some(crossing)
 }

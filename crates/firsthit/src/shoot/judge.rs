@@ -41,7 +41,7 @@ fn all_hits(moderate: &Moderate, index: u32, object: &Object, mut accept: impl F
     for triangle in 0..mesh.triangles().len() {
         if let Some(hit) = mesh.intersect_triangle(triangle, &shear)
             && ray.holds(hit.t)
-            && !(object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric))
+            && !(object.has_cutouts() && object.is_cut_out(mesh, triangle, hit.barycentric))
         {
             let hit = hit.crossing(identifier(triangle));
             moderate.hit(index, hit).map(&mut accept);

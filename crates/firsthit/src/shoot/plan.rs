@@ -115,7 +115,7 @@ impl<'a> Plan<'a> {
 pub(super) fn tileable(scene: &Scene, index: u32) -> Option<(&Mesh, &MeshTree)> {
     let object = scene.objects().get(index as usize)?;
     match (object.shape(), scene.mesh_tree(index as usize)) {
-        (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
+        (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.has_cutouts() => {
             Some((mesh, tree))
         }
         _ => None,

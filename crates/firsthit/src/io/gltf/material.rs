@@ -21,7 +21,7 @@ pub(super) struct Look {
     pub(super) materials: Arc<[Material]>,
     /// The set of texture coordinates that it takes; `None` without a texture.
     pub(super) set: Option<usize>,
-    pub(super) has_holes: bool,
+    pub(super) has_cutouts: bool,
 }
 
 /// The materials of a document; each is made when a primitive asks for it, and once.
@@ -51,7 +51,7 @@ impl Looks {
         warn_of_unread(material, entry, report);
         let look = Look {
             set: texture.as_ref().and(info).map(TextureInfo::set),
-            has_holes: matches!(alpha_mode, AlphaMode::Mask { .. }),
+            has_cutouts: matches!(alpha_mode, AlphaMode::Mask { .. }),
             materials: Arc::new([Material {
                 color: Color::new(red, green, blue),
                 alpha,

@@ -347,7 +347,7 @@ fn with_colors(
         .map(|&[red, green, blue, _]| [red, green, blue])
         .collect();
     let mesh = mesh.with_colors(Attribute::per_vertex(opaque))?;
-    if !look.is_some_and(|look| look.has_holes) {
+    if !look.is_some_and(|look| look.has_cutouts) {
         return Ok(mesh);
     }
     let alphas = colors.iter().map(|&[.., alpha]| [alpha]).collect();
