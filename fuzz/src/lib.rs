@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use firsthit::image::read_bytes;
-use firsthit::io::{LoadSettings, Model, load, load_bytes};
+use firsthit::load::{LoadSettings, load, load_bytes};
+use firsthit::world::World;
 use firsthit::{DVec3, Result, Scene};
 
 /// Small, so that a file that gets around the limits is noticed by the fuzzer's own.
@@ -56,7 +57,7 @@ impl Folder {
 }
 
 /// A refusal is one line; what is not refused can be shot at.
-fn check(read: Result<Model>) {
+fn check(read: Result<World>) {
     match read {
         Err(error) => check_line(&error.to_string()),
         Ok(model) => {

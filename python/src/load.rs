@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use firsthit::io::{LoadSettings, Model, NamedCamera};
+use firsthit::load::LoadSettings;
 use firsthit::render::SAMPLES;
+use firsthit::world::{NamedCamera, World};
 use firsthit::{Background, DAffine3, Light, Object, Shader, Shape};
 use pyo3::prelude::*;
 
@@ -69,11 +70,11 @@ pub(crate) fn load(
         max_memory,
         max_texture,
     };
-    let model = run(py, 0, |_| firsthit::io::load(&path, &settings))?;
+    let model = run(py, 0, |_| firsthit::load::load(&path, &settings))?;
     Ok(taken_apart(&model))
 }
 
-fn taken_apart(model: &Model) -> ModelOut {
+fn taken_apart(model: &World) -> ModelOut {
     let (mut meshes, mut textures) = (Shared::default(), Shared::default());
     let mut object_out = |object: &Object| {
         let materials = object.materials().iter();
@@ -196,7 +197,7 @@ fn light_out(light: &Light) -> LightOut {
     }
 }
 
-fn shading_out(model: &Model) -> Option<ShadingOut> {
+fn shading_out(model: &World) -> Option<ShadingOut> {
     if model.shader.is_none() && model.samples.is_none() {
         return None;
     }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use firsthit::geometry::{self, COLOR_NAMES, color_of};
-use firsthit::io::nearest_word;
-use firsthit::scene::{AlphaMode, Filter, Wrap};
+use firsthit::scene::{AlphaMode, Filter, MapRole, Maps, Wrap};
+use firsthit::scene_file::nearest_word;
 use firsthit::{Color, Material, Texture, TextureMap};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -90,8 +90,9 @@ pub(crate) fn material(material: &MaterialIn<'_>) -> PyResult<Material> {
     Ok(Material {
         color: Color::from(*color),
         alpha: *alpha,
-        texture: texture.as_ref().map(map).transpose()?,
-        alpha_texture: alpha_texture.as_ref().map(map).transpose()?,
+        maps: (Maps::default())
+            .with(MapRole::Color, texture.as_ref().map(map).transpose()?)
+            .with(MapRole::Alpha, alpha_texture.as_ref().map(map).transpose()?),
         alpha_mode: named("alpha_mode", mode, &modes)?,
         unlit: *unlit,
         double_sided: *double_sided,
@@ -131,8 +132,8 @@ pub(crate) fn material_out(
     material: &Material,
     mut number: impl FnMut(&Arc<Texture>) -> usize,
 ) -> MaterialOut {
-    let mut map_out = |map: &Option<TextureMap>| {
-        let map = map.as_ref()?;
+    let mut map_out = |role| {
+        let map = material.maps.get(role)?;
         let wrap = map.wrap.map(|wrap| name_of(wrap, &Wrap::NAMES));
         let filter = name_of(map.filter, &Filter::NAMES);
         let rows = map.picture_from_uv.map(Triple::from);
@@ -146,8 +147,8 @@ pub(crate) fn material_out(
     (
         material.color.into(),
         material.alpha,
-        map_out(&material.texture),
-        map_out(&material.alpha_texture),
+        map_out(MapRole::Color),
+        map_out(MapRole::Alpha),
         mode,
         cutoff,
         material.unlit,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::embree::Answers;
 use crate::firsthit_side;
-use crate::rows::Picture;
+use crate::picture::Picture;
 
 /// What was compared, and what was not equal.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -22,10 +22,10 @@ pub(crate) struct Checked {
     pub(crate) largest_difference: f64,
 }
 
-/// At most so many of the rays where Embree answers otherwise go to the judge.
+/// At most this many of the rays where Embree answers otherwise go to the judge.
 const DISPUTED: usize = 16;
 
-/// The judge and what he may spend.
+/// The judge and its budget.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Judge<'a> {
     pub(crate) scene: &'a firsthit::Scene,

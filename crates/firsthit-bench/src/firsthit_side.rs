@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use firsthit::channel::kind;
 use firsthit::image::Data;
-use firsthit::io::LoadSettings;
+use firsthit::load::LoadSettings;
 use firsthit::shape::{Mesh, Positions};
 use firsthit::shoot::{Any, BruteForce, Cpu, Engine, First, trace, trace_into};
 use firsthit::{Camera, Hit, Hits, Object, Ray, Rays, Scene, Shading, render};
@@ -13,7 +13,7 @@ use firsthit::{Camera, Hit, Hits, Object, Ray, Rays, Scene, Shading, render};
 /// The objects of a file.
 pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
     let model =
-        firsthit::io::load(path, &LoadSettings::default()).map_err(|error| error.to_string())?;
+        firsthit::load::load(path, &LoadSettings::default()).map_err(|error| error.to_string())?;
     Ok(model.objects)
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn colors(
     }
 }
 
-const STOPPED: &str = "there is memory for a million hits, and nobody stops it";
+const STOPPED: &str = "there is memory for a million hits, and the watch stops nothing";
 
 /// The first hit by the judge: every triangle, in float64.
 pub(crate) fn judge(scene: &Scene, ray: &Ray) -> Hit {

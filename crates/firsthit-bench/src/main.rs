@@ -11,7 +11,9 @@ mod embree;
 mod firsthit_side;
 mod measure;
 mod pairs;
+mod picture;
 mod report;
+mod row;
 mod rows;
 mod scenes;
 mod settings;
@@ -64,7 +66,7 @@ fn run(settings: &Settings) -> Result<bool, String> {
     if let Some(set) = settings.isa {
         choose(set);
     }
-    // The main thread is the one worker of the default pool: what is measured runs here, on one thread.
+    // The main thread is the one worker of the default pool: the measured code runs here, on one thread.
     let failed = |error: rayon::ThreadPoolBuildError| error.to_string();
     let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
     alone.build_global().map_err(failed)?;
@@ -77,7 +79,7 @@ fn run(settings: &Settings) -> Result<bool, String> {
     }
     let mut report = Report::new(settings, device.as_ref());
     for name in settings.scenes()? {
-        let scene = scenes::find(&name, settings)?;
+        let scene = scenes::find(&name, &settings.folder)?;
         let trees = tree::measure(&scene, device.as_ref(), settings, &pool)?;
         report.tree(&scene, &trees);
         rows::measure(&scene, &trees, settings, &pool, &mut report)?;

@@ -1,5 +1,5 @@
-//! Our times alone, one at a time and when asked: `benches/pairs.py` has two builds run in turns this way, frame by frame,
-//! and so sees differences far smaller than what a shared machine does to the times themselves.
+//! Our times alone, one at a time and when asked: `benches/pairs.py` has two builds run in turns this way, frame by
+//! frame, and so sees differences far smaller than what a shared machine does to the times themselves.
 
 use std::hint::black_box;
 use std::io::{self, BufRead, StdinLock, Write};
@@ -12,13 +12,13 @@ use crate::rows::{Shot, Shots};
 use crate::scenes;
 use crate::settings::Settings;
 
-/// Says for each thing that can be timed what it is, then for each line of standard input does it and prints the
-/// nanoseconds it took for each ray or triangle, until a line says `next`.
+/// Prints a line for each thing that can be timed, then does the one that each line of standard input names and prints
+/// the nanoseconds it took for each ray or triangle, until a line says `next`.
 pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
     let mut client = Client(io::stdin().lock());
     let failed = |error: io::Error| format!("--pairs: {error}");
     for name in settings.scenes()? {
-        let scene = scenes::find(&name, settings)?;
+        let scene = scenes::find(&name, &settings.folder)?;
         let built = firsthit_side::build(&scene.objects)?;
         let mut build = || drop(black_box(firsthit_side::build(&scene.objects)));
         client
@@ -46,7 +46,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
 struct Client(StdinLock<'static>);
 
 impl Client {
-    /// Offers to time `work`, which does so many `things`, as often as it is asked to.
+    /// Times `work`, which does `things` things, as often as it is asked to.
     fn time(
         &mut self,
         scene: &str,

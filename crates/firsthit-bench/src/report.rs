@@ -8,7 +8,7 @@ use firsthit::{InstructionSet, Scene};
 
 use crate::embree::Device;
 use crate::measure::{Timing, geometric_mean};
-use crate::rows::{DOORS, Measured, Row};
+use crate::row::{DOORS, Measured, Row};
 use crate::scenes::BenchScene;
 use crate::settings::Settings;
 use crate::tree::Trees;

@@ -1,93 +1,25 @@
 //! The rows of the table: which rays, and both sides' times for them.
 
-mod picture;
 mod rays;
 
 use std::cell::RefCell;
 use std::hint::black_box;
 use std::sync::Mutex;
 
-use clap::ValueEnum;
 use firsthit::{Camera, Hits, Ray, Rays, Scene};
 use rayon::ThreadPool;
 
-use crate::check::{Checked, Judge};
+use crate::check::Judge;
 use crate::embree::{Answers, Columns, Door, FlushToZero, Pixels, Source};
 use crate::firsthit_side;
 use crate::measure::{self, Timing};
+use crate::picture::Picture;
 use crate::report::Report;
+use crate::row::{DOORS, Measured, Row};
 use crate::scenes::{BenchScene, Look};
 use crate::settings::Settings;
 use crate::tree::Trees;
-pub(crate) use picture::Picture;
 use rays::Surface;
-
-/// A kind of rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Row {
-    /// The pixels of a perspective camera, from its description
-    Primary,
-    /// The pixels of an orthographic camera, from its description
-    Orthographic,
-    /// The first row's as an array of rays in float32, row by row
-    Array,
-    /// From each hit of the first row to the light: anything in between?
-    Shadow,
-    /// Four from each hit, as far as the scene's reach: anything there?
-    Occlusion,
-    /// One from each hit, as a matt surface scatters: the first hit
-    Bounce,
-    /// From points all over the scene's box in all directions: the first hit
-    Random,
-    /// The picture of the first row's camera, unlit, four points to a pixel, whole; of Embree the rays alone
-    Antialiased,
-    /// The picture of the first row's camera, lit and with shadows, whole; of Embree the rays alone
-    Shaded,
-}
-
-impl Row {
-    /// Every row, in the table's order.
-    pub(crate) const ALL: &[Self] = &[
-        Self::Primary,
-        Self::Orthographic,
-        Self::Array,
-        Self::Shadow,
-        Self::Occlusion,
-        Self::Bounce,
-        Self::Random,
-        Self::Antialiased,
-        Self::Shaded,
-    ];
-
-    /// Its name, as on the command line.
-    pub(crate) fn name(self) -> String {
-        let value = self.to_possible_value().expect("no row is hidden");
-        value.get_name().to_owned()
-    }
-}
-
-/// Embree's columns: robust or not, and the door.
-pub(crate) const DOORS: [(bool, Door); 6] = [
-    (false, Door::Single),
-    (false, Door::Packet),
-    (false, Door::Coherent),
-    (true, Door::Single),
-    (true, Door::Packet),
-    (true, Door::Coherent),
-];
-
-/// A row for one scene. Times are nanoseconds of one thread for each ray.
-#[derive(Debug, Clone)]
-pub(crate) struct Measured {
-    pub(crate) row: Row,
-    pub(crate) rays: usize,
-    pub(crate) firsthit: Timing,
-    /// As [`DOORS`]; none without Embree.
-    pub(crate) embree: Vec<Timing>,
-    /// How many times faster firsthit is with two threads.
-    pub(crate) speedup: f64,
-    pub(crate) checked: Checked,
-}
 
 /// Measures all rows that were asked for.
 pub(crate) fn measure(

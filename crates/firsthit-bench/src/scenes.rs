@@ -1,17 +1,16 @@
-//! What is shot at: the scenes of `make_scenes.py`, or small ones made here.
+//! The scenes: those of `make_scenes.py`, or small ones made here.
 
 mod built_in;
+mod look;
 
 use std::fs;
 use std::path::Path;
-use std::str::SplitWhitespace;
 
-use firsthit::camera::View;
-use firsthit::{Camera, DVec3, Lens, Object, Positions, RayStart, Shape, Viewplane};
+use firsthit::{Object, Positions, Shape};
 
 use crate::embree::Triangles;
 use crate::firsthit_side;
-use crate::settings::Settings;
+pub(crate) use look::Look;
 
 /// Objects, for both sides, and from where to look at them.
 #[derive(Debug)]
@@ -21,49 +20,6 @@ pub(crate) struct BenchScene {
     /// The same triangles for Embree.
     pub(crate) triangles: Vec<Triangles>,
     pub(crate) look: Look,
-}
-
-/// Where the cameras and the light are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Look {
-    pub(crate) eye: DVec3,
-    pub(crate) target: DVec3,
-    pub(crate) up: DVec3,
-    pub(crate) light: DVec3,
-    pub(crate) vertical_fov_degrees: f64,
-    /// What the orthographic camera sees from top to bottom, in scene units.
-    pub(crate) height: f64,
-    /// How far ambient occlusion reaches, in scene units.
-    pub(crate) reach: f64,
-}
-
-impl Look {
-    /// A camera of square pixels, its rays starting at the eye.
-    pub(crate) fn camera(&self, parallel: bool, side: usize) -> Result<Camera, String> {
-        let viewplane = if parallel {
-            Ok(Viewplane {
-                width: self.height,
-                height: self.height,
-                parallel,
-                ray_start: RayStart::Eye,
-                ..Viewplane::default()
-            })
-        } else {
-            Viewplane::with_vertical_fov(self.vertical_fov_degrees, side, side)
-        };
-        let view = |viewplane| View {
-            position: self.eye,
-            aim: self.target - self.eye,
-            up: self.up,
-            rows: side,
-            columns: side,
-            lens: Lens::Flat(viewplane),
-        };
-        viewplane
-            .map(view)
-            .and_then(Camera::new)
-            .map_err(|error| error.to_string())
-    }
 }
 
 /// The names of the scenes in `folder`, small ones first; of the built-in ones where there are none.
@@ -89,11 +45,11 @@ pub(crate) fn all(folder: &Path) -> Result<Vec<String>, String> {
 }
 
 /// The scene `name`, from the folder or built in.
-pub(crate) fn find(name: &str, settings: &Settings) -> Result<BenchScene, String> {
-    let file = settings.folder.join(name).with_extension("cam");
+pub(crate) fn find(name: &str, folder: &Path) -> Result<BenchScene, String> {
+    let file = folder.join(name).with_extension("cam");
     let (objects, look) = if file.is_file() {
         let text = fs::read_to_string(&file).map_err(|error| error.to_string())?;
-        let look = parse(&text).ok_or_else(|| {
+        let look = look::parse(&text).ok_or_else(|| {
             format!(
                 "{}: expected four lines of 3 numbers and one more of 3",
                 file.display()
@@ -118,26 +74,6 @@ pub(crate) fn find(name: &str, settings: &Settings) -> Result<BenchScene, String
     })
 }
 
-/// Reads what `make_scenes.py` writes beside a mesh.
-fn parse(text: &str) -> Option<Look> {
-    fn vector(words: &mut SplitWhitespace) -> Option<DVec3> {
-        let mut number = || words.next()?.parse().ok();
-        Some(DVec3::new(number()?, number()?, number()?))
-    }
-    let mut words = text.split_whitespace();
-    let [eye, target, up, light, rest] = [(); 5].map(|()| vector(&mut words));
-    let rest = rest?;
-    Some(Look {
-        eye: eye?,
-        target: target?,
-        up: up?,
-        light: light?,
-        vertical_fov_degrees: rest.x,
-        height: rest.y,
-        reach: rest.z,
-    })
-}
-
 /// An object as Embree takes it: a mesh where it is.
 fn triangles(object: &Object) -> Result<Triangles, String> {
     let Shape::Mesh(mesh) = object.shape() else {
@@ -151,22 +87,4 @@ fn triangles(object: &Object) -> Result<Triangles, String> {
         Positions::Double(points) => points.iter().map(|point| point.map(|x| x as f32)).collect(),
     };
     Ok(Triangles::new(vertices, mesh.triangles().to_vec()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_camera_file_is_read_and_a_short_one_refused() {
-        let text = "1 2 3\n4 5 6\n0 0 1\n7 8 9\n40 2.5 0.1\n";
-        let look = parse(text).unwrap();
-        assert_eq!(look.light, DVec3::new(7.0, 8.0, 9.0));
-        assert_eq!(
-            (look.vertical_fov_degrees, look.height, look.reach),
-            (40.0, 2.5, 0.1)
-        );
-        assert_eq!(parse(text.trim_end_matches("0.1\n")), None);
-        assert_eq!(parse(&text.replace("2.5", "high")), None);
-    }
 }

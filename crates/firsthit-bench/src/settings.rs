@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use firsthit::InstructionSet;
 
-use crate::rows::Row;
+use crate::row::Row;
 use crate::scenes;
 
 /// firsthit beside Embree: the same scenes, the same rays, one run.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use firsthit::camera::{Aim, Description, Opening, StandardView};
 use firsthit::error::{escape_controls, escaped};
-use firsthit::io::{Model, NamedCamera};
+use firsthit::world::{NamedCamera, World};
 use firsthit::{Camera, DVec3, Projection, Scene};
 
 use crate::args::CameraArgs;
@@ -31,7 +31,7 @@ pub(crate) fn camera(
     args: &CameraArgs,
     (file, base): (&Path, &Description),
     scene: &Scene,
-    model: &Model,
+    model: &World,
 ) -> Result<Chosen, Failure> {
     let bounds = scene.bounds();
     let described = described(args, base)?;
@@ -89,7 +89,7 @@ fn axis(direction: DVec3) -> String {
 }
 
 /// What the file says of the camera that is asked for, or that it is to be looked through.
-pub(crate) fn of_file(args: &CameraArgs, model: &Model) -> Result<Description, Failure> {
+pub(crate) fn of_file(args: &CameraArgs, model: &World) -> Result<Description, Failure> {
     let camera = match &args.camera {
         Some(name) => Some(named(name, &model.cameras)?),
         None => model.cameras.first().filter(|_| model.has_view),

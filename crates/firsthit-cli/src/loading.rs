@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use firsthit::io::{LoadSettings, Model, load};
+use firsthit::load::{LoadSettings, load};
+use firsthit::world::World;
 use firsthit::{Color, Object, Scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -14,7 +15,7 @@ pub(crate) struct Loaded {
     pub(crate) scene: Scene,
     pub(crate) warnings: Vec<String>,
     /// What else the file says: the model without its objects.
-    pub(crate) model: Model,
+    pub(crate) model: World,
 }
 
 /// Reads a 3D file; `neutral` is the colour of objects that have none.

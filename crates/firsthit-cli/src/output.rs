@@ -10,7 +10,7 @@ use firsthit::image::{
     self, FORMATS, Format, Frame, Holds, Picture, WriteSettings, short_legend, sidecar_of,
     write_whole,
 };
-use firsthit::io::nearest_word;
+use firsthit::scene_file::nearest_word;
 
 use serde_json::{Value, json};
 

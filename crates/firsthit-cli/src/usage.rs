@@ -51,7 +51,7 @@ fn file_for_command(error: &Error) -> Option<String> {
     let is_output = firsthit::image::format_of(path).is_ok();
     let is_model = match extension(path).as_str() {
         "gz" => true,
-        extension => firsthit::io::extensions().any(|known| known == extension),
+        extension => firsthit::load::extensions().any(|known| known == extension),
     };
     if !(is_output || is_model || path.is_file()) {
         return None;

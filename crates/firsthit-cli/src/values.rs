@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use firsthit::camera::StandardView;
 use firsthit::geometry::{COLOR_NAMES, color_of};
-use firsthit::io::nearest_word;
+use firsthit::scene_file::nearest_word;
 use firsthit::{Background, Color, DVec3};
 
 /// A camera's target: a point, or the middle of the scene.

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use firsthit::io::{LoadSettings, load};
+use firsthit::load::{LoadSettings, load};
 
 /// The best of so many runs counts: the file is in memory from the first on.
 const RUNS: u32 = 5;

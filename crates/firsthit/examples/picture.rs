@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use firsthit::io::{LoadSettings, load};
+use firsthit::load::{LoadSettings, load};
 use firsthit::{Render, Result};
 
 fn main() -> Result<()> {

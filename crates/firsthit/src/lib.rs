@@ -11,8 +11,8 @@
 //! ```no_run
 //! use std::path::Path;
 //!
-//! use firsthit::io::{LoadSettings, load};
-//! use firsthit::{Render, Result};
+//! use firsthit::load::LoadSettings;
+//! use firsthit::{Render, Result, load};
 //!
 //! fn main() -> Result<()> {
 //!     let scene = load(Path::new("part.stl"), &LoadSettings::default())?.into_scene()?;
@@ -57,9 +57,9 @@
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `io` | `gltf`, `obj`, `ply`, `stl` and `scene-file`, the formats that [`io`] reads; each is a feature too |
+//! | `io` | `gltf`, `obj`, `ply`, `stl` and `scene-file`, the formats that [`load()`] reads; each is a feature too |
 //! | `image` | `exr`, `png` and `npy` (with NPZ), the formats that [`image`] writes; each is a feature too |
-//! | `load` | [`io`] without a format; each of its formats enables it |
+//! | `load` | [`mod@load`] and [`world`] without a format; each format that is read enables it |
 //! | `frame` | [`channel`], [`image`], [`render()`] and [`Render`] without a format; each of `image`'s formats enables it |
 //!
 //! `scene-file` enables `image`, since scene files name their outputs.
@@ -98,13 +98,17 @@ pub mod geometry;
 #[cfg(feature = "frame")]
 pub mod image;
 #[cfg(feature = "load")]
-pub mod io;
+mod io;
+#[cfg(feature = "load")]
+pub mod load;
 mod memory;
 #[cfg(feature = "frame")]
 pub mod render;
 #[cfg(feature = "frame")]
 mod sampling;
 pub mod scene;
+#[cfg(feature = "scene-file")]
+pub mod scene_file;
 #[cfg(feature = "frame")]
 pub mod sensor;
 pub mod shade;
@@ -112,6 +116,8 @@ pub mod shape;
 pub mod shoot;
 mod simd;
 pub mod watch;
+#[cfg(feature = "load")]
+pub mod world;
 
 pub use accel::InstructionSet;
 pub use camera::{Camera, Lens, Projection, RayStart, View, Viewplane};
@@ -119,6 +125,8 @@ pub use error::{Error, Result};
 pub use geometry::{
     Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Hit, Ray, Rays, Transform,
 };
+#[cfg(feature = "load")]
+pub use load::load;
 #[cfg(feature = "frame")]
 pub use render::{Render, render};
 pub use scene::{AlphaMode, Background, Light, Material, Object, Scene, Texture, TextureMap};

@@ -27,12 +27,15 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("scene", &["geometry", "shape", "accel"]),
     ("shoot", &["geometry", "shape", "accel", "scene", "simd"]),
     ("shade", &["geometry", "scene", "shoot"]),
+    ("world", &["geometry", "camera", "scene", "shade"]),
+    ("io", &["geometry", "camera", "shape", "scene", "world"]),
     (
-        "io",
+        "scene_file",
         &[
-            "geometry", "camera", "shape", "scene", "shade", "channel", "image",
+            "geometry", "camera", "shape", "scene", "shade", "channel", "image", "world", "io",
         ],
     ),
+    ("load", &["world", "io", "scene_file"]),
     (
         "channel",
         &["geometry", "camera", "scene", "shoot", "shade", "image"],

@@ -5,10 +5,11 @@ use std::io::Write;
 use std::path::Path;
 
 use firsthit::Result;
-use firsthit::io::{LoadSettings, Model, load};
+use firsthit::load::{LoadSettings, load};
+use firsthit::world::World;
 
 /// Loads `name` from a folder with these files.
-fn read(files: &[(&str, &[u8])], name: &str, strict: bool) -> Result<Model> {
+fn read(files: &[(&str, &[u8])], name: &str, strict: bool) -> Result<World> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("room for a small file");

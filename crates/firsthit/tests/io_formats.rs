@@ -4,13 +4,14 @@ use std::fs;
 use std::path::Path;
 
 use firsthit::geometry::{Color, DVec2, DVec3, Ray, srgb_decode};
-use firsthit::io::{LoadSettings, Model, load};
+use firsthit::load::{LoadSettings, load};
 use firsthit::shape::PropertyOf;
 use firsthit::shoot::{BruteForce, Cpu, Engine};
+use firsthit::world::World;
 use firsthit::{Object, Scene};
 
 /// Loads the first of some files.
-fn read(files: &[(&str, &[u8])]) -> Model {
+fn read(files: &[(&str, &[u8])]) -> World {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("room for a small file");
@@ -18,7 +19,7 @@ fn read(files: &[(&str, &[u8])]) -> Model {
     load(&folder.path().join(files[0].0), &LoadSettings::default()).expect("a right file")
 }
 
-fn names(model: &Model) -> Vec<&str> {
+fn names(model: &World) -> Vec<&str> {
     model.objects.iter().map(Object::name).collect()
 }
 
@@ -94,7 +95,7 @@ const TEXTURED: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1
     mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n";
 
 /// What a ray down onto (x, y) sees of a model: its colour, or nothing.
-fn seen(model: &Model, x: f64, y: f64) -> Option<Color> {
+fn seen(model: &World, x: f64, y: f64) -> Option<Color> {
     let scene = Scene::new(model.objects.clone()).expect("a small scene");
     let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
     let hit = Cpu::default().first_hit(&scene, &ray);

@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use firsthit::io::{LoadSettings, Model, load};
+use firsthit::load::{LoadSettings, load};
+use firsthit::world::World;
 use firsthit::{Error, Result};
 
 const LOOSE: LoadSettings = LoadSettings {
@@ -14,7 +15,7 @@ const LOOSE: LoadSettings = LoadSettings {
 };
 
 /// Loads a file of that name and content.
-fn read(name: &str, content: &[u8]) -> Result<Model> {
+fn read(name: &str, content: &[u8]) -> Result<World> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     fs::write(&path, content).expect("room for a small file");

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::time::Instant;
 
-use firsthit::io::{LoadSettings, load};
+use firsthit::load::{LoadSettings, load};
 use firsthit::shape::Mesh;
 use proptest::prelude::*;
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use firsthit::io::{LoadSettings, load};
+use firsthit::load::{LoadSettings, load};
 
 #[test]
 fn what_was_found_once_is_not_found_again() {

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use firsthit::Object;
 use firsthit::geometry::{Bounds, DVec3};
-use firsthit::io::{LoadSettings, Model, load};
+use firsthit::load::{LoadSettings, load};
+use firsthit::world::World;
 
 /// A row of the manifest.
 struct Row<'a> {
@@ -59,12 +60,12 @@ fn point(text: &str) -> DVec3 {
     DVec3::from_slice(&numbers)
 }
 
-fn triangle_count(model: &Model) -> usize {
+fn triangle_count(model: &World) -> usize {
     let meshes = model.objects.iter().filter_map(Object::mesh);
     meshes.map(|mesh| mesh.triangles().len()).sum()
 }
 
-fn area(model: &Model) -> f64 {
+fn area(model: &World) -> f64 {
     let triangles = model.objects.iter().flat_map(|object| {
         let mesh = object.mesh().expect("files have meshes only");
         let place = *object.transform().world_from_object();
@@ -77,7 +78,7 @@ fn area(model: &Model) -> f64 {
 }
 
 /// What is wrong with the model, if anything.
-fn compare(model: &Model, row: &Row) -> Option<String> {
+fn compare(model: &World, row: &Row) -> Option<String> {
     let triangles = triangle_count(model).to_string();
     // Its triangles are not finite: all that can be said is how many are left.
     if row.area == "nan" {

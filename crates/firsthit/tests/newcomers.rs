@@ -5,9 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use firsthit::io::{LoadSettings, Model, load_bytes};
+use firsthit::load::{LoadSettings, load_bytes};
 use firsthit::render::{BACKGROUND, SAMPLES, framing_camera, shoulder_light};
+use firsthit::scene::{MapRole, Maps};
 use firsthit::shoot::{First, trace};
+use firsthit::world::World;
 use firsthit::{
     Background, Camera, Color, DVec3, Hit, Material, Mesh, Object, Positions, Render, Scene,
     Shader, Shading, Sphere, Texture, TextureMap, View, camera::StandardView, channel, image,
@@ -105,17 +107,20 @@ fn large() -> Arc<Mesh> {
 fn what_is_printed_of_large_things_is_a_summary() {
     let texture = Arc::new(Texture::new(512, 512, vec![[0; 4]; 512 * 512]).unwrap());
     let material = Material {
-        texture: Some(TextureMap::new(Arc::clone(&texture), TextureMap::V_UP)),
+        maps: Maps::default().with(
+            MapRole::Color,
+            TextureMap::new(Arc::clone(&texture), TextureMap::V_UP),
+        ),
         ..Material::default()
     };
     let mesh = large();
     let object = Object::new(Arc::clone(&mesh)).named("n".repeat(100_000));
     let object = object.with_materials(vec![material; 50]);
     let objects = vec![object.clone(); 1000];
-    let model = Model {
+    let model = World {
         objects: objects.clone(),
         warnings: vec!["w".repeat(1000); 100],
-        ..Model::default()
+        ..World::default()
     };
     let scene = Scene::new(objects).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [50, 60]).unwrap();
@@ -128,7 +133,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
         .frame()
         .unwrap();
     for (name, text) in [
-        ("Model", format!("{model:?}")),
+        ("World", format!("{model:?}")),
         ("Mesh", format!("{mesh:?}")),
         ("Object", format!("{object:?}")),
         ("Scene", format!("{scene:?}")),
@@ -137,7 +142,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
         ("Hits", format!("{hits:?}")),
         ("Positions", format!("{:?}", mesh.positions())),
         ("Attribute", format!("{:?}", mesh.normals())),
-        ("Model, in lines", format!("{model:#?}")),
+        ("World, in lines", format!("{model:#?}")),
         ("Scene, in lines", format!("{scene:#?}")),
     ] {
         assert!(

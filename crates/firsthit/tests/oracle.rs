@@ -15,7 +15,7 @@ mod support;
 use std::collections::HashMap;
 use std::path::Path;
 
-use firsthit::io::{LoadSettings, load};
+use firsthit::load::{LoadSettings, load};
 use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{
     Camera, DVec3, Lens, Object, Plane, Projection, Ray, Scene, Sphere, View, Viewplane,

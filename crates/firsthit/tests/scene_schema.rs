@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use firsthit::io::{LoadSettings, load, schema};
+use firsthit::load::{LoadSettings, load};
+use firsthit::scene_file::schema;
 use serde_json::{Map, Value, json};
 use toml::de::{DeTable, DeValue};
 

@@ -43,7 +43,6 @@ pub(super) const FORMAT_UINT3: c_int = 0x5003;
 pub(super) const FORMAT_FLOAT3: c_int = 0x9003;
 pub(super) const QUALITY_MEDIUM: c_int = 1;
 pub(super) const SCENE_ROBUST: c_int = 1 << 2;
-pub(super) const INVALID: u32 = u32::MAX;
 
 type Single<T> = unsafe extern "C" fn(Handle, *mut T, *mut Arguments);
 type Packet<T> = unsafe extern "C" fn(*const c_int, Handle, *mut T, *mut Arguments);

@@ -1,6 +1,7 @@
 //! Embree's packets: `RTCRay`, `RTCRay8`, `RTCRay16` and what belongs to them, by their number of rays.
 
-use super::api::INVALID;
+/// What stands for no geometry.
+pub(super) const INVALID: u32 = u32::MAX;
 
 /// `RTCRayN`: for `N` = 1, 8, 16 its size is a multiple of the alignment Embree asks for.
 #[derive(Debug, Clone, Copy)]

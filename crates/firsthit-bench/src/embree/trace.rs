@@ -2,11 +2,22 @@
 
 use std::ffi::c_int;
 
-use super::api::{Arguments, INVALID};
-use super::packet::{RayHits, Rays};
+use super::api::Arguments;
+use super::device::Scene;
+use super::packet::{INVALID, RayHits, Rays};
 use super::plane::{Line, Plane, settle};
 use super::source::{BLOCK, Source};
-use super::{Door, Scene};
+
+/// How rays are handed to Embree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Door {
+    /// `rtcIntersect1`, `rtcOccluded1`: one by one, as `Open3D`, trimesh and embreex do.
+    Single,
+    /// `rtcIntersect16`, `rtcOccluded16` (8 where 16 are not native) without a flag.
+    Packet,
+    /// The same with the flag for coherent rays.
+    Coherent,
+}
 
 /// What Embree found for each ray: `t`, geometry, primitive, u, v.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use firsthit::{DVec3, Mesh, Object, Positions};
 
-use super::Look;
+use super::look::Look;
 
 /// Their names.
 pub(super) const NAMES: &[&str] = &["boulder", "hills", "room"];

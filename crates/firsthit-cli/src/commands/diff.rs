@@ -3,7 +3,7 @@ use std::path::Path;
 
 use firsthit::error::{escape_controls, escaped};
 use firsthit::image::{Array, Difference, Holds, Output, compare, format_of, read};
-use firsthit::io::nearest_word;
+use firsthit::scene_file::nearest_word;
 use serde_json::{Value, json};
 
 use crate::args::DiffArgs;

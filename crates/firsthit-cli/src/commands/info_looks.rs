@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use firsthit::io::{Model, NamedCamera};
+use firsthit::scene::MapRole;
+use firsthit::world::{NamedCamera, World};
 use firsthit::{AlphaMode, Lens, Light, Material, Scene, Texture};
 use serde_json::{Value, json};
 
@@ -20,7 +21,7 @@ pub(super) struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    pub(super) fn of(model: &'a Model, scene: &'a Scene) -> Self {
+    pub(super) fn of(model: &'a World, scene: &'a Scene) -> Self {
         let materials = materials(scene);
         Self {
             cameras: &model.cameras,
@@ -87,7 +88,7 @@ impl<'a> Looks<'a> {
     /// The first `most` materials.
     pub(super) fn materials_as_json(&self, most: usize) -> Vec<Value> {
         let material = |material: &&Material| {
-            let texture = material.texture.as_ref();
+            let texture = material.maps.get(MapRole::Color);
             json!({
                 "color": material.color.to_array(),
                 "alpha": material.alpha,
@@ -197,8 +198,8 @@ fn materials(scene: &Scene) -> Vec<&Material> {
 fn textures<'a>(materials: &[&'a Material]) -> Vec<&'a Arc<Texture>> {
     let mut known = HashSet::new();
     let maps = materials.iter();
-    let maps = maps.flat_map(|material| [&material.texture, &material.alpha_texture]);
-    let textures = maps.flatten().map(|map| &map.texture);
+    let maps = maps.flat_map(|material| material.maps.iter());
+    let textures = maps.map(|map| &map.texture);
     textures
         .filter(|texture| known.insert(Arc::as_ptr(texture)))
         .collect()

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use firsthit::geometry::meant_as_levels;
 use firsthit::image::WriteSettings;
-use firsthit::io::{Model, Output};
 use firsthit::render::{BACKGROUND, SAMPLES, develop, shoulder_light, work};
 use firsthit::shoot::{First, trace};
+use firsthit::world::{Output, World};
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 use serde_json::{Value, json};
 
@@ -81,7 +81,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
 fn all_orders(
     args: &RenderArgs,
     asked: Option<Vec<Order>>,
-    model: &Model,
+    model: &World,
 ) -> Result<Vec<Order>, Failure> {
     let is_of_file =
         asked.is_none() && args.picture.channels.is_empty() && !model.outputs.is_empty();
@@ -338,7 +338,7 @@ fn shader(args: &LightingArgs, of_file: Option<&Shader>) -> Result<Shader, Failu
     Ok(shader)
 }
 
-fn background(args: &LightingArgs, model: &Model, camera: &Camera) -> Background {
+fn background(args: &LightingArgs, model: &World, camera: &Camera) -> Background {
     match (args.sky, args.background) {
         (Some(sky), _) => Background::Gradient {
             horizon: sky.horizon,
@@ -351,7 +351,7 @@ fn background(args: &LightingArgs, model: &Model, camera: &Camera) -> Background
 }
 
 /// The scene with its lights, and whether they are guessed.
-fn lit(scene: Scene, args: &LightingArgs, model: &Model, camera: &Camera) -> (Scene, bool) {
+fn lit(scene: Scene, args: &LightingArgs, model: &World, camera: &Camera) -> (Scene, bool) {
     let lights = lights(args, model, &scene, camera);
     if args.light.is_empty() && model.lights.is_empty() {
         (scene.with_borrowed_lights(lights), true)
@@ -360,7 +360,7 @@ fn lit(scene: Scene, args: &LightingArgs, model: &Model, camera: &Camera) -> (Sc
     }
 }
 
-fn lights(args: &LightingArgs, model: &Model, scene: &Scene, camera: &Camera) -> Vec<Light> {
+fn lights(args: &LightingArgs, model: &World, scene: &Scene, camera: &Camera) -> Vec<Light> {
     if args.light.is_empty() && model.lights.is_empty() {
         return vec![shoulder_light(camera)];
     }

@@ -1,17 +1,17 @@
 use std::sync::LazyLock;
 
-use super::srgb::SRGB;
-use super::{Channel, Picture};
+use super::frame::{Channel, Picture};
+use super::srgb::{SRGB, unit_byte};
 
 type Rgb = [u8; 3];
 
-/// What a miss looks like, in every picture but those of colours.
+/// The colour of a miss, in every picture but those of colours.
 const BLACK: Rgb = [0; 3];
 
-/// How the values of one channel become bytes, with what had to be known of the whole channel first.
+/// How the values of one channel become bytes, with the ranges that depend on the whole channel.
 pub(super) enum ColorMap {
     Color,
-    /// Colours with how much of the pixel is covered: four bytes, not three.
+    /// Colours with coverage (alpha): four bytes, not three.
     Transparent,
     Distance(Depths),
     Identifier,
@@ -43,7 +43,8 @@ impl ColorMap {
         }
     }
 
-    /// Fills `bytes`, as many as [`bytes`](Self::bytes) for every element, from `values`, `components` for every element.
+    /// Fills `bytes`, as many as [`bytes`](Self::bytes) for every element, from `values`, `components` for every
+    /// element.
     pub(super) fn apply(&self, values: &[f64], components: usize, bytes: &mut [u8]) {
         if matches!(self, Self::Color) {
             // The most frequent picture, and the only one whose bytes need not know their pixel.
@@ -71,7 +72,7 @@ impl ColorMap {
         match (self, value) {
             (Self::Identifier, &[identifier]) => identifier_color(identifier),
             (Self::Mask, &[truth]) => [unit_byte(truth); 3],
-            // What is left are numbers, of which misses are not finite.
+            // The rest are numbers; misses are not finite.
             (_, value) if !value.iter().all(|number| number.is_finite()) => BLACK,
             (Self::Distance(depths), &[t]) => VIRIDIS[usize::from(unit_byte(depths.nearness(t)))],
             (Self::Direction, &[x, y, z]) => [x, y, z].map(|axis| unit_byte(axis.midpoint(1.0))),
@@ -96,12 +97,12 @@ fn unpremultiplied([r, g, b, alpha]: [f64; 4]) -> [u8; 4] {
     }
 }
 
-/// How to read a picture of `channel` back, in words, with every digit; nothing where it needs none.
+/// How to read a picture of `channel` back, in words, with every digit; `None` where it needs no words.
 pub fn legend(channel: &Channel) -> Option<String> {
     legend_in(channel, |number| format!("{number:?}"))
 }
 
-/// [`legend`] for a reader who wants no more than six digits.
+/// [`legend`] with at most six digits.
 pub fn short_legend(channel: &Channel) -> Option<String> {
     legend_in(channel, |number| {
         let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
@@ -177,9 +178,9 @@ impl Range {
 
 /// How the distances of a channel are spread.
 ///
-/// A ground that runs to the horizon would leave a linear scale nothing for all that stands on it. So
-/// colours go by `1 / (1 + x)`, where `x` counts from the nearest distance, the median being 1: half of the
-/// pixels share one half of the colours, however far the others are.
+/// On a linear scale a ground that runs to the horizon takes nearly all colours, and the objects on it look alike. So
+/// the colour depends on `1 / (1 + x)`, where `x` is 0 at the nearest distance and 1 at the median: the nearer half of
+/// the pixels gets about half of the colours, however far the others are.
 pub(super) struct Depths {
     range: Range,
     middle: f64,
@@ -216,18 +217,6 @@ impl Depths {
             |t: f64| 1.0 / (1.0 + (t / 2.0 - low / 2.0) / (self.middle / 2.0 - low / 2.0));
         let farthest = nearness(high);
         (nearness(t) - farthest) / (1.0 - farthest)
-    }
-}
-
-/// A number from 0 to 1 as a byte, rounded to nearest.
-pub(super) fn unit_byte(unit: f64) -> u8 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` saturates, which is what is wanted here; NaN becomes 0"
-    )]
-    {
-        (unit * 255.0).round() as u8
     }
 }
 
@@ -281,7 +270,7 @@ static VIRIDIS: LazyLock<[Rgb; 256]> = LazyLock::new(|| {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Data;
+    use super::super::frame::Data;
     use super::*;
 
     fn colors(picture: Picture, components: usize, data: Data) -> (Vec<Rgb>, Option<String>) {

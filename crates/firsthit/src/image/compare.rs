@@ -1,11 +1,11 @@
-use super::{Array, Numbers};
+use super::decode::output::{Array, Numbers};
 
 /// How two channels differ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
-    /// How many elements (pixels, rays) there are.
+    /// The number of elements (pixels, rays).
     pub elements: usize,
-    /// How many of them differ by more than the tolerance.
+    /// The number of elements that differ by more than the tolerance.
     pub differing: usize,
     /// The largest absolute difference of two numbers; infinity where one of them is infinite or NaN.
     pub largest: f64,

@@ -10,15 +10,15 @@ use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, Vec2};
 use rayon::prelude::*;
 
-use super::format::{Content, picture_sides, pixel};
+use super::content::{Content, picture_sides, pixel};
+use super::frame::{Channel, Data, Picture};
 use super::metadata::{Encoding, KEY, Stored};
-use super::{Channel, Data, Picture};
 use crate::error::{Error, Result};
 
 /// Every sample has 32 bits.
 const BYTES: usize = 4;
 
-/// Refuses what is no picture, and finite numbers that float32 would make infinite.
+/// Refuses a frame that is no picture, and finite numbers that float32 would make infinite.
 pub(super) fn check(content: &Content<'_>) -> Result<()> {
     picture_sides(
         content.shape,

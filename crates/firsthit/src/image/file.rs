@@ -15,8 +15,7 @@ const BUFFER: usize = 1 << 18;
 /// Linux itself gives up after 40 symbolic links.
 const MOST_LINKS: usize = 40;
 
-/// Writes a file whole or not at all: whoever reads `path`, at any moment, finds the old file or the
-/// new one.
+/// Writes a file whole or not at all: a reader of `path` finds the old file or the new one at any moment.
 ///
 /// `content` writes to a temporary file `.NAME.XXXXXX.tmp` in the same folder, which is then flushed to
 /// the disk and renamed. The new file gets the permission bits of the one that it replaces, else those
@@ -60,7 +59,7 @@ pub(super) fn write_with_sidecar(
     let refuse_sidecar = |error| reported(&beside, watch, Err(error));
     let (target, permissions) = match target(path) {
         Ok(Target::File(target, permissions)) => (target, permissions),
-        // Nobody looks beside a pipe.
+        // A pipe has no file beside it.
         Ok(Target::Stream(path)) => return reported(&path, watch, append(&path, watch, content)),
         Err(error) => return reported(path, watch, Err(error)),
     };
@@ -217,7 +216,7 @@ fn append(
     buffered(&file, watch, content)
 }
 
-/// A file that nobody sees under the name of the one it is to become.
+/// A temporary file, not yet under its final name.
 enum Temporary {
     /// It has no name at all, and vanishes with the process.
     #[cfg(target_os = "linux")]
@@ -299,7 +298,7 @@ fn give_name(file: &File, name: &Path) -> io::Result<()> {
     )?)
 }
 
-/// What `make` makes under a name that is free, `.NAME.XXXXXX.tmp` beside `path`.
+/// Calls `make` with a free name, `.NAME.XXXXXX.tmp` beside `path`.
 fn beside<R>(
     path: &Path,
     make: impl FnMut(&Path) -> io::Result<R>,
@@ -321,7 +320,7 @@ fn create(name: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).create_new(true).open(name)
 }
 
-/// The system's reason alone: `tempfile` adds the temporary's name, which nobody asked for.
+/// The system's reason alone, without the temporary file's name, which `tempfile` adds.
 fn without_name(error: &io::Error) -> io::Error {
     let inner = error.get_ref().and_then(|error| error.source());
     let code = inner.and_then(|inner| inner.downcast_ref::<io::Error>()?.raw_os_error());
@@ -338,7 +337,7 @@ fn buffered(
     writer.flush()
 }
 
-/// A file that takes no more when the watch says stop: the temporary file then goes away in an orderly manner.
+/// A writer that fails once the watch says stop, so that the temporary file is removed.
 struct Stoppable<'a> {
     file: &'a File,
     watch: &'a dyn Watch,

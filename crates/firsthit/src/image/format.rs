@@ -1,14 +1,15 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::content::{Content, WriteSettings};
+use super::decode::output::Output;
 #[cfg(feature = "exr")]
 use super::exr;
 use super::file::{write_whole, write_with_sidecar};
+use super::frame::{Channel, Frame};
 use super::metadata::{Metadata, Stored};
 #[cfg(feature = "png")]
 use super::png;
-use super::read::Output;
-use super::{Channel, Frame};
 #[cfg(feature = "npy")]
 use super::{npy, npz};
 use crate::error::{Error, Result, escaped};
@@ -27,7 +28,7 @@ pub const FORMATS: &[Format] = &[
         check: png::check,
         stored: png::stored,
         encode: png::encode,
-        decode: super::read::png::decode,
+        decode: super::decode::png::decode,
     },
     #[cfg(feature = "exr")]
     Format {
@@ -40,7 +41,7 @@ pub const FORMATS: &[Format] = &[
         check: exr::check,
         stored: |channel, _| exr::stored(channel),
         encode: exr::encode,
-        decode: super::read::exr::decode,
+        decode: super::decode::exr::decode,
     },
     #[cfg(feature = "npy")]
     Format {
@@ -55,7 +56,7 @@ pub const FORMATS: &[Format] = &[
         encode: |content, out| {
             (content.channels.iter()).try_for_each(|c| npy::encode(content.shape, c, out))
         },
-        decode: super::read::npy::decode,
+        decode: super::decode::npy::decode,
     },
     #[cfg(feature = "npy")]
     Format {
@@ -68,60 +69,42 @@ pub const FORMATS: &[Format] = &[
         check: |_| Ok(()),
         stored: |channel, _| Stored::exact(channel, vec![channel.name.to_owned()]),
         encode: npz::encode,
-        decode: super::read::npz::decode,
+        decode: super::decode::npz::decode,
     },
 ];
 
 /// A file format.
 #[derive(Debug, Clone, Copy)]
 pub struct Format {
-    /// What it is called, in lower case.
+    /// Its name, in lower case.
     pub name: &'static str,
     /// The extensions that choose it, in lower case and without the dot.
     pub extensions: &'static [&'static str],
-    /// How much of a frame a file of it takes.
+    /// Whether a file holds one channel or all.
     pub holds: Holds,
-    /// Whether it takes `[rows, columns]` alone, not a batch of rays.
+    /// Whether it stores only pictures, `[rows, columns]`, and no batches of rays.
     pub only_pictures: bool,
-    /// Whether the metadata is in a file of its own beside, `NAME.json`, because there is no room within.
+    /// Whether the metadata is in a separate file, `NAME.json`, because the format has no place for it.
     pub has_sidecar: bool,
-    /// What it is for, as a phrase for lists.
+    /// Its purpose, as a phrase for lists.
     pub summary: &'static str,
     /// Whether this content can be stored.
     check: fn(&Content<'_>) -> Result<()>,
     /// How it stores a channel.
     stored: fn(&Channel, &WriteSettings) -> Stored,
-    /// Writes what was checked.
+    /// Writes content that was checked.
     encode: fn(&Content<'_>, &mut dyn Write) -> io::Result<()>,
-    /// Reads a file of any origin, all of it at once; its numbers may take so many bytes.
+    /// Decodes a file of any origin. The second argument limits the bytes of its numbers.
     pub(super) decode: fn(&[u8], u64) -> std::result::Result<Output, String>,
 }
 
-/// How much of a [`Frame`] one file takes.
+/// How much of a [`Frame`] one file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holds {
     /// One channel.
     OneChannel,
     /// All channels of the frame.
     AllChannels,
-}
-
-/// What a format leaves open.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WriteSettings {
-    /// What one step of a 16 bit PNG is, in scene units: distances are then stored in such steps, 0 being
-    /// a miss. `None`: as pictures to look at.
-    pub png_scale: Option<f64>,
-}
-
-/// What goes into a file.
-pub(super) struct Content<'a> {
-    pub(super) shape: &'a [usize],
-    pub(super) channels: Vec<&'a Channel>,
-    pub(super) settings: WriteSettings,
-    pub(super) metadata: Metadata,
-    /// For what takes long before the first byte is written.
-    pub(super) watch: &'a dyn Watch,
 }
 
 /// Writes all of `frame` to a file, whole or not at all, in the format that `path`'s extension names.
@@ -142,7 +125,36 @@ pub fn write_channel(frame: &Frame, name: &str, path: &Path) -> Result<()> {
     format_of(path)?.write(frame, Some(name), WriteSettings::default(), path, &())
 }
 
-/// The format that `path`'s extension names, in any case. To be asked before hours of rendering.
+impl Frame {
+    /// Writes it to a file, whole or not at all, in the format that the path's extension names (see
+    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels.
+    ///
+    /// ```no_run
+    /// use firsthit::{Render, Scene};
+    ///
+    /// let scene = Scene::new(vec![])?;
+    /// Render::new(&scene).channels(&["color", "z"]).frame()?.save("all.exr")?;
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write`](super::write()).
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        write(self, path.as_ref())
+    }
+
+    /// Writes one of its channels to a file, otherwise as [`save`](Self::save).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write_channel`](super::write_channel).
+    pub fn save_channel(&self, name: &str, path: impl AsRef<Path>) -> Result<()> {
+        write_channel(self, name, path.as_ref())
+    }
+}
+
+/// The format that the extension of `path` names, in upper or lower case. Call it before hours of rendering.
 ///
 /// # Errors
 ///
@@ -160,7 +172,7 @@ pub fn format_of(path: &Path) -> Result<&'static Format> {
         })
 }
 
-/// The format called `name`, in any case: where there is no extension to tell it.
+/// The format called `name`, in upper or lower case: for outputs without an extension.
 ///
 /// # Errors
 ///
@@ -203,11 +215,11 @@ impl Format {
     }
 
     /// Writes the same bytes as [`write`](Self::write) to any writer, which need not be buffered.
-    /// `target` is what errors call it.
+    /// Errors call it `target`.
     ///
     /// # Errors
     ///
-    /// As [`write`](Self::write). What `out` took until an error stays there.
+    /// As [`write`](Self::write). Bytes that `out` took before an error stay there.
     pub fn encode(
         &self,
         frame: &Frame,
@@ -226,8 +238,8 @@ impl Format {
             })
     }
 
-    /// Refuses what [`write`](Self::write) would refuse before it opens anything: to be asked where several
-    /// files are to be written, or none.
+    /// Checks a frame as [`write`](Self::write) does before it opens anything. Call it first where several files are to
+    /// be written, or none.
     ///
     /// # Errors
     ///
@@ -241,7 +253,7 @@ impl Format {
         self.content(frame, channel, settings, &()).map(drop)
     }
 
-    /// What goes into the file, checked.
+    /// The content of the file, checked.
     fn content<'a>(
         &self,
         frame: &'a Frame,
@@ -278,24 +290,5 @@ impl Format {
             return Err(Error::argument("channel", expected, got));
         }
         Ok(channels)
-    }
-}
-
-/// `[rows, columns]` of a picture, each from 1 to what the format can say.
-pub(super) fn picture_sides(shape: &[usize], expected: &'static str) -> Result<(usize, usize)> {
-    const LONGEST: usize = (1 << 31) - 1;
-    match *shape {
-        [rows, columns] if (1..=LONGEST).contains(&rows) && (1..=LONGEST).contains(&columns) => {
-            Ok((rows, columns))
-        }
-        _ => Err(Error::argument("shape", expected, format!("{shape:?}"))),
-    }
-}
-
-/// The row and the column of an element that a message is about.
-pub(super) fn pixel(index: usize, shape: &[usize]) -> String {
-    match shape {
-        [_, columns] => format!("row {}, column {}", index / columns, index % columns),
-        _ => format!("element {index}"),
     }
 }

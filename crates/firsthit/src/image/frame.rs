@@ -1,11 +1,10 @@
 use std::fmt::{self, Debug, Formatter};
-use std::path::Path;
 
-use super::{Metadata, Origin};
+use super::origin::Origin;
 use crate::error::{Error, Result};
 use crate::geometry::summary::Count;
 
-/// What a picture or a batch of rays gave: named channels over the same elements.
+/// The result of a picture or a batch of rays: named channels over the same elements.
 ///
 /// Elements are in row-major order; row 0 of a picture is its top.
 ///
@@ -30,34 +29,34 @@ pub struct Frame {
 /// One named output: the same number of values for every element of its [`Frame`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// What it is called in files and in interfaces, unique in its frame.
+    /// Its name in files and in interfaces, unique in its frame.
     pub name: &'static str,
-    /// How many values each element has, at least 1.
+    /// The number of values of each element, at least 1.
     pub components: usize,
     /// The values: all components of element 0, then those of element 1.
     pub data: Data,
-    /// How it becomes something to look at.
+    /// How it is shown.
     pub picture: Picture,
-    /// What it is, for those who see nothing but the file.
+    /// Its description, for readers of the file.
     pub description: Description,
 }
 
-/// What a [`Channel`]'s values are, in words for its metadata.
+/// The meaning of a [`Channel`]'s values, for its metadata.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Description {
-    /// One line: what it is, and its value for a miss.
+    /// One line: the meaning, and the value of a miss.
     pub about: &'static str,
-    /// What its numbers count.
+    /// The unit of its numbers.
     pub unit: Unit,
-    /// What its numbers are relative to: `world`, `camera`, `ray`, `triangle` or `texture`.
+    /// The frame of its numbers: `world`, `camera`, `ray`, `triangle` or `texture`.
     pub frame: Option<&'static str>,
 }
 
-/// What a channel's numbers count.
+/// The unit of a channel's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Unit {
-    /// Nothing: identifiers, fractions, vectors of length one.
+    /// None: identifiers, fractions, vectors of length one.
     #[default]
     None,
     /// Linear light with Rec. 709 primaries, 1 being a white surface in full light.
@@ -81,11 +80,12 @@ pub enum Data {
     Bool(Vec<bool>),
 }
 
-/// What a [`Channel`]'s values mean, and so how a PNG shows them. `docs/outputs.md` has the formulas.
+/// The kind of a [`Channel`]'s values, which decides how a PNG shows them. `docs/outputs.md` has the formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Picture {
-    /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the coverage (alpha) from 0 to 1.
+    /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the coverage (alpha) from 0 to
+    /// 1.
     Color,
     /// Distances, one float: from near, yellow, to far, violet.
     Distance,
@@ -138,47 +138,14 @@ impl Frame {
         }
     }
 
-    /// The same frame, knowing where it comes from.
+    /// The same frame with another origin.
     pub fn from_origin(self, origin: Origin) -> Self {
         Self { origin, ..self }
     }
 
-    /// Where it comes from.
+    /// Its scene and its camera.
     pub fn origin(&self) -> &Origin {
         &self.origin
-    }
-
-    /// What there is to be said about it and its channels.
-    pub fn metadata(&self) -> Metadata {
-        let all: Vec<&Channel> = self.channels.iter().collect();
-        Metadata::of(self, &all, |_| None)
-    }
-
-    /// Writes it to a file, whole or not at all, in the format that the path's extension names (see
-    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels.
-    ///
-    /// ```no_run
-    /// use firsthit::{Render, Scene};
-    ///
-    /// let scene = Scene::new(vec![])?;
-    /// Render::new(&scene).channels(&["color", "z"]).frame()?.save("all.exr")?;
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// Those of [`write`](super::write()).
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        super::write(self, path.as_ref())
-    }
-
-    /// Writes one of its channels to a file, otherwise as [`save`](Self::save).
-    ///
-    /// # Errors
-    ///
-    /// Those of [`write_channel`](super::write_channel).
-    pub fn save_channel(&self, name: &str, path: impl AsRef<Path>) -> Result<()> {
-        super::write_channel(self, name, path.as_ref())
     }
 
     /// Adds `channel` after the others.
@@ -238,7 +205,7 @@ impl Frame {
 }
 
 impl Channel {
-    /// The value of a miss, as metadata say it.
+    /// The value of a miss, in the words of the metadata.
     pub fn miss(&self) -> &'static str {
         if self.is_transparent() {
             "transparent"
@@ -307,7 +274,7 @@ impl Unit {
 }
 
 impl Picture {
-    /// What a ray has that met nothing, as metadata say it.
+    /// The value of a miss, in the words of the metadata.
     pub fn miss(self) -> &'static str {
         match self {
             Self::Color => "background",

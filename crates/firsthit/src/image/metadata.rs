@@ -1,16 +1,17 @@
-//! What an output says about itself: one structure, kept as JSON in every file.
+//! The metadata of an output: one structure, kept as JSON in every file.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Channel, Frame, Picture};
+use super::frame::{Channel, Frame, Picture};
+use super::origin::{CameraRecord, Origin};
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
 pub(super) const KEY: &str = "firsthit";
 
-/// The number of this structure; it grows when a reader of the old one would be wrong about a new one.
+/// The version of this structure. It grows when a reader of the old version would misread the new one.
 pub const METADATA_VERSION: u32 = 1;
 
-/// What an output is, for people and programs that see nothing but the file.
+/// Describes an output to people and programs that have only the file.
 ///
 /// `docs/output-metadata.schema.json` is its JSON Schema, `docs/outputs.md` shows it. It has no date and
 /// no path: the same picture has the same metadata.
@@ -28,7 +29,7 @@ pub struct Metadata {
     pub pixels: Option<Pixels>,
     /// The camera that made the rays, if one did.
     pub camera: Option<CameraRecord>,
-    /// How many points of a pixel its colour is the mean of; other channels are of the pixel's centre.
+    /// The number of samples whose mean is a pixel's colour; other channels are sampled at the pixel's centre.
     pub samples: Option<u32>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
@@ -43,56 +44,6 @@ pub struct Pixels {
     pub row_0: String,
     /// Where column 0 is.
     pub column_0: String,
-}
-
-/// A camera: in the specification's words, as intrinsic matrix, and as pose.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CameraRecord {
-    /// Where the camera is, in the world.
-    pub position: [f64; 3],
-    /// The direction it looks in, of length one.
-    pub aim: [f64; 3],
-    /// Which way is up, as it was given.
-    pub up: [f64; 3],
-    /// The distance from the camera to the viewplane; `None` for a projection without one, as for the next two.
-    pub focal_length: Option<f64>,
-    /// The viewplane's width.
-    pub width: Option<f64>,
-    /// The viewplane's height.
-    pub height: Option<f64>,
-    /// Pixels down.
-    pub rows: u64,
-    /// Pixels across.
-    pub columns: u64,
-    /// The projection's name.
-    pub projection: String,
-    /// Where `t` counts from: `viewplane` or `eye`.
-    pub ray_start: String,
-    /// As intrinsic matrix; `None` for parallel rays, which have none.
-    pub intrinsics: Option<Intrinsics>,
-    /// Where it is and how it is turned.
-    pub pose: Pose,
-}
-
-/// The matrix K: `(u, v, 1)` is `K (x, y, z) / z`, where u counts pixels to the right and v downwards.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Intrinsics {
-    /// Row by row.
-    pub k: [[f64; 3]; 3],
-    /// The coordinates (u and v) of the first pixel's centre: 0.5, as in COLMAP and OpenGL. For OpenCV,
-    /// where they are 0, subtract 0.5 from the two numbers in the last column.
-    pub first_pixel_center: f64,
-    /// What x, y, z are: the camera's right, down and forwards, as in OpenCV and COLMAP.
-    pub axes: String,
-}
-
-/// The matrix that takes the camera's coordinates to the world's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Pose {
-    /// Row by row; it is applied to columns.
-    pub world_from_camera: [[f64; 4]; 4],
-    /// What the camera's x, y, z are: right, up and backwards, as in OpenGL, glTF and Blender.
-    pub axes: String,
 }
 
 /// A channel, as it was computed and as this file stores it.
@@ -126,9 +77,9 @@ pub struct Stored {
     pub dtype: String,
     /// How the numbers were made from the channel's.
     pub encoding: Encoding,
-    /// What stands for a miss in the file.
+    /// The value of a miss in the file.
     pub miss: String,
-    /// With [`Encoding::Steps`]: what one step is, in the channel's unit.
+    /// With [`Encoding::Steps`]: the size of one step, in the channel's unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// With [`Encoding::Picture`]: how to read the picture, where that needs words.
@@ -152,17 +103,6 @@ pub enum Encoding {
     Picture,
 }
 
-/// Where a frame comes from: what no channel knows. In JSON, the part of [`Metadata`] with these names.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Origin {
-    /// The scene's fingerprint, such as that of `Scene::fingerprint`.
-    pub scene: Option<String>,
-    /// The camera that made the rays, if one did.
-    pub camera: Option<CameraRecord>,
-    /// How many points of a pixel its colour is the mean of, if there are colours.
-    pub samples: Option<u32>,
-}
-
 impl Encoding {
     /// In words.
     pub fn name(self) -> &'static str {
@@ -176,8 +116,16 @@ impl Encoding {
     }
 }
 
+impl Frame {
+    /// The metadata of the frame and all its channels.
+    pub fn metadata(&self) -> Metadata {
+        let all: Vec<&Channel> = self.channels.iter().collect();
+        Metadata::of(self, &all, |_| None)
+    }
+}
+
 impl Metadata {
-    /// What is to be said about `channels` of `frame`; `stored` tells how a file stores each.
+    /// The metadata of `channels` of `frame`; `stored` tells how a file stores each.
     pub(super) fn of(
         frame: &Frame,
         channels: &[&Channel],
@@ -218,12 +166,12 @@ impl Metadata {
     ///
     /// # Errors
     ///
-    /// In words, what is wrong with it.
+    /// In words, for text that is no metadata.
     pub fn from_json(text: &str) -> Result<Self, String> {
         serde_json::from_str(text).map_err(|error| format!("metadata: {error}"))
     }
 
-    /// What it says about the channel called `name`.
+    /// The record of the channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&ChannelRecord> {
         self.channels.iter().find(|channel| channel.name == name)
     }
@@ -256,7 +204,7 @@ impl ChannelRecord {
 }
 
 impl Stored {
-    /// Numbers under some names, otherwise nothing to be said.
+    /// Numbers under `names`, without a scale or a legend.
     pub(super) fn new(names: Vec<String>, dtype: &str, encoding: Encoding, miss: &str) -> Self {
         Self {
             names,

@@ -1,15 +1,18 @@
-//! The stored result: named channels over the elements of a picture or a batch, and their file formats.
+//! Results and their file formats: named channels over the pixels of a picture or the rays of a batch.
 //!
-//! A [`Frame`] holds what came out. [`write()`] stores it, in the [`Format`] that the path's extension
-//! names; [`FORMATS`] lists them. A file appears whole or not at all, see [`write_whole`]. [`Metadata`] is
-//! what every file says about itself, and [`read`] reads any of them back.
+//! A [`Frame`] holds the channels. [`write()`] stores it in the [`Format`] that the path's extension names; [`FORMATS`]
+//! lists the formats. A file appears whole or not at all, see [`write_whole`]. Every file holds the same [`Metadata`],
+//! and
+//! [`read`] reads any of them back.
 //!
-//! Colours are linear in a frame and in NPY and NPZ; only PNG applies the sRGB curve. Nothing is ever
-//! filtered, tone-mapped or resized here, and the same frame gives the same bytes on every machine.
+//! Colours are linear in a frame; only PNG applies the sRGB curve. Nothing is filtered, tone-mapped or resized, and the
+//! same frame gives the same bytes on every machine.
 
 #[cfg(feature = "png")]
 mod colormap;
 mod compare;
+mod content;
+mod decode;
 #[cfg(feature = "exr")]
 mod exr;
 mod file;
@@ -20,6 +23,7 @@ mod metadata;
 mod npy;
 #[cfg(feature = "npy")]
 mod npz;
+mod origin;
 #[cfg(feature = "png")]
 mod png;
 mod read;
@@ -31,15 +35,13 @@ mod steps;
 #[cfg(feature = "png")]
 pub use colormap::{color_of_identifier, legend, short_legend};
 pub use compare::{Difference, compare};
-pub use file::{sidecar_of, write_whole};
-pub use format::{
-    FORMATS, Format, Holds, WriteSettings, format_named, format_of, write, write_channel,
-};
-pub use frame::{Channel, Data, Description, Frame, Picture, Unit};
-pub use metadata::{
-    CameraRecord, ChannelRecord, Encoding, Intrinsics, METADATA_VERSION, Metadata, Origin, Pixels,
-    Pose, Stored,
-};
-pub use read::{Array, Numbers, Output, read, read_bytes};
+pub use content::WriteSettings;
 #[cfg(feature = "npy")]
-pub use read::{NpyHeader, NpyValues};
+pub use decode::npy::{NpyHeader, NpyValues};
+pub use decode::output::{Array, Numbers, Output};
+pub use file::{sidecar_of, write_whole};
+pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};
+pub use frame::{Channel, Data, Description, Frame, Picture, Unit};
+pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
+pub use origin::{CameraRecord, Intrinsics, Origin, Pose};
+pub use read::{read, read_bytes};

@@ -1,6 +1,6 @@
 use std::io::{self, Write};
 
-use super::{Channel, Data};
+use super::frame::{Channel, Data};
 
 /// How many values are turned into bytes at a time: the buffer of 64 KiB stays in the cache.
 const CHUNK: usize = 8192;

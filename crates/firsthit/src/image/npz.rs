@@ -3,7 +3,7 @@ use std::io::{self, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::format::Content;
+use super::content::Content;
 use super::npy;
 
 /// From here on an entry needs ZIP64, with some room for its header.

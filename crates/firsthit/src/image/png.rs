@@ -2,16 +2,17 @@ use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
-use super::colormap::ColorMap;
-use super::format::{Content, WriteSettings, picture_sides};
+use super::colormap::{ColorMap, legend};
+use super::content::{Content, WriteSettings, picture_sides};
+use super::frame::{Channel, Picture};
 use super::metadata::{Encoding, KEY, Stored};
-use super::{Channel, Picture, legend, steps};
+use super::steps;
 use crate::error::Result;
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
 const CHUNK: usize = 1 << 16;
 
-/// Refuses what is no picture, and distances that 16 bits of the chosen steps do not hold.
+/// Refuses a frame that is no picture, and distances that do not fit into 16 bits of the chosen steps.
 pub(super) fn check(content: &Content<'_>) -> Result<()> {
     picture_sides(
         content.shape,

@@ -1,6 +1,5 @@
 use std::sync::LazyLock;
 
-use super::colormap::unit_byte;
 use crate::geometry::srgb_encode;
 
 /// The curve, made at its first use in about a millisecond.
@@ -43,6 +42,18 @@ impl SrgbBytes {
         let part = (linear * f64::from(PARTS)) as usize;
         let first = self.first[part];
         first + u8::from(linear >= self.steps[usize::from(first)])
+    }
+}
+
+/// A number from 0 to 1 as a byte, rounded to nearest.
+pub(super) fn unit_byte(unit: f64) -> u8 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` saturates, which is what is wanted here; NaN becomes 0"
+    )]
+    {
+        (unit * 255.0).round() as u8
     }
 }
 

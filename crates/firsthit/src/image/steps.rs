@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::Channel;
-use super::format::pixel;
+use super::content::pixel;
+use super::frame::Channel;
 use crate::error::{Error, Result};
 
 /// The largest number of steps.

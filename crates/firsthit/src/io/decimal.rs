@@ -12,9 +12,9 @@ const LARGEST_WHOLE: u64 = 1 << 53;
 /// More digits may not fit.
 const MOST_DIGITS: usize = 18;
 
-/// The number at the start of `text`, and what follows it, if its digits and its power of ten are both
-/// exact as float64: then one operation rounds it rightly (Clinger, "How to Read Floating Point Numbers
-/// Accurately", PLDI 1990). `None` says nothing about the text.
+/// The number at the start of `text`, and the rest of the text, if float64 holds both its digits and its power of ten
+/// exactly: then one operation rounds correctly (Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990).
+/// `None` says nothing about the text.
 #[inline]
 pub(super) fn number(text: &[u8]) -> Option<(f64, &[u8])> {
     let (is_negative, rest) = match text {

@@ -5,7 +5,9 @@ use std::io::Read;
 
 use flate2::bufread::GzDecoder;
 
-use super::report::{Checked, Fault, Report, size_in_words};
+use super::fault::{Checked, Fault};
+use super::memory_budget::size_in_words;
+use super::report::Report;
 use crate::error::Place;
 
 const MAGIC: &[u8] = &[0x1f, 0x8b];
@@ -18,14 +20,16 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
     if !bytes.starts_with(MAGIC) {
         return Ok(bytes);
     }
-    let Unpacked { content, trailing } = unpack(&bytes, report.settings().max_memory)?;
+    let Unpacked { content, trailing } = unpack(&bytes, report.budget.left())?;
     if trailing > 0 {
         let place = Place::Byte((bytes.len() - trailing) as u64);
         report.warn("gzip", &place, || {
             format!("{trailing} bytes after the packed content are not read")
         });
     }
-    report.spend_on_content(content.len() as u64, "its unpacked content")?;
+    report
+        .budget
+        .charge_content(content.len() as u64, "its unpacked content")?;
     Ok(content.into())
 }
 

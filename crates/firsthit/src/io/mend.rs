@@ -1,9 +1,9 @@
-//! Numbers beside positions that are none: harmless ones in their place, lest one of them spreads over a picture.
+//! Replaces unusable normals, texture coordinates and colours, so that a NaN does not spread over a picture.
 
 use super::report::Report;
 use crate::error::Place;
 
-/// What numbers of vertices or faces are.
+/// The meaning of the numbers of vertices or faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Normals,
@@ -15,7 +15,7 @@ pub(super) enum Kind {
 const TOO_BRIGHT: f32 = 1e30;
 
 impl Kind {
-    /// What one value is to be in place of what it is.
+    /// The replacement of an unusable value.
     fn mended<const N: usize>(self, value: [f32; N]) -> [f32; N] {
         match self {
             // A normal without a length is the triangle's own.
@@ -35,7 +35,7 @@ impl Kind {
         }
     }
 
-    /// The key of the warning, what the values are called, and what stands in their place.
+    /// The key of the warning, the name of the values, and the name of their replacement.
     fn words(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Self::Normals => (

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::report::{Report, size_in_words, without_gz};
+use super::memory_budget::{check_free, size_in_words};
+use super::report::Report;
+use super::source::without_gz;
 use super::{LoadSettings, read};
 use crate::scene::Texture;
 
@@ -26,13 +28,13 @@ pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<T
 ///
 /// # Errors
 ///
-/// In words, what is wrong with it.
+/// In words, for a picture that is damaged, too large or of no known format.
 pub(super) fn decode(
     bytes: &[u8],
     extension: Option<&str>,
     report: &mut Report,
 ) -> Result<Texture, String> {
-    let settings = *report.settings();
+    let settings = report.settings;
     let format = image::guess_format(bytes)
         .ok()
         .or_else(|| extension.and_then(ImageFormat::from_extension))
@@ -50,23 +52,21 @@ pub(super) fn decode(
         ));
     }
     // Decoders hold the picture in their own layout beside the result.
-    if 2 * bytes_needed > settings.max_memory {
-        let (needed, left) = (
-            size_in_words(2 * bytes_needed),
-            size_in_words(settings.max_memory),
-        );
+    let left = report.budget.left();
+    if 2 * bytes_needed > left {
+        let [needed, left] = [2 * bytes_needed, left].map(size_in_words);
         return Err(format!(
             "it takes {needed} of memory, {left} are left of what is allowed (--max-memory raises the limit)"
         ));
     }
-    // Before the work: a picture that proves to be damaged in the end was work all the same.
+    // Charged before the work: a damaged picture is decoded up to the damage.
     report
-        .spend_on_texture(bytes_needed)
-        .map_err(|fault| fault.into_error(report.path()).to_string())?;
+        .budget
+        .charge_texture(bytes_needed)
+        .map_err(|fault| fault.into_error(report.source.path()).to_string())?;
     // The system's own limit: as decoded, as four bytes a texel, and as the texture.
-    report
-        .check_memory(usize::try_from(3 * bytes_needed).unwrap_or(usize::MAX))
-        .map_err(|fault| fault.into_error(report.path()).to_string())?;
+    check_free(usize::try_from(3 * bytes_needed).unwrap_or(usize::MAX))
+        .map_err(|fault| fault.into_error(report.source.path()).to_string())?;
     let mut reader = reader();
     reader.limits(limits(&settings));
     let texels = reader.decode().map_err(words)?.into_rgba8().into_raw();

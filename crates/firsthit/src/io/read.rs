@@ -1,16 +1,18 @@
-//! The only door to the file system: regular files, and siblings under the scene's folder.
+//! Opens files: regular ones only, and those that a scene names only under its folder. No other file of this room does.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use super::fault::Checked;
 use super::gzip;
-use super::report::{Checked, Report, size_in_words};
+use super::memory_budget::size_in_words;
+use super::report::Report;
 use crate::error::{Error, Place, Result};
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
 /// file is mapped: one that shrinks meanwhile would end the process. More than `most` bytes are refused.
-pub(super) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
+pub(crate) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     let refuse = |source| Error::Read {
         path: path.to_owned(),
         source,
@@ -43,7 +45,7 @@ pub(super) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
 }
 
 /// Fails for a folder, in the words that [`regular_file`] has for one.
-pub(super) fn refuse_folder(path: &Path) -> Result<()> {
+pub(crate) fn refuse_folder(path: &Path) -> Result<()> {
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => check_regular(&metadata),
         _ => Ok(()),
@@ -54,12 +56,11 @@ pub(super) fn refuse_folder(path: &Path) -> Result<()> {
     })
 }
 
-/// The content of a file that a scene names; of a packed one, what is packed. It counts against the
-/// scene's memory.
-pub(super) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
-    let bytes = regular_file(path, report.settings().max_memory)?;
-    report.spend_on_read(path, bytes.len())?;
-    report.note_file(path.to_owned());
+/// The content of a file that a scene names, unpacked. It is charged to the scene's memory budget.
+pub(crate) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
+    let bytes = regular_file(path, report.budget.left())?;
+    report.budget.charge_read(path, bytes.len())?;
+    report.source.note_file(path.to_owned());
     Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
 }
 
@@ -68,7 +69,7 @@ pub(super) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
 /// # Errors
 ///
 /// In words, why it cannot be read.
-pub(super) fn sibling_content(
+pub(crate) fn sibling_content(
     path: &Path,
     report: &mut Report,
 ) -> std::result::Result<Vec<u8>, String> {
@@ -91,7 +92,7 @@ fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {
 /// # Errors
 ///
 /// In words, why it is refused or cannot be found.
-pub(super) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+pub(crate) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
     check_name(name)?;
     let folder = match scene.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -117,7 +118,7 @@ pub(super) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, 
 /// # Errors
 ///
 /// In words, why it is refused.
-pub(super) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+pub(crate) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
     check_name(name)?;
     let folder = scene.parent().unwrap_or(Path::new(""));
     let path = folder.join(name);
@@ -126,8 +127,7 @@ pub(super) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<Pat
         folder => folder,
     };
     let top = top.canonicalize().map_err(|error| error.to_string())?;
-    // Whatever is there already, on the way or at its end, must not lead out of the folder. What is not there
-    // yet cannot be a link.
+    // The parts of the path that exist must not lead out of the folder. The others cannot be links.
     let there = path.ancestors().find_map(|part| part.canonicalize().ok());
     let is_within = there.is_none_or(|there| there.starts_with(&top));
     let is_link = path

@@ -5,21 +5,22 @@
 
 use std::sync::Arc;
 
-use super::Model;
-use super::report::{Checked, Fault, Report};
+use super::fault::{Checked, Fault};
+use super::report::Report;
 use super::surface::{Surface, Vertices};
 use super::text::{self, Lines, Words, next_number, shown};
 use crate::error::{Place, escape_controls};
 use crate::scene::Object;
 use crate::shape::Positions;
+use crate::world::World;
 
 const HEADER: usize = 80;
 const FACET: usize = 50;
 
-/// After so many lines of text it is asked how much memory they take.
+/// The memory is charged after this many lines of text.
 const CHECK_EVERY: u64 = 1 << 16;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let (positions, name) = match facets_of(bytes)? {
         Facets::Binary { facets, trailing } => {
             if trailing > 0 {
@@ -28,7 +29,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
                     format!("{trailing} bytes after the last facet are not read")
                 });
             }
-            report.has_grown_to(facets.len())?;
+            report.budget.charge_growth(facets.len())?;
             (Positions::Single(read_binary(facets)), None)
         }
         Facets::Text => {
@@ -36,17 +37,17 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
             (Positions::compact(points), name)
         }
     };
-    let name = name.unwrap_or_else(|| report.stem());
+    let name = name.unwrap_or_else(|| report.source.stem());
     let count = u32::try_from(positions.len() / 3).map_err(|_| Fault::file("too many facets"))?;
     if count == 0 {
         let what = || "no facets: there is nothing to see".to_owned();
         report.warn("empty", &Place::File, what);
     }
     let mut surface = Surface::default();
-    surface.reserve(count as usize, report)?;
+    surface.reserve(count as usize)?;
     (0..count.min(u32::MAX / 3)).for_each(|k| surface.push_triangle([3 * k, 3 * k + 1, 3 * k + 2]));
     let (mesh, _) = surface.finish(&Vertices::new(positions), &name, report)?;
-    Ok(Model::of(vec![Object::new(Arc::new(mesh)).named(name)]))
+    Ok(World::of(vec![Object::new(Arc::new(mesh)).named(name)]))
 }
 
 enum Facets<'a> {
@@ -131,7 +132,9 @@ fn read_text(text: &[u8], report: &mut Report) -> Checked<(Vec<[f64; 3]>, Option
     let mut lines = Lines::new(text);
     while let Some(line) = lines.next() {
         if lines.number.is_multiple_of(CHECK_EVERY) {
-            report.has_grown_to(size_of_val(reader.points.as_slice()))?;
+            report
+                .budget
+                .charge_growth(size_of_val(reader.points.as_slice()))?;
         }
         reader.line(line, lines.number, report)?;
     }

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
+use super::fault::Checked;
+use super::memory_budget::check_free;
 use super::polygon;
-use super::report::{Checked, Report};
+use super::report::Report;
 use crate::geometry::DVec3;
 use crate::shape::{Attribute, Mesh, Positions};
 
 /// Coordinates from here on are garbage: their products would leave the range of float64.
-pub(super) const TOO_FAR: f64 = 1e30;
+pub(crate) const TOO_FAR: f64 = 1e30;
 
 /// A file's vertices, shared by all of its objects.
 pub(super) struct Vertices {
@@ -71,8 +73,8 @@ impl Surface {
     }
 
     /// Makes room for triangles.
-    pub(super) fn reserve(&mut self, triangles: usize, report: &Report) -> Checked<()> {
-        report.check_memory(triangles.saturating_mul(size_of::<[u32; 3]>()))?;
+    pub(super) fn reserve(&mut self, triangles: usize) -> Checked<()> {
+        check_free(triangles.saturating_mul(size_of::<[u32; 3]>()))?;
         self.triangles.reserve(triangles);
         Ok(())
     }
@@ -188,7 +190,9 @@ impl Surface {
             return;
         };
         let dropped = keep.iter().filter(|&&keep| !keep).count() as u64;
-        report.drop_triangles(dropped, || format!("triangle {first} of '{name}'"));
+        report
+            .warnings
+            .drop_triangles(dropped, || format!("triangle {first} of '{name}'"));
         // Those that stay keep their faces.
         let count = self.face_count;
         let faces = self.faces.get_or_insert_with(|| (0..count).collect());
@@ -264,6 +268,9 @@ mod tests {
         assert_eq!(mesh.triangles(), [[0, 1, 2], [2, 1, 0]]);
         assert_eq!([mesh.face(0), mesh.face(1)], [0, 2]);
         assert_eq!(corners[0], [[5; 3], [7; 3]]);
-        assert!(report.dropped().unwrap().starts_with("1 triangle has"));
+        let [line] = &report.take_lines()[..] else {
+            panic!("one warning")
+        };
+        assert!(line.contains("dropped: 1 triangle has"), "{line}");
     }
 }

@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use super::decimal;
 use crate::error::escape_controls;
 
-/// The text as UTF-8, without its byte order mark. Only a mark tells UTF-16; what is no valid text
-/// becomes U+FFFD.
+/// The text as UTF-8, without its byte order mark. Text without a mark is never taken for UTF-16. Invalid sequences
+/// become U+FFFD.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
         Cow::Borrowed(rest)
@@ -129,7 +129,7 @@ pub(super) fn number(word: &[u8]) -> Option<f64> {
 ///
 /// # Errors
 ///
-/// In words, what is wrong with it.
+/// In words, for a word that is missing or no number.
 pub(super) fn next_number(words: &mut Words) -> Result<f64, String> {
     let word = words.next().ok_or("a number is missing")?;
     number(word).ok_or_else(|| format!("'{}' is not a number", shown(word)))

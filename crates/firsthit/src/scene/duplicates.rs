@@ -36,7 +36,7 @@ impl Duplicates {
             if let Some(&other) = earlier.iter().find(is_same) {
                 found.is_duplicate[index as usize] = true;
                 found.of.entry(other).or_default().push(index);
-            } else if earlier.len() < MOST && !object.may_have_holes() {
+            } else if earlier.len() < MOST && !object.has_cutouts() {
                 // What is cut out covers nothing.
                 earlier.push(index);
             }

@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{AlphaMode, Filter, Light, Material, Object, Scene, TextureMap, Wrap};
+use super::{AlphaMode, Filter, Light, MapRole, Material, Object, Scene, TextureMap, Wrap};
 use crate::geometry::Digest;
 use crate::shape::Surface;
 
@@ -75,8 +75,7 @@ fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) 
     let Material {
         color,
         alpha,
-        texture,
-        alpha_texture,
+        maps,
         alpha_mode,
         unlit,
         double_sided: _,
@@ -91,7 +90,7 @@ fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) 
         }
         AlphaMode::Blend => digest.word("blend"),
     }
-    for map in [texture, alpha_texture] {
+    for map in MapRole::ALL.map(|role| maps.get(role)) {
         digest.count(usize::from(map.is_some()));
         if let Some(map) = map {
             digest_map(map, known, digest);

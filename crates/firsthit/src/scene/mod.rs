@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 pub use background::Background;
 pub use light::Light;
-pub use material::{AlphaMode, Material};
+pub use material::{AlphaMode, MapRole, Maps, Material};
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
@@ -320,9 +320,11 @@ impl Scene {
         let own = mesh.color(triangle, hit.barycentric).unwrap_or(Color::ONE);
         let uv = || mesh.uv(triangle, hit.barycentric);
         let material = object.material(hit.primitive);
-        let look = material.map_or(Object::NEUTRAL, |material| match material.texture {
-            Some(_) => material.color_at(uv()),
-            None => material.color,
+        let look = material.map_or(Object::NEUTRAL, |material| {
+            match material.maps.get(MapRole::Color) {
+                Some(_) => material.color_at(uv()),
+                None => material.color,
+            }
         });
         Some(look * own)
     }
@@ -374,7 +376,7 @@ impl Scene {
     pub(crate) fn plain_mesh(&self, index: u32) -> Option<(&Mesh, &MeshTree)> {
         let object = self.objects.get(index as usize)?;
         match (object.shape(), self.mesh_tree(index as usize)) {
-            (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.may_have_holes() => {
+            (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.has_cutouts() => {
                 Some((mesh, tree))
             }
             _ => None,

@@ -26,7 +26,7 @@ pub struct Object {
     transform: Transform,
     /// What a mesh's slots name; none where nobody gave the object a look.
     materials: Arc<[Material]>,
-    may_have_holes: bool,
+    has_cutouts: bool,
     is_out_of_range: bool,
 }
 
@@ -58,7 +58,7 @@ impl Object {
             shape,
             transform: Transform::IDENTITY,
             materials: Arc::default(),
-            may_have_holes: false,
+            has_cutouts: false,
         }
     }
 
@@ -86,7 +86,7 @@ impl Object {
         let materials = materials.into();
         let is_mesh = self.mesh().is_some();
         Self {
-            may_have_holes: is_mesh && materials.iter().any(Material::may_have_holes),
+            has_cutouts: is_mesh && materials.iter().any(Material::has_cutouts),
             materials,
             ..self
         }
@@ -137,18 +137,18 @@ impl Object {
     }
 
     /// Whether some of its surface may be cut out by the alpha of a material.
-    pub fn may_have_holes(&self) -> bool {
-        self.may_have_holes
+    pub fn has_cutouts(&self) -> bool {
+        self.has_cutouts
     }
 
-    /// Whether its material has a hole where a triangle was hit: then there is no hit.
-    pub(crate) fn is_hole(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
+    /// Whether its material is cut out where a triangle was hit: then there is no hit.
+    pub(crate) fn is_cut_out(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
         let slot = mesh.slot(triangle);
         let Some(material) = self.materials.get(slot).or(self.materials.last()) else {
             return false;
         };
-        material.may_have_holes()
-            && material.is_hole(
+        material.has_cutouts()
+            && material.is_cut_out(
                 mesh.uv(triangle, barycentric),
                 mesh.alpha(triangle, barycentric).unwrap_or(1.0),
             )

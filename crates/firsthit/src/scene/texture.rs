@@ -1,4 +1,4 @@
-//! Pictures on surfaces: texels, and how a point between them gets its colour.
+//! Textures: texels, and the filter between them.
 
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
@@ -103,7 +103,7 @@ fn linear(level: u8) -> f64 {
     TABLE[level as usize]
 }
 
-/// What a texture is at a point.
+/// The value of a texture at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// The linear colour.
@@ -112,7 +112,7 @@ pub struct Sample {
     pub alpha: f64,
 }
 
-/// What lies beyond a texture's edge.
+/// How a texture continues beyond its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
     /// The texture again.
@@ -161,8 +161,7 @@ impl Wrap {
     }
 }
 
-/// How the colour between texel centres is found. There are no smaller versions of a texture for what is
-/// far away (no mipmaps): more samples for a pixel do what those are for.
+/// How the colour between texel centres is found. There are no mipmaps: more samples per pixel serve instead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Filter {
     /// That of the nearest texel.
@@ -194,9 +193,9 @@ impl Filter {
 pub struct TextureMap {
     /// The texels; materials may share them.
     pub texture: Arc<Texture>,
-    /// What lies beyond the left and right edge, and beyond the top and bottom one.
+    /// How it continues beyond the left and right edge, and beyond the top and bottom one.
     pub wrap: [Wrap; 2],
-    /// What lies between texels.
+    /// How it is filtered between texels.
     pub filter: Filter,
     /// The rows of the map from a mesh's texture coordinates (u, v, 1) to the picture's, which run from 0 at the
     /// left to 1 at the right, and from 0 at the top to 1 at the bottom.
@@ -219,7 +218,7 @@ impl TextureMap {
         }
     }
 
-    /// What the texture is at texture coordinates; `None` where those are not finite.
+    /// The value at texture coordinates; `None` where those are not finite.
     pub fn at(&self, uv: DVec2) -> Option<Sample> {
         let [x, y] = self
             .picture_from_uv

@@ -91,7 +91,7 @@ fn all_crossings(moderate: &Moderate, object: &Object, mut accept: impl FnMut(Cr
     for triangle in 0..mesh.triangles().len() {
         if let Some(hit) = mesh.intersect_triangle(triangle, &shear)
             && ray.holds(hit.t)
-            && !(object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric))
+            && !(object.has_cutouts() && object.is_cut_out(mesh, triangle, hit.barycentric))
         {
             accept(hit.crossing(identifier(triangle)));
         }

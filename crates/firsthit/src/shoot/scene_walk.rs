@@ -85,7 +85,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             self.object = index;
             match (object.shape(), scene.mesh_tree(index as usize)) {
                 (Shape::Mesh(mesh), Some(tree)) => {
-                    let is_plain = moderate.scale == 1.0 && !object.may_have_holes();
+                    let is_plain = moderate.scale == 1.0 && !object.has_cutouts();
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
                     if is_plain && is_near && tree.has_nodes() {
                         return Some(Instance {
@@ -166,6 +166,6 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
 #[cold]
 fn crossing(object: &Object, mesh: &Mesh, triangle: usize, ray: &Ray) -> Option<Crossing> {
     let hit = mesh.intersect_triangle(triangle, &Shear::new(ray))?;
-    let is_cut_out = object.may_have_holes() && object.is_hole(mesh, triangle, hit.barycentric);
+    let is_cut_out = object.has_cutouts() && object.is_cut_out(mesh, triangle, hit.barycentric);
     (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(identifier(triangle)))
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use firsthit::Result;
-use firsthit::io::{LoadSettings, Model, load_bytes};
+use firsthit::load::{LoadSettings, load_bytes};
+use firsthit::world::World;
 use serde_json::{Value, json};
 
 pub(crate) const FLOAT: u32 = 5126;
@@ -100,7 +101,7 @@ impl Builder {
         json.to_string().into_bytes()
     }
 
-    pub(crate) fn load(&self) -> Result<Model> {
+    pub(crate) fn load(&self) -> Result<World> {
         load_bytes(Path::new("a.gltf"), &self.text(), &LoadSettings::default())
     }
 
@@ -126,7 +127,7 @@ pub(crate) fn bytes_of(values: &[f32]) -> Vec<u8> {
 }
 
 /// The positions of an object's mesh, where they are in the world.
-pub(crate) fn points(model: &Model, object: usize) -> Vec<firsthit::DVec3> {
+pub(crate) fn points(model: &World, object: usize) -> Vec<firsthit::DVec3> {
     let object = &model.objects[object];
     let positions = object.mesh().unwrap().positions();
     let place = object.transform().world_from_object();

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use firsthit::Error;
-use firsthit::io::{LoadSettings, load, load_bytes};
+use firsthit::load::{LoadSettings, load, load_bytes};
 use serde_json::{Value, json};
 
 use crate::builder::{Builder, FLOAT, push};
@@ -186,7 +186,7 @@ fn sparse_accessors_write_nowhere_but_in_themselves() {
 }
 
 /// Loads within a limit of 16 MiB.
-fn small(builder: &Builder) -> firsthit::Result<firsthit::io::Model> {
+fn small(builder: &Builder) -> firsthit::Result<firsthit::world::World> {
     let settings = LoadSettings {
         max_memory: 16 << 20,
         ..LoadSettings::default()

@@ -5,14 +5,15 @@ use std::path::Path;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use firsthit::io::{LoadSettings, Model, load};
-use firsthit::scene::{Filter, Wrap};
+use firsthit::load::{LoadSettings, load};
+use firsthit::scene::{Filter, MapRole, Wrap};
+use firsthit::world::World;
 use firsthit::{AlphaMode, Color, DVec2, DVec3, Scene, shoot};
 use serde_json::{Value, json};
 
 use crate::builder::{Builder, FLOAT, reference};
 
-fn loaded(path: &Path) -> Model {
+fn loaded(path: &Path) -> World {
     load(path, &LoadSettings::default()).unwrap()
 }
 
@@ -108,7 +109,11 @@ fn masks_cut_holes_where_alpha_is_below_the_cutoff() {
         return;
     };
     let model = loaded(&file);
-    let map = model.objects[0].materials()[0].texture.clone().unwrap();
+    let map = model.objects[0].materials()[0]
+        .maps
+        .get(MapRole::Color)
+        .cloned()
+        .unwrap();
     let alphas = map
         .texture
         .texels()
@@ -228,7 +233,8 @@ fn a_small_file_has_few_large_textures() {
     let path = folder.path().join("a.gltf");
     fs::write(&path, beside.text()).unwrap();
     for model in [within.load().unwrap(), loaded(&path)] {
-        let has_texture = |object: &&firsthit::Object| object.materials()[0].texture.is_some();
+        let has_texture =
+            |object: &&firsthit::Object| object.materials()[0].maps.get(MapRole::Color).is_some();
         assert_eq!(model.objects.iter().filter(has_texture).count(), 2);
         let [warning] = model.warnings.as_slice() else {
             panic!("{:?}", model.warnings)
@@ -256,7 +262,7 @@ fn textured() -> Builder {
 #[test]
 fn images_come_from_data_uris_views_and_files_beside_the_document() {
     let expected = Some(Color::new(0.5, 0.0, 0.0));
-    let seen = |model: Model| color(&Scene::new(model.objects).unwrap(), 0.2, 0.2);
+    let seen = |model: World| color(&Scene::new(model.objects).unwrap(), 0.2, 0.2);
     assert_eq!(seen(textured().load().unwrap()), expected);
 
     let mut builder = textured();
@@ -354,7 +360,11 @@ fn samplers_say_how_a_texture_goes_on_and_what_lies_between_texels() {
     builder.json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
     builder.json["textures"][0]["sampler"] = json!(0);
     let model = builder.load().unwrap();
-    let map = model.objects[0].materials()[0].texture.clone().unwrap();
+    let map = model.objects[0].materials()[0]
+        .maps
+        .get(MapRole::Color)
+        .cloned()
+        .unwrap();
     assert_eq!(map.wrap, [Wrap::Clamp, Wrap::Mirror]);
     assert_eq!(map.filter, Filter::Nearest);
 }
@@ -378,7 +388,11 @@ fn words_of_samplers_that_mean_nothing_are_a_warning() {
     builder.json["samplers"] = json!([{"wrapS": 1, "minFilter": 9728}]);
     builder.json["textures"][0]["sampler"] = json!(0);
     let model = builder.load().unwrap();
-    let map = model.objects[0].materials()[0].texture.clone().unwrap();
+    let map = model.objects[0].materials()[0]
+        .maps
+        .get(MapRole::Color)
+        .cloned()
+        .unwrap();
     assert_eq!(map.wrap, [Wrap::Repeat; 2]);
     assert_eq!(
         model.warnings,

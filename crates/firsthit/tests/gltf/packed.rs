@@ -4,7 +4,8 @@ use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use firsthit::io::{LoadSettings, Model, load, load_bytes};
+use firsthit::load::{LoadSettings, load, load_bytes};
+use firsthit::world::World;
 use firsthit::{DVec2, DVec3, Mesh};
 
 use crate::builder::points;
@@ -18,7 +19,7 @@ fn file(name: &str) -> PathBuf {
         .join(name)
 }
 
-fn torus(name: &str) -> Model {
+fn torus(name: &str) -> World {
     let model = load(&file(name), &LoadSettings::default()).unwrap();
     assert_eq!(model.warnings, [""; 0]);
     model

@@ -22,7 +22,8 @@ fn leaks(round: usize, rays_each: usize) -> usize {
         .iter()
         .flat_map(|name| files(&folder.join(name)))
     {
-        let Ok(model) = firsthit::io::load(&path, &firsthit::io::LoadSettings::default()) else {
+        let Ok(model) = firsthit::load::load(&path, &firsthit::load::LoadSettings::default())
+        else {
             continue;
         };
         for own in model.objects.iter().filter_map(Object::mesh) {

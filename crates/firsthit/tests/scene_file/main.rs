@@ -7,13 +7,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use firsthit::camera::Projection;
-use firsthit::io::{LoadSettings, Model, load};
+use firsthit::load::{LoadSettings, load};
+use firsthit::world::World;
 use firsthit::{
     Background, Color, DQuat, DVec3, Error, Light, RayStart, Result, Scene, Shader, shoot,
 };
 
 /// Loads a scene file among other files.
-fn read(text: &str, files: &[(&str, &str)]) -> Result<Model> {
+fn read(text: &str, files: &[(&str, &str)]) -> Result<World> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, content) in files {
         let path = folder.path().join(name);
@@ -25,7 +26,7 @@ fn read(text: &str, files: &[(&str, &str)]) -> Result<Model> {
     load(&path, &LoadSettings::default())
 }
 
-fn model(text: &str) -> Model {
+fn model(text: &str) -> World {
     read(text, &[]).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 

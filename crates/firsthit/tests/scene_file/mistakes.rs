@@ -3,7 +3,7 @@
 use std::fs;
 
 use firsthit::Error;
-use firsthit::io::{LoadSettings, load};
+use firsthit::load::{LoadSettings, load};
 
 use super::{model, read, refusal};
 

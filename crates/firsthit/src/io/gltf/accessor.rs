@@ -1,9 +1,12 @@
 //! Accessors: arrays of numbers in the bytes of a document, each checked once and as a whole.
 
-use super::super::report::{Checked, Fault, Report};
-use super::buffers::{Buffers, Bytes};
-use super::document::{Accessor, Document, Index};
+use super::super::fault::{Checked, Fault};
+use super::super::report::Report;
+use super::buffers::Buffers;
+use super::document::{Accessor, Document};
+use super::index::Index;
 use super::place::Entry;
+use super::resource::Bytes;
 
 /// The type of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -174,8 +177,8 @@ pub(super) fn check_shape(document: &Document<'_>, index: Index, shape: &Shape) 
 }
 
 impl<'a> Packed<'a> {
-    /// The bytes of elements: a view, where in it they begin, and how many there are. What is wrong with those
-    /// numbers is told in words, for whoever knows their place.
+    /// The bytes of elements: a view, where in it they begin, and how many there are. An error about these
+    /// numbers is in words; the caller knows their place.
     fn new(
         [view, Index(offset), Index(count)]: [Index; 3],
         size: usize,
@@ -225,14 +228,9 @@ impl<'a> Elements<'a> {
             Packed::new(extent, size, buffers, report)
                 .map_err(|fault| fault.unwrap_or_else(|what| entry.fault(place, what)))
         };
-        let whole = accessor.buffer_view;
-        let whole = whole.map(|view| {
-            packed(
-                [view, accessor.byte_offset, accessor.count],
-                size,
-                "count",
-                report,
-            )
+        let whole = accessor.buffer_view.map(|view| {
+            let extent = [view, accessor.byte_offset, accessor.count];
+            packed(extent, size, "count", report)
         });
         let whole = whole.transpose()?;
         let sparse = match &accessor.sparse {
@@ -254,7 +252,8 @@ impl<'a> Elements<'a> {
                 let each = (size_of::<u32>() + size_of::<usize>()) as u64;
                 let each = each + (size_of::<f64>() * shape.components) as u64;
                 let needed = (sparse.count.0 as u64).saturating_mul(each);
-                report.spend_at(entry.at("sparse/count"), needed, "a sparse accessor")?;
+                let place = entry.at("sparse/count");
+                (report.budget).charge_at(place, needed, "a sparse accessor")?;
                 let indices = rising(
                     &indices.read::<u32, 1>(kind, None, sparse.count.0),
                     count,
@@ -283,9 +282,11 @@ impl<'a> Elements<'a> {
         &self,
         report: &mut Report,
     ) -> Checked<Vec<[T; N]>> {
-        // What is not in the bytes is zero, and its count is nothing but a claim.
+        // Values that are not in the bytes are zero; their count is only a claim.
         let needed = (self.count as u64).saturating_mul(size_of::<[T; N]>() as u64);
-        report.spend_at(self.entry.at("count"), needed, "an accessor")?;
+        report
+            .budget
+            .charge_at(self.entry.at("count"), needed, "an accessor")?;
         let largest = self.normalized.then(|| self.component.largest());
         let mut values = match &self.packed {
             Some(packed) => packed.read(self.component, largest, self.count),
@@ -304,7 +305,7 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// Room for so many values, or an error.
+/// An empty vector with room for `count` values, or an error.
 fn reserved<T>(count: usize, entry: Entry) -> Checked<Vec<T>> {
     let mut values = Vec::new();
     let reserved = values.try_reserve_exact(count);

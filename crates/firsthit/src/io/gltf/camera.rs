@@ -1,13 +1,15 @@
 //! Cameras, where their nodes are.
 
-use super::super::NamedCamera;
-use super::super::report::{Checked, Report};
-use super::document::{CameraEntry, Document, Index};
+use super::super::fault::Checked;
+use super::super::report::Report;
+use super::document::{CameraEntry, Document};
+use super::index::Index;
 use super::nodes::Placed;
 use super::place::Entry;
 use crate::camera::{Aim, Camera, Description, Lens, Opening, RayStart, View, Viewplane};
 use crate::error::escape_controls;
 use crate::geometry::{DVec3, unit};
+use crate::world::NamedCamera;
 
 /// The cameras of the scene, in the order of the document's list.
 pub(super) fn all(
@@ -66,7 +68,7 @@ pub(super) fn all(
 fn describe(view: View) -> Description {
     let lens = view.lens.viewplane().copied().unwrap_or_default();
     let Viewplane { width, height, .. } = lens;
-    // Where nobody says how many pixels there are, the picture has the viewplane's shape.
+    // Without a number of pixels the picture has the viewplane's shape.
     let whole = Opening::Viewplane {
         width,
         height,

@@ -1,6 +1,8 @@
 //! GLB: the binary container of a glTF document and its first buffer.
 
-use super::super::report::{Checked, Fault, Report, without_gz};
+use super::super::fault::{Checked, Fault};
+use super::super::report::Report;
+use super::super::source::without_gz;
 use crate::error::Place;
 
 const MAGIC: &[u8] = b"glTF";
@@ -21,7 +23,7 @@ pub(super) fn open<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Containe
     if bytes.starts_with(MAGIC) {
         return chunks(bytes, report);
     }
-    let is_called_glb = without_gz(report.path())
+    let is_called_glb = without_gz(report.source.path())
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
     if is_called_glb {

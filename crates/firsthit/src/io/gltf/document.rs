@@ -1,58 +1,19 @@
-//! The JSON of a glTF document: only what is read of it.
+//! The JSON of a glTF document: the parts that are read.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::fmt;
 
 use serde::Deserialize;
-use serde::de::{Deserializer, IgnoredAny, Visitor};
+use serde::de::IgnoredAny;
 
-use super::super::report::{Checked, Fault, Report};
+use super::super::fault::{Checked, Fault};
+use super::super::memory_budget::check_free;
+use super::super::report::Report;
 use super::container::Container;
-use super::material::{ImageEntry, MaterialEntry, SamplerEntry, TextureEntry};
+use super::index::Index;
+use super::material_entry::{ImageEntry, MaterialEntry, SamplerEntry, TextureEntry};
 use super::place::pointer_of;
 use crate::error::{Place, escape_controls};
-
-/// A count, an offset, or the index of something: a whole number that is not negative.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub(super) struct Index(pub(super) usize);
-
-impl<'de> Deserialize<'de> for Index {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Whole;
-        impl Visitor<'_> for Whole {
-            type Value = Index;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a whole number from 0 to 2^53")
-            }
-
-            fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Index, E> {
-                let index = usize::try_from(number).ok().filter(|_| number <= 1 << 53);
-                let wrong = || E::invalid_value(serde::de::Unexpected::Unsigned(number), &self);
-                index.map(Index).ok_or_else(wrong)
-            }
-
-            /// 3.0 is as whole as 3.
-            fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<Index, E> {
-                if number.fract() == 0.0 && (0.0..=9e15).contains(&number) {
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "whole, and in range"
-                    )]
-                    let number = number as u64;
-                    return self.visit_u64(number);
-                }
-                Err(E::invalid_value(
-                    serde::de::Unexpected::Float(number),
-                    &self,
-                ))
-            }
-        }
-        deserializer.deserialize_any(Whole)
-    }
-}
 
 /// What a primitive or an instancing extension names: semantics and their accessors.
 pub(super) type Attributes<'a> = BTreeMap<Cow<'a, str>, Index>;
@@ -327,20 +288,21 @@ pub(super) struct Buffer<'a> {
     pub(super) byte_length: Index,
 }
 
-/// Takes the memory that a document may need at most: a few characters can stand for a large record.
-pub(super) fn spend_on(container: &Container<'_>, report: &mut Report) -> Checked<()> {
+/// Charges the most memory that a document can need: few characters can stand for a large record.
+pub(super) fn charge(container: &Container<'_>, report: &mut Report) -> Checked<()> {
     // Lists grow by doubling. Nodes are the largest records; names are the largest plain values, two to an
     // entry of a map.
     let (record, value) = (2 * size_of::<Node<'_>>(), 4 * size_of::<Cow<'_, str>>());
     let count = |wanted: u8| memchr::memchr_iter(wanted, container.json).count();
     let records = count(b'{').saturating_mul(record);
     let needed = records.saturating_add(count(b',').saturating_mul(value));
-    report.spend_on_content(needed as u64, "the document")?;
-    report.check_memory(needed)
+    report
+        .budget
+        .charge_content(needed as u64, "the document")?;
+    check_free(needed)
 }
 
-/// Reads the JSON. What is wrong with it is told by its place: a line of a text, a byte of a GLB, or the
-/// value's pointer.
+/// Parses the JSON. A fault names its place: the line of a text, the byte of a GLB, or the pointer of a value.
 pub(super) fn parse<'a>(container: &Container<'a>) -> Checked<Document<'a>> {
     let mut json = serde_json::Deserializer::from_slice(container.json);
     let document: Document<'a> = serde_path_to_error::deserialize(&mut json)

@@ -8,8 +8,8 @@ use draco_core::mesh::Mesh;
 use draco_core::mesh_decoder::MeshDecoder;
 
 use super::super::report::Report;
-use super::buffers::Problem;
-use super::document::Index;
+use super::index::Index;
+use super::problem::Problem;
 use crate::error::escape_controls;
 
 /// A primitive as it was packed.
@@ -23,15 +23,15 @@ const FACE_BYTES: u64 = 96;
 impl Unpacked {
     pub(super) fn new(source: &[u8], report: &mut Report) -> Result<Self, Problem> {
         // The work, if nothing else: many primitives may name the same bytes.
-        report.spend(source.len() as u64, "a packed mesh")?;
-        let memory = report.left();
+        report.budget.charge(source.len() as u64, "a packed mesh")?;
+        let memory = report.budget.left_to_describe();
         let limits = DecodeLimits::default()
             .with_max_faces(memory / FACE_BYTES)
             .with_max_points(memory / FACE_BYTES)
             .with_max_decoded_bytes(memory / 2);
         // The one place where another's code decodes hostile bytes with indices of its own: it is safe Rust
-        // throughout, so what a bug in it can do is panic, and that is this file's fault, not the program's.
-        // What it was working on is dropped.
+        // throughout, so a bug in it can only panic. That is an error of the file, not of the program;
+        // the decoder's state is dropped.
         let decoded = catch_unwind(AssertUnwindSafe(|| {
             let mut mesh = Mesh::new();
             let mut buffer = DecoderBuffer::new(source).with_limits(limits);
@@ -44,7 +44,9 @@ impl Unpacked {
             .unwrap_or_else(|_| Err("the packed mesh cannot be read".to_owned()))
             .map_err(|reason| format!("Draco: {reason}"))?;
         let faces = mesh.num_faces() as u64;
-        report.spend(FACE_BYTES.saturating_mul(faces), "a packed mesh")?;
+        report
+            .budget
+            .charge(FACE_BYTES.saturating_mul(faces), "a packed mesh")?;
         Ok(Self { mesh })
     }
 
@@ -57,7 +59,7 @@ impl Unpacked {
         faces.map(|face| face.map(|point| point.0)).collect()
     }
 
-    /// The values of an attribute at the vertices, so many numbers each.
+    /// The values of an attribute at the vertices, `components` numbers each.
     pub(super) fn attribute(
         &self,
         Index(identifier): Index,
@@ -68,7 +70,9 @@ impl Unpacked {
         let attribute = identifier.and_then(|id| self.mesh.attribute_by_unique_id(id));
         let attribute = attribute.ok_or("the packed mesh has no attribute of that identifier")?;
         let count = self.vertices();
-        report.spend(4 * (count as u64) * components as u64, "a packed attribute")?;
+        report
+            .budget
+            .charge(4 * (count as u64) * components as u64, "a packed attribute")?;
         Ok(attribute.read_f32s(count, components))
     }
 }

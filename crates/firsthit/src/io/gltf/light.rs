@@ -2,8 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::super::report::{Checked, Report};
-use super::document::{Document, Index, LightEntry};
+use super::super::fault::Checked;
+use super::super::report::Report;
+use super::document::{Document, LightEntry};
+use super::index::Index;
 use super::nodes::Placed;
 use super::place::Entry;
 use crate::error::escape_controls;

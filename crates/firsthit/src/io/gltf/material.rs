@@ -1,225 +1,19 @@
 //! Materials, textures, samplers and images.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
-
+use super::super::fault::Checked;
 use super::super::picture;
-use super::super::report::{Checked, Report};
-use super::buffers::{Buffers, file_name, resource};
-use super::document::{Document, Index};
+use super::super::report::Report;
+use super::buffers::Buffers;
+use super::document::Document;
+use super::index::Index;
+use super::material_entry::{ImageEntry, MaterialEntry, SamplerEntry, TextureInfo};
 use super::place::Entry;
+use super::resource::{file_name, resource};
 use crate::geometry::Color;
-use crate::scene::{AlphaMode, Filter, Material, Texture, TextureMap, Wrap};
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct MaterialEntry<'a> {
-    #[serde(borrow)]
-    alpha_mode: Option<Cow<'a, str>>,
-    alpha_cutoff: Option<f64>,
-    #[serde(default)]
-    double_sided: bool,
-    #[serde(default)]
-    pbr_metallic_roughness: Pbr,
-    normal_texture: Option<IgnoredAny>,
-    occlusion_texture: Option<IgnoredAny>,
-    emissive_texture: Option<IgnoredAny>,
-    #[serde(default)]
-    emissive_factor: [f64; 3],
-    #[serde(default)]
-    extensions: MaterialExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Pbr {
-    base_color_factor: Option<[f64; 4]>,
-    base_color_texture: Option<TextureInfo>,
-    metallic_roughness_texture: Option<IgnoredAny>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-struct MaterialExtensions {
-    #[serde(rename = "KHR_materials_unlit")]
-    unlit: Option<IgnoredAny>,
-    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
-    diffuse: Option<Diffuse>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Diffuse {
-    diffuse_factor: Option<[f64; 4]>,
-    diffuse_texture: Option<TextureInfo>,
-}
-
-/// How a material names a texture.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct TextureInfo {
-    pub(super) index: Index,
-    #[serde(default)]
-    tex_coord: Index,
-    #[serde(default)]
-    extensions: TextureInfoExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-struct TextureInfoExtensions {
-    #[serde(rename = "KHR_texture_transform")]
-    transform: Option<TextureTransform>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct TextureTransform {
-    #[serde(default)]
-    offset: [f64; 2],
-    #[serde(default)]
-    rotation: f64,
-    scale: Option<[f64; 2]>,
-    tex_coord: Option<Index>,
-}
-
-#[derive(Debug, Deserialize)]
-pub(super) struct TextureEntry {
-    pub(super) sampler: Option<Index>,
-    source: Option<Index>,
-    #[serde(default)]
-    extensions: TextureExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-struct TextureExtensions {
-    #[serde(rename = "EXT_texture_webp")]
-    webp: Option<Source>,
-    #[serde(rename = "KHR_texture_basisu")]
-    basisu: Option<Source>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Source {
-    source: Option<Index>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct ImageEntry<'a> {
-    #[serde(borrow)]
-    uri: Option<Cow<'a, str>>,
-    pub(super) buffer_view: Option<Index>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct SamplerEntry {
-    mag_filter: Option<Index>,
-    min_filter: Option<Index>,
-    wrap_s: Option<Index>,
-    wrap_t: Option<Index>,
-}
-
-impl MaterialEntry<'_> {
-    /// The textures that are read, and where each stands.
-    pub(super) fn textures(&self) -> impl Iterator<Item = (&'static str, &TextureInfo)> {
-        let base = &self.pbr_metallic_roughness.base_color_texture;
-        let diffuse = self.extensions.diffuse.as_ref();
-        let diffuse = diffuse.and_then(|diffuse| diffuse.diffuse_texture.as_ref());
-        let place = "extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture";
-        let base = base
-            .as_ref()
-            .map(|info| ("pbrMetallicRoughness/baseColorTexture", info));
-        base.into_iter().chain(diffuse.map(|info| (place, info)))
-    }
-
-    /// The texture, and the linear colour and alpha that multiply it.
-    fn base(&self) -> (Option<&TextureInfo>, [f64; 4]) {
-        let pbr = &self.pbr_metallic_roughness;
-        let (texture, factor) = match &self.extensions.diffuse {
-            Some(diffuse) => (&diffuse.diffuse_texture, diffuse.diffuse_factor),
-            None => (&pbr.base_color_texture, pbr.base_color_factor),
-        };
-        (texture.as_ref(), factor.unwrap_or([1.0; 4]))
-    }
-
-    /// The names of what it has that is not read.
-    fn unread(&self) -> impl Iterator<Item = &'static str> {
-        let rough = self
-            .pbr_metallic_roughness
-            .metallic_roughness_texture
-            .is_some();
-        [
-            ("normalTexture", self.normal_texture.is_some()),
-            ("occlusionTexture", self.occlusion_texture.is_some()),
-            ("emissiveTexture", self.emissive_texture.is_some()),
-            ("metallicRoughnessTexture", rough),
-            ("emissiveFactor", self.emissive_factor != [0.0; 3]),
-        ]
-        .into_iter()
-        .filter_map(|(name, is_there)| is_there.then_some(name))
-    }
-}
-
-impl TextureInfo {
-    /// Which set of texture coordinates it takes.
-    fn set(&self) -> usize {
-        let transform = self.extensions.transform.as_ref();
-        transform
-            .and_then(|transform| transform.tex_coord)
-            .unwrap_or(self.tex_coord)
-            .0
-    }
-
-    /// The map of texture coordinates to the picture's: scaled, then turned, then moved.
-    ///
-    /// v counts downwards, so what turns counter-clockwise on paper has its sine the other way round. (The
-    /// extension's listing has it wrong, its text and its test asset have it right: `KhronosGroup/glTF` issue 1563.)
-    fn picture_from_uv(&self) -> [[f64; 3]; 2] {
-        let Some(transform) = &self.extensions.transform else {
-            return TextureMap::V_DOWN;
-        };
-        let ([x, y], [u, v]) = (transform.scale.unwrap_or([1.0; 2]), transform.offset);
-        let (sine, cosine) = (libm::sin(transform.rotation), libm::cos(transform.rotation));
-        [[cosine * x, sine * y, u], [-sine * x, cosine * y, v]]
-    }
-}
-
-impl SamplerEntry {
-    /// Says which of its words mean nothing: such are as if they were not there.
-    fn warn_of_unknown(&self, entry: Entry, report: &mut Report) {
-        const WRAPS: &[usize] = &[10497, 33071, 33648];
-        const FILTERS: &[usize] = &[9728, 9729];
-        const SMALLER: &[usize] = &[9728, 9729, 9984, 9985, 9986, 9987];
-        for (name, code, known) in [
-            ("wrapS", self.wrap_s, WRAPS),
-            ("wrapT", self.wrap_t, WRAPS),
-            ("magFilter", self.mag_filter, FILTERS),
-            ("minFilter", self.min_filter, SMALLER),
-        ] {
-            if let Some(Index(code)) = code.filter(|code| !known.contains(&code.0)) {
-                report.warn("sampler", &entry.at(name), || {
-                    format!("must be one of {known:?}, got {code}: the default is taken")
-                });
-            }
-        }
-    }
-}
-
-impl TextureEntry {
-    /// All images that it may be made from.
-    pub(super) fn sources(&self) -> impl Iterator<Item = Index> {
-        let extensions = [&self.extensions.webp, &self.extensions.basisu];
-        let named = extensions
-            .into_iter()
-            .flatten()
-            .filter_map(|source| source.source);
-        self.source.into_iter().chain(named)
-    }
-}
+use crate::scene::{AlphaMode, Filter, MapRole, Maps, Material, Texture, TextureMap, Wrap};
 
 /// A material as it is used.
 #[derive(Debug, Clone)]
@@ -227,7 +21,7 @@ pub(super) struct Look {
     pub(super) materials: Arc<[Material]>,
     /// The set of texture coordinates that it takes; `None` without a texture.
     pub(super) set: Option<usize>,
-    pub(super) has_holes: bool,
+    pub(super) has_cutouts: bool,
 }
 
 /// The materials of a document; each is made when a primitive asks for it, and once.
@@ -257,12 +51,11 @@ impl Looks {
         warn_of_unread(material, entry, report);
         let look = Look {
             set: texture.as_ref().and(info).map(TextureInfo::set),
-            has_holes: matches!(alpha_mode, AlphaMode::Mask { .. }),
+            has_cutouts: matches!(alpha_mode, AlphaMode::Mask { .. }),
             materials: Arc::new([Material {
                 color: Color::new(red, green, blue),
                 alpha,
-                texture,
-                alpha_texture: None,
+                maps: Maps::default().with(MapRole::Color, texture),
                 alpha_mode,
                 unlit: material.extensions.unlit.is_some(),
                 double_sided: material.double_sided,

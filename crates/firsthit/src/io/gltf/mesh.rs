@@ -3,18 +3,18 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::super::fault::{Checked, Fault};
 use super::super::mend::{Kind, mend};
-use super::super::report::{Checked, Fault};
 use super::super::surface::{Surface, Vertices, push_fan};
 use super::accessor::{Component, Shape, component, has_shape};
-use super::document::Index;
+use super::index::Index;
 use super::material::Look;
 use super::skin::{self, Palette};
 use super::values::Values;
 use crate::geometry::{DAffine3, DVec3};
 use crate::shape::{Attribute, Mesh, Positions};
 
-/// What is done to a primitive's vertices before they make a mesh.
+/// The deformation of a primitive's vertices: morph targets and joints.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Deformation<'a> {
     /// How much of each morph target is added.
@@ -170,7 +170,7 @@ fn morph(
     Ok(())
 }
 
-/// The triangles of a primitive of so many vertices.
+/// The triangles of a primitive of `vertices` vertices.
 fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checked<Vec<[u32; 3]>> {
     if let Some(triangles) = values.unpacked_triangles() {
         let largest = triangles.iter().flatten().max();
@@ -189,12 +189,16 @@ fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checke
                 "has more than 2^32 vertices",
             )
         })?;
-        values.report.spend(4 * u64::from(count), "the indices")?;
+        values
+            .report
+            .budget
+            .charge(4 * u64::from(count), "the indices")?;
         (0..count).collect()
     };
     values
         .report
-        .spend(12 * indices.len() as u64, "the triangles")?;
+        .budget
+        .charge(12 * indices.len() as u64, "the triangles")?;
     Ok(match mode {
         Mode::Triangles => {
             let (triangles, rest) = indices.as_chunks::<3>();
@@ -285,7 +289,7 @@ fn with_normals(
     Ok(mesh.with_normals(Attribute::per_vertex(normals))?)
 }
 
-/// Replaces what is no number in the values of an attribute.
+/// Replaces unusable values of an attribute.
 fn mend_in<const N: usize>(
     values: &mut Values<'_, '_>,
     numbers: &mut [[f32; N]],
@@ -343,7 +347,7 @@ fn with_colors(
         .map(|&[red, green, blue, _]| [red, green, blue])
         .collect();
     let mesh = mesh.with_colors(Attribute::per_vertex(opaque))?;
-    if !look.is_some_and(|look| look.has_holes) {
+    if !look.is_some_and(|look| look.has_cutouts) {
         return Ok(mesh);
     }
     let alphas = colors.iter().map(|&[.., alpha]| [alpha]).collect();

@@ -6,21 +6,26 @@ mod camera;
 mod container;
 mod document;
 mod draco;
+mod index;
 mod light;
 mod material;
+mod material_entry;
 mod mesh;
 mod meshopt;
 mod nodes;
 mod objects;
 mod place;
+mod problem;
 mod references;
+mod resource;
 mod skin;
 mod values;
 
-use super::Model;
-use super::report::{Checked, Fault, Report};
+use super::fault::{Checked, Fault};
+use super::report::Report;
 use crate::error::{Place, escape_controls};
 use crate::scene::Object;
+use crate::world::World;
 use buffers::Buffers;
 use document::Document;
 use objects::Objects;
@@ -40,8 +45,8 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Extensions that change no surface, only what it looks like: a picture without them is whole, so they are a
-/// warning even where they are required.
+/// Extensions that change no surface, only its look: a picture without them is complete, so they are a warning even
+/// where they are required.
 const LOOKS: &[&str] = &[
     "GOOGLE_texture_basis",
     "KHR_animation_pointer",
@@ -65,9 +70,9 @@ const LOOKS: &[&str] = &[
     "MSFT_texture_dds",
 ];
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let container = container::open(bytes, report)?;
-    document::spend_on(&container, report)?;
+    document::charge(&container, report)?;
     let document = document::parse(&container)?;
     check_extensions(&document, report)?;
     references::check(&document)?;
@@ -90,11 +95,11 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
         report.warn("empty", &Place::File, what);
     }
     let meshes = objects.iter().filter_map(Object::mesh);
-    Ok(Model {
+    Ok(World {
         cameras,
         lights,
         vertices: Some(meshes.map(|mesh| mesh.positions().len() as u64).sum()),
-        ..Model::of(objects)
+        ..World::of(objects)
     })
 }
 

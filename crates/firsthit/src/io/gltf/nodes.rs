@@ -1,7 +1,9 @@
 //! The node hierarchy: which nodes the scene shows, and where they are.
 
-use super::super::report::{Checked, Report};
-use super::document::{Document, Index, Node};
+use super::super::fault::Checked;
+use super::super::report::Report;
+use super::document::{Document, Node};
+use super::index::Index;
 use super::place::Entry;
 use crate::geometry::{DAffine3, DMat3, DVec3};
 

@@ -4,10 +4,13 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::super::report::{Checked, OBJECT_BYTES, Report};
+use super::super::fault::Checked;
+use super::super::memory_budget::{OBJECT_BYTES, check_free};
+use super::super::report::Report;
 use super::accessor::{Elements, Shape, declared};
 use super::buffers::Buffers;
-use super::document::{Document, Index, Instancing};
+use super::document::{Document, Instancing};
+use super::index::Index;
 use super::material::{Look, Looks};
 use super::mesh::{self, Deformation, Shared};
 use super::nodes::{Placed, affine};
@@ -18,7 +21,7 @@ use crate::geometry::{DAffine3, Transform};
 use crate::scene::{Material, Object};
 use crate::shape::Mesh;
 
-/// Makes objects; what several nodes name is made once.
+/// Makes objects. A mesh that several nodes name is made once.
 pub(super) struct Objects<'a, 'b> {
     document: &'a Document<'a>,
     placed: &'b [Placed<'a>],
@@ -173,11 +176,11 @@ impl<'a, 'b> Objects<'a, 'b> {
     /// Pays for one more object; the system is asked whenever the list is about to double.
     fn make_room(&mut self, name: &str) -> Checked<()> {
         let each = OBJECT_BYTES + name.len() as u64;
-        self.report.spend(each, "an object")?;
+        self.report.budget.charge(each, "an object")?;
         if self.made.len() == self.made.capacity() {
             let room =
                 (2 * self.made.len()).saturating_mul(usize::try_from(each).unwrap_or(usize::MAX));
-            self.report.check_memory(room)?;
+            check_free(room)?;
         }
         Ok(())
     }
@@ -269,11 +272,15 @@ impl<'a, 'b> Objects<'a, 'b> {
             let value = format!("extensions/EXT_mesh_gpu_instancing/attributes/{name}");
             place.entry().at(value)
         };
-        if needed > self.report.left() {
-            self.report.spend_at(place(), needed, "the instances")?;
+        if needed > self.report.budget.left_to_describe() {
+            self.report
+                .budget
+                .charge_at(place(), needed, "the instances")?;
         }
         let placements = (count as u64).saturating_mul(size_of::<DAffine3>() as u64);
-        self.report.spend_at(place(), placements, "the instances")?;
+        self.report
+            .budget
+            .charge_at(place(), placements, "the instances")?;
         let translations = self.values::<3>(instancing, "TRANSLATION", &Shape::VEC3)?;
         let rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
         let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use serde_path_to_error::{Path, Segment};
 
-use super::super::report::Fault;
+use super::super::fault::Fault;
 use crate::error::{Place, escape_controls};
 
 /// An entry of one of a document's lists, such as an accessor.

@@ -1,13 +1,14 @@
-//! Every index of a document names something that is there, whether it is used or not.
+//! Checks that every index of a document names something that exists, used or not.
 
-use super::super::report::Checked;
-use super::document::{Accessor, Attributes, BufferView, Document, Index, MeshEntry, Node};
-use super::material::MaterialEntry;
+use super::super::fault::Checked;
+use super::document::{Accessor, Attributes, BufferView, Document, MeshEntry, Node};
+use super::index::Index;
+use super::material_entry::MaterialEntry;
 use super::place::{Entry, key};
 use crate::error::Place;
-use crate::io::report::Fault;
+use crate::io::fault::Fault;
 
-/// Refuses a document with an index of what is not there.
+/// Refuses a document with an index out of range.
 pub(super) fn check(document: &Document<'_>) -> Checked<()> {
     let counts = Counts::of(document);
     let scene = document.scene.filter(|_| !document.scenes.is_empty());

@@ -1,9 +1,11 @@
 //! Skins at rest: where the joints are, and what they do to a vertex.
 
-use super::super::report::{Checked, Report};
+use super::super::fault::Checked;
+use super::super::report::Report;
 use super::accessor::{Elements, Shape, component};
 use super::buffers::Buffers;
-use super::document::{Document, Index};
+use super::document::Document;
+use super::index::Index;
 use super::nodes::Placed;
 use super::place::Entry;
 use super::values::Values;
@@ -52,7 +54,7 @@ pub(super) fn palette<'a>(
         return Err(entry.fault("inverseBindMatrices", what));
     }
     let room = (skin.joints.len() as u64).saturating_mul(size_of::<DAffine3>() as u64);
-    report.spend(room, "the joints")?;
+    report.budget.charge(room, "the joints")?;
     let joints = skin.joints.iter().enumerate().map(|(k, &Index(joint))| {
         let world = worlds.get(joint).copied().flatten().unwrap_or_else(|| {
             report.warn("joint", &entry.at(format!("joints/{k}")), || {
@@ -79,7 +81,7 @@ pub(super) fn maps(
     vertices: usize,
 ) -> Checked<Vec<DAffine3>> {
     let room = (vertices as u64).saturating_mul(size_of::<DAffine3>() as u64);
-    values.report.spend(room, "a skin")?;
+    values.report.budget.charge(room, "a skin")?;
     let nothing = DAffine3 {
         matrix3: DMat3::ZERO,
         translation: DVec3::ZERO,

@@ -1,11 +1,14 @@
 //! The values that a primitive names, from accessors or unpacked.
 
-use super::super::report::{Checked, Fault, Report};
+use super::super::fault::{Checked, Fault};
+use super::super::report::Report;
 use super::accessor::{self, Elements, Number, Shape};
-use super::buffers::{Buffers, Problem};
-use super::document::{Attributes, Document, Index, Primitive};
+use super::buffers::Buffers;
+use super::document::{Attributes, Document, Primitive};
 use super::draco::Unpacked;
+use super::index::Index;
 use super::place::{Entry, key};
+use super::problem::Problem;
 use crate::error::Place;
 
 /// A primitive, and all it takes to read what it names.

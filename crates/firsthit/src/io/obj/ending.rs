@@ -1,13 +1,13 @@
 //! Detects OBJ files that end early.
 
 use super::index::Indices;
-use super::{is_continued, is_known};
+use super::statement::{is_continued, is_known};
 use crate::io::text::{Words, shown, unended_line};
 
 /// Why the text seems to be truncated, if it does.
 ///
-/// Many whole files have no line break at their end, and a number cut short is still a number. So a text is truncated only if its
-/// last line has no line break and makes no sense as the last: an incomplete statement, or one that only
+/// Many whole files have no line break at their end, and a number cut short is still a number. So a text is truncated
+/// only if its last line has no line break and makes no sense as the last: an incomplete statement, or one that only
 /// later statements would use.
 pub(super) fn cut(text: &[u8], indices: &[Indices; 3]) -> Option<String> {
     let last = text

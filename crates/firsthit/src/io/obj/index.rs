@@ -1,6 +1,6 @@
 //! The one place where a word of an OBJ file becomes an index.
 
-use crate::io::report::{Checked, Fault};
+use crate::io::fault::{Checked, Fault};
 use crate::io::text::shown;
 
 /// An index that a corner does not have.

@@ -4,53 +4,33 @@ mod ending;
 mod index;
 mod object;
 mod plain;
+mod statement;
+mod values;
 
 use std::collections::HashMap;
 
-use super::Model;
-use super::mend::{Kind, mend};
+use super::fault::{Checked, Fault};
 use super::mtl::Library;
-use super::report::{Checked, Fault, Report};
+use super::report::Report;
 use super::surface::Vertices;
-use super::text::{self, Lines, Words, next_number, number, shown};
+use super::text::{self, Lines, Words, number, shown};
 use crate::error::{Place, escape_controls};
-use crate::geometry::srgb_decode;
-use crate::scene::Material;
 use crate::shape::Positions;
+use crate::world::World;
 use index::{Indices, NONE};
 use object::{Face, Gather, Object};
+use statement::{CURVES, HARMLESS, is_continued, is_known, joined, linear, name_of, numbers};
+use values::{Materials, Values};
 
-/// Statements of free-form geometry, which is not read.
-const CURVES: &[&[u8]] = &[
-    b"vp", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm", b"trim",
-    b"hole", b"scrv", b"sp", b"end", b"con", b"bzp", b"bsp", b"cdc", b"cdp", b"res", b"ctech",
-    b"stech",
-];
-
-/// Statements that change nothing that is seen here.
-const HARMLESS: &[&[u8]] = &[
-    b"s",
-    b"mg",
-    b"lod",
-    b"bevel",
-    b"c_interp",
-    b"d_interp",
-    b"shadow_obj",
-    b"trace_obj",
-    b"maplib",
-    b"usemap",
-    b"t",
-];
-
-/// After so many lines it is asked how much memory they take.
+/// The memory is charged after this many lines.
 const CHECK_EVERY: u64 = 1 << 16;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let text = text::decode(bytes);
     let mut reader = Reader::new(report);
     let mut lines = Lines::new(&text);
     loop {
-        // Counted, not measured: what a statement adds is of the order of its bytes.
+        // By the count of lines, not their memory: a statement adds about as much as it has bytes.
         if lines.number.is_multiple_of(CHECK_EVERY) {
             reader.check_memory()?;
         }
@@ -72,67 +52,6 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
         reader.report.cut_short(place, &why);
     }
     reader.finish()
-}
-
-/// Whether a backslash joins the next line to this one. Not in a comment, where it ends a path.
-fn is_continued(line: &[u8]) -> bool {
-    line.trim_ascii_end().ends_with(b"\\") && !line.contains(&b'#')
-}
-
-fn joined(line: &[u8], lines: &mut Lines) -> Vec<u8> {
-    let mut whole = Vec::new();
-    let mut piece = Some(line);
-    while let Some(line) = piece {
-        let line = line.trim_ascii_end();
-        if !is_continued(line) {
-            whole.extend_from_slice(line);
-            break;
-        }
-        whole.extend_from_slice(line.strip_suffix(b"\\").unwrap_or(line));
-        whole.push(b' ');
-        piece = lines.next();
-    }
-    whole
-}
-
-/// Values that corners name by index.
-#[derive(Debug, Default)]
-struct Values {
-    uvs: Vec<[f32; 2]>,
-    normals: Vec<[f32; 3]>,
-    /// Linear colours of vertices: none, or as many as vertices.
-    colors: Vec<[f32; 3]>,
-}
-
-impl Values {
-    fn mend(&mut self, report: &mut Report) {
-        mend(&mut self.normals, Kind::Normals, &Place::File, report);
-        mend(&mut self.uvs, Kind::Coordinates, &Place::File, report);
-        mend(&mut self.colors, Kind::Colors, &Place::File, report);
-    }
-}
-
-/// The materials that faces use, by number.
-#[derive(Debug, Default)]
-struct Materials {
-    numbers: HashMap<Vec<u8>, u32>,
-    looks: Vec<Option<Material>>,
-}
-
-impl Materials {
-    fn number(&mut self, name: &[u8]) -> u32 {
-        if let Some(&known) = self.numbers.get(name) {
-            return known;
-        }
-        let next = u32::try_from(self.numbers.len()).unwrap_or(NONE);
-        self.numbers.insert(name.to_vec(), next);
-        next
-    }
-
-    /// What a material looks like, if its library says.
-    fn look(&self, number: u32) -> Option<&Material> {
-        self.looks.get(number as usize)?.as_ref()
-    }
 }
 
 struct Reader<'a> {
@@ -159,7 +78,7 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(report: &'a mut Report) -> Self {
         Self {
-            name: report.stem(),
+            name: report.source.stem(),
             report,
             positions: Vec::new(),
             values: Values::default(),
@@ -186,7 +105,9 @@ impl<'a> Reader<'a> {
         let values = size_of_val(uvs.as_slice()) + size_of_val(normals.as_slice());
         let vertices = size_of_val(self.positions.as_slice()) + size_of_val(colors.as_slice());
         let objects: usize = self.objects.iter().map(Object::bytes).sum();
-        self.report.has_grown_to(values + vertices + objects)
+        self.report
+            .budget
+            .charge_growth(values + vertices + objects)
     }
 
     /// Reads the next line if it is one of the plain ones, of which files mostly consist.
@@ -386,13 +307,13 @@ impl<'a> Reader<'a> {
 
     fn begin_object(&mut self, name: &[u8]) {
         self.name = match name {
-            [] => self.report.stem(),
+            [] => self.report.source.stem(),
             _ => escape_controls(&String::from_utf8_lossy(name)),
         };
         self.object = self.object_of_name.get(&self.name).copied();
     }
 
-    fn finish(mut self) -> Checked<Model> {
+    fn finish(mut self) -> Checked<World> {
         self.check_memory()?;
         if !self.has_statements {
             return Err(Fault::line(
@@ -409,7 +330,7 @@ impl<'a> Reader<'a> {
             }
         }
         if self.objects.is_empty() {
-            let (points, stem) = (self.positions.len(), self.report.stem());
+            let (points, stem) = (self.positions.len(), self.report.source.stem());
             self.report.warn("empty", &Place::File, || {
                 format!("no faces: there is nothing to see of {points} vertices")
             });
@@ -429,7 +350,7 @@ impl<'a> Reader<'a> {
             )
         };
         let objects = self.objects.into_iter().map(finish);
-        Ok(Model::of(objects.collect::<Checked<_>>()?))
+        Ok(World::of(objects.collect::<Checked<_>>()?))
     }
 
     /// Finds what the materials that were named look like, libraries that came later included.
@@ -448,49 +369,5 @@ impl<'a> Reader<'a> {
             }
             self.materials.looks.push(look.unwrap_or(None));
         }
-    }
-}
-
-/// Whether a word begins a statement of the format.
-fn is_known(word: &[u8]) -> bool {
-    const READ: &[&[u8]] = &[
-        b"v", b"vt", b"vn", b"f", b"fo", b"o", b"g", b"p", b"l", b"usemtl", b"mtllib",
-    ];
-    [READ, HARMLESS, CURVES]
-        .iter()
-        .any(|words| words.contains(&word))
-}
-
-/// The rest of a line as a name, which may have blanks, and a `#` that follows none.
-fn name_of(line: &[u8]) -> &[u8] {
-    let mut words = Words::new(line);
-    words.next();
-    let rest = words.rest();
-    let comment = rest
-        .windows(2)
-        .position(|pair| matches!(pair, [b' ' | b'\t', b'#']));
-    match comment.and_then(|end| rest.get(..end)) {
-        Some(name) => name.trim_ascii_end(),
-        None if rest.starts_with(b"#") => b"",
-        None => rest,
-    }
-}
-
-/// As many numbers as asked for.
-fn numbers<const N: usize>(words: &mut Words, line: u64) -> Checked<[f64; N]> {
-    let mut numbers = [0.0; N];
-    for number in &mut numbers {
-        *number = next_number(words).map_err(|what| Fault::line(line, what))?;
-    }
-    Ok(numbers)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
-fn linear(encoded: f64) -> f32 {
-    if encoded.is_finite() && encoded >= 0.0 {
-        srgb_decode(encoded) as f32
-    } else {
-        // Not a colour: told, and replaced, where all are there.
-        encoded as f32
     }
 }

@@ -4,8 +4,9 @@ use super::index::NONE;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Materials, Values};
-use crate::io::report::{Checked, Report};
+use super::values::{Materials, Values};
+use crate::io::fault::Checked;
+use crate::io::report::Report;
 use crate::io::surface::{Surface, Vertices, push_fan};
 use crate::scene::{self, Material};
 use crate::shape::{Attribute, Mesh};

@@ -1,6 +1,7 @@
-//! Lines as most files have them, read without looking at them twice.
+//! A fast reader for the lines that most files consist of.
 //!
-//! What is not plain is `None`, and is left to the reader of all lines, which gives the same for a plain one.
+//! It returns `None` for any other line. The reader of all lines takes those, and gives the same result for a plain
+//! one.
 
 use crate::io::decimal;
 

@@ -2,7 +2,8 @@
 
 use super::header::{Element, Header, Kind, Type};
 use crate::error::Place;
-use crate::io::report::{Checked, Fault, Report};
+use crate::io::fault::{Checked, Fault};
+use crate::io::report::Report;
 use crate::io::text::{Lines, Words, number, shown};
 
 /// The values of a body, in order.
@@ -19,8 +20,8 @@ pub(super) trait Rows {
     fn table<'a>(&'a mut self, element: &Element) -> Checked<Option<Table<'a>>>;
     /// Reads a list of vertices if all is plain about it: 32 bit indices below `limit`. Else nothing is read.
     fn plain_list(&mut self, count: Type, item: Type, limit: u64, list: &mut Vec<u32>) -> bool;
-    /// Reads rows of nothing but a list of three vertices, at most so many, as long as all is plain about
-    /// them; returns how many there were.
+    /// Reads rows of nothing but a list of three vertices, at most `most`, as long as they are plain. Returns their
+    /// number.
     fn plain_triangles(
         &mut self,
         element: &Element,
@@ -28,9 +29,9 @@ pub(super) trait Rows {
         limit: u64,
         push: impl FnMut([u32; 3]),
     ) -> u64;
-    /// Where the value stands that came last.
+    /// The place of the last value.
     fn place(&self) -> Place;
-    /// At most so many values of a type, or rows of a size, can follow.
+    /// The most values or rows of `size` bytes that can follow.
     fn room(&self, size: u64) -> u64;
     /// Warns about what was not read.
     fn end(&self, report: &mut Report);
@@ -55,7 +56,7 @@ pub(super) trait Rows {
         Ok(length as u64)
     }
 
-    /// How many rows to make room for: what the header says, unless the file is too short for that.
+    /// The number of rows to reserve memory for: as the header says, unless the file is too short for them.
     fn capacity(&self, element: &Element) -> usize {
         let most = self.room(element.smallest_row().max(1));
         usize::try_from(element.count.min(most)).unwrap_or(0)
@@ -392,6 +393,33 @@ impl Rows for Ascii<'_> {
             report.warn("trailing", &Place::Line(lines.number), || {
                 "lines after the last element are not read".to_owned()
             });
+        }
+    }
+}
+
+/// Passes over an element that is not read.
+pub(super) fn skip<R: Rows>(element: &Element, rows: &mut R) -> Checked<()> {
+    if rows.skip_fixed(element)? {
+        return Ok(());
+    }
+    for _ in 0..element.count {
+        rows.begin(element)?;
+        for property in &element.properties {
+            skip_value(property.kind, rows)?;
+        }
+        rows.finish();
+    }
+    Ok(())
+}
+
+pub(super) fn skip_value<R: Rows>(kind: Kind, rows: &mut R) -> Checked<()> {
+    match kind {
+        Kind::Scalar(kind) => rows.value(kind).map(drop),
+        Kind::List { count, item } => {
+            for _ in 0..rows.length(count, item)? {
+                rows.value(item)?;
+            }
+            Ok(())
         }
     }
 }

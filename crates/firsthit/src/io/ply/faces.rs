@@ -1,18 +1,19 @@
 //! The faces and triangle strips of a PLY file.
 
-use super::body::{Rows, scalar_at};
+use super::body::{Rows, scalar_at, skip, skip_value};
 use super::header::{Element, Kind, Type};
+use super::levels::Levels;
 use super::named::NamedRows;
-use super::{Levels, skip, skip_value};
 use crate::error::Place;
-use crate::io::report::{Checked, Fault, Report};
+use crate::io::fault::{Checked, Fault};
+use crate::io::report::Report;
 use crate::io::surface::Surface;
 use crate::shape::PropertyOf;
 
-/// After so many rows it is asked how much memory they take.
+/// The memory is charged after this many rows.
 const CHECK_EVERY: u64 = 1 << 16;
 
-/// What the rows of faces say.
+/// The faces that were read.
 pub(super) struct Faces {
     pub(super) surface: Surface,
     /// A linear colour for each face, where all faces so far have one.
@@ -23,7 +24,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// For faces between so many vertices, which need not have been read yet.
+    /// No faces yet, of `vertex_count` vertices, which need not have been read.
     pub(super) fn new(vertex_count: u64) -> Self {
         Self {
             surface: Surface::default(),
@@ -46,7 +47,7 @@ impl Faces {
             Fault::line(element.line, "element 'face' has no list 'vertex_indices'")
         })?;
         warn_of_lists(element, report);
-        self.surface.reserve(rows.capacity(element), report)?;
+        self.surface.reserve(rows.capacity(element))?;
         let colors = ColorColumns::of(element);
         self.named = NamedRows::new(element, PropertyOf::Faces, |k| !colors.has(k));
         let mut ring = Vec::new();
@@ -59,7 +60,7 @@ impl Faces {
             left -= rows.plain_triangles(element, most, self.vertex_count, push);
             if checked - left >= CHECK_EVERY || left == 0 {
                 checked = left;
-                report.has_grown_to(self.bytes())?;
+                report.budget.charge_growth(self.bytes())?;
             }
             if left == 0 {
                 break;
@@ -150,12 +151,7 @@ impl Faces {
 
     /// Reads strips: each vertex makes a triangle with the two before it, every other one turned over;
     /// a negative index begins anew.
-    pub(super) fn read_strips<R: Rows>(
-        &mut self,
-        element: &Element,
-        rows: &mut R,
-        report: &Report,
-    ) -> Checked<()> {
+    pub(super) fn read_strips<R: Rows>(&mut self, element: &Element, rows: &mut R) -> Checked<()> {
         let Some(strip) = list_at(element, &["vertex_indices", "vertex_index"]) else {
             return skip(element, rows);
         };
@@ -165,7 +161,7 @@ impl Faces {
                 match property.kind {
                     Kind::List { count, item } if k == strip => {
                         let length = rows.length(count, item)?;
-                        self.read_strip(length, item, rows, report)?;
+                        self.read_strip(length, item, rows)?;
                     }
                     kind => skip_value(kind, rows)?,
                 }
@@ -175,15 +171,9 @@ impl Faces {
         Ok(())
     }
 
-    fn read_strip<R: Rows>(
-        &mut self,
-        length: u64,
-        item: Type,
-        rows: &mut R,
-        report: &Report,
-    ) -> Checked<()> {
+    fn read_strip<R: Rows>(&mut self, length: u64, item: Type, rows: &mut R) -> Checked<()> {
         let triangles = usize::try_from(length).unwrap_or(usize::MAX);
-        self.surface.reserve(triangles, report)?;
+        self.surface.reserve(triangles)?;
         let (mut last, mut is_odd) = ([None; 2], false);
         for _ in 0..length {
             let index = rows.value(item)?;

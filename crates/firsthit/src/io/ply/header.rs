@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::io::report::{Checked, Fault};
+use crate::io::fault::{Checked, Fault};
 use crate::io::text::{Lines, Words, shown};
 
 /// What the header says.

@@ -3,28 +3,29 @@
 mod body;
 mod faces;
 mod header;
+mod levels;
 mod named;
 mod vertices;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use super::Model;
+use super::fault::{Checked, Fault};
 use super::mend::{self, mend};
 use super::picture;
-use super::report::{Checked, Fault, Report};
+use super::report::Report;
 use super::surface::{Surface, Vertices, face_attribute};
 use super::text::shown;
 use crate::error::{Place, escape_controls};
-use crate::geometry::srgb_decode;
-use crate::scene::{Material, Object, TextureMap};
+use crate::scene::{MapRole, Maps, Material, Object, TextureMap};
 use crate::shape::Attribute;
-use body::{Ascii, Binary, Rows};
+use crate::world::World;
+use body::{Ascii, Binary, Rows, skip};
 use faces::Faces;
-use header::{Element, Format, Header, Kind, Type};
+use header::{Format, Header};
 use vertices::VertexRows;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let header = header::parse(bytes)?;
     if let Some((line, text)) = &header.stray {
         report.warn("stray", &Place::Line(*line), || {
@@ -43,11 +44,11 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     }
 }
 
-fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<Model> {
+fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<World> {
     if header.elements.is_empty() {
         let what = || "no elements: there is nothing to see".to_owned();
         report.warn("empty", &Place::File, what);
-        return Ok(Model::default());
+        return Ok(World::default());
     }
     let element = header
         .vertex_element()?
@@ -58,7 +59,7 @@ fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Chec
         match element.name.as_str() {
             "vertex" => vertices.read(element, &mut rows, report)?,
             "face" => faces.read(element, &mut rows, report)?,
-            "tristrips" => faces.read_strips(element, &mut rows, report)?,
+            "tristrips" => faces.read_strips(element, &mut rows)?,
             name => {
                 if element.count > 0 {
                     report.warn("element", &Place::Line(element.line), || {
@@ -74,33 +75,6 @@ fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Chec
     model(vertices, faces, texture, report)
 }
 
-/// Passes over an element that is not read.
-fn skip<R: Rows>(element: &Element, rows: &mut R) -> Checked<()> {
-    if rows.skip_fixed(element)? {
-        return Ok(());
-    }
-    for _ in 0..element.count {
-        rows.begin(element)?;
-        for property in &element.properties {
-            skip_value(property.kind, rows)?;
-        }
-        rows.finish();
-    }
-    Ok(())
-}
-
-fn skip_value<R: Rows>(kind: Kind, rows: &mut R) -> Checked<()> {
-    match kind {
-        Kind::Scalar(kind) => rows.value(kind).map(drop),
-        Kind::List { count, item } => {
-            for _ in 0..rows.length(count, item)? {
-                rows.value(item)?;
-            }
-            Ok(())
-        }
-    }
-}
-
 /// The texture that a comment names, as many programs write it.
 fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
     let named = header.textures.first()?;
@@ -114,7 +88,7 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
             )
         });
     }
-    let scene = report.scene().map(Path::to_owned);
+    let scene = report.source.base().map(Path::to_owned);
     match scene.and_then(|scene| picture::sibling(&scene, &named.name, report)) {
         Ok(texture) => Some(TextureMap::new(texture.into(), TextureMap::V_UP)),
         Err(reason) => {
@@ -134,8 +108,8 @@ fn model(
     faces: Faces,
     texture: Option<TextureMap>,
     report: &mut Report,
-) -> Checked<Model> {
-    let name = report.stem();
+) -> Checked<World> {
+    let name = report.source.stem();
     let Faces {
         surface,
         colors,
@@ -167,7 +141,7 @@ fn model(
     // White leaves the mesh's own colours as they are.
     let is_painted = colors.is_some() || texture.is_some();
     let look = is_painted.then(|| Material {
-        texture,
+        maps: Maps::default().with(MapRole::Color, texture),
         ..Material::default()
     });
     if let Some(mut colors) = colors {
@@ -175,7 +149,7 @@ fn model(
         mesh = mesh.with_colors(colors)?;
     }
     let object = Object::new(Arc::new(mesh)).named(name);
-    Ok(Model::of(vec![match look {
+    Ok(World::of(vec![match look {
         Some(look) => object.with_materials([look]),
         None => object,
     }]))
@@ -188,56 +162,5 @@ fn warn_if_empty(surface: &Surface, vertices: &Vertices, report: &mut Report) {
             0 => "no faces: there is nothing to see".to_owned(),
             _ => format!("no faces: there is nothing to see of a cloud of {points} points"),
         });
-    }
-}
-
-/// How a property of some type spells the levels of a colour: as sRGB, up to the type's largest number.
-struct Levels {
-    largest: f64,
-    /// The linear values of the levels 0 to 255, where those are all.
-    table: Vec<f32>,
-}
-
-impl Levels {
-    fn new(kind: Type) -> Self {
-        let largest = match kind {
-            Type::Int8 => f64::from(i8::MAX),
-            Type::Uint8 => f64::from(u8::MAX),
-            Type::Int16 => f64::from(i16::MAX),
-            Type::Uint16 => f64::from(u16::MAX),
-            Type::Int32 => f64::from(i32::MAX),
-            Type::Uint32 => f64::from(u32::MAX),
-            Type::Float32 | Type::Float64 => 1.0,
-        };
-        let table = match kind {
-            Type::Uint8 => (0..=u8::MAX)
-                .map(|k| linear(f64::from(k) / largest))
-                .collect(),
-            _ => Vec::new(),
-        };
-        Self { largest, table }
-    }
-
-    fn linear(&self, level: f64) -> f32 {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "saturates; a level that is not whole is not from the table"
-        )]
-        let tabled = self.table.get(level as usize);
-        match tabled {
-            Some(&tabled) if level.fract() == 0.0 => tabled,
-            _ => linear(level / self.largest),
-        }
-    }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
-fn linear(encoded: f64) -> f32 {
-    if encoded.is_finite() && encoded >= 0.0 {
-        srgb_decode(encoded) as f32
-    } else {
-        // Not a colour: told, and replaced, where all are there.
-        encoded as f32
     }
 }

@@ -1,10 +1,11 @@
 //! The vertices of a PLY file.
 
-use super::body::{Rows, Table, scalar_at};
+use super::body::{Rows, Table, scalar_at, skip_value};
 use super::header::{Element, Format, Header, Kind, Type};
+use super::levels::Levels;
 use super::named::NamedRows;
-use super::{Levels, skip_value};
-use crate::io::report::{Checked, Fault, Report};
+use crate::io::fault::{Checked, Fault};
+use crate::io::report::Report;
 use crate::shape::{Positions, PropertyOf};
 
 /// The properties that are read, by all the names they go by.
@@ -22,7 +23,7 @@ const NAMES: [&[&str]; 11] = [
     &["blue", "b", "diffuse_blue"],
 ];
 
-/// What the rows of vertices say.
+/// The vertices that were read.
 pub(super) struct VertexRows {
     /// For each property of the element which of [`NAMES`] it is.
     slots: Vec<Option<usize>>,
@@ -94,7 +95,9 @@ impl VertexRows {
         report: &mut Report,
     ) -> Checked<()> {
         let capacity = rows.capacity(element);
-        report.has_grown_to(capacity.saturating_mul(self.row_bytes()))?;
+        report
+            .budget
+            .charge_growth(capacity.saturating_mul(self.row_bytes()))?;
         self.reserve(capacity);
         if let Some(table) = rows.table(element)? {
             self.read_table(element, &table);

@@ -4,8 +4,7 @@ use std::collections::VecDeque;
 
 use robust::orient2d;
 
-use super::Point;
-use super::columns::Columns;
+use super::columns::{Columns, Point};
 
 const NONE: u32 = u32::MAX;
 
@@ -220,7 +219,7 @@ impl<'a> Clipper<'a> {
         }
     }
 
-    /// `corner` is in nobody's way any more: who waited for that is tested again.
+    /// `corner` blocks no ear any more: the ears that waited for it are tested again.
     fn unblock(&mut self, corner: u32) {
         if !std::mem::take(&mut self.blocks[corner as usize]) {
             return;

@@ -1,6 +1,7 @@
 //! Points in columns: which of them lie in a box?
 
-use super::Point;
+/// A corner in the polygon's plane.
+pub(super) type Point = robust::Coord<f64>;
 
 /// Points sorted into columns of equally many, each sorted upwards. Unlike in a grid of equal
 /// cells, points that crowd together spread over as many columns as any others.

@@ -21,8 +21,7 @@ mod columns;
 use robust::{Coord, orient2d};
 
 use crate::geometry::{Bounds, DVec3, unit};
-
-type Point = Coord<f64>;
+use columns::Point;
 
 /// The triangles of a polygon as indices of its corners, in its own winding; `None` when the fan from
 /// the first corner, (0, k, k + 1), is right, as it is for every convex polygon, or as good as any, as it

@@ -1,6 +1,6 @@
 //! Mode ATTRIBUTES: elements as differences from the ones before, byte by byte, in groups of 16.
 
-use super::{Decoded, Stream, TRUNCATED, unzigzag};
+use super::stream::{Decoded, Stream, TRUNCATED, unzigzag};
 
 const GROUP: usize = 16;
 
@@ -9,11 +9,11 @@ const GROUP: usize = 16;
 enum Channel {
     Bytes,
     Pairs,
-    /// By exclusive or, turned by so many bits.
+    /// By exclusive or, rotated by this many bits.
     Words(u32),
 }
 
-/// A stream and what its end says.
+/// A stream, and the parameters at its end.
 struct Parts<'a> {
     version: u8,
     body: &'a [u8],
@@ -58,7 +58,7 @@ fn block_size(stride: usize) -> usize {
     ((8192 / stride) & !15).min(256)
 }
 
-/// Refuses a stream that is shorter than any stream of so many elements.
+/// Refuses a stream that is shorter than any stream of `count` elements.
 pub(super) fn check(source: &[u8], count: usize, stride: usize) -> Decoded<()> {
     let parts = parts(source, stride)?;
     let blocks = count.div_ceil(block_size(stride));
@@ -169,7 +169,7 @@ fn read_row(
     Ok(())
 }
 
-/// Sixteen codes of so many bits each; those of ones only stand for a byte of its own behind them.
+/// Sixteen codes of `width` bits each. A code of ones stands for a byte behind the codes.
 fn read_group(stream: &mut Stream<'_>, width: u32, group: &mut [u8]) -> Decoded<()> {
     if width == 0 {
         group.fill(0);

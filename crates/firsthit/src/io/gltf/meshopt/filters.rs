@@ -1,6 +1,6 @@
-//! What is done to attributes after unpacking.
+//! The filters, which transform attributes after unpacking.
 
-use super::super::buffers::Problem;
+use super::super::problem::Problem;
 use crate::error::escape_controls;
 
 /// Refuses a filter that is not known, or that does not go with the size of elements.
@@ -69,7 +69,7 @@ fn each_short(bytes: &mut [u8], filter: impl Fn([u16; 4]) -> [i32; 4]) {
     }
 }
 
-/// To the nearest whole number; what is none becomes zero.
+/// Rounds to the nearest whole number; NaN becomes zero.
 #[expect(clippy::cast_possible_truncation, reason = "saturates")]
 fn whole(value: f64) -> i32 {
     value.round() as i32

@@ -1,6 +1,6 @@
 //! Mode INDICES: a sequence of indices, each a difference from one of two before it.
 
-use super::{Decoded, Stream, TRUNCATED, push_index, unzigzag};
+use super::stream::{Decoded, Stream, TRUNCATED, push_index, unzigzag};
 
 const HEADER: u8 = 0xd1;
 const TAIL: usize = 4;

@@ -1,21 +1,18 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression`: packed buffer views, after the bitstreams that
-//! the extensions' texts specify. A decoder reads what is there or says that it ends early; nothing in a
-//! stream sizes an allocation.
+//! the extensions' texts specify. A decoder reads the whole stream or reports that it ends early; nothing in
+//! a stream sizes an allocation.
 
 mod attributes;
 mod filters;
 mod indices;
+mod stream;
 mod triangles;
 
 use super::super::report::Report;
-use super::buffers::Problem;
 use super::document::Meshopt;
+use super::problem::Problem;
 use crate::error::escape_controls;
-
-/// What a decoder finds wrong.
-type Decoded<T> = Result<T, &'static str>;
-
-const TRUNCATED: &str = "truncated: the packed bytes end too early";
+use stream::TRUNCATED;
 
 /// The bytes that a packed view stands for.
 pub(super) fn unpack(
@@ -31,7 +28,7 @@ pub(super) fn unpack(
     let mut bytes = Vec::new();
     let mut make_room = || -> Result<(), Problem> {
         // A stream can be far smaller than what it stands for, so the limit decides.
-        report.spend(size as u64, "a packed buffer view")?;
+        report.budget.charge(size as u64, "a packed buffer view")?;
         let reserved = bytes.try_reserve_exact(size);
         reserved
             .map_err(|_| format!("{size} unpacked bytes are more than what memory is free").into())
@@ -76,47 +73,4 @@ pub(super) fn unpack(
         }
     }
     Ok(bytes)
-}
-
-/// What is left to be read of a stream.
-struct Stream<'a> {
-    rest: &'a [u8],
-}
-
-impl<'a> Stream<'a> {
-    fn take(&mut self, count: usize) -> Decoded<&'a [u8]> {
-        let (taken, rest) = self.rest.split_at_checked(count).ok_or(TRUNCATED)?;
-        self.rest = rest;
-        Ok(taken)
-    }
-
-    fn byte(&mut self) -> Decoded<u8> {
-        let (&byte, rest) = self.rest.split_first().ok_or(TRUNCATED)?;
-        self.rest = rest;
-        Ok(byte)
-    }
-
-    /// A number in as many groups of seven bits as it needs, the lowest first (unsigned LEB128).
-    fn varint(&mut self) -> Decoded<u32> {
-        let mut value = 0;
-        for shift in [0, 7, 14, 21, 28] {
-            let byte = self.byte()?;
-            value |= u32::from(byte & 0x7f) << shift;
-            if byte < 0x80 {
-                return Ok(value);
-            }
-        }
-        Err("a number of the packed bytes never ends")
-    }
-}
-
-/// A difference from its zigzag code.
-fn unzigzag(code: u32) -> u32 {
-    (code >> 1) ^ 0_u32.wrapping_sub(code & 1)
-}
-
-/// Adds an index in the width that the view has.
-fn push_index(index: u32, stride: usize, bytes: &mut Vec<u8>) {
-    let word = index.to_le_bytes();
-    bytes.extend(word.iter().take(stride));
 }

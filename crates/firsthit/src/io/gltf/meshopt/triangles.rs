@@ -1,6 +1,6 @@
 //! Mode TRIANGLES: triangles as edges and vertices met shortly before.
 
-use super::{Decoded, Stream, TRUNCATED, push_index, unzigzag};
+use super::stream::{Decoded, Stream, TRUNCATED, push_index, unzigzag};
 
 const HEADER: u8 = 0xe1;
 /// The table of common codes at the end.

@@ -1,0 +1,190 @@
+//! Embree's library, its devices and its scenes of triangles.
+
+use std::error::Error;
+use std::ffi::{CString, c_void};
+use std::marker::PhantomData;
+use std::path::Path;
+use std::sync::atomic::{AtomicIsize, Ordering};
+
+use super::api::{self, Api};
+
+/// Embree's code.
+#[derive(Debug)]
+pub(crate) struct Library(Api);
+
+impl Library {
+    /// Opens the shared library at `path`.
+    pub(crate) fn open(path: &Path) -> Result<Self, String> {
+        let api = Api::open(path).map_err(|error| match error.source() {
+            Some(source) => format!("{}: {error}: {source}", path.display()),
+            None => format!("{}: {error}", path.display()),
+        })?;
+        Ok(Self(api))
+    }
+}
+
+/// What Embree holds at the moment, over all devices.
+static BYTES: AtomicIsize = AtomicIsize::new(0);
+
+unsafe extern "C" fn count_bytes(_: *mut c_void, bytes: isize, _: bool) -> bool {
+    BYTES.fetch_add(bytes, Ordering::Relaxed);
+    true
+}
+
+/// A device of one thread.
+#[derive(Debug)]
+pub(crate) struct Device<'a> {
+    api: &'a Api,
+    handle: api::Handle,
+}
+
+impl<'a> Device<'a> {
+    /// One thread, and huge pages, as Embree's manual recommends; with no instructions beyond those of `isa`, by
+    /// Embree's name for it.
+    pub(crate) fn new(library: &'a Library, isa: Option<&str>) -> Result<Self, String> {
+        let api = &library.0;
+        let isa = isa.map_or_else(String::new, |isa| format!(",isa={isa}"));
+        let settings = CString::new(format!("threads=1,hugepages=1{isa}"));
+        let settings = settings.map_err(|error| error.to_string())?;
+        // SAFETY: the text ends in a zero and is only read during the call.
+        let handle = unsafe { (api.new_device)(settings.as_ptr()) };
+        if handle.is_null() {
+            return Err("Embree makes no device".into());
+        }
+        // SAFETY: the device is alive; the callback touches nothing but an atomic.
+        unsafe { (api.set_memory_monitor)(handle, Some(count_bytes), std::ptr::null_mut()) };
+        Ok(Self { api, handle })
+    }
+
+    /// Such as "4.4.0".
+    pub(crate) fn version(&self) -> String {
+        let number = self.property(api::PROPERTY_VERSION);
+        format!("{}.{}.{}", number / 10000, number / 100 % 100, number % 100)
+    }
+
+    /// How many rays a packet takes at its best: 16, or 8 without AVX-512.
+    pub(crate) fn width(&self) -> usize {
+        if self.property(api::PROPERTY_NATIVE_RAY16) == 1 {
+            16
+        } else {
+            8
+        }
+    }
+
+    fn property(&self, property: std::ffi::c_int) -> isize {
+        // SAFETY: the device is alive.
+        unsafe { (self.api.device_property)(self.handle, property) }
+    }
+
+    /// Builds the tree over `meshes` at medium quality, Embree's default.
+    pub(crate) fn scene<'s>(
+        &'s self,
+        meshes: &'s [Triangles],
+        robust: bool,
+    ) -> Result<Scene<'s>, String> {
+        let before = BYTES.load(Ordering::Relaxed);
+        // SAFETY: the device is alive, and so is everything made here; the buffers live for 's, longer
+        // than the scene that reads them, their sizes are those of the vectors, and the vertices are
+        // followed by one more, so that the last one may be read as 16 bytes.
+        let handle = unsafe {
+            let api = self.api;
+            let scene = (api.new_scene)(self.handle);
+            let flags = if robust { api::SCENE_ROBUST } else { 0 };
+            (api.set_scene_flags)(scene, flags);
+            (api.set_build_quality)(scene, api::QUALITY_MEDIUM);
+            for mesh in meshes {
+                let geometry = (api.new_geometry)(self.handle, api::GEOMETRY_TRIANGLE);
+                let corners = mesh.corners.as_ptr().cast();
+                let indices = mesh.indices.as_ptr().cast();
+                let (vertices, triangles) = (mesh.corners.len() - 1, mesh.indices.len());
+                let share = api.set_shared_buffer;
+                let float3 = api::FORMAT_FLOAT3;
+                let uint3 = api::FORMAT_UINT3;
+                share(
+                    geometry,
+                    api::BUFFER_VERTEX,
+                    0,
+                    float3,
+                    corners,
+                    0,
+                    12,
+                    vertices,
+                );
+                share(
+                    geometry,
+                    api::BUFFER_INDEX,
+                    0,
+                    uint3,
+                    indices,
+                    0,
+                    12,
+                    triangles,
+                );
+                (api.commit_geometry)(geometry);
+                (api.attach_geometry)(scene, geometry);
+                (api.release_geometry)(geometry);
+            }
+            (api.commit_scene)(scene);
+            scene
+        };
+        // SAFETY: the device is alive.
+        let error = unsafe { (self.api.device_error)(self.handle) };
+        let scene = Scene {
+            api: self.api,
+            handle,
+            width: self.width(),
+            bytes: BYTES.load(Ordering::Relaxed) - before,
+            meshes: PhantomData,
+        };
+        if error == 0 {
+            Ok(scene)
+        } else {
+            Err(format!("Embree's error {error} while building a scene"))
+        }
+    }
+}
+
+impl Drop for Device<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the device is alive, and its scenes borrow it, so there are none left.
+        unsafe { (self.api.release_device)(self.handle) }
+    }
+}
+
+/// A mesh in Embree's types.
+#[derive(Debug)]
+pub(crate) struct Triangles {
+    /// The vertices, and one more.
+    corners: Vec<[f32; 3]>,
+    indices: Vec<[u32; 3]>,
+}
+
+impl Triangles {
+    /// The triangles that index `vertices`.
+    pub(crate) fn new(mut vertices: Vec<[f32; 3]>, indices: Vec<[u32; 3]>) -> Self {
+        vertices.push([0.0; 3]);
+        Self {
+            corners: vertices,
+            indices,
+        }
+    }
+}
+
+/// Triangles with Embree's tree over them.
+#[derive(Debug)]
+pub(crate) struct Scene<'s> {
+    pub(super) api: &'s Api,
+    pub(super) handle: api::Handle,
+    /// Rays in a packet.
+    pub(super) width: usize,
+    /// What Embree allocated to build and keep it, and did not give back.
+    pub(crate) bytes: isize,
+    meshes: PhantomData<&'s [Triangles]>,
+}
+
+impl Drop for Scene<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the scene is alive, and nothing else holds it.
+        unsafe { (self.api.release_scene)(self.handle) }
+    }
+}

@@ -1,0 +1,87 @@
+//! Where the cameras and the light of a scene are.
+
+use std::str::SplitWhitespace;
+
+use firsthit::camera::View;
+use firsthit::{Camera, DVec3, Lens, RayStart, Viewplane};
+
+/// Where the cameras and the light are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Look {
+    pub(crate) eye: DVec3,
+    pub(crate) target: DVec3,
+    pub(crate) up: DVec3,
+    pub(crate) light: DVec3,
+    pub(crate) vertical_fov_degrees: f64,
+    /// What the orthographic camera sees from top to bottom, in scene units.
+    pub(crate) height: f64,
+    /// How far ambient occlusion reaches, in scene units.
+    pub(crate) reach: f64,
+}
+
+impl Look {
+    /// A camera of square pixels, its rays starting at the eye.
+    pub(crate) fn camera(&self, parallel: bool, side: usize) -> Result<Camera, String> {
+        let viewplane = if parallel {
+            Ok(Viewplane {
+                width: self.height,
+                height: self.height,
+                parallel,
+                ray_start: RayStart::Eye,
+                ..Viewplane::default()
+            })
+        } else {
+            Viewplane::with_vertical_fov(self.vertical_fov_degrees, side, side)
+        };
+        let view = |viewplane| View {
+            position: self.eye,
+            aim: self.target - self.eye,
+            up: self.up,
+            rows: side,
+            columns: side,
+            lens: Lens::Flat(viewplane),
+        };
+        viewplane
+            .map(view)
+            .and_then(Camera::new)
+            .map_err(|error| error.to_string())
+    }
+}
+
+/// Reads what `make_scenes.py` writes beside a mesh.
+pub(super) fn parse(text: &str) -> Option<Look> {
+    fn vector(words: &mut SplitWhitespace) -> Option<DVec3> {
+        let mut number = || words.next()?.parse().ok();
+        Some(DVec3::new(number()?, number()?, number()?))
+    }
+    let mut words = text.split_whitespace();
+    let [eye, target, up, light, rest] = [(); 5].map(|()| vector(&mut words));
+    let rest = rest?;
+    Some(Look {
+        eye: eye?,
+        target: target?,
+        up: up?,
+        light: light?,
+        vertical_fov_degrees: rest.x,
+        height: rest.y,
+        reach: rest.z,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_file_is_read_and_a_short_one_refused() {
+        let text = "1 2 3\n4 5 6\n0 0 1\n7 8 9\n40 2.5 0.1\n";
+        let look = parse(text).unwrap();
+        assert_eq!(look.light, DVec3::new(7.0, 8.0, 9.0));
+        assert_eq!(
+            (look.vertical_fov_degrees, look.height, look.reach),
+            (40.0, 2.5, 0.1)
+        );
+        assert_eq!(parse(text.trim_end_matches("0.1\n")), None);
+        assert_eq!(parse(&text.replace("2.5", "high")), None);
+    }
+}

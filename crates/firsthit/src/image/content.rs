@@ -1,0 +1,43 @@
+//! The content that a format writes.
+
+use super::frame::Channel;
+use super::metadata::Metadata;
+use crate::error::{Error, Result};
+use crate::watch::Watch;
+
+/// Settings of some formats.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WriteSettings {
+    /// The step of a 16 bit PNG in scene units: distances are stored as a number of steps, misses as 0. `None`:
+    /// distances are stored as colours.
+    pub png_scale: Option<f64>,
+}
+
+/// The content of a file, checked.
+pub(super) struct Content<'a> {
+    pub(super) shape: &'a [usize],
+    pub(super) channels: Vec<&'a Channel>,
+    pub(super) settings: WriteSettings,
+    pub(super) metadata: Metadata,
+    /// Stops work that takes long before the first byte is written.
+    pub(super) watch: &'a dyn Watch,
+}
+
+/// `[rows, columns]` of a picture, each from 1 to 2^31 - 1.
+pub(super) fn picture_sides(shape: &[usize], expected: &'static str) -> Result<(usize, usize)> {
+    const LONGEST: usize = (1 << 31) - 1;
+    match *shape {
+        [rows, columns] if (1..=LONGEST).contains(&rows) && (1..=LONGEST).contains(&columns) => {
+            Ok((rows, columns))
+        }
+        _ => Err(Error::argument("shape", expected, format!("{shape:?}"))),
+    }
+}
+
+/// The row and the column of an element, for messages.
+pub(super) fn pixel(index: usize, shape: &[usize]) -> String {
+    match shape {
+        [_, columns] => format!("row {}, column {}", index / columns, index % columns),
+        _ => format!("element {index}"),
+    }
+}

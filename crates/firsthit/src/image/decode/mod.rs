@@ -1,0 +1,25 @@
+//! The decoders: bytes to numbers, a file per format.
+//!
+//! The bytes are untrusted. A decoder compares the sizes that a file claims with its length before it allocates.
+
+// A reader that panics is a reader that a file can crash.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(feature = "exr")]
+pub(super) mod exr;
+#[cfg(feature = "npy")]
+pub(super) mod npy;
+#[cfg(feature = "npy")]
+pub(super) mod npz;
+pub(super) mod output;
+#[cfg(feature = "png")]
+pub(super) mod png;

@@ -1,0 +1,65 @@
+//! Where a frame comes from: its scene and its camera.
+
+use serde::{Deserialize, Serialize};
+
+/// Where a frame comes from: the facts that no channel has. In JSON, the part of [`Metadata`](super::Metadata) with
+/// these names.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The scene's fingerprint, such as that of `Scene::fingerprint`.
+    pub scene: Option<String>,
+    /// The camera that made the rays, if one did.
+    pub camera: Option<CameraRecord>,
+    /// The number of samples whose mean is a pixel's colour, if there are colours.
+    pub samples: Option<u32>,
+}
+
+/// A camera: in the specification's words, as intrinsic matrix, and as pose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CameraRecord {
+    /// Where the camera is, in the world.
+    pub position: [f64; 3],
+    /// The direction it looks in, of length one.
+    pub aim: [f64; 3],
+    /// Which way is up, as it was given.
+    pub up: [f64; 3],
+    /// The distance from the camera to the viewplane; `None` for a projection without one, as for the next two.
+    pub focal_length: Option<f64>,
+    /// The viewplane's width.
+    pub width: Option<f64>,
+    /// The viewplane's height.
+    pub height: Option<f64>,
+    /// Pixels down.
+    pub rows: u64,
+    /// Pixels across.
+    pub columns: u64,
+    /// The projection's name.
+    pub projection: String,
+    /// Where `t` counts from: `viewplane` or `eye`.
+    pub ray_start: String,
+    /// As intrinsic matrix; `None` for parallel rays, which have none.
+    pub intrinsics: Option<Intrinsics>,
+    /// Where it is and how it is turned.
+    pub pose: Pose,
+}
+
+/// The matrix K: `(u, v, 1)` is `K (x, y, z) / z`, where u counts pixels to the right and v downwards.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Intrinsics {
+    /// Row by row.
+    pub k: [[f64; 3]; 3],
+    /// The coordinates (u and v) of the first pixel's centre: 0.5, as in COLMAP and OpenGL. For OpenCV,
+    /// where they are 0, subtract 0.5 from the two numbers in the last column.
+    pub first_pixel_center: f64,
+    /// What x, y, z are: the camera's right, down and forwards, as in OpenCV and COLMAP.
+    pub axes: String,
+}
+
+/// The matrix that takes the camera's coordinates to the world's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Row by row; it is applied to columns.
+    pub world_from_camera: [[f64; 4]; 4],
+    /// What the camera's x, y, z are: right, up and backwards, as in OpenGL, glTF and Blender.
+    pub axes: String,
+}

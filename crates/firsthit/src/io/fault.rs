@@ -1,0 +1,69 @@
+//! Why a file cannot be read.
+
+use std::path::Path;
+
+use crate::error::{Error, Place};
+
+/// The result of a step of a loader, before the path is known.
+pub(crate) type Checked<T> = Result<T, Fault>;
+
+/// Why a file cannot be read.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    /// Its content is wrong.
+    Content { place: Place, what: String },
+    /// It needs more memory than is allowed.
+    TooLarge { place: Place, what: String },
+    /// Any other error.
+    Other(Error),
+}
+
+impl Fault {
+    pub(crate) fn at(place: Place, what: impl Into<String>) -> Self {
+        let what = what.into();
+        Self::Content { place, what }
+    }
+
+    pub(crate) fn line(number: u64, what: impl Into<String>) -> Self {
+        Self::at(Place::Line(number), what)
+    }
+
+    pub(crate) fn file(what: impl Into<String>) -> Self {
+        Self::at(Place::File, what)
+    }
+
+    pub(crate) fn into_error(self, path: &Path) -> Error {
+        let path = path.to_owned();
+        match self {
+            Self::Content { place, what } => Error::Parse {
+                path,
+                place,
+                what: shortened(what),
+            },
+            Self::TooLarge { place, what } => Error::TooLarge {
+                path,
+                place,
+                what: shortened(what),
+            },
+            Self::Other(error) => error,
+        }
+    }
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Self {
+        Self::Other(error)
+    }
+}
+
+/// The longest message, in characters.
+const LONGEST: usize = 1000;
+
+/// Cuts a text that the names in a file have made too long to read.
+pub(crate) fn shortened(mut text: String) -> String {
+    if let Some((end, _)) = text.char_indices().nth(LONGEST) {
+        text.truncate(end);
+        text.push_str("...");
+    }
+    text
+}

@@ -1,0 +1,85 @@
+//! A file format, and how a file of it is read.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::fault::Checked;
+use super::gzip;
+use super::memory_budget::check_free;
+use super::report::Report;
+use super::source::without_gz;
+use crate::error::{Error, Place, Result};
+use crate::geometry::DVec3;
+use crate::world::World;
+
+/// A kind of file.
+pub(crate) struct Format {
+    pub(crate) name: &'static str,
+    /// In lower case, without the dot.
+    pub(crate) extensions: &'static [&'static str],
+    pub(crate) up: DVec3,
+    /// Whether `up` is a rule of the format, not a convention.
+    pub(crate) rules_up: bool,
+    pub(crate) read: fn(&[u8], &mut Report) -> Checked<World>,
+}
+
+/// While a file is read, it takes this many times its content, unless it is an attack.
+const TIMES_CONTENT: usize = 3;
+
+impl Format {
+    /// Reads a file's content, packed by gzip or not.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parse`] for wrong content, [`Error::TooLarge`] for more than the settings allow, and [`Error::Limit`]
+    /// for more than identifiers hold.
+    pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<World> {
+        let path = report.source.path().to_owned();
+        let read = |report: &mut Report| {
+            report.budget.charge_read(&path, bytes.len())?;
+            let bytes = gzip::unpacked(bytes, report)?;
+            check_free(bytes.len().saturating_mul(TIMES_CONTENT))?;
+            (self.read)(&bytes, report)
+        };
+        let world = read(report).map_err(|fault| fault.into_error(&path))?;
+        if let Some(error) = report.strict_error() {
+            return Err(error);
+        }
+        let is_up_stated = world.up != DVec3::ZERO;
+        Ok(World {
+            warnings: report.take_lines(),
+            files: report.source.take_files(),
+            up: if is_up_stated { world.up } else { self.up },
+            up_is_guessed: !is_up_stated && !self.rules_up,
+            ..world
+        })
+    }
+}
+
+/// The one of `formats` that the extension of `path` names.
+///
+/// # Errors
+///
+/// [`Error::Parse`] if there is none.
+pub(crate) fn format_of<'a>(
+    path: &Path,
+    mut formats: impl Iterator<Item = &'a Format> + Clone,
+) -> Result<&'a Format> {
+    let unpacked = without_gz(path);
+    let extension = unpacked.extension().unwrap_or_default();
+    let extension = extension.to_ascii_lowercase();
+    let known: Vec<String> = (formats.clone())
+        .flat_map(|format| format.extensions.iter().map(move |e| (format.name, e)))
+        .map(|(name, extension)| format!(".{extension} ({name})"))
+        .collect();
+    (formats.find(|format| format.extensions.iter().any(|&known| extension == known))).ok_or_else(
+        || Error::Parse {
+            path: path.to_owned(),
+            place: Place::File,
+            what: format!(
+                "the extension names no known format; it must be one of {}",
+                known.join(", ")
+            ),
+        },
+    )
+}

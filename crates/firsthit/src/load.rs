@@ -1,0 +1,111 @@
+//! Reads a mesh, a model or a scene file.
+
+use std::path::Path;
+
+use crate::error::Result;
+use crate::io::{FORMATS, Format, Report, format_of, read};
+#[cfg(feature = "scene-file")]
+use crate::scene_file;
+use crate::world::World;
+
+pub use crate::io::LoadSettings;
+
+/// The formats that this crate was compiled with.
+fn formats() -> impl Iterator<Item = &'static Format> + Clone {
+    let formats = FORMATS.iter();
+    #[cfg(feature = "scene-file")]
+    let formats = formats.chain([&scene_file::FORMAT]);
+    formats
+}
+
+/// Reads the file at `path`. Its extension tells the format. A file packed by gzip is unpacked; its name may end with
+/// `.gz`.
+///
+/// ```no_run
+/// use std::path::Path;
+///
+/// use firsthit::load::{LoadSettings, load};
+///
+/// let world = load(Path::new("house.glb"), &LoadSettings::default())?;
+/// for warning in &world.warnings {
+///     eprintln!("{warning}");
+/// }
+/// println!("{} objects, {} cameras", world.objects.len(), world.cameras.len());
+/// let scene = world.into_scene()?;
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the content or the
+/// extension is wrong; [`Error::TooLarge`] for more than `settings` allow, and [`Error::Limit`] for more than
+/// identifiers hold.
+///
+/// [`Error::Read`]: crate::Error::Read
+/// [`Error::Parse`]: crate::Error::Parse
+/// [`Error::TooLarge`]: crate::Error::TooLarge
+/// [`Error::Limit`]: crate::Error::Limit
+pub fn load(path: &Path, settings: &LoadSettings) -> Result<World> {
+    // A folder is refused as such, before its extension is.
+    read::refuse_folder(path)?;
+    let format = format_of(path, formats())?;
+    let bytes = read::regular_file(path, settings.max_memory)?;
+    format.load(bytes.into(), &mut Report::new(path, *settings))
+}
+
+/// Reads a file's content from memory. Messages call it `name`; the extension of `name` tells the format.
+/// No file that the content names, such as a texture, is opened: each is a warning.
+///
+/// # Errors
+///
+/// Those of [`load`], but for [`Error::Read`](crate::Error::Read).
+pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<World> {
+    let format = format_of(name, formats())?;
+    let mut report = Report::new(name, *settings).in_memory();
+    format.load(bytes.into(), &mut report)
+}
+
+/// The extensions of all formats that [`load`] reads, in lower case and without the dot.
+pub fn extensions() -> impl Iterator<Item = &'static str> {
+    formats().flat_map(|format| format.extensions.iter().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    #[test]
+    fn extensions_are_known_in_any_case() {
+        assert_eq!(
+            format_of(Path::new("a.b/C.StL"), formats()).unwrap().name,
+            "STL"
+        );
+        let error = format_of(Path::new("x.3ds"), formats())
+            .err()
+            .unwrap()
+            .to_string();
+        assert_eq!(
+            error,
+            "x.3ds: the extension names no known format; \
+             it must be one of .gltf (glTF), .glb (glTF), .obj (OBJ), .ply (PLY), .stl (STL), \
+             .toml (scene file)"
+        );
+        assert!(format_of(Path::new("noextension"), formats()).is_err());
+    }
+
+    #[test]
+    fn what_is_no_regular_file_is_refused() {
+        let folder = tempfile::Builder::new().suffix(".obj").tempdir().unwrap();
+        let error = load(folder.path(), &LoadSettings::default()).unwrap_err();
+        assert!(
+            error.to_string().ends_with("a folder, not a file"),
+            "{error}"
+        );
+        let missing = folder.path().join("x.ply");
+        assert!(matches!(
+            load(&missing, &LoadSettings::default()),
+            Err(Error::Read { .. })
+        ));
+    }
+}

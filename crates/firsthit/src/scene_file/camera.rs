@@ -1,0 +1,180 @@
+//! Cameras of a scene file.
+
+use super::section::Section;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Rule, Variant, key};
+use crate::camera::{Aim, Description, Opening, Projection, RayStart};
+use crate::geometry::Bounds;
+use crate::io::fault::Checked;
+use crate::world::{NamedCamera, World};
+
+const PROJECTION: &str = "projection";
+
+const VIEW: &[Key] = &[
+    key(
+        "position",
+        Form::Vector,
+        "Where the camera is. Default: where everything is seen and fills the picture.",
+    ),
+    key(
+        "aim",
+        Form::Direction,
+        "The direction it looks in, of any length.",
+    ),
+    key(
+        "look_at",
+        Form::Vector,
+        "The point it looks at, instead of aim. Default: the middle of the scene.",
+    ),
+    key(
+        "up",
+        Form::Direction,
+        "Which way is up in the picture, of any length; need not be perpendicular to aim. Default: the scene's up.",
+    ),
+    key(
+        "ray_start",
+        Form::OneOf(|| vec!["eye", "viewplane"]),
+        "Where rays start, and t counts from: at the position or on the viewplane. Default: eye.",
+    ),
+    key(
+        "columns",
+        Form::Whole(1, MOST_PIXELS),
+        "Pixels across. Default: 1024.",
+    ),
+    key(
+        "rows",
+        Form::Whole(1, MOST_PIXELS),
+        "Pixels down. Default: 768, or as the viewplane's shape asks.",
+    ),
+];
+
+/// Neither side of a picture is longer.
+const MOST_PIXELS: i64 = 1 << 28;
+
+const VIEWPLANE: &[Key] = &[
+    key(
+        "focal_length",
+        Form::Positive,
+        "The distance from the camera to the viewplane.",
+    ),
+    key("width", Form::Positive, "The viewplane's width."),
+    key("height", Form::Positive, "The viewplane's height."),
+];
+
+pub(super) static CAMERA: Record = Record {
+    name: "camera",
+    about: "A camera.",
+    variants: &[
+        Variant {
+            pick: Pick::Default(PROJECTION, "perspective"),
+            keys: &[
+                VIEW,
+                &[key(
+                    "fov",
+                    Form::Between(0.0, 180.0),
+                    "Degrees from the picture's lower to its upper edge, with square pixels; instead of focal_length, width and height. Default: 45.",
+                )],
+                VIEWPLANE,
+            ],
+            rules: &[
+                Rule::NotBoth("aim", "look_at"),
+                Rule::NotBoth("fov", "focal_length"),
+                Rule::NotBoth("fov", "width"),
+                Rule::NotBoth("fov", "height"),
+                Rule::Needs("focal_length", "width"),
+                Rule::Needs("width", "height"),
+                Rule::Needs("height", "focal_length"),
+                Rule::Needs("look_at", "position"),
+            ],
+        },
+        Variant {
+            pick: Pick::Tag(PROJECTION, "orthographic"),
+            keys: &[VIEW, VIEWPLANE],
+            rules: &[
+                Rule::NotBoth("aim", "look_at"),
+                Rule::Needs("focal_length", "width"),
+                Rule::Needs("width", "height"),
+                Rule::Needs("height", "width"),
+                Rule::Needs("look_at", "position"),
+            ],
+        },
+    ],
+};
+
+/// A camera with its name and the table that it stands in.
+pub(super) struct Read<'v, 't> {
+    name: String,
+    section: Section<'v, 't>,
+    description: Description,
+}
+
+/// The file's cameras, the one without a name first.
+pub(super) fn read<'v, 't>(scene: &Section<'v, 't>) -> Checked<Vec<Read<'v, 't>>> {
+    let unnamed = scene.table("camera", &CAMERA)?;
+    let unnamed = unnamed.into_iter().map(|section| ("camera", section));
+    let named = scene.named("cameras", &CAMERA)?;
+    let cameras = unnamed.chain(named).map(|(name, section)| {
+        Ok(Read {
+            name: name.to_owned(),
+            section,
+            description: description(&section)?,
+        })
+    });
+    cameras.collect()
+}
+
+fn description(section: &Section<'_, '_>) -> Checked<Description> {
+    let projection: Projection = section.checked(section.tag().unwrap_or_default().parse())?;
+    let along = section.vector("aim").map(Aim::Along);
+    let at = section.vector("look_at").map(Aim::At);
+    let fov = section.number("fov").map(Opening::Fov);
+    let viewplane = || {
+        Some(Opening::Viewplane {
+            width: section.number("width")?,
+            height: section.number("height")?,
+            focal_length: section.number("focal_length"),
+        })
+    };
+    let ray_start = match section.text("ray_start") {
+        Some("viewplane") => RayStart::Viewplane,
+        _ => RayStart::Eye,
+    };
+    Ok(Description {
+        position: section.vector("position"),
+        aim: along.or(at),
+        up: section.vector("up"),
+        opening: fov.or_else(viewplane),
+        projection: Some(projection),
+        ray_start: Some(ray_start),
+        columns: section.whole("columns"),
+        rows: section.whole("rows"),
+    })
+}
+
+/// The cameras with what they leave open decided by the objects.
+pub(super) fn settle(cameras: Vec<Read<'_, '_>>, world: &World) -> Checked<Vec<NamedCamera>> {
+    if cameras.is_empty() {
+        return Ok(Vec::new());
+    }
+    let bounds = world.objects.iter().map(crate::scene::Object::bounds);
+    let finite = bounds.filter(Bounds::is_finite);
+    let bounds = finite.fold(Bounds::EMPTY, Bounds::union);
+    let settle = |camera: Read<'_, '_>| {
+        let Read {
+            name,
+            section,
+            description,
+        } = camera;
+        let support = |direction| crate::scene::support(&world.objects, direction);
+        let settled = section.checked(description.camera(bounds, support, world.up))?;
+        let is_sized = description.columns.is_some() || description.rows.is_some();
+        Ok(NamedCamera {
+            name,
+            own_name: String::new(),
+            view: *settled.view(),
+            has_size: is_sized || matches!(description.opening, Some(Opening::Viewplane { .. })),
+            description: Some(description),
+        })
+    };
+    cameras.into_iter().map(settle).collect()
+}

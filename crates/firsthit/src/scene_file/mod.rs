@@ -1,0 +1,87 @@
+//! The scene file: TOML with cameras, objects, lights, a background and outputs.
+//!
+//! Tables list the keys: in `records`, and beside each reader. The reader checks a file against them, and [`schema`] is
+//! made from them.
+
+// A loader that panics is a loader that a file can crash.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::indexing_slicing
+    )
+)]
+
+mod background;
+mod camera;
+mod document;
+mod form;
+mod levels;
+mod light;
+mod object;
+mod output;
+mod placement;
+mod records;
+mod schema;
+mod section;
+mod shading;
+mod suggest;
+mod table;
+mod variant;
+
+pub use schema::schema;
+pub use suggest::nearest_word;
+
+use crate::geometry::DVec3;
+use crate::io::fault::Checked;
+use crate::io::{Format, Report};
+use crate::world::World;
+use document::Text;
+use light::LIGHT;
+use object::EXTENSIONS;
+use output::OUTPUT;
+use records::SCENE;
+use section::Section;
+use shading::SHADING;
+
+/// The row of the list of formats.
+pub(crate) static FORMAT: Format = Format {
+    name: "scene file",
+    extensions: EXTENSIONS,
+    up: DVec3::Z,
+    rules_up: true,
+    read,
+};
+
+fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
+    let text = Text::new(bytes)?;
+    let document = text.parse(report)?;
+    let scene = Section::new(text, document.get_ref(), 0, &SCENE)?;
+    levels::warn(text, document.get_ref(), report);
+    let up = scene.vector("up").unwrap_or(FORMAT.up);
+    let lights = scene.list("lights", &LIGHT)?;
+    let shading = match scene.table("shading", &SHADING)? {
+        Some(section) => shading::read(&section)?,
+        None => shading::Settings::default(),
+    };
+    let outputs = scene.list("outputs", &OUTPUT)?;
+    let outputs = outputs.iter().map(|output| output::read(output, report));
+    let mut world = World {
+        lights: lights.iter().map(light::read).collect::<Checked<_>>()?,
+        background: background::read(&scene, up)?,
+        shader: shading.shader,
+        samples: shading.samples,
+        outputs: outputs.collect::<Checked<_>>()?,
+        up,
+        ..World::default()
+    };
+    // The cameras' own values are checked before large files are read.
+    let cameras = camera::read(&scene)?;
+    world.objects = object::read(&scene, report)?;
+    world.cameras = camera::settle(cameras, &world)?;
+    world.has_view = !world.cameras.is_empty();
+    Ok(world)
+}

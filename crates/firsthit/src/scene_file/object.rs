@@ -1,0 +1,341 @@
+//! Objects of a scene file: shapes, and the objects of other files.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use toml::de::DeValue;
+
+use super::document::numbers;
+use super::form::triple;
+use super::placement::{self, PLACED, PLACED_RULES};
+use super::section::Section;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Variant, key, required};
+use crate::error::{Error, escape_controls};
+use crate::geometry::{DAffine3, Transform};
+use crate::io::fault::{Checked, Fault};
+use crate::io::memory_budget::OBJECT_BYTES;
+use crate::io::{Report, TOO_FAR, load_part, read, without_gz};
+use crate::scene::Object;
+use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
+
+const SHAPE: &str = "shape";
+
+/// The variant of an object that is a shape.
+const fn shape(name: &'static str, keys: &'static [&'static [Key]]) -> Variant {
+    Variant {
+        pick: Pick::Tag(SHAPE, name),
+        keys,
+        rules: PLACED_RULES,
+    }
+}
+
+const BAR: &[Key] = &[
+    required("bottom", Form::Vector, "The middle of its bottom."),
+    required("top", Form::Vector, "The middle of its top, or its tip."),
+];
+
+pub(super) static OBJECT: Record = Record {
+    name: "object",
+    about: "An object: a file's objects, or a shape.",
+    variants: &[
+        Variant {
+            pick: Pick::Has("file"),
+            keys: &[
+                &[required(
+                    "file",
+                    Form::Path,
+                    "A mesh file, relative to the scene file and in its folder or below. Named several times, it is read once and shared.",
+                )],
+                PLACED,
+            ],
+            rules: PLACED_RULES,
+        },
+        shape(
+            "sphere",
+            &[
+                &[
+                    required("center", Form::Vector, "Its centre."),
+                    required("radius", Form::Positive, "Its radius."),
+                ],
+                PLACED,
+            ],
+        ),
+        shape(
+            "plane",
+            &[
+                &[
+                    required("point", Form::Vector, "A point of the infinite plane."),
+                    required("normal", Form::Direction, "Its normal, of any length."),
+                ],
+                PLACED,
+            ],
+        ),
+        shape(
+            "disc",
+            &[
+                &[
+                    required("center", Form::Vector, "Its centre."),
+                    required("normal", Form::Direction, "Its normal, of any length."),
+                    required("radius", Form::Positive, "Its radius."),
+                ],
+                PLACED,
+            ],
+        ),
+        shape(
+            "box",
+            &[
+                &[
+                    required(
+                        "low",
+                        Form::Vector,
+                        "The corner with the smallest coordinates.",
+                    ),
+                    required(
+                        "high",
+                        Form::Vector,
+                        "The corner with the largest coordinates.",
+                    ),
+                ],
+                PLACED,
+            ],
+        ),
+        shape(
+            "cylinder",
+            &[
+                BAR,
+                &[required("radius", Form::Positive, "Its radius.")],
+                PLACED,
+            ],
+        ),
+        shape(
+            "cone",
+            &[
+                BAR,
+                &[
+                    required(
+                        "bottom_radius",
+                        Form::NonNegative,
+                        "Its radius at the bottom.",
+                    ),
+                    key(
+                        "top_radius",
+                        Form::NonNegative,
+                        "Its radius at the top. Default: 0, a tip.",
+                    ),
+                ],
+                PLACED,
+            ],
+        ),
+        shape(
+            "mesh",
+            &[
+                &[
+                    required(
+                        "vertices",
+                        Form::Points,
+                        "The corners of its triangles. Large meshes belong into files.",
+                    ),
+                    required(
+                        "triangles",
+                        Form::Triples,
+                        "For each triangle the indices of its corners, from 0 on, counter-clockwise seen from the front.",
+                    ),
+                ],
+                PLACED,
+            ],
+        ),
+    ],
+};
+
+/// The shape of an object that names one.
+pub(super) fn shape_of(section: &Section<'_, '_>) -> Checked<Shape> {
+    let vector = |name| section.need_vector(name);
+    let number = |name| section.need_number(name);
+    Ok(match section.tag().unwrap_or_default() {
+        "sphere" => section
+            .checked(Sphere::new(vector("center")?, number("radius")?))?
+            .into(),
+        "plane" => section
+            .checked(Plane::new(vector("point")?, vector("normal")?))?
+            .into(),
+        "disc" => section
+            .checked(Disc::new(
+                vector("center")?,
+                vector("normal")?,
+                number("radius")?,
+            ))?
+            .into(),
+        "box" => section
+            .checked(Cuboid::new(vector("low")?, vector("high")?))?
+            .into(),
+        "cylinder" => section
+            .checked(Cylinder::new(
+                vector("bottom")?,
+                vector("top")?,
+                number("radius")?,
+            ))?
+            .into(),
+        "cone" => {
+            let top_radius = section.number("top_radius").unwrap_or(0.0);
+            let (bottom, top) = (vector("bottom")?, vector("top")?);
+            section
+                .checked(Cone::new(bottom, top, number("bottom_radius")?, top_radius))?
+                .into()
+        }
+        _ => Arc::new(mesh(section)?).into(),
+    })
+}
+
+/// The mesh that stands in the scene file itself.
+fn mesh(section: &Section<'_, '_>) -> Checked<Mesh> {
+    let items = |name: &str| {
+        section
+            .raw(name)
+            .and_then(DeValue::as_array)
+            .map_or(&[][..], |items| items)
+    };
+    let points: Vec<[f64; 3]> = items("vertices")
+        .iter()
+        .filter_map(|item| numbers::<3>(item.get_ref()))
+        .collect();
+    // Mesh files lose the triangles at such a corner; a scene file, written by hand, is refused.
+    if let Some(far) = points
+        .iter()
+        .position(|p| p.iter().any(|x| x.abs() >= TOO_FAR))
+    {
+        let what = format!("vertex {far} has a coordinate that is not below {TOO_FAR:e}");
+        return Err(section.fault_in("vertices", far, what));
+    }
+    let triangles: Vec<[u32; 3]> = items("triangles")
+        .iter()
+        .filter_map(|item| triple(item.get_ref()))
+        .collect();
+    section.checked(Mesh::new(Positions::compact(points), triangles))
+}
+
+/// No more than these can be made of a small text and a file that it names many times.
+const MOST_OBJECTS: usize = 1 << 20;
+
+/// The objects in the order of the text.
+pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<Object>> {
+    let mut files = Files::default();
+    let mut objects = Vec::new();
+    for section in scene.list("objects", &OBJECT)? {
+        let placed = placement::read(&section)?;
+        if section.has("file") {
+            let of_file = files.read(&section, report)?;
+            if objects.len() + of_file.len() > MOST_OBJECTS {
+                return Err(Fault::Other(Error::Limit {
+                    what: "objects in a scene file",
+                    got: format!("at least {}", objects.len() + of_file.len()),
+                    limit: MOST_OBJECTS.to_string(),
+                }));
+            }
+            // Their names too: the table's own may be long, and stands in each.
+            let own_name = section.text("name").map_or(0, str::len) as u64;
+            let each = OBJECT_BYTES.saturating_add(own_name);
+            let names: usize = of_file.iter().map(|object| object.name().len()).sum();
+            let needed = each.saturating_mul(of_file.len() as u64);
+            report.budget.charge_at(
+                section.place("file"),
+                needed.saturating_add(names as u64),
+                "an object for each of the file's",
+            )?;
+            for object in &*of_file {
+                let name = name_of(&section, object, of_file.len() > 1);
+                objects.push(finished(
+                    &section,
+                    object.clone().named(name),
+                    placed,
+                    "file",
+                )?);
+            }
+        } else {
+            let name = section.text("name").or(section.tag()).unwrap_or_default();
+            let object = Object::new(shape_of(&section)?).named(name);
+            objects.push(finished(&section, object, placed, "shape")?);
+        }
+    }
+    Ok(objects)
+}
+
+/// The object where the table puts it, in the colour that the table gives it.
+fn finished(
+    section: &Section<'_, '_>,
+    object: Object,
+    placed: DAffine3,
+    key: &str,
+) -> Checked<Object> {
+    let object = match section.color("color") {
+        Some(color) => object.colored(color),
+        None => object,
+    };
+    if placed == DAffine3::IDENTITY {
+        return Ok(object);
+    }
+    let placed = placed * *object.transform().world_from_object();
+    match Transform::new(placed) {
+        Ok(transform) => Ok(object.placed(transform)),
+        Err(error) => Err(section.fault_at(key, format!("an object cannot stand there: {error}"))),
+    }
+}
+
+fn name_of(section: &Section<'_, '_>, object: &Object, is_one_of_several: bool) -> String {
+    match section.text("name") {
+        Some(name) if is_one_of_several => format!("{name}/{}", object.name()),
+        Some(name) => name.to_owned(),
+        None => object.name().to_owned(),
+    }
+}
+
+/// The extensions of scene files.
+pub(super) const EXTENSIONS: &[&str] = &["toml"];
+
+fn is_scene_file(path: &Path) -> bool {
+    let unpacked = without_gz(path);
+    let extension = unpacked.extension();
+    extension.is_some_and(|extension| EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e)))
+}
+
+/// The files that were read: each once, however often it is named.
+#[derive(Debug, Default)]
+struct Files(HashMap<PathBuf, Arc<[Object]>>);
+
+impl Files {
+    fn read(&mut self, section: &Section<'_, '_>, report: &mut Report) -> Checked<Arc<[Object]>> {
+        let name = section.need_text("file")?;
+        let refused = |reason: &str| {
+            let name = escape_controls(name);
+            section.fault_at("file", format!("'{name}' is not read: {reason}"))
+        };
+        let path = report
+            .source
+            .base()
+            .and_then(|scene| read::sibling(scene, name));
+        let path = path.map_err(|reason| refused(&reason))?;
+        if let Some(objects) = self.0.get(&path) {
+            return Ok(Arc::clone(objects));
+        }
+        if is_scene_file(&path) {
+            return Err(refused("a scene file holds no other scene files"));
+        }
+        let world = match load_part(&path, report) {
+            Ok(world) => world,
+            Err(error @ (Error::Parse { .. } | Error::Read { .. })) => {
+                return Err(refused(&error.to_string()));
+            }
+            Err(error) => return Err(error.into()),
+        };
+        if !(world.cameras.is_empty() && world.lights.is_empty()) {
+            report.warn("only objects", &section.place("file"), || {
+                let name = escape_controls(name);
+                format!("of '{name}' only the objects are taken, not its cameras and lights")
+            });
+        }
+        let objects: Arc<[Object]> = world.objects.into();
+        self.0.insert(path, Arc::clone(&objects));
+        Ok(objects)
+    }
+}

@@ -1,0 +1,60 @@
+//! The files that a scene file asks for.
+
+use super::section::Section;
+use super::table::Form;
+use super::table::{Pick, Record, Variant, key, required};
+use crate::channel::KINDS;
+use crate::error::escape_controls;
+use crate::image::FORMATS;
+use crate::io::fault::Checked;
+use crate::io::{Report, read};
+use crate::world::Output;
+
+pub(super) static OUTPUT: Record = Record {
+    name: "output",
+    about: "A file to be written.",
+    variants: &[Variant {
+        pick: Pick::Always,
+        keys: &[&[
+            required(
+                "file",
+                Form::Path,
+                "Its name, relative to the scene file and in its folder or below; the extension tells the format. {channel} in it makes a file of each channel.",
+            ),
+            key(
+                "channels",
+                Form::SomeOf(|| KINDS.iter().map(|kind| kind.name).collect()),
+                "What to write. Default: [\"color\"].",
+            ),
+        ]],
+        rules: &[],
+    }],
+};
+
+pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output> {
+    let name = section.need_text("file")?;
+    let path = report
+        .source
+        .base()
+        .and_then(|scene| read::sibling_to_be(scene, name));
+    let path = path.map_err(|reason| {
+        let name = escape_controls(name);
+        section.fault_at("file", format!("'{name}' is not written: {reason}"))
+    })?;
+    let wanted = path.extension().unwrap_or_default();
+    let known = || FORMATS.iter().flat_map(|format| format.extensions);
+    if !known().any(|extension| wanted.eq_ignore_ascii_case(extension)) {
+        let known: Vec<String> = known().map(|extension| format!(".{extension}")).collect();
+        let (name, known) = (escape_controls(name), known.join(", "));
+        let what = format!("'{name}' is not written: it must end in one of {known}");
+        return Err(section.fault_at("file", what));
+    }
+    let mut channels = section.texts("channels");
+    if channels.is_empty() {
+        channels.push("color");
+    }
+    Ok(Output {
+        path,
+        channels: channels.into_iter().map(str::to_owned).collect(),
+    })
+}

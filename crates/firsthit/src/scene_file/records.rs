@@ -1,0 +1,131 @@
+//! Every key of a scene file: the reader, the JSON Schema and the documentation's test all go by
+//! these tables.
+
+use super::background::{BACKGROUND, SKY};
+use super::camera::CAMERA;
+use super::light::LIGHT;
+use super::object::OBJECT;
+use super::output::OUTPUT;
+use super::placement::ROTATION;
+use super::shading::SHADING;
+use super::table::{Form, Pick, Record, Rule, Variant, key};
+
+/// Every kind of table, the file itself first.
+pub(super) const RECORDS: &[&Record] = &[
+    &SCENE,
+    &CAMERA,
+    &OBJECT,
+    &ROTATION,
+    &LIGHT,
+    &BACKGROUND,
+    &SKY,
+    &SHADING,
+    &OUTPUT,
+];
+
+pub(super) static SCENE: Record = Record {
+    name: "scene",
+    about: "A scene for firsthit: cameras, objects, lights, background and outputs.",
+    variants: &[Variant {
+        pick: Pick::Always,
+        keys: &[&[
+            key(
+                "version",
+                Form::Whole(1, 1),
+                "The version of this form of scene file. There is one, 1, which is the default.",
+            ),
+            key(
+                "up",
+                Form::Direction,
+                "Which way is up, for cameras and the sky where they do not say. Default: [0, 0, 1].",
+            ),
+            key(
+                "camera",
+                Form::Table(&CAMERA),
+                "The camera that a picture is taken with, unless another is asked for.",
+            ),
+            key(
+                "cameras",
+                Form::Named(&CAMERA),
+                "Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes the picture.",
+            ),
+            key(
+                "objects",
+                Form::List(&OBJECT),
+                "What there is to see, in the order of the identifiers.",
+            ),
+            key(
+                "lights",
+                Form::List(&LIGHT),
+                "What shines. Without any, one light over the camera's shoulder does.",
+            ),
+            key(
+                "background",
+                Form::Table(&BACKGROUND),
+                "What is seen where nothing is hit: one colour.",
+            ),
+            key(
+                "sky",
+                Form::Table(&SKY),
+                "What is seen where nothing is hit: a sky.",
+            ),
+            key(
+                "shading",
+                Form::Table(&SHADING),
+                "How hits get their colour.",
+            ),
+            key(
+                "outputs",
+                Form::List(&OUTPUT),
+                "The files that firsthit render writes unless told otherwise by -o.",
+            ),
+        ]],
+        rules: &[Rule::NotBoth("background", "sky")],
+    }],
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Projection;
+    use crate::shade::Shader;
+    use crate::shape::Shape;
+
+    /// The tags of a record, for the lists that they must be the same as.
+    fn tags(record: &Record) -> Vec<&'static str> {
+        let tags = record
+            .variants
+            .iter()
+            .filter_map(|variant| variant.pick.tag());
+        tags.map(|(_, value)| value).collect()
+    }
+
+    #[test]
+    fn every_kind_there_is_can_be_in_a_scene_file() {
+        let sorted = |names: &[&'static str]| {
+            let mut names = names.to_vec();
+            names.sort_unstable();
+            names
+        };
+        assert_eq!(sorted(&tags(&OBJECT)), sorted(Shape::NAMES));
+        assert_eq!(tags(&CAMERA), Projection::NAMES);
+        assert_eq!(tags(&SHADING), Shader::NAMES);
+    }
+
+    #[test]
+    fn no_table_has_a_key_twice_and_rules_name_keys_that_it_has() {
+        for record in RECORDS {
+            for variant in record.variants {
+                let mut names: Vec<_> = variant.keys().map(|key| key.name).collect();
+                for rule in variant.rules {
+                    let (Rule::NotBoth(a, b) | Rule::Needs(a, b) | Rule::OneOf(a, b)) = *rule;
+                    assert!(names.contains(&a) && names.contains(&b), "{rule:?}");
+                }
+                let count = names.len();
+                names.sort_unstable();
+                names.dedup();
+                assert_eq!(names.len(), count, "{}", record.name);
+            }
+        }
+    }
+}

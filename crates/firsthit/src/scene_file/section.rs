@@ -1,0 +1,310 @@
+//! One table of a scene file, checked against the list of its keys.
+
+use toml::de::{DeTable, DeValue};
+
+use super::document::{Text, Value, integer, named, number, numbers};
+use super::form::color;
+use super::suggest::suggestion;
+use super::table::Form;
+use super::table::{Key, Pick, Record, Rule, Variant};
+use super::variant::pick;
+use crate::error::{Error, Result, escape_controls};
+use crate::geometry::{Color, DVec3};
+use crate::io::fault::{Checked, Fault};
+
+/// A table whose keys are all known, of the right form, and in each other's company as they must be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Section<'v, 't> {
+    text: Text<'t>,
+    table: &'v DeTable<'t>,
+    /// Where it begins in the text.
+    at: usize,
+    variant: &'static Variant,
+}
+
+impl<'v, 't> Section<'v, 't> {
+    /// Checks a table that begins at the byte `at`, and all tables in it.
+    pub(super) fn new(
+        text: Text<'t>,
+        table: &'v DeTable<'t>,
+        at: usize,
+        record: &'static Record,
+    ) -> Checked<Self> {
+        let variant = pick(text, table, at, record)?;
+        let section = Self {
+            text,
+            table,
+            at,
+            variant,
+        };
+        section.check_keys()?;
+        section.check_rules()?;
+        Ok(section)
+    }
+
+    fn check_keys(&self) -> Checked<()> {
+        // In the order of the text, so that the first mistake is the one that is told.
+        let mut entries: Vec<_> = self.table.iter().collect();
+        entries.sort_unstable_by_key(|(name, _)| name.span().start);
+        for (name, value) in entries {
+            let word = name.get_ref().as_ref();
+            if self.variant.pick.tag().is_some_and(|(tag, _)| tag == word) {
+                continue;
+            }
+            let Some(key) = self.variant.keys().find(|key| key.name == word) else {
+                return Err(self.text.fault(name.span().start, self.unknown(word)));
+            };
+            check_form(self.text, key, value)?;
+        }
+        match self
+            .variant
+            .keys()
+            .find(|key| key.is_required && !self.has(key.name))
+        {
+            None => Ok(()),
+            Some(key) => Err(self.fault(format!(
+                "{} needs `{}`: {}",
+                self.title(),
+                key.name,
+                key.form.expected()
+            ))),
+        }
+    }
+
+    fn check_rules(&self) -> Checked<()> {
+        for rule in self.variant.rules {
+            match *rule {
+                Rule::NotBoth(a, b) | Rule::OneOf(a, b) if self.has(a) && self.has(b) => {
+                    // At the later one, which is the one too many.
+                    let at = self.key_at(a).max(self.key_at(b));
+                    return Err(self
+                        .text
+                        .fault(at, format!("`{a}` and `{b}` exclude each other")));
+                }
+                Rule::OneOf(a, b) if !self.has(a) && !self.has(b) => {
+                    return Err(self.fault(format!("{} needs `{a}` or `{b}`", self.title())));
+                }
+                Rule::Needs(a, b) if self.has(a) && !self.has(b) => {
+                    return Err(self
+                        .text
+                        .fault(self.key_at(a), format!("`{a}` needs `{b}` beside it")));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn unknown(&self, word: &str) -> String {
+        let mut known: Vec<&str> = self.variant.keys().map(|key| key.name).collect();
+        known.extend(self.variant.pick.tag().map(|(tag, _)| tag));
+        let shown = escape_controls(&word.chars().take(60).collect::<String>());
+        match suggestion(word, &known) {
+            Some(meant) => format!("unknown key `{shown}`, did you mean `{meant}`?"),
+            None => format!(
+                "unknown key `{shown}`; {} takes {}",
+                self.title(),
+                known.join(", ")
+            ),
+        }
+    }
+
+    /// What the table is, in a sentence.
+    fn title(&self) -> String {
+        match self.variant.pick {
+            Pick::Always | Pick::Has(_) => "this table".to_owned(),
+            Pick::Tag(key, value) | Pick::Default(key, value) => format!("{key} = \"{value}\""),
+        }
+    }
+
+    /// The value of the tag that chose the variant.
+    pub(super) fn tag(&self) -> Option<&'static str> {
+        self.variant.pick.tag().map(|(_, value)| value)
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.table.contains_key(name)
+    }
+
+    fn get(&self, name: &str) -> Option<&'v Value<'t>> {
+        self.table.get(name)
+    }
+
+    pub(super) fn raw(&self, name: &str) -> Option<&'v DeValue<'t>> {
+        self.get(name).map(toml::Spanned::get_ref)
+    }
+
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        number(self.raw(name)?)
+    }
+
+    pub(super) fn whole<N: TryFrom<i64>>(&self, name: &str) -> Option<N> {
+        N::try_from(integer(self.raw(name)?)?).ok()
+    }
+
+    pub(super) fn boolean(&self, name: &str) -> Option<bool> {
+        self.raw(name)?.as_bool()
+    }
+
+    pub(super) fn text(&self, name: &str) -> Option<&'v str> {
+        self.raw(name)?.as_str()
+    }
+
+    pub(super) fn texts(&self, name: &str) -> Vec<&'v str> {
+        let items = self.raw(name).and_then(DeValue::as_array);
+        let items = items.map(|items| items.iter());
+        items
+            .into_iter()
+            .flatten()
+            .filter_map(|item| item.get_ref().as_str())
+            .collect()
+    }
+
+    pub(super) fn vector(&self, name: &str) -> Option<DVec3> {
+        numbers::<3>(self.raw(name)?).map(DVec3::from)
+    }
+
+    pub(super) fn color(&self, name: &str) -> Option<Color> {
+        color(self.raw(name)?)
+    }
+
+    /// A vector that the tables require.
+    pub(super) fn need_vector(&self, name: &str) -> Checked<DVec3> {
+        self.vector(name).ok_or_else(|| self.missing(name))
+    }
+
+    /// A number that the tables require.
+    pub(super) fn need_number(&self, name: &str) -> Checked<f64> {
+        self.number(name).ok_or_else(|| self.missing(name))
+    }
+
+    /// A text that the tables require.
+    pub(super) fn need_text(&self, name: &str) -> Checked<&'v str> {
+        self.text(name).ok_or_else(|| self.missing(name))
+    }
+
+    fn missing(&self, name: &str) -> Fault {
+        self.fault(format!("{} needs `{name}`", self.title()))
+    }
+
+    /// The table under a key, if it is there.
+    pub(super) fn table(&self, name: &str, record: &'static Record) -> Checked<Option<Self>> {
+        self.get(name)
+            .and_then(|value| self.open(value, record))
+            .transpose()
+    }
+
+    /// The tables of an array, or the only one.
+    pub(super) fn list(&self, name: &str, record: &'static Record) -> Checked<Vec<Self>> {
+        let Some(value) = self.get(name) else {
+            return Ok(Vec::new());
+        };
+        match value.get_ref().as_array() {
+            Some(items) => items
+                .iter()
+                .filter_map(|item| self.open(item, record))
+                .collect(),
+            None => self.open(value, record).into_iter().collect(),
+        }
+    }
+
+    /// The tables under a key by their names, in the order of the text.
+    pub(super) fn named(
+        &self,
+        name: &str,
+        record: &'static Record,
+    ) -> Checked<Vec<(&'v str, Self)>> {
+        let Some(table) = self.raw(name).and_then(DeValue::as_table) else {
+            return Ok(Vec::new());
+        };
+        let mut entries: Vec<_> = table.iter().collect();
+        entries.sort_unstable_by_key(|(name, _)| name.span().start);
+        let mut found = Vec::new();
+        for (name, value) in entries {
+            let word = name.get_ref().as_ref();
+            let section = self.open(value, record).ok_or_else(|| {
+                let (word, came) = (escape_controls(word), named(value.get_ref()));
+                let what = format!("`{word}` must be a table, got {came}");
+                self.text.fault(name.span().start, what)
+            })?;
+            found.push((word, section?));
+        }
+        Ok(found)
+    }
+
+    fn open(&self, value: &'v Value<'t>, record: &'static Record) -> Option<Checked<Self>> {
+        let table = value.get_ref().as_table()?;
+        Some(Self::new(self.text, table, value.span().start, record))
+    }
+
+    /// Where a key stands; the table itself where it is not there.
+    fn key_at(&self, name: &str) -> usize {
+        self.table
+            .get_key_value(name)
+            .map_or(self.at, |(key, _)| key.span().start)
+    }
+
+    /// A fault of the table as a whole.
+    pub(super) fn fault(&self, what: impl Into<String>) -> Fault {
+        self.text.fault(self.at, what)
+    }
+
+    /// A fault of the value of a key.
+    pub(super) fn fault_at(&self, name: &str, what: impl Into<String>) -> Fault {
+        let at = self.get(name).map_or(self.at, |value| value.span().start);
+        self.text.fault(at, what)
+    }
+
+    /// A fault of an item of the array under a key.
+    pub(super) fn fault_in(&self, name: &str, item: usize, what: impl Into<String>) -> Fault {
+        let items = self.raw(name).and_then(DeValue::as_array);
+        match items.and_then(|items| items.get(item)) {
+            Some(value) => self.text.fault(value.span().start, what),
+            None => self.fault_at(name, what),
+        }
+    }
+
+    /// What a constructor of the library says, at the place of the value that it names.
+    pub(super) fn checked<T>(&self, made: Result<T>) -> Checked<T> {
+        made.map_err(|error| match &error {
+            Error::Argument { name, .. } => self.fault_at(name, error.to_string()),
+            _ => Fault::Other(error),
+        })
+    }
+
+    /// The place of the value of a key.
+    pub(super) fn place(&self, name: &str) -> crate::error::Place {
+        let at = self.get(name).map_or(self.at, |value| value.span().start);
+        self.text.place(at)
+    }
+}
+
+/// Checks the form of a value; tables in it are checked when they are opened.
+fn check_form(text: Text<'_>, key: &Key, value: &Value<'_>) -> Checked<()> {
+    if key.form.accepts(value) {
+        return Ok(());
+    }
+    let culprit = key.form.culprit(value).unwrap_or(value);
+    let came = culprit.get_ref();
+    let words = key.form.words();
+    if let Some(meant) = came.as_str().and_then(|word| suggestion(word, &words)) {
+        let what = format!(
+            "unknown {} {}, did you mean \"{meant}\"?",
+            key.name,
+            named(came)
+        );
+        return Err(text.fault(culprit.span().start, what));
+    }
+    // Most often two brackets are missing.
+    let hint = match key.form {
+        Form::List(record) if came.is_table() => format!("; write [[{}s]]", record.name),
+        _ => String::new(),
+    };
+    let what = format!(
+        "`{}` must be {}, got {}{hint}",
+        key.name,
+        key.form.expected(),
+        named(came)
+    );
+    Err(text.fault(culprit.span().start, what))
+}

@@ -1,0 +1,133 @@
+//! The description of a table in a scene file: its keys, the forms of their values, and rules.
+
+/// A key and the form of its value.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Key {
+    pub(super) name: &'static str,
+    pub(super) form: Form,
+    pub(super) is_required: bool,
+    /// Its meaning, which editors show.
+    pub(super) about: &'static str,
+}
+
+pub(super) const fn key(name: &'static str, form: Form, about: &'static str) -> Key {
+    Key {
+        name,
+        form,
+        is_required: false,
+        about,
+    }
+}
+
+pub(super) const fn required(name: &'static str, form: Form, about: &'static str) -> Key {
+    Key {
+        is_required: true,
+        ..key(name, form, about)
+    }
+}
+
+/// A kind of table.
+#[derive(Debug)]
+pub(super) struct Record {
+    pub(super) name: &'static str,
+    pub(super) about: &'static str,
+    /// The first whose `pick` fits is the one; all have the same tag.
+    pub(super) variants: &'static [Variant],
+}
+
+/// One form of a table.
+#[derive(Debug)]
+pub(super) struct Variant {
+    pub(super) pick: Pick,
+    pub(super) keys: &'static [&'static [Key]],
+    pub(super) rules: &'static [Rule],
+}
+
+impl Variant {
+    pub(super) fn keys(&self) -> impl Iterator<Item = &'static Key> {
+        self.keys.iter().flat_map(|group| group.iter())
+    }
+}
+
+/// How a table's variants are told apart.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Pick {
+    /// Nothing: there is one.
+    Always,
+    /// That the key is there.
+    Has(&'static str),
+    /// That the key has the value.
+    Tag(&'static str, &'static str),
+    /// The same, or that it is not there.
+    Default(&'static str, &'static str),
+}
+
+impl Pick {
+    /// The tag's key and value.
+    pub(super) fn tag(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Tag(key, value) | Self::Default(key, value) => Some((key, value)),
+            Self::Always | Self::Has(_) => None,
+        }
+    }
+}
+
+/// How keys go together.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Rule {
+    NotBoth(&'static str, &'static str),
+    /// The first does nothing without the second.
+    Needs(&'static str, &'static str),
+    /// Exactly one of the two has to be there.
+    OneOf(&'static str, &'static str),
+}
+
+/// The form of a key's value.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Form {
+    /// A finite number.
+    Number,
+    /// A number above zero.
+    Positive,
+    /// A number from zero on.
+    NonNegative,
+    /// A number strictly between two.
+    Between(f64, f64),
+    /// A whole number from the first to the last.
+    Whole(i64, i64),
+    Boolean,
+    /// Any text but an empty one.
+    Text,
+    /// A file's name.
+    Path,
+    /// One of some words.
+    OneOf(fn() -> Vec<&'static str>),
+    /// One or more of some words.
+    SomeOf(fn() -> Vec<&'static str>),
+    /// Three numbers.
+    Vector,
+    /// Three numbers that are not all zero.
+    Direction,
+    /// Linear red, green and blue, or sRGB as `"#rrggbb"` or by a name of CSS.
+    Color,
+    /// The same, or `"transparent"`.
+    ColorOrTransparent,
+    /// A factor, or one for each axis.
+    Scale,
+    /// `x, y, z, w`.
+    Quaternion,
+    /// Three or four rows of four numbers.
+    Matrix,
+    /// Any number of points.
+    Points,
+    /// Any number of triples of indices.
+    Triples,
+    /// A table.
+    Table(&'static Record),
+    /// A table, or an array of them.
+    TableOrList(&'static Record),
+    /// An array of tables.
+    List(&'static Record),
+    /// Tables by name.
+    Named(&'static Record),
+}

@@ -1,0 +1,169 @@
+//! A scene as plain data, before anything is built from it: the type that loaders return.
+
+use std::fmt::{self, Debug, Formatter};
+use std::path::PathBuf;
+
+use crate::camera::{Aim, Description, Opening, View};
+use crate::error::Result;
+use crate::geometry::DVec3;
+use crate::geometry::summary::Few;
+use crate::scene::{Background, Light, Object, Scene};
+use crate::shade::Shader;
+
+/// Everything that a scene is made from: objects, cameras, lights, a background, and how to shade.
+///
+/// [`load()`](crate::load()) returns one. [`World::into_scene`] builds the [`Scene`] that rays are shot at.
+#[derive(Clone, Default)]
+pub struct World {
+    /// The objects, in the order of their identifiers. Those without materials got no colour from the file.
+    pub objects: Vec<Object>,
+    /// The cameras, in the file's order.
+    pub cameras: Vec<NamedCamera>,
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// Whether the first camera is the default one: scene files say how they are to be seen, models only how they
+    /// can be.
+    pub has_view: bool,
+    /// The background, if the file has one.
+    pub background: Option<Background>,
+    /// The shader, if the file names one.
+    pub shader: Option<Shader>,
+    /// The number of samples per pixel, if the file gives one.
+    pub samples: Option<u32>,
+    /// The outputs that the file asks for.
+    pub outputs: Vec<Output>,
+    /// The files that were read, the loaded one first.
+    pub files: Vec<PathBuf>,
+    /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
+    /// formats `None`: the objects' buffers tell.
+    pub vertices: Option<u64>,
+    /// The warnings about the file: a line each, ready to print.
+    pub warnings: Vec<String>,
+    /// Which way is up: as the scene file says, else by the format's rule or convention. +y for glTF and OBJ, +z for
+    /// STL and PLY.
+    pub up: DVec3,
+    /// Whether `up` is only a convention, as for OBJ, STL and PLY. glTF has a rule.
+    pub up_is_guessed: bool,
+}
+
+/// A summary: the first objects, and counts.
+impl Debug for World {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("World")
+            .field("objects", &Few(&self.objects))
+            .field("cameras", &self.cameras.len())
+            .field("lights", &self.lights.len())
+            .field("up", &self.up)
+            .field("files", &self.files.len())
+            .field("warnings", &self.warnings.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl World {
+    /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as [`Scene::likely_up`] guesses
+    /// if it does not say. Cameras, background and the rest are dropped: take them before.
+    ///
+    /// ```
+    /// use std::path::Path;
+    ///
+    /// use firsthit::load::{LoadSettings, load_bytes};
+    ///
+    /// let stl = b"solid one\nfacet normal 0 0 1\nouter loop\n\
+    ///     vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid one\n";
+    /// let world = load_bytes(Path::new("one.stl"), stl, &LoadSettings::default())?;
+    /// let scene = world.into_scene()?;
+    /// assert_eq!(scene.triangles(), 1);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::new`].
+    pub fn into_scene(self) -> Result<Scene> {
+        let (up, up_is_guessed) = (self.up, self.up_is_guessed);
+        let scene = Scene::new(self.objects)?.with_lights(self.lights);
+        let up = up_in(&scene, up, up_is_guessed);
+        Ok(scene.with_up(up))
+    }
+
+    /// Which way is up in `scene`, the scene of the objects: as the file says, or as [`Scene::likely_up`] guesses if it
+    /// does not say.
+    pub fn up_in(&self, scene: &Scene) -> DVec3 {
+        up_in(scene, self.up, self.up_is_guessed)
+    }
+
+    pub(crate) fn of(objects: Vec<Object>) -> Self {
+        Self {
+            objects,
+            ..Self::default()
+        }
+    }
+}
+
+fn up_in(scene: &Scene, up: DVec3, is_guessed: bool) -> DVec3 {
+    if is_guessed { scene.likely_up(up) } else { up }
+}
+
+/// An output that a scene file asks for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Output {
+    /// Its path, in the scene file's folder or below. `{channel}` stands for a channel's name.
+    pub path: PathBuf,
+    /// The channels' names, at least one.
+    pub channels: Vec<String>,
+}
+
+/// A camera of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedCamera {
+    /// Its name; may be empty. In glTF, that of its node.
+    pub name: String,
+    /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes may share.
+    pub own_name: String,
+    /// Its description in numbers.
+    pub view: View,
+    /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, only the view's height
+    /// counts, and the renderer decides about the rest.
+    pub has_size: bool,
+    /// The camera as a scene file describes it, in part. The parts that it leaves open are decided anew when another
+    /// part is replaced.
+    pub description: Option<Description>,
+}
+
+impl NamedCamera {
+    /// The camera as a description, for a picture of `size` columns and rows. `None`: as many as the camera asks for,
+    /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and its
+    /// width follows from square pixels.
+    pub fn described(&self, size: Option<(usize, usize)>) -> Description {
+        let view = self.view;
+        let viewplane = view.lens.viewplane();
+        let whole = Description {
+            position: Some(view.position),
+            aim: Some(Aim::Along(view.aim)),
+            up: Some(view.up),
+            opening: viewplane.map(|viewplane| Opening::Viewplane {
+                width: viewplane.width,
+                height: viewplane.height,
+                focal_length: Some(viewplane.focal_length),
+            }),
+            projection: Some(view.lens.projection()),
+            ray_start: viewplane.map(|viewplane| viewplane.ray_start),
+            columns: None,
+            rows: None,
+        };
+        let mut described = self.description.unwrap_or(whole);
+        if let Some((columns, rows)) = size {
+            (described.columns, described.rows) = (Some(columns), Some(rows));
+        }
+        if let (Some(Opening::Viewplane { width, height, .. }), false) =
+            (&mut described.opening, self.has_size)
+        {
+            let (columns, rows) = (described.columns, described.rows);
+            if let (Some(columns), Some(rows)) = (columns, rows) {
+                *width = *height * columns as f64 / rows.max(1) as f64;
+            }
+        }
+        described
+    }
+}
