@@ -133,8 +133,8 @@ check: .venv/ready
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	CARGO=$(CARGO) PYTHON=$(PYTHON) .ci/features
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
-	$(VENV)/ruff check python packaging
-	$(VENV)/ruff format --check python packaging
+	$(VENV)/ruff check
+	$(VENV)/ruff format --check
 	$(PYTHON) packaging/pages.py --check
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
