@@ -80,9 +80,10 @@ pages:
 BENCH_MACHINE = $(shell lscpu | sed -n 's/^Model name: *//p' | tr 'A-Z' 'a-z' | tr -cs 'a-z0-9\n' '-')
 bench: .venv-bench/ready target/scenes/ready
 	$(CARGO) build --release --package firsthit-bench
-	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); \
-	target/release/firsthit-bench $${embree:+--embree "$$embree"} \
-	    $(if $(SCENES),--scenes $(SCENES)) $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
+	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); scenes=$(SCENES); \
+	[ -f target/scenes/ready ] || [ ! -f target/scenes/terrain.cam ] || scenes=$${scenes:-boulder,room,terrain}; \
+	target/release/firsthit-bench $${embree:+--embree "$$embree"} $${scenes:+--scenes "$$scenes"} \
+	    $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
 	    $(if $(ISA),--isa $(ISA)) $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)$(if $(ISA),-$(ISA)).md)
 
 # The same for the Python package and for whole processes.
@@ -98,11 +99,12 @@ bench-python: .venv-bench/ready target/scenes/ready
 	.venv-bench/bin/pip install --quiet --requirement benches/requirements.txt && touch $@ || \
 	    echo "bench: embreex cannot be installed here; firsthit is measured alone"
 
-# Where the models are not, the bench has small scenes of its own.
-MAKE_SCENES := ../shared/scenes/make_scenes.py
-target/scenes/ready: | .venv-bench/ready
-	mkdir -p target/scenes
-	if [ -f $(MAKE_SCENES) ]; then .venv-bench/bin/python $(MAKE_SCENES) target/scenes && touch $@; fi
+# The scenes that are measured. The models are not ours to copy: without them only the terrain is made, and two small
+# scenes of the bench's own join it.
+MODELS ?= ../shared/scenes/models
+target/scenes/ready: benches/scenes.py | .venv-bench/ready
+	.venv-bench/bin/python benches/scenes.py target/scenes --models $(MODELS) && touch $@ || \
+	    echo "bench: not all scenes could be made; see benches/scenes.py"
 
 # Files that attack, little memory, kills: a sample of them, or (make attack) all.
 test-scripts: program

@@ -1,4 +1,4 @@
-//! What is shot at: the scenes of `make_scenes.py`, or small ones made here.
+//! What is shot at: the scenes of `benches/scenes.py`, or small ones made here.
 
 mod built_in;
 
@@ -113,7 +113,7 @@ pub(crate) fn find(name: &str, settings: &Settings) -> Result<BenchScene, String
     })
 }
 
-/// Reads what `make_scenes.py` writes beside a mesh.
+/// Reads what `benches/scenes.py` writes beside a mesh.
 fn parse(text: &str) -> Option<Look> {
     fn vector(words: &mut SplitWhitespace) -> Option<DVec3> {
         let mut number = || words.next()?.parse().ok();
