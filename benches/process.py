@@ -17,7 +17,8 @@ import time
 from pathlib import Path
 
 SIDE = 1024
-RENDER = ["target/release/firsthit", "render", "--quiet", "--size", f"{SIDE}x{SIDE}"]
+#: One sample per pixel, as the peer takes.
+RENDER = f"target/release/firsthit render --quiet --size {SIDE}x{SIDE} --samples 1".split()
 
 
 def peer(mesh: str, picture: str) -> None:
