@@ -16,7 +16,8 @@ PROGRAM := target/release/firsthit
 # How many rays `make soak` shoots; a hundred million take half an hour.
 RAYS ?= 100000000
 
-.PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages check clean
+.PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages
+.PHONY: check check-oldest clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
@@ -141,6 +142,14 @@ check: .venv/ready
 	$(PYTHON) packaging/pages.py --check
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
+
+# The oldest compiler that Cargo.toml names. Where it cannot be had, a line says so, and clippy's incompatible_msrv refuses
+# newer functions all the same (`make check`).
+OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+check-oldest:
+	if rustup run $(OLDEST) cargo --version 2> /dev/null; then \
+	    rustup run $(OLDEST) cargo check --workspace --locked --target-dir $(OUTSIDE); \
+	else echo "Rust $(OLDEST): skipped: rustup toolchain install $(OLDEST)"; fi
 
 clean:
 	rm -rf target dist .venv .venv-bench .venv-dist render.png
