@@ -17,7 +17,7 @@ PROGRAM := target/release/firsthit
 RAYS ?= 100000000
 
 .PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages
-.PHONY: check check-oldest clean
+.PHONY: check check-targets check-oldest clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
@@ -142,6 +142,10 @@ check: .venv/ready
 	$(PYTHON) packaging/pages.py --check
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
+
+# Whether other targets compile: WebAssembly, 32-bit x86 and 64-bit ARM.
+check-targets:
+	CARGO=$(CARGO) .ci/targets
 
 # The oldest compiler that Cargo.toml names. Where it cannot be had, a line says so, and clippy's incompatible_msrv refuses
 # newer functions all the same (`make check`).
