@@ -17,7 +17,7 @@ PROGRAM := target/release/firsthit
 RAYS ?= 100000000
 
 .PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages
-.PHONY: check check-targets check-oldest clean
+.PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
@@ -154,6 +154,13 @@ check-oldest:
 	if rustup run $(OLDEST) cargo --version 2> /dev/null; then \
 	    rustup run $(OLDEST) cargo check --workspace --locked --target-dir $(OUTSIDE); \
 	else echo "Rust $(OLDEST): skipped: rustup toolchain install $(OLDEST)"; fi
+
+# Miri interprets the tests of the only room with unsafe code: the portable lanes, for it has no AVX of its own.
+miri:
+	if rustup run nightly cargo miri --version 2> /dev/null; then \
+	    MIRIFLAGS=-Zmiri-disable-isolation rustup run nightly cargo miri test --package firsthit --no-default-features \
+	        --lib simd:: --target-dir $(OUTSIDE); \
+	else echo "Miri: skipped: rustup toolchain install nightly --component miri,rust-src"; fi
 
 clean:
 	rm -rf target dist .venv .venv-bench .venv-dist render.png
