@@ -16,7 +16,8 @@ PROGRAM := target/release/firsthit
 # How many rays `make soak` shoots; a hundred million take half an hour.
 RAYS ?= 100000000
 
-.PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages check clean
+.PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages
+.PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
@@ -25,8 +26,9 @@ render:
 # All there is to test in the workspace; `test-installed` tests what people install.
 test: test-rust test-python test-scripts
 
+# Some tests read files that are not ours to copy. They are ignored, with the reason, unless those are beside the clone.
 test-rust:
-	$(CARGO) test --workspace
+	$(CARGO) test --workspace $(if $(wildcard ../shared/refdata),-- --include-ignored --skip soak)
 
 # Random rays on random soups, every kernel against brute force.
 soak:
@@ -80,9 +82,10 @@ pages:
 BENCH_MACHINE = $(shell lscpu | sed -n 's/^Model name: *//p' | tr 'A-Z' 'a-z' | tr -cs 'a-z0-9\n' '-')
 bench: .venv-bench/ready target/scenes/ready
 	$(CARGO) build --release --package firsthit-bench
-	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); \
-	target/release/firsthit-bench $${embree:+--embree "$$embree"} \
-	    $(if $(SCENES),--scenes $(SCENES)) $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
+	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); scenes=$(SCENES); \
+	[ -f target/scenes/ready ] || [ ! -f target/scenes/terrain.cam ] || scenes=$${scenes:-boulder,room,terrain}; \
+	target/release/firsthit-bench $${embree:+--embree "$$embree"} $${scenes:+--scenes "$$scenes"} \
+	    $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
 	    $(if $(ISA),--isa $(ISA)) $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)$(if $(ISA),-$(ISA)).md)
 
 # The same for the Python package and for whole processes.
@@ -98,11 +101,12 @@ bench-python: .venv-bench/ready target/scenes/ready
 	.venv-bench/bin/pip install --quiet --requirement benches/requirements.txt && touch $@ || \
 	    echo "bench: embreex cannot be installed here; firsthit is measured alone"
 
-# Where the models are not, the bench has small scenes of its own.
-MAKE_SCENES := ../shared/scenes/make_scenes.py
-target/scenes/ready: | .venv-bench/ready
-	mkdir -p target/scenes
-	if [ -f $(MAKE_SCENES) ]; then .venv-bench/bin/python $(MAKE_SCENES) target/scenes && touch $@; fi
+# The scenes that are measured. The models are not ours to copy: without them only the terrain is made, and two small
+# scenes of the bench's own join it.
+MODELS ?= ../shared/scenes/models
+target/scenes/ready: benches/scenes.py | .venv-bench/ready
+	.venv-bench/bin/python benches/scenes.py target/scenes --models $(MODELS) && touch $@ || \
+	    echo "bench: not all scenes could be made; see benches/scenes.py"
 
 # Files that attack, little memory, kills: a sample of them, or (make attack) all.
 test-scripts: program
@@ -133,11 +137,30 @@ check: .venv/ready
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	CARGO=$(CARGO) PYTHON=$(PYTHON) .ci/features
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
-	$(VENV)/ruff check python packaging
-	$(VENV)/ruff format --check python packaging
+	$(VENV)/ruff check
+	$(VENV)/ruff format --check
 	$(PYTHON) packaging/pages.py --check
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
+
+# Whether other targets compile: WebAssembly, 32-bit x86 and 64-bit ARM.
+check-targets:
+	CARGO=$(CARGO) .ci/targets
+
+# The oldest compiler that Cargo.toml names. Where it cannot be had, a line says so, and clippy's incompatible_msrv refuses
+# newer functions all the same (`make check`).
+OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+check-oldest:
+	if rustup run $(OLDEST) cargo --version 2> /dev/null; then \
+	    rustup run $(OLDEST) cargo check --workspace --locked --target-dir $(OUTSIDE); \
+	else echo "Rust $(OLDEST): skipped: rustup toolchain install $(OLDEST)"; fi
+
+# Miri interprets the tests of the only room with unsafe code: the portable lanes, for it has no AVX of its own.
+miri:
+	if rustup run nightly cargo miri --version 2> /dev/null; then \
+	    MIRIFLAGS=-Zmiri-disable-isolation rustup run nightly cargo miri test --package firsthit --no-default-features \
+	        --lib simd:: --target-dir $(OUTSIDE); \
+	else echo "Miri: skipped: rustup toolchain install nightly --component miri,rust-src"; fi
 
 clean:
 	rm -rf target dist .venv .venv-bench .venv-dist render.png

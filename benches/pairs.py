@@ -1,4 +1,4 @@
-"""Two builds of firsthit-bench against each other, frame by frame.
+"""Measure two builds of firsthit-bench against each other, frame by frame.
 
     python benches/pairs.py OLD/firsthit-bench NEW/firsthit-bench --scenes bunny --rows primary
 
@@ -17,18 +17,18 @@ import sys
 class Build:
     """A running firsthit-bench that waits to be asked."""
 
-    def __init__(self, program, arguments):
+    def __init__(self, program: str, arguments: list[str]) -> None:
         command = [program, "--pairs", *arguments]
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
         )
 
-    def label(self):
-        """What can be timed next, as [scene, row]; nothing at the end."""
+    def label(self) -> list[str]:
+        """Read what can be timed next, as [scene, row]; an empty list at the end."""
         return self.process.stdout.readline().rsplit(maxsplit=1)
 
-    def time(self):
-        """Nanoseconds for each ray, or for each triangle built."""
+    def time(self) -> float:
+        """Time it once: nanoseconds for each ray, or for each triangle built."""
         try:
             self.process.stdin.write("run\n")
             answer = self.process.stdout.readline()
@@ -38,15 +38,18 @@ class Build:
             sys.exit(f"pairs.py: error: {self.process.args[0]} has stopped")
         return float(answer)
 
-    def go_on(self):
+    def go_on(self) -> None:
+        """Go on to the next row."""
         self.process.stdin.write("next\n")
 
-    def end(self):
+    def end(self) -> int:
+        """Wait for its end; return its exit code."""
         self.process.stdin.close()
         return self.process.wait()
 
 
-def main():
+def main() -> None:
+    """Time all rows of both builds in turns, and print a line for each."""
     parser = argparse.ArgumentParser(description="Two builds of firsthit-bench in turns.")
     parser.add_argument("old")
     parser.add_argument("new")

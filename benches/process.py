@@ -1,4 +1,4 @@
-"""Measures whole processes: a .ply file to a shaded 1024 x 1024 PNG, start to end, files included.
+"""Measure whole processes: a .ply file to a shaded 1024 x 1024 PNG, start to end, files included.
 
     make bench-python [SCENES=bunny,terrain] [ROUNDS=5]
 
@@ -17,11 +17,12 @@ import time
 from pathlib import Path
 
 SIDE = 1024
-FIRSTHIT = Path("target/release/firsthit")
+#: One sample per pixel, as the peer takes.
+RENDER = f"target/release/firsthit render --quiet --size {SIDE}x{SIDE} --samples 1".split()
 
 
 def peer(mesh: str, picture: str) -> None:
-    """Shades by the angle between ray and face, from where all is in view."""
+    """Shade by the angle between ray and face, from where all is in view."""
     import numpy as np
     import trimesh
     from PIL import Image
@@ -42,7 +43,7 @@ def peer(mesh: str, picture: str) -> None:
 
 
 def run(command: list[str]) -> tuple[float, float, float]:
-    """Seconds of processor time, seconds by the clock, MiB at most of one run."""
+    """Run it; return seconds of processor time, seconds by the clock, and MiB at most."""
     start = time.perf_counter()
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, used = os.wait4(child.pid, 0)
@@ -54,9 +55,11 @@ def run(command: list[str]) -> tuple[float, float, float]:
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", default="bunny,terrain", help="names in target/scenes, with commas")
+    parser.add_argument(
+        "--scenes", default="bunny,terrain", help="names in target/scenes, with commas"
+    )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--peer", nargs=2, metavar=("MESH", "PNG"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -71,9 +74,8 @@ def main() -> None:
             continue
         with tempfile.TemporaryDirectory() as folder:
             picture = str(Path(folder) / "picture.png")
-            size = f"{SIDE}x{SIDE}"
             commands = {
-                "firsthit render": [str(FIRSTHIT), "render", str(mesh), "--quiet", "--size", size, "--output", picture],
+                "firsthit render": [*RENDER, str(mesh), "--output", picture],
                 "trimesh+embreex": [sys.executable, __file__, "--peer", str(mesh), picture],
             }
             best = {name: (float("inf"),) * 3 for name in commands}

@@ -1,4 +1,4 @@
-"""Measures firsthit's Python package beside embreex and trimesh: the same rays, in turns, one thread.
+"""Measure the Python package beside embreex and trimesh: the same rays, in turns, one thread.
 
     make bench-python [SCENES=bunny,terrain] [ROUNDS=5]
 
@@ -12,16 +12,18 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import firsthit as fh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 import numpy as np
 import trimesh
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from trimesh.ray.ray_pyembree import RayMeshIntersector
-
-import firsthit as fh
 
 SIDE = 1024
 COLUMNS = ("firsthit", "embreex", "embreex all", "trimesh")
@@ -41,7 +43,7 @@ class Peers:
     def contestants(
         self, origins: np.ndarray, directions: np.ndarray, camera: fh.Camera | None
     ) -> list[Callable[[], np.ndarray]]:
-        """Functions that find the first primitive of each ray, -1 for none."""
+        """List functions that find the first primitive of each ray, -1 for none."""
         single = [np.ascontiguousarray(a, dtype=np.float32) for a in (origins, directions)]
         shoot = self.firsthit.shoot
         return [
@@ -55,7 +57,7 @@ class Peers:
 
 
 def in_turns(rounds: int, contestants: list[Callable[[], np.ndarray]]) -> list[float]:
-    """Seconds of processor time, the smallest of all rounds; the first round does not count."""
+    """Measure seconds of processor time: the smallest of all rounds but the first."""
     best = [np.inf] * len(contestants)
     for number in range(rounds + 1):
         for k, contestant in enumerate(contestants):
@@ -68,7 +70,7 @@ def in_turns(rounds: int, contestants: list[Callable[[], np.ndarray]]) -> list[f
 
 
 def rows(peers: Peers, look: dict[str, np.ndarray]) -> dict[str, tuple]:
-    """Rays by name: origins and directions (n, 3), and the camera they come from, if one is given."""
+    """Make rays by name: origins and directions (n, 3), and the camera where one is given."""
     height = 2.0 * np.tan(np.radians(float(look["fov"])) / 2.0)
     camera = fh.Camera(
         position=look["eye"],
@@ -101,7 +103,7 @@ def rows(peers: Peers, look: dict[str, np.ndarray]) -> dict[str, tuple]:
 
 
 def scenes(names: list[str]) -> dict[str, tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]]:
-    """Vertices, faces and camera by name: of target/scenes, or a sphere where there are none."""
+    """Load vertices, faces and camera by name from target/scenes; without files, make a sphere."""
     folder = Path("target/scenes")
     files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_size)
     found = {file.stem: file for file in files if not names or file.stem in names}
@@ -116,7 +118,7 @@ def scenes(names: list[str]) -> dict[str, tuple[np.ndarray, np.ndarray, dict[str
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", default="", help="names, with commas")
     parser.add_argument("--rounds", type=int, default=5)
@@ -124,7 +126,7 @@ def main() -> None:
     names = [name for name in arguments.scenes.split(",") if name]
     print(f"firsthit {fh.__version__}, ns for each ray, process time, min of {arguments.rounds}")
     heads = "".join(f"{name:>12}" for name in COLUMNS)
-    print(f"{'scene':10} {'rays':8}{heads} | {'x embreex':>9} {'x all':>6} {'x trimesh':>9} | other id")
+    print(f"{'scene':10} {'rays':8}{heads} | x embreex  x all x trimesh | other id")
     ratios: dict[str, list[np.ndarray]] = {}
     for name, (vertices, faces, look) in scenes(names).items():
         peers = Peers(vertices, faces)
@@ -136,13 +138,12 @@ def main() -> None:
             ratio = times[1:] / times[0]
             ratios.setdefault(row, []).append(ratio)
             cells = "".join(f"{t:12.1f}" for t in times)
-            print(
-                f"{name:10} {row:8}{cells} | {ratio[0]:9.2f} {ratio[1]:6.2f} {ratio[2]:9.2f} | {other}",
-                flush=True,
-            )
+            shares = f"{ratio[0]:9.2f} {ratio[1]:6.2f} {ratio[2]:9.2f}"
+            print(f"{name:10} {row:8}{cells} | {shares} | {other}", flush=True)
     for row, all_of in ratios.items():
-        mean = np.exp(np.mean(np.log(all_of), axis=0))
-        print(f"geometric mean, {row:8}: x embreex {mean[0]:.2f}, x all {mean[1]:.2f}, x trimesh {mean[2]:.2f}")
+        embreex, with_all, by_trimesh = np.exp(np.mean(np.log(all_of), axis=0))
+        shares = f"x embreex {embreex:.2f}, x all {with_all:.2f}, x trimesh {by_trimesh:.2f}"
+        print(f"geometric mean, {row:8}: {shares}")
 
 
 if __name__ == "__main__":

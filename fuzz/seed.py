@@ -70,6 +70,7 @@ def main() -> None:
 
 
 def seed(folders: list[Path]) -> None:
+    """Copy the files of these folders into the corpora that take their extensions."""
     files = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
     for target in sys.argv[1:] or TARGETS:
         corpus = HERE / "corpus" / target

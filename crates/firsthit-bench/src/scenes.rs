@@ -1,4 +1,4 @@
-//! The scenes: those of `make_scenes.py`, or small ones made here.
+//! The scenes: those of `benches/scenes.py`, or small ones made here.
 
 mod built_in;
 mod look;

@@ -48,7 +48,7 @@ impl Look {
     }
 }
 
-/// Reads what `make_scenes.py` writes beside a mesh.
+/// Reads what `benches/scenes.py` writes beside a mesh.
 pub(super) fn parse(text: &str) -> Option<Look> {
     fn vector(words: &mut SplitWhitespace) -> Option<DVec3> {
         let mut number = || words.next()?.parse().ok();

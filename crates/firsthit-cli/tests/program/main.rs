@@ -10,6 +10,7 @@ mod channels;
 mod colours;
 mod files;
 mod gltf;
+mod golden;
 mod info;
 mod interrupts;
 mod issue;

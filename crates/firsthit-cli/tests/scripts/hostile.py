@@ -41,7 +41,7 @@ def square(face: str, kind: str = "ascii") -> bytes:
 
 
 def stl(count: int, facets: bytes) -> bytes:
-    """A binary STL with the count that it claims."""
+    """Make a binary STL with the count that it claims."""
     return bytes(80) + struct.pack("<I", count % (1 << 32)) + facets
 
 
@@ -94,7 +94,7 @@ def objs() -> list[bytes]:
     words = [
         "0", "5", "-5", "99999999999999999999", "-99999999999999999999", "1e3", "x", "1/", "1/1", "1//1",
         "1/2/3/4", "//", "/", "1/-1", "2147483648", "4294967296", "4294967297", "-9223372036854775808",
-        "\x00", "١", "1.0", "+1", "0x1", "",
+        "\x00", "\u0661", "1.0", "+1", "0x1", "",
     ]  # fmt: skip
     files = [TRIANGLE + f"f 1 2 {word}\n".encode() for word in words]
     files += [TRIANGLE + f"v 0 0 {word}\nf 1 2 4\n".encode() for word in ("nan", "-inf", "1e30", "1e999", "x", "")]
@@ -107,8 +107,7 @@ def objs() -> list[bytes]:
     many = "".join(f"o n{k}\nusemtl m{k}\nf 1 2 3\n" for k in range(90_000))
     corners = 65_536
     ring = "".join(
-        f"v {math.cos(2 * math.pi * k / corners) * (1 + k % 2)} "
-        f"{math.sin(2 * math.pi * k / corners) * (1 + k % 2)} 0\n"
+        f"v {math.cos(2 * math.pi * k / corners) * (1 + k % 2)} {math.sin(2 * math.pi * k / corners) * (1 + k % 2)} 0\n"
         for k in range(corners)
     )
     star = ring + "f " + " ".join(str(k + 1) for k in range(corners)) + "\n"
@@ -190,7 +189,8 @@ def attack(program: Path, folder: Path, suffix: str, content: bytes) -> tuple[En
         if len(content) % 2:
             command = [program, "diff", scene.name, scene.name]
     if shutil.which("strace"):
-        command = ["strace", "-f", "--seccomp-bpf", "-qq", "-e", "trace=open,openat,connect,socket", "-o", trace, *command]
+        tracer = ["strace", "-f", "--seccomp-bpf", "-qq", "-e", "trace=open,openat,connect,socket"]
+        command = [*tracer, "-o", trace, *command]
     ended = run(command, folder, memory=MEMORY, seconds=SECONDS)
     left = {path.name for path in folder.iterdir()} - names
     problem = ended.disorder()

@@ -12,12 +12,12 @@ HUGE = [-1, 0.5, 1 << 31, 1 << 32, (1 << 53) + 1, (1 << 63) - 1, 1 << 64, 1e300,
 
 
 def uri(content: bytes, kind: str = "application/octet-stream") -> str:
-    """A data URI."""
+    """Make a data URI."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def good() -> dict:
-    """A document of one triangle."""
+    """Make a document of one triangle."""
     return {
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -37,7 +37,7 @@ def good() -> dict:
 
 
 def changed(path: str, value: object) -> bytes:
-    """The good document with one value changed or added."""
+    """Change or add one value of the good document."""
     document = copy.deepcopy(good())
     *parents, last = path.split("/")
     place = document
@@ -48,12 +48,12 @@ def changed(path: str, value: object) -> bytes:
 
 
 def text(document: dict) -> bytes:
-    """A document as JSON; Python writes NaN and Infinity too, which JSON does not have."""
+    """Write a document as JSON; Python writes NaN and Infinity too, which JSON does not have."""
     return json.dumps(document).encode()
 
 
 def glb(content: bytes, binary: bytes = b"", *, length: int = 0, sizes: tuple = ()) -> bytes:
-    """A binary container with the lengths that it claims."""
+    """Make a binary container with the lengths that it claims."""
     content += b" " * (-len(content) % 4)
     sizes = sizes or (len(content), len(binary))
     length = length or 12 + 8 + len(content) + 8 + len(binary)
@@ -76,7 +76,7 @@ def containers() -> list[bytes]:
 
 
 def numbers() -> list[bytes]:
-    """Counts, offsets and indices beyond what is there."""
+    """Make counts, offsets and indices beyond what is there."""
     places = [
         "scene", "nodes/0/mesh", "scenes/0/nodes/0", "meshes/0/primitives/0/indices",
         "meshes/0/primitives/0/mode", "meshes/0/primitives/0/attributes/POSITION",
@@ -175,7 +175,7 @@ def skins() -> list[bytes]:
 
 
 def png(columns: int, rows: int, packed: bytes) -> bytes:
-    """A PNG with the size that it claims."""
+    """Make a PNG with the size that it claims."""
     header = struct.pack(">IIBBBBB", columns, rows, 8, 6, 0, 0, 0)
     chunks = [(b"IHDR", header), (b"IDAT", packed), (b"IEND", b"")]
     words = [struct.pack(">I", len(c)) + k + c + struct.pack(">I", zlib.crc32(k + c)) for k, c in chunks]
@@ -204,7 +204,7 @@ def pictures(outside: list[str]) -> list[bytes]:
 
 
 def textured(images: list[dict]) -> dict:
-    """A triangle for each image."""
+    """Make a triangle for each image."""
     document = good()
     primitive = document["meshes"][0]["primitives"][0]
     count = range(len(images))
@@ -248,7 +248,8 @@ def documents(outside: list[str]) -> list[bytes]:
         files.append(changed("asset/version", value))
     for names in (["VENDOR_unknown"], ["x" * 1_000_000], ["\x1b[2J"], [f"A_{k}" for k in range(100_000)]):
         files += [changed("extensionsRequired", names), changed("extensionsUsed", names)]
-    names = outside + ["%2Fetc%2Fpasswd", "%2e%2e%2f%2e%2e%2fetc%2fpasswd", "%00", "%ff", "%", "data:", "data:;base64,%"]
+    names = [*outside, "%2Fetc%2Fpasswd", "%2e%2e%2f%2e%2e%2fetc%2fpasswd", "%00", "%ff", "%"]
+    names += ["data:", "data:;base64,%"]
     names += ["data:;base64," + "A" * 5, "data:;base64," + "=" * 100, "DATA:,", "http%3A//localhost/x", "a" * 5000]
     return files + [changed("buffers/0/uri", name) for name in names]
 

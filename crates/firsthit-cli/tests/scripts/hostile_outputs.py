@@ -12,7 +12,7 @@ FORMATS = ("exr", "png", "npz", "npy")
 
 
 def made(program: Path, folder: Path) -> dict[str, bytes]:
-    """A small picture in each format."""
+    """Make a small picture in each format."""
     files = {}
     for extension in FORMATS:
         channels = ["--channels", "z"] if extension in {"png", "npy"} else ["--channels", "z,normal,object"]
@@ -26,7 +26,7 @@ def made(program: Path, folder: Path) -> dict[str, bytes]:
 
 
 def npy(descr: str, shape: str, body: bytes = b"", *, length: int = 0) -> bytes:
-    """An NPY file with the type and shape that it claims."""
+    """Make an NPY file with the type and shape that it claims."""
     header = f"{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}\n".encode()
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", (length or len(header)) & 0xFFFF) + header + body
 
@@ -35,7 +35,8 @@ def npys() -> list[bytes]:
     """NPY files: shapes, types, pickles."""
     shapes = [
         "(4,)", "()", "(0,)", "(-1,)", "(2147483648, 2147483648)", "(18446744073709551616,)", "(1,)" * 100,
-        "(4294967296, 4294967296, 4294967296)", "(1e9,)", "(" + "1," * 60_000 + ")", "(0, 18446744073709551615)", "x", "",
+        "(4294967296, 4294967296, 4294967296)", "(1e9,)", "(" + "1," * 60_000 + ")", "(0, 18446744073709551615)", "x",
+        "",
     ]  # fmt: skip
     types = [
         "'|O'", "'O8'", "[('a', '<f4')]", "[" * 20_000, "'<f3'", "'<f0'", "'|S9999999999'", "'<U4'", "'<M8[ns]'",
@@ -43,12 +44,14 @@ def npys() -> list[bytes]:
     ]  # fmt: skip
     files = [npy("'<f4'", shape, bytes(16)) for shape in shapes] + [npy(kind, "(4,)", bytes(64)) for kind in types]
     files.append(npy("'|O'", "(1,)", b"\x80\x03cos\nsystem\nq\x00X\x02\x00\x00\x00idq\x01\x85q\x02Rq\x03."))
-    files += [npy("'<f4'", "(4,)", bytes(k)) for k in (0, 15, 17)] + [npy("'<f4'", "(4,)", length=k) for k in (1, 65535)]
+    files += [npy("'<f4'", "(4,)", bytes(k)) for k in (0, 15, 17)] + [
+        npy("'<f4'", "(4,)", length=k) for k in (1, 65535)
+    ]
     return [*files, b"\x93NUMPY", b"\x93NUMPY\x09\x00", b"\x93NUMPY\x02\x00\xff\xff\xff\xff", b"", bytes(100)]
 
 
 def archive(entries: dict[str, bytes]) -> bytes:
-    """A ZIP archive."""
+    """Make a ZIP archive."""
     held = io.BytesIO()
     with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as packed:
         for name, content in entries.items():
@@ -65,7 +68,13 @@ def npzs() -> list[bytes]:
     files += [bomb, archive({f"{k}.npy": array for k in range(20_000)}), archive({"a.npy": bomb}), archive({})]
     files += [archive({"firsthit.json": b"[" * 100_000, "a.npy": array}), archive({"a.npy": b"x"})]
     whole = bytearray(archive({"a.npy": array}))
-    for mark, offset in ((b"PK\x03\x04", 18), (b"PK\x03\x04", 22), (b"PK\x01\x02", 20), (b"PK\x01\x02", 24), (b"PK\x01\x02", 42)):
+    for mark, offset in (
+        (b"PK\x03\x04", 18),
+        (b"PK\x03\x04", 22),
+        (b"PK\x01\x02", 20),
+        (b"PK\x01\x02", 24),
+        (b"PK\x01\x02", 42),
+    ):
         lie = bytearray(whole)
         at = lie.index(mark) + offset
         lie[at : at + 4] = b"\xfe\xff\xff\xff"
@@ -74,7 +83,7 @@ def npzs() -> list[bytes]:
 
 
 def chunk(kind: bytes, content: bytes) -> bytes:
-    """A part of a PNG file."""
+    """Make a part of a PNG file."""
     return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
 
 

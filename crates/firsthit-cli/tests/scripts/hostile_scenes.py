@@ -58,14 +58,20 @@ def elsewhere(outside: list[str]) -> list[str]:
     quoted = [name.replace("\\x", "\\u00") for name in quoted]
     files = [f'{BALL}[[objects]]\nfile = "{name}"\n' for name in quoted]
     files += [f'{BALL}[[outputs]]\nfile = "{name}"\n' for name in quoted if name]
-    return files + [f'{BALL}[[outputs]]\nfile = "{name}.png"\n' for name in ("../out", "/tmp/out", "sub/../../out", "link/x")]
+    return files + [
+        f'{BALL}[[outputs]]\nfile = "{name}.png"\n' for name in ("../out", "/tmp/out", "sub/../../out", "link/x")
+    ]
 
 
 def crowds() -> list[str]:
     """Files named again and again."""
     one = '[[objects]]\nfile = "tri.obj"\n'
     # Each ray meets all that lies in one place: a thousand take a second.
-    return [one * 1000, "".join(f"{one}translate = [{k}, 0, 0]\n" for k in range(100_000)), "".join(f'[[objects]]\nfile = "{"./" * k}tri.obj"\n' for k in range(500))]
+    return [
+        one * 1000,
+        "".join(f"{one}translate = [{k}, 0, 0]\n" for k in range(100_000)),
+        "".join(f'[[objects]]\nfile = "{"./" * k}tri.obj"\n' for k in range(500)),
+    ]
 
 
 def files(outside: list[str]) -> list[tuple[str, bytes]]:

@@ -23,7 +23,10 @@ SCENES = [
     *(ROOT / "docs" / "scenes" / f"{name}.toml" for name in ("camera", "files", "lights", "orthographic")),
     *(ROOT / "docs" / "scenes" / f"{name}.toml" for name in ("placement", "shading", "shapes", "viewplane")),
     *(ROOT / "testdata" / name for name in ("torus_draco.glb", "cube_quads_be.ply", "prism_64gon.obj")),
-    *(PUBLIC / "generated" / name for name in ("alpha_modes.gltf", "textures.glb", "orientation.gltf", "sphere_far.ply")),
+    *(
+        PUBLIC / "generated" / name
+        for name in ("alpha_modes.gltf", "textures.glb", "orientation.gltf", "sphere_far.ply")
+    ),
     *(PUBLIC / "real" / "tm" / name for name in ("CesiumMilkTruck.glb", "AlphaBlendModeTest.glb", "fuze.obj")),
     *(PUBLIC / "real" / "tm" / name for name in ("octagonal_pocket.stl", "nested.glb")),
     *(PUBLIC / "real" / "bev" / name for name in ("CornellBox/CornellBox.glb", "GltfPrimitives/gltf_primitives.glb")),

@@ -100,9 +100,7 @@ def full_disk(program: Path, folder: Path) -> list[str]:
     wrong = refusals([program], folder, "files that cannot grow", short_files)
     disk = folder / "disk"
     disk.mkdir()
-    mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True, check=False
-    )
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True, check=False)
     if mounted.returncode != 0:
         print("torn: skipped: a full disk (no right to mount one)")
         return wrong

@@ -32,11 +32,6 @@ const VIEW: &[Key] = &[
         "Which way is up in the picture, of any length; need not be perpendicular to aim. Default: the scene's up.",
     ),
     key(
-        "ray_start",
-        Form::OneOf(|| vec!["eye", "viewplane"]),
-        "Where rays start, and t counts from: at the position or on the viewplane. Default: eye.",
-    ),
-    key(
         "columns",
         Form::Whole(1, MOST_PIXELS),
         "Pixels across. Default: 1024.",
@@ -44,9 +39,15 @@ const VIEW: &[Key] = &[
     key(
         "rows",
         Form::Whole(1, MOST_PIXELS),
-        "Pixels down. Default: 768, or as the viewplane's shape asks.",
+        "Pixels down. Default: 768, or as the viewplane's shape asks; of a panorama half the columns.",
     ),
 ];
+
+const RAY_START: &[Key] = &[key(
+    "ray_start",
+    Form::OneOf(|| vec!["eye", "viewplane"]),
+    "Where rays start, and t counts from: at the position or on the viewplane. Default: eye.",
+)];
 
 /// Neither side of a picture is longer.
 const MOST_PIXELS: i64 = 1 << 28;
@@ -69,6 +70,7 @@ pub(super) static CAMERA: Record = Record {
             pick: Pick::Default(PROJECTION, "perspective"),
             keys: &[
                 VIEW,
+                RAY_START,
                 &[key(
                     "fov",
                     Form::Between(0.0, 180.0),
@@ -89,12 +91,20 @@ pub(super) static CAMERA: Record = Record {
         },
         Variant {
             pick: Pick::Tag(PROJECTION, "orthographic"),
-            keys: &[VIEW, VIEWPLANE],
+            keys: &[VIEW, RAY_START, VIEWPLANE],
             rules: &[
                 Rule::NotBoth("aim", "look_at"),
                 Rule::Needs("focal_length", "width"),
                 Rule::Needs("width", "height"),
                 Rule::Needs("height", "width"),
+                Rule::Needs("look_at", "position"),
+            ],
+        },
+        Variant {
+            pick: Pick::Tag(PROJECTION, "equirectangular"),
+            keys: &[VIEW],
+            rules: &[
+                Rule::NotBoth("aim", "look_at"),
                 Rule::Needs("look_at", "position"),
             ],
         },
@@ -135,9 +145,10 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
             focal_length: section.number("focal_length"),
         })
     };
+    let has_viewplane = projection != Projection::Equirectangular;
     let ray_start = match section.text("ray_start") {
-        Some("viewplane") => RayStart::Viewplane,
-        _ => RayStart::Eye,
+        Some("viewplane") => Some(RayStart::Viewplane),
+        _ => has_viewplane.then_some(RayStart::Eye),
     };
     Ok(Description {
         position: section.vector("position"),
@@ -145,7 +156,7 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
         up: section.vector("up"),
         opening: fov.or_else(viewplane),
         projection: Some(projection),
-        ray_start: Some(ray_start),
+        ray_start,
         columns: section.whole("columns"),
         rows: section.whole("rows"),
     })

@@ -13,9 +13,7 @@ use super::{sets, soak_rays};
 /// Aims at each mesh that is closed, from a point inside, where it is, far away and in other sizes: at corners and
 /// at edges, so many rays each, other ones in each round. Returns how many rays there were.
 fn leaks(round: usize, rays_each: usize) -> usize {
-    let Some(folder) = refdata() else {
-        return 0;
-    };
+    let folder = refdata();
     let mut numbers = Numbers::new(7 + round as u64);
     let mut shot = 0;
     for path in ["generated", "real"]
@@ -77,21 +75,22 @@ fn aimed(scene: &Scene, which: Range<usize>, numbers: &mut Numbers, path: &Path)
 }
 
 #[test]
+#[ignore = "needs ../shared/refdata"]
 fn closed_meshes_do_not_leak() {
     let shot = leaks(0, 4_000);
-    assert!(shot == 0 || shot > 100_000, "{shot}");
+    assert!(shot > 100_000, "{shot}");
 }
 
 /// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
 #[test]
-#[ignore = "takes long: make soak"]
+#[ignore = "takes long and needs ../shared/refdata: make soak"]
 fn soak_of_leaks() {
     let mut shot = 0;
     for round in 0.. {
         let rays = leaks(round, 100_000);
         shot += rays;
         println!("{shot} rays at corners and edges, each with every instruction set");
-        if rays == 0 || shot >= soak_rays() {
+        if shot >= soak_rays() {
             return;
         }
     }
