@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::camera::Camera;
+use crate::sensor::Sensor;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DVec3, Hit, Ray, Rays};
 use crate::image::{Channel, Data, Description, Picture, Unit};

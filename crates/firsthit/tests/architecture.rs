@@ -7,47 +7,24 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each room, and the rooms it may import. Every room may import `error`, `memory` and `watch`.
-const ROOMS: &[(&str, &[&str])] = &[
-    ("error", &[]),
-    ("watch", &[]),
-    // Large pages are asked for in the room with `unsafe` code.
-    ("memory", &["simd"]),
-    ("geometry", &[]),
-    ("sampling", &["geometry"]),
-    ("camera", &["geometry"]),
-    ("shape", &["geometry"]),
-    ("simd", &[]),
-    // Of shapes only the mesh, and the judge of its triangles.
-    ("accel", &["geometry", "shape", "simd"]),
-    ("image", &["geometry"]),
-    ("scene", &["geometry", "shape", "accel"]),
-    ("shoot", &["geometry", "shape", "accel", "scene", "simd"]),
-    ("shade", &["geometry", "scene", "shoot"]),
-    ("world", &["geometry", "camera", "scene", "shade"]),
-    ("io", &["geometry", "camera", "shape", "scene", "world"]),
-    (
-        "scene_file",
-        &[
-            "geometry", "camera", "shape", "scene", "shade", "channel", "image", "world", "io",
-        ],
-    ),
-    ("load", &["world", "io", "scene_file"]),
-    (
-        "channel",
-        &["geometry", "camera", "scene", "shoot", "shade", "image"],
-    ),
-    (
-        "render",
-        &[
-            "geometry", "camera", "sampling", "scene", "shoot", "shade", "image", "channel",
-        ],
-    ),
-    ("example", &["geometry", "camera", "shape", "scene"]),
-];
+/// Each room of the table in ARCHITECTURE.md, and the rooms it may import.
+fn rooms() -> HashMap<String, Vec<String>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
+    let table = text.split("| room | job | imports |").nth(1).unwrap();
+    let rows = table.lines().skip(2);
+    let rows = rows.take_while(|line| line.starts_with('|'));
+    rows.map(|row| {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        let imports = cells[2].split(',').map(|name| name.trim().to_owned());
+        (cells[0].trim_matches('`').to_owned(), imports.collect())
+    })
+    .collect()
+}
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -90,6 +67,7 @@ fn imported(line: &str) -> Vec<String> {
 #[test]
 fn rooms_import_only_what_they_may() {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let rooms = rooms();
     let mut imports = 0;
     for path in sources(&src) {
         let inside = path.strip_prefix(&src).unwrap().with_extension("");
@@ -97,16 +75,15 @@ fn rooms_import_only_what_they_may() {
         if room == "lib" {
             continue;
         }
-        let (_, allowed) = ROOMS
-            .iter()
-            .find(|(name, _)| *name == room)
-            .unwrap_or_else(|| panic!("{room} is no room"));
+        let allowed = rooms
+            .get(&room)
+            .unwrap_or_else(|| panic!("{room} is no room of ARCHITECTURE.md"));
         for line in fs::read_to_string(&path).unwrap().lines() {
             for other in imported(line) {
                 // The crate's own names, such as `crate::Error`, are re-exports of `lib.rs`, for documentation only.
                 let fine = other == room
                     || ["error", "memory", "watch"].contains(&&*other)
-                    || allowed.contains(&&*other);
+                    || allowed.contains(&other);
                 assert!(
                     fine,
                     "{}: {room} may not import {other}: {line}",
