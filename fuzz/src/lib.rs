@@ -4,8 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use firsthit::image::read_bytes;
-use firsthit::load::{LoadSettings, load, load_bytes};
-use firsthit::world::World;
+use firsthit::load::{LoadSettings, Loaded, load, load_bytes};
 use firsthit::{DVec3, Result, Scene};
 
 /// Small, so that a file that gets around the limits is noticed by the fuzzer's own.
@@ -57,12 +56,12 @@ impl Folder {
 }
 
 /// A refusal is one line; what is not refused can be shot at.
-fn check(read: Result<World>) {
+fn check(read: Result<Loaded>) {
     match read {
         Err(error) => check_line(&error.to_string()),
         Ok(model) => {
             model.warnings.iter().for_each(|line| check_line(line));
-            if let Ok(scene) = Scene::new(model.objects) {
+            if let Ok(scene) = Scene::new(model.world.objects) {
                 let target = scene.bounds();
                 let origin = DVec3::new(3.0, 2.0, 1.0);
                 let direction = if target.is_empty() { -origin } else { target.centre() - origin };

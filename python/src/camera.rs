@@ -134,14 +134,14 @@ impl Camera {
         (position, aim, right, upwards)
     }
 
-    /// Origins and directions of the rays of some rows: through the pixels' centres, or through the
-    /// sample point `k` of `count`.
+    /// Origins and directions of the rays of some rows, through the point that a sample of each pixel is at; the first is the
+    /// centre.
     #[expect(clippy::type_complexity, reason = "two arrays")]
     fn rays<'py>(
         &self,
         py: Python<'py>,
         rows: (usize, usize),
-        sample: Option<(u32, u32)>,
+        sample: u32,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
         let columns = self.0.columns();
         let last_row = rows.1.min(self.0.rows());
@@ -149,8 +149,7 @@ impl Camera {
             rows.0.saturating_mul(columns),
             last_row.saturating_mul(columns),
         );
-        let (k, count) = sample.unwrap_or((0, 1));
-        let ray = |index| sample_ray(&self.0, index, k, count);
+        let ray = |index| sample_ray(&self.0, index, sample);
         ray_arrays(py, (first..last).map(ray))
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use firsthit::channel::{self, Kind};
 use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
-use firsthit::render::{BACKGROUND, SAMPLES, shoulder_light, work};
+use firsthit::render::{BACKGROUND, Picture, Region, SAMPLES, shoulder_light, work};
 use firsthit::shade::Lambert;
 use firsthit::{Background, Color, Shader, Shading};
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -41,8 +41,7 @@ pub(crate) fn render_work(
     samples: u32,
 ) -> PyResult<u64> {
     let pixels = camera.0.pixels();
-    let developed = work(pixels, &kinds(py, &channels)?, samples);
-    Ok(developed.saturating_add(pixels as u64))
+    Ok(work(pixels, &kinds(py, &channels)?, samples))
 }
 
 /// The samples of a pixel, and the background (a colour, or horizon, zenith and up), where nobody says.
@@ -64,6 +63,7 @@ pub(crate) fn render<'py>(
     channels: Vec<String>,
     shading: ShadingIn,
     samples: u32,
+    region: Option<[usize; 4]>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
@@ -92,13 +92,19 @@ pub(crate) fn render<'py>(
         Some(&[color, ..]) => Background::Uniform(color.into()),
     };
     let shade = Shading {
-        scene: &scene,
-        shader,
         background,
+        ..shader.on(&scene)
     };
-    let frame = run_reported(py, threads, report.as_ref(), |stop| {
-        firsthit::render(&scene, &camera.0, &shade, &kinds, samples, stop)
-    })?;
+    let region = region.map(|[first_row, last_row, first_column, last_column]| Region {
+        rows: first_row..last_row,
+        columns: first_column..last_column,
+    });
+    let picture = Picture {
+        samples,
+        region,
+        ..Picture::new(&scene, &camera.0, &shade, &kinds)
+    };
+    let frame = run_reported(py, threads, report.as_ref(), |stop| picture.render(stop))?;
     let origin = serde_json::to_string(frame.origin());
     let origin = origin.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let channels = frame.into_channels().into_iter();

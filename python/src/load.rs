@@ -71,10 +71,10 @@ pub(crate) fn load(
         max_texture,
     };
     let model = run(py, 0, |_| firsthit::load::load(&path, &settings))?;
-    Ok(taken_apart(&model))
+    Ok(taken_apart(&model.world, model.warnings))
 }
 
-fn taken_apart(model: &World) -> ModelOut {
+fn taken_apart(model: &World, warnings: Vec<String>) -> ModelOut {
     let (mut meshes, mut textures) = (Shared::default(), Shared::default());
     let mut object_out = |object: &Object| {
         let materials = object.materials().iter();
@@ -98,7 +98,7 @@ fn taken_apart(model: &World) -> ModelOut {
         has_view: model.has_view,
         up: model.up.to_array(),
         up_is_guessed: model.up_is_guessed,
-        warnings: model.warnings.clone(),
+        warnings,
     }
 }
 

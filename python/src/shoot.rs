@@ -1,8 +1,9 @@
 //! Rays to hits, and what can be asked about them.
 
-use firsthit::channel::{KINDS, Shots, kind};
+use firsthit::Rays;
+use firsthit::channel::{KINDS, Shots, kind, make};
+use firsthit::sensor::Sensor;
 use firsthit::shoot::{Answers, Cpu, Engine, HitSlices};
-use firsthit::{Color, DVec3, Hit, Rays};
 use numpy::PyReadwriteArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -151,19 +152,20 @@ pub(crate) fn channel<'py>(
         scene: &scene.0,
         rays,
         hits: &hits,
-        camera,
+        sensor: camera.map(|camera| camera as &dyn Sensor),
     };
-    let black = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
     let report = report.as_ref();
     let made = if hits.len() < FEW {
-        let made = guarded(|| kind.make(&shots, &black, &()))?;
+        let made = guarded(|| make(&[kind], &shots, &()))?;
         let made = made.map_err(|error| raise(py, &error))?;
         report_done(report, hits.len())?;
         made
     } else {
-        run_reported(py, threads, report, |stop| kind.make(&shots, &black, stop))?
+        run_reported(py, threads, report, |stop| make(&[kind], &shots, stop))?
     };
-    Ok(array(py, made.data))
+    let channel = made.into_iter().next();
+    let channel = channel.ok_or_else(|| PyValueError::new_err("expected a channel"))?;
+    Ok(array(py, channel.data))
 }
 
 /// Every channel's name and meaning.

@@ -14,7 +14,7 @@ use firsthit::{Camera, Hit, Hits, Object, Ray, Rays, Scene, Shading, render};
 pub(crate) fn load(path: &Path) -> Result<Vec<Object>, String> {
     let model =
         firsthit::load::load(path, &LoadSettings::default()).map_err(|error| error.to_string())?;
-    Ok(model.objects)
+    Ok(model.world.objects)
 }
 
 /// Builds the trees.

@@ -26,7 +26,7 @@ impl Picture {
     pub(crate) fn antialiased(scene: &Scene, camera: Camera) -> Self {
         let points = (0..camera.pixels()).flat_map(|pixel| (0..SAMPLES).map(move |k| (pixel, k)));
         let rays: Vec<Ray> = points
-            .map(|(pixel, k)| sample_ray(&camera, pixel, k, SAMPLES))
+            .map(|(pixel, k)| sample_ray(&camera, pixel, k))
             .collect();
         Self {
             scene: scene.clone(),
@@ -66,9 +66,8 @@ impl Picture {
 
     fn shading(&self) -> Shading<'_> {
         Shading {
-            scene: &self.scene,
-            shader: self.shader.clone(),
             background: Background::default(),
+            ..self.shader.clone().on(&self.scene)
         }
     }
 
@@ -81,7 +80,7 @@ impl Picture {
     pub(crate) fn judged(&self, pixel: usize) -> [f32; 3] {
         let shading = self.shading();
         let point = |k| {
-            let ray = sample_ray(&self.camera, pixel, k, self.samples);
+            let ray = sample_ray(&self.camera, pixel, k);
             let hit = firsthit_side::judge(&self.scene, &ray);
             shading.shade(hit.t, ray.origin, ray.direction, &hit)
         };

@@ -1,16 +1,16 @@
 //! What a user wants to hear when the picture is not what was expected.
 
-use firsthit::{Bounds, Camera, DVec3, Hits, RayStart, Scene, occluded};
+use firsthit::{Bounds, Camera, DVec3, RayStart, Scene, occluded};
 
 /// Rays tried for each row and column when looking for what is hidden.
 const PROBES: usize = 128;
 
 /// A hint for each thing that is probably not meant.
-pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: &Hits) -> Vec<String> {
+pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: usize) -> Vec<String> {
     let mut hints = Vec::new();
     let bounds = scene.bounds();
     let between = hidden_in_front(scene, camera);
-    if hits.t.iter().all(|&t| t == f64::INFINITY) {
+    if hits == 0 {
         if bounds.is_empty() {
             hints.push("nothing was hit: there is nothing to see".into());
         } else if !between {

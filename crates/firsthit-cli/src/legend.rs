@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::error::escaped;
 use firsthit::image::{color_of_identifier, write_whole};
-use firsthit::{Hits, Object, Scene};
+use firsthit::{Object, Scene};
 use serde_json::json;
 
 use crate::console::json_text;
@@ -47,10 +47,10 @@ pub(crate) fn check(path: &Path, orders: &[Order], inputs: &[PathBuf]) -> Result
 pub(crate) fn write(
     path: &Path,
     scene: &Scene,
-    hits: &Hits,
+    objects: &[i32],
     interrupted: &AtomicBool,
 ) -> Result<(), Failure> {
-    let rows = rows(scene.objects(), &hits.object);
+    let rows = rows(scene.objects(), objects);
     let watch = Interrupt(interrupted);
     write_whole(path, &watch, |out| {
         if is_json(path) {

@@ -1,8 +1,8 @@
 //! From a file to a scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use firsthit::load::{LoadSettings, load};
+use firsthit::load::{self, LoadSettings, load};
 use firsthit::world::World;
 use firsthit::{Color, Object, Scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -14,8 +14,11 @@ use crate::failure::Failure;
 pub(crate) struct Loaded {
     pub(crate) scene: Scene,
     pub(crate) warnings: Vec<String>,
-    /// What else the file says: the model without its objects.
+    /// The rest of the file's world: its objects are in the scene.
     pub(crate) model: World,
+    pub(crate) files: Vec<PathBuf>,
+    /// See [`load::Loaded::vertices`].
+    pub(crate) vertices: Option<u64>,
 }
 
 /// Reads a 3D file; `neutral` is the colour of objects that have none.
@@ -29,11 +32,16 @@ pub(crate) fn read(
         max_memory: args.max_memory,
         max_texture: args.max_texture,
     };
-    let mut model = load(path, &settings)?;
+    let load::Loaded {
+        world: mut model,
+        mut warnings,
+        files,
+        vertices,
+    } = load(path, &settings)?;
     let is_neutral = |object: &Object| object.materials().is_empty();
     if neutral.is_some() && !model.objects.iter().any(is_neutral) {
         let why = "--color does nothing here: every object has a material of its own";
-        model.warnings.push(why.to_owned());
+        warnings.push(why.to_owned());
     }
     let objects = std::mem::take(&mut model.objects)
         .into_iter()
@@ -43,8 +51,10 @@ pub(crate) fn read(
         });
     Ok(Loaded {
         scene: Scene::new(objects.collect())?,
-        warnings: std::mem::take(&mut model.warnings),
+        warnings,
         model,
+        files,
+        vertices,
     })
 }
 

@@ -38,7 +38,7 @@ impl Source {
     }
 
     fn has(self, kind: &Kind) -> bool {
-        self == Self::Camera || !(kind.needs_camera() || kind.needs_shade())
+        self == Self::Camera || !(kind.needs_sensor() || kind.needs_shade())
     }
 
     /// The kinds of files there are, `None` being CSV, which is for lists alone.

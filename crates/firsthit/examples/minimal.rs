@@ -32,7 +32,14 @@ fn main() -> Result<()> {
         }
         let ray = firsthit::Ray::new(p, u_r);
         let light = DVec3::new(-0.5, -0.5, 0.7);
-        Color::splat(scene.normal(&ray, o).dot(light).max(0.1) * libm::exp(-0.05 * t))
+        Color::splat(
+            scene
+                .interaction(&ray, o)
+                .map_or(DVec3::NAN, |surface| surface.normal())
+                .dot(light)
+                .max(0.1)
+                * libm::exp(-0.05 * t),
+        )
     };
 
     for row in 0..camera.rows() {

@@ -2,13 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::sensor::Sensor;
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Hit, Ray, Rays};
+use crate::geometry::{Hit, Rays};
 use crate::image::{Channel, Data, Description, Picture, Unit};
-use crate::memory::{filled, zeroed};
-use crate::scene::Scene;
-use crate::shade::Shade;
+use crate::memory::filled;
+use crate::scene::{Scene, SurfaceInteraction};
+use crate::sensor::Sensor;
 use crate::shoot::Hits;
 use crate::watch::Watch;
 
@@ -21,15 +20,15 @@ pub struct Shots<'a> {
     pub rays: &'a dyn Rays,
     /// What they met.
     pub hits: &'a Hits,
-    /// The camera that made the rays, if one did.
-    pub camera: Option<&'a Camera>,
+    /// The sensor that made the rays, if one did.
+    pub sensor: Option<&'a dyn Sensor>,
 }
 
 impl std::fmt::Debug for Shots<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Shots")
             .field("rays", &self.rays.len())
-            .field("camera", &self.camera)
+            .field("sensor", &self.sensor)
             .finish_non_exhaustive()
     }
 }
@@ -54,13 +53,19 @@ pub struct Kind {
 
 #[derive(Debug)]
 enum Make {
-    /// From a scene, a ray and its hit.
-    Doubles(fn(&Scene, &Ray, &Hit, &mut [f64])),
-    Integers(fn(&Scene, &Hit) -> i32),
-    Flags(fn(&Scene, &Ray, &Hit) -> bool),
-    /// From a camera, a row, a column and `t`.
-    Distance(fn(&Camera, usize, usize, f64) -> f64),
-    /// From a shader.
+    /// From a hit; for a miss the parameter of that, which is infinite.
+    T,
+    /// From what a ray meets; NaN for a miss.
+    Doubles(fn(&SurfaceInteraction<'_>, &mut [f64])),
+    /// From a hit; -1 for a miss.
+    Identifier(fn(&Hit) -> i32),
+    /// From what a ray meets; -1 for a miss.
+    Integer(fn(&SurfaceInteraction<'_>) -> i32),
+    /// From what a ray meets; false for a miss.
+    Flag(fn(&SurfaceInteraction<'_>) -> bool),
+    /// Which of [`Sensor::range_and_z`].
+    Distance(usize),
+    /// From a shader, by `render`.
     Color,
 }
 
@@ -82,7 +87,7 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Distance,
         unit: Unit::DirectionLength,
         frame: Some("ray"),
-        make: Make::Doubles(|_, _, hit, out| out[0] = hit.t),
+        make: Make::T,
     },
     Kind {
         name: "range",
@@ -91,7 +96,7 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Distance,
         unit: Unit::SceneLength,
         frame: Some("camera"),
-        make: Make::Distance(Camera::range),
+        make: Make::Distance(0),
     },
     Kind {
         name: "z",
@@ -100,7 +105,7 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Distance,
         unit: Unit::SceneLength,
         frame: Some("camera"),
-        make: Make::Distance(Camera::z),
+        make: Make::Distance(1),
     },
     Kind {
         name: "object",
@@ -109,7 +114,7 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Identifier,
         unit: Unit::None,
         frame: None,
-        make: Make::Integers(|_, hit| hit.object),
+        make: Make::Identifier(|hit| hit.object),
     },
     Kind {
         name: "primitive",
@@ -118,7 +123,7 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Identifier,
         unit: Unit::None,
         frame: None,
-        make: Make::Integers(|_, hit| hit.primitive),
+        make: Make::Identifier(|hit| hit.primitive),
     },
     Kind {
         name: "face",
@@ -127,7 +132,7 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Identifier,
         unit: Unit::None,
         frame: None,
-        make: Make::Integers(Scene::face),
+        make: Make::Integer(face),
     },
     Kind {
         name: "normal",
@@ -136,8 +141,8 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Direction,
         unit: Unit::None,
         frame: Some("world"),
-        make: Make::Doubles(|scene, ray, hit, out| {
-            out.copy_from_slice(&scene.normal(ray, hit).to_array());
+        make: Make::Doubles(|surface, out| {
+            out.copy_from_slice(&surface.normal().to_array());
         }),
     },
     Kind {
@@ -147,8 +152,8 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Position,
         unit: Unit::SceneLength,
         frame: Some("world"),
-        make: Make::Doubles(|scene, ray, hit, out| {
-            out.copy_from_slice(&scene.position(ray, hit).to_array());
+        make: Make::Doubles(|surface, out| {
+            out.copy_from_slice(&surface.position().to_array());
         }),
     },
     Kind {
@@ -158,8 +163,8 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Fraction,
         unit: Unit::None,
         frame: Some("triangle"),
-        make: Make::Doubles(|_, _, hit, out| {
-            let [b, c] = hit.barycentric.to_array();
+        make: Make::Doubles(|surface, out| {
+            let [b, c] = surface.hit().barycentric.to_array();
             out.copy_from_slice(&[1.0 - b - c, b, c]);
         }),
     },
@@ -170,7 +175,11 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Fraction,
         unit: Unit::None,
         frame: Some("texture"),
-        make: Make::Doubles(|scene, _, hit, out| out.copy_from_slice(&scene.uv(hit).to_array())),
+        make: Make::Doubles(|surface, out| {
+            if let Some(uv) = surface.uv() {
+                out.copy_from_slice(&uv.to_array());
+            }
+        }),
     },
     Kind {
         name: "front",
@@ -179,9 +188,18 @@ pub const KINDS: &[Kind] = &[
         picture: Picture::Mask,
         unit: Unit::None,
         frame: None,
-        make: Make::Flags(|scene, ray, hit| scene.is_front(ray, scene.normal(ray, hit))),
+        make: Make::Flag(is_front),
     },
 ];
+
+// Of any lifetime, as the methods are not.
+fn face(surface: &SurfaceInteraction<'_>) -> i32 {
+    surface.face()
+}
+
+fn is_front(surface: &SurfaceInteraction<'_>) -> bool {
+    surface.is_front()
+}
 
 /// The kind of that name.
 ///
@@ -200,67 +218,14 @@ pub fn kind(name: &str) -> Result<&'static Kind> {
 }
 
 impl Kind {
-    /// Whether it takes a camera: rays from elsewhere do not have it.
-    pub fn needs_camera(&self) -> bool {
+    /// Whether it takes a sensor: rays from elsewhere do not have it.
+    pub fn needs_sensor(&self) -> bool {
         matches!(self.make, Make::Distance(_))
     }
 
     /// Whether it takes a shader.
     pub fn needs_shade(&self) -> bool {
         matches!(self.make, Make::Color)
-    }
-
-    /// The channel, by all threads of the current rayon pool. `shade` is called for the `color` channel, and `watch`
-    /// is told of every ray once.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Limit`] when it does not fit into memory, [`Error::Argument`] for a channel that needs a
-    /// camera where there is none, [`Error::Interrupted`] when `watch` stops it.
-    pub fn make(&self, shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Channel> {
-        let Shots {
-            scene, rays, hits, ..
-        } = *shots;
-        let count = rays.len();
-        let data = match self.make {
-            Make::Doubles(value) => {
-                let mut values = filled(count.saturating_mul(self.components), f64::NAN)?;
-                each(&mut values, self.components, watch, |k, out| {
-                    value(scene, &rays.ray(k), &hits.get(k), out);
-                })?;
-                Data::Float64(values)
-            }
-            Make::Integers(value) => {
-                let mut values = filled(count, -1)?;
-                each(&mut values, 1, watch, |k, out| {
-                    out[0] = value(scene, &hits.get(k));
-                })?;
-                Data::Int32(values)
-            }
-            Make::Flags(value) => {
-                let mut values = filled(count, false)?;
-                each(&mut values, 1, watch, |k, out| {
-                    out[0] = value(scene, &rays.ray(k), &hits.get(k));
-                })?;
-                Data::Bool(values)
-            }
-            Make::Distance(value) => {
-                let camera = shots.camera.ok_or_else(|| {
-                    Error::argument("channel", "one that rays without a camera have", self.name)
-                })?;
-                let columns = camera.columns();
-                let mut values = filled(count, f64::INFINITY)?;
-                each(&mut values, 1, watch, |k, out| {
-                    out[0] = value(camera, k / columns, k % columns, hits.t[k]);
-                })?;
-                Data::Float64(values)
-            }
-            Make::Color if shade.is_transparent() => {
-                return Ok(self.transparent_channel(colors::<4>(shots, shade, watch)?));
-            }
-            Make::Color => colors::<3>(shots, shade, watch)?,
-        };
-        Ok(self.channel(data))
     }
 
     /// The channel of colours before a transparent background: four components, of which the last is the coverage (alpha).
@@ -287,69 +252,167 @@ impl Kind {
     }
 }
 
-/// How many rays a thread takes at a time, for channels other than colours.
-const MADE: usize = 1 << 12;
+/// How many rays a thread takes at a time.
+const CHUNK: usize = 1 << 12;
 
-/// Fills `values`, `components` for each ray, with all threads of the current rayon pool; few rays by the calling thread alone.
-fn each<T: Send>(
-    values: &mut [T],
-    components: usize,
-    watch: &dyn Watch,
-    fill: impl Fn(usize, &mut [T]) + Sync,
-) -> Result<()> {
-    let size = MADE * components;
-    let chunk = |(chunk, values): (usize, &mut [T])| {
+/// Channels of hits, by all threads of the current rayon pool; of few rays by the calling thread alone. Each hit is looked up
+/// once for all of them. `watch` is told of every ray once.
+///
+/// # Errors
+///
+/// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, and for a channel that needs a sensor where
+/// there is none, [`Error::Interrupted`] when `watch` stops it.
+pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
+    for kind in kinds {
+        if kind.needs_shade() || (kind.needs_sensor() && shots.sensor.is_none()) {
+            let expected = "one that rays without a camera have";
+            return Err(Error::argument("channel", expected, kind.name));
+        }
+    }
+    let count = shots.rays.len();
+    let made = kinds.iter().map(|kind| kind.missed(count));
+    let mut made = made.collect::<Result<Vec<Data>>>()?;
+    if kinds.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut chunks: Vec<Vec<Part<'_>>> = Vec::new();
+    for (kind, data) in kinds.iter().zip(&mut made) {
+        for (index, part) in Part::chunks(kind, data).into_iter().enumerate() {
+            if index == chunks.len() {
+                chunks.push(Vec::with_capacity(kinds.len()));
+            }
+            chunks[index].push(part);
+        }
+    }
+    let fill = |(index, parts): (usize, &mut Vec<Part<'_>>)| {
         if watch.is_stopped() {
             return Err(Error::Interrupted);
         }
-        let rays = values.chunks_mut(components).enumerate();
-        rays.for_each(|(k, out)| fill(chunk * MADE + k, out));
-        watch.advance((values.len() / components) as u64);
+        let first = index * CHUNK;
+        let count = (count - first).min(CHUNK);
+        fill(shots, first, count, parts);
+        watch.advance(count as u64);
         Ok(())
     };
-    if values.len() <= size {
-        values.chunks_mut(size).enumerate().try_for_each(chunk)
+    if chunks.len() == 1 {
+        chunks.iter_mut().enumerate().try_for_each(fill)?;
     } else {
-        values.par_chunks_mut(size).enumerate().try_for_each(chunk)
+        chunks.par_iter_mut().enumerate().try_for_each(fill)?;
+    }
+    drop(chunks);
+    let channels = kinds.iter().zip(made);
+    Ok(channels.map(|(kind, data)| kind.channel(data)).collect())
+}
+
+impl Kind {
+    /// The channel of so many misses.
+    fn missed(&self, count: usize) -> Result<Data> {
+        Ok(match self.make {
+            Make::T | Make::Distance(_) => Data::Float64(filled(count, f64::INFINITY)?),
+            Make::Doubles(_) => {
+                Data::Float64(filled(count.saturating_mul(self.components), f64::NAN)?)
+            }
+            Make::Identifier(_) | Make::Integer(_) => Data::Int32(filled(count, -1)?),
+            Make::Flag(_) => Data::Bool(filled(count, false)?),
+            Make::Color => {
+                return Err(Error::argument(
+                    "channel",
+                    "one without a shader",
+                    self.name,
+                ));
+            }
+        })
     }
 }
 
-/// How many pixels are shaded at a time: many enough for their shadow rays to go together, few enough for slow shaders.
-pub(crate) const SHADED: usize = 256;
-
-/// `N` numbers for each ray: red, green, blue, and with `N` = 4 the coverage, 1 for a hit and 0 for a miss.
-fn colors<const N: usize>(shots: &Shots<'_>, shade: &dyn Shade, watch: &dyn Watch) -> Result<Data> {
-    let mut values = zeroed::<f32>(shots.rays.len().saturating_mul(N))?;
-    values
-        .par_chunks_mut(N * SHADED)
-        .enumerate()
-        .try_for_each(|(chunk, out)| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
-            let (first, count) = (chunk * SHADED, out.len() / N);
-            let mut rays = vec![Ray::new(DVec3::ZERO, DVec3::ZERO); count];
-            shots.rays.read(first, &mut rays);
-            let hits = shots.hits.part(first..first + count);
-            let mut colors = vec![Color::ZERO; count];
-            shade.shade_all(&rays, &hits, &mut colors);
-            let numbers = colors.into_iter().zip(&hits.t);
-            for ((color, &t), out) in numbers.zip(out.chunks_mut(N)) {
-                let covered = f64::from(u8::from(t < f64::INFINITY));
-                out.copy_from_slice(&single_of::<N>(color, covered));
-            }
-            watch.advance(count as u64);
-            Ok(())
-        })?;
-    Ok(Data::Float32(values))
+/// A chunk of a channel, being made.
+enum Part<'a> {
+    T(&'a mut [f64]),
+    Doubles(
+        fn(&SurfaceInteraction<'_>, &mut [f64]),
+        usize,
+        &'a mut [f64],
+    ),
+    Identifier(fn(&Hit) -> i32, &'a mut [i32]),
+    Integer(fn(&SurfaceInteraction<'_>) -> i32, &'a mut [i32]),
+    Flag(fn(&SurfaceInteraction<'_>) -> bool, &'a mut [bool]),
+    Distance(usize, &'a mut [f64]),
 }
 
-/// A colour as it is stored: three numbers, or four with the coverage.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "colours are stored as float32"
-)]
-pub(crate) fn single_of<const N: usize>(color: Color, covered: f64) -> [f32; N] {
-    let all = [color.x, color.y, color.z, covered];
-    std::array::from_fn(|k| all[k] as f32)
+impl<'a> Part<'a> {
+    /// The chunks of a channel.
+    fn chunks(kind: &Kind, data: &'a mut Data) -> Vec<Self> {
+        let components = kind.components;
+        match (data, &kind.make) {
+            (Data::Float64(values), Make::T) => values.chunks_mut(CHUNK).map(Self::T).collect(),
+            (Data::Float64(values), &Make::Distance(which)) => {
+                let parts = values.chunks_mut(CHUNK);
+                parts.map(|part| Self::Distance(which, part)).collect()
+            }
+            (Data::Float64(values), &Make::Doubles(value)) => {
+                let parts = values.chunks_mut(CHUNK * components);
+                let part = |part| Self::Doubles(value, components, part);
+                parts.map(part).collect()
+            }
+            (Data::Int32(values), &Make::Identifier(value)) => {
+                let parts = values.chunks_mut(CHUNK);
+                parts.map(|part| Self::Identifier(value, part)).collect()
+            }
+            (Data::Int32(values), &Make::Integer(value)) => {
+                let parts = values.chunks_mut(CHUNK);
+                parts.map(|part| Self::Integer(value, part)).collect()
+            }
+            (Data::Bool(values), &Make::Flag(value)) => {
+                let parts = values.chunks_mut(CHUNK);
+                parts.map(|part| Self::Flag(value, part)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether it needs to know more than the hit.
+    fn needs_surface(&self) -> bool {
+        matches!(self, Self::Doubles(..) | Self::Integer(..) | Self::Flag(..))
+    }
+}
+
+/// Fills the parts of channels that belong to `count` rays from `first` on, where they hit something.
+fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
+    let needs_surface = parts.iter().any(Part::needs_surface);
+    for k in 0..count {
+        let hit = shots.hits.get(first + k);
+        if hit.is_miss() {
+            continue;
+        }
+        let ray = needs_surface.then(|| shots.rays.ray(first + k));
+        let surface = ray
+            .as_ref()
+            .and_then(|ray| shots.scene.interaction(ray, &hit));
+        for part in &mut *parts {
+            match part {
+                Part::T(out) => out[k] = hit.t,
+                Part::Identifier(value, out) => out[k] = value(&hit),
+                Part::Distance(which, out) => {
+                    if let Some(sensor) = shots.sensor {
+                        out[k] = sensor.range_and_z(first + k, hit.t)[*which];
+                    }
+                }
+                Part::Doubles(value, components, out) => {
+                    if let Some(surface) = &surface {
+                        value(surface, &mut out[k * *components..][..*components]);
+                    }
+                }
+                Part::Integer(value, out) => {
+                    if let Some(surface) = &surface {
+                        out[k] = value(surface);
+                    }
+                }
+                Part::Flag(value, out) => {
+                    if let Some(surface) = &surface {
+                        out[k] = value(surface);
+                    }
+                }
+            }
+        }
+    }
 }

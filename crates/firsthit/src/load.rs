@@ -6,9 +6,8 @@ use crate::error::Result;
 use crate::io::{FORMATS, Format, Report, format_of, read};
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
-use crate::world::World;
 
-pub use crate::io::LoadSettings;
+pub use crate::io::{LoadSettings, Loaded};
 
 /// The formats that this crate was compiled with.
 fn formats() -> impl Iterator<Item = &'static Format> + Clone {
@@ -26,12 +25,12 @@ fn formats() -> impl Iterator<Item = &'static Format> + Clone {
 ///
 /// use firsthit::load::{LoadSettings, load};
 ///
-/// let world = load(Path::new("house.glb"), &LoadSettings::default())?;
-/// for warning in &world.warnings {
+/// let loaded = load(Path::new("house.glb"), &LoadSettings::default())?;
+/// for warning in &loaded.warnings {
 ///     eprintln!("{warning}");
 /// }
-/// println!("{} objects, {} cameras", world.objects.len(), world.cameras.len());
-/// let scene = world.into_scene()?;
+/// println!("{} cameras", loaded.world.cameras.len());
+/// let scene = loaded.into_scene()?;
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 ///
@@ -45,7 +44,7 @@ fn formats() -> impl Iterator<Item = &'static Format> + Clone {
 /// [`Error::Parse`]: crate::Error::Parse
 /// [`Error::TooLarge`]: crate::Error::TooLarge
 /// [`Error::Limit`]: crate::Error::Limit
-pub fn load(path: &Path, settings: &LoadSettings) -> Result<World> {
+pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
     // A folder is refused as such, before its extension is.
     read::refuse_folder(path)?;
     let format = format_of(path, formats())?;
@@ -59,7 +58,7 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<World> {
 /// # Errors
 ///
 /// Those of [`load`], but for [`Error::Read`](crate::Error::Read).
-pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<World> {
+pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Loaded> {
     let format = format_of(name, formats())?;
     let mut report = Report::new(name, *settings).in_memory();
     format.load(bytes.into(), &mut report)

@@ -1,23 +1,71 @@
-//! The loop: camera, shoot, shade, image.
+//! The loop: sensor, shoot, shade, image.
 
+mod region;
 mod settings;
+mod slab;
 
+pub use region::Region;
 pub use settings::{Look, Render};
 
-use rayon::prelude::*;
-
 use crate::camera::{Aim, Camera, Description, StandardView};
-use crate::channel::{Kind, SHADED, Shots, single_of};
+use crate::channel::Kind;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DVec3, Ray};
-use crate::image::{Data, Frame, Origin};
-use crate::memory::filled;
+use crate::image::{Channel, Frame, Origin};
+use crate::memory;
 use crate::sampling::offset;
 use crate::scene::{Background, Light, Scene};
 use crate::sensor::Sensor;
 use crate::shade::Shade;
-use crate::shoot::{First, Hits, trace};
+use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
+use slab::Slab;
+
+/// A picture to be made: what [`render()`] takes, and what it leaves open.
+///
+/// ```
+/// use firsthit::render::{Picture, Region};
+/// use firsthit::{Camera, DVec3, Object, Scene, Shader, Sphere, channel};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let camera = Camera::look_at(DVec3::new(0.0, -5.0, 2.0), DVec3::ZERO, DVec3::Z, 45.0, 30, 40)?;
+/// let channels = [channel::kind("color")?, channel::kind("z")?];
+/// let shade = Shader::named("normal")?.on(&scene);
+/// let picture = Picture {
+///     samples: 4,
+///     region: Some(Region { rows: 10..20, columns: 0..40 }),
+///     ..Picture::new(&scene, &camera, &shade, &channels)
+/// };
+/// assert_eq!(picture.render(&())?.shape(), [10, 40]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone)]
+pub struct Picture<'a> {
+    /// What is seen.
+    pub scene: &'a Scene,
+    /// What makes the rays.
+    pub sensor: &'a dyn Sensor,
+    /// What gives rays their colours.
+    pub shade: &'a dyn Shade,
+    /// What comes out.
+    pub channels: &'a [&'a Kind],
+    /// Of how many points of a pixel its colour is the mean; 1 is the pixel's centre.
+    pub samples: u32,
+    /// The part to make; the bytes are those of that part of the whole picture.
+    pub region: Option<Region>,
+    /// What finds the hits.
+    pub engine: &'a dyn Engine,
+}
+
+impl std::fmt::Debug for Picture<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Picture")
+            .field("sensor", &self.sensor)
+            .field("samples", &self.samples)
+            .field("region", &self.region)
+            .finish_non_exhaustive()
+    }
+}
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
 ///
@@ -42,148 +90,203 @@ use crate::watch::Watch;
 /// [`Error::Interrupted`] when `watch` stops it.
 pub fn render(
     scene: &Scene,
-    camera: &Camera,
+    sensor: &dyn Sensor,
     shade: &dyn Shade,
     channels: &[&Kind],
     samples: u32,
     watch: &dyn Watch,
 ) -> Result<Frame> {
-    check_samples(samples)?;
-    let hits = trace(scene, camera, First, watch)?;
-    develop(scene, camera, &hits, shade, channels, samples, watch)
-}
-
-/// The second half of [`render`], from the hits of the camera's rays on.
-///
-/// # Errors
-///
-/// Those of [`render`], and [`Error::Argument`] when there are not as many hits as pixels.
-pub fn develop(
-    scene: &Scene,
-    camera: &Camera,
-    hits: &Hits,
-    shade: &dyn Shade,
-    channels: &[&Kind],
-    samples: u32,
-    watch: &dyn Watch,
-) -> Result<Frame> {
-    check_samples(samples)?;
-    if hits.len() != camera.pixels() {
-        return Err(Error::argument("hits", "one for each pixel", hits.len()));
-    }
-    let shots = Shots {
-        scene,
-        rays: camera,
-        hits,
-        camera: Some(camera),
+    let picture = Picture {
+        samples,
+        ..Picture::new(scene, sensor, shade, channels)
     };
-    let mut frame = Frame::new([camera.rows(), camera.columns()]).from_origin(origin(
-        scene,
-        Some(camera),
-        Some(samples),
-    ));
-    for kind in channels {
-        frame.push(if kind.needs_shade() && samples > 1 {
-            if shade.is_transparent() {
-                let data = antialiased::<4>(scene, camera, shade, samples, watch)?;
-                kind.transparent_channel(data)
-            } else {
-                kind.channel(antialiased::<3>(scene, camera, shade, samples, watch)?)
-            }
-        } else {
-            kind.make(&shots, shade, watch)?
-        })?;
-    }
-    Ok(frame)
+    picture.render(watch)
 }
 
-fn check_samples(samples: u32) -> Result<()> {
-    if samples == 0 {
-        return Err(Error::argument("samples", "at least 1", samples));
-    }
-    Ok(())
-}
+/// How many pixels are rendered at once at most, about: their hits and sums take 80 bytes each.
+const SLAB: usize = 1 << 20;
 
-/// How many rays [`develop`] reports to its watch in all. [`render`] reports `pixels` more, for the hits.
-pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
-    let points = |kind: &&Kind| {
-        if kind.needs_shade() {
-            u64::from(samples)
-        } else {
-            1
+/// Rows of a slab come in multiples of this, that of the squares of tiles.
+const SLAB_ROWS: usize = 64;
+
+impl<'a> Picture<'a> {
+    /// All of a sensor's pixels, by their centres, on this machine.
+    pub fn new(
+        scene: &'a Scene,
+        sensor: &'a dyn Sensor,
+        shade: &'a dyn Shade,
+        channels: &'a [&'a Kind],
+    ) -> Self {
+        Self {
+            scene,
+            sensor,
+            shade,
+            channels,
+            samples: 1,
+            region: None,
+            engine: Cpu::shared(),
         }
-    };
-    let each: u64 = channels.iter().map(points).sum();
-    (pixels as u64).saturating_mul(each)
-}
+    }
 
-/// The colours, each the mean over `samples` points of its pixel. With `N` = 4 the last number is the coverage: the share of
-/// the points that hit something.
-fn antialiased<const N: usize>(
-    scene: &Scene,
-    camera: &Camera,
-    shade: &dyn Shade,
-    samples: u32,
-    watch: &dyn Watch,
-) -> Result<Data> {
-    let mut colors = filled(camera.pixels().saturating_mul(N), 0.0_f32)?;
-    // The pixels whose samples make one batch: neighbouring rays traverse the tree together.
-    let pixels = (SHADED / samples as usize).max(1);
-    colors
-        .par_chunks_mut(N * pixels)
-        .enumerate()
-        .try_for_each(|(chunk, out)| {
-            let first = chunk * pixels;
-            let mut sums = vec![(Color::ZERO, 0.0); out.len() / N];
-            let points = sums.len() * samples as usize;
-            // In parts: of one pixel there may be any number of points.
-            for start in (0..points).step_by(SHADED) {
-                if watch.is_stopped() {
-                    return Err(Error::Interrupted);
-                }
-                let part = start..points.min(start + SHADED);
-                #[expect(clippy::cast_possible_truncation, reason = "less than samples")]
-                let of_point =
-                    |point: usize| (point / samples as usize, (point % samples as usize) as u32);
-                let ray = |point: usize| {
-                    let (pixel, k) = of_point(point);
-                    sample_ray(camera, first + pixel, k, samples)
-                };
-                let rays: Vec<Ray> = part.clone().map(ray).collect();
-                let hits = trace(scene, &rays, First, &())?;
-                let mut seen = vec![Color::ZERO; rays.len()];
-                shade.shade_all(&rays, &hits, &mut seen);
-                for ((point, color), &t) in part.zip(seen).zip(&hits.t) {
-                    let (sum, covered) = &mut sums[of_point(point).0];
-                    *sum += color;
-                    *covered += f64::from(u8::from(t < f64::INFINITY));
-                }
-                watch.advance(rays.len() as u64);
+    /// Makes the picture.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`render()`], and [`Error::Argument`] for a region that is no part of the picture.
+    pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
+        let mut whole: Vec<Channel> = Vec::new();
+        let [rows, columns] = self.checked()?.shape();
+        let pixels = rows.saturating_mul(columns);
+        self.render_to(watch, &mut |part: Frame| {
+            if whole.is_empty() {
+                whole = part.into_channels();
+                return whole
+                    .iter_mut()
+                    .try_for_each(|channel| channel.data.reserve(pixels, channel.components));
             }
-            let count = f64::from(samples);
-            for ((sum, covered), out) in sums.into_iter().zip(out.chunks_mut(N)) {
-                out.copy_from_slice(&single_of::<N>(sum / count, covered / count));
+            for (channel, part) in whole.iter_mut().zip(part.into_channels()) {
+                channel.data.append(part.data);
             }
             Ok(())
         })?;
-    Ok(Data::Float32(colors))
+        let mut frame = self.frame([rows, columns]);
+        for channel in whole {
+            frame.push(channel)?;
+        }
+        Ok(frame)
+    }
+
+    /// Makes the picture and hands it on in parts, from the top to the bottom: each has some of the rows and all the columns of
+    /// the region.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Picture::render`], and those of `sink`.
+    pub fn render_to(
+        &self,
+        watch: &dyn Watch,
+        sink: &mut dyn FnMut(Frame) -> Result<()>,
+    ) -> Result<()> {
+        let region = self.checked()?;
+        let columns = region.columns.len();
+        let height = (SLAB / columns / SLAB_ROWS).max(1) * SLAB_ROWS;
+        for first in region.rows.clone().step_by(height) {
+            let rows = first..region.rows.end.min(first.saturating_add(height));
+            let columns = region.columns.clone();
+            let mut slab = Slab::new(self, Region { rows, columns })?;
+            let samples = if self.has_color() { self.samples } else { 1 };
+            for _ in 0..samples {
+                slab.add_sample(watch)?;
+            }
+            let mut frame = self.frame(slab.region().shape());
+            for channel in slab.channels()? {
+                frame.push(channel)?;
+            }
+            sink(frame)?;
+        }
+        Ok(())
+    }
+
+    /// Begins the picture, to be made one sample after the other.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Picture::render`].
+    pub fn start(&'a self) -> Result<Progressive<'a>> {
+        Ok(Progressive {
+            picture: self,
+            slab: Slab::new(self, self.checked()?)?,
+        })
+    }
+
+    fn checked(&self) -> Result<Region> {
+        if self.samples == 0 {
+            return Err(Error::argument("samples", "at least 1", self.samples));
+        }
+        let shape = self.sensor.shape();
+        let region = self.region.clone().unwrap_or_else(|| Region::all(shape));
+        region.check(shape)?;
+        let [rows, columns] = region.shape();
+        let bytes = |kind: &&Kind| kind.components * size_of::<f32>();
+        let each: usize = self.channels.iter().map(bytes).sum();
+        let pixels = rows.saturating_mul(columns);
+        memory::check("the picture", pixels.saturating_mul(each))?;
+        Ok(region)
+    }
+
+    fn has_color(&self) -> bool {
+        self.channels.iter().any(|kind| kind.needs_shade())
+    }
+
+    /// An empty frame that says where it comes from.
+    fn frame(&self, shape: [usize; 2]) -> Frame {
+        let origin = Origin {
+            scene: Some(self.scene.fingerprint().to_owned()),
+            camera: Some(self.sensor.record()),
+            samples: Some(self.samples),
+        };
+        Frame::new(shape).from_origin(origin)
+    }
+}
+
+/// A picture on the way: the mean of the samples so far.
+#[expect(missing_debug_implementations, reason = "it is work on the way")]
+pub struct Progressive<'a> {
+    picture: &'a Picture<'a>,
+    slab: Slab<'a>,
+}
+
+impl Progressive<'_> {
+    /// Adds the next sample. So many one after the other give the bytes of so many at once, whatever [`Picture::samples`] says.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Picture::render`].
+    pub fn add_sample(&mut self, watch: &dyn Watch) -> Result<()> {
+        self.slab.add_sample(watch)
+    }
+
+    /// The picture as it is.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] when it does not fit into memory.
+    ///
+    /// # Panics
+    ///
+    /// Before the first sample.
+    pub fn frame(&self) -> Result<Frame> {
+        let mut frame = self.picture.frame(self.slab.region().shape());
+        for channel in self.slab.channels()? {
+            frame.push(channel)?;
+        }
+        Ok(frame)
+    }
+}
+
+/// How many rays a picture of so many pixels reports to its watch in all.
+pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
+    let has_color = channels.iter().any(|kind| kind.needs_shade());
+    let has_others = channels.iter().any(|kind| !kind.needs_shade());
+    // Of each sample the rays and the colours; and the other channels, all at once.
+    let of_samples = if has_color { 2 * u64::from(samples) } else { 1 };
+    (pixels as u64).saturating_mul(of_samples + u64::from(has_others))
 }
 
 /// What outputs say about where they come from: the scene's fingerprint and the camera, if one made the
 /// rays. `samples` are the points of a pixel that its colour is the mean of, if there are colours.
-pub fn origin(scene: &Scene, camera: Option<&Camera>, samples: Option<u32>) -> Origin {
+pub fn origin(scene: &Scene, sensor: Option<&dyn Sensor>, samples: Option<u32>) -> Origin {
     Origin {
         scene: Some(scene.fingerprint().to_owned()),
-        camera: camera.map(Sensor::record),
+        camera: sensor.map(Sensor::record),
         samples,
     }
 }
 
-/// The ray through sample point `k` of `count` in a pixel, pixels counted row by row from the top. The only
-/// point of a pixel is its centre.
-pub fn sample_ray(camera: &Camera, pixel: usize, k: u32, count: u32) -> Ray {
-    let within = offset(pixel as u64, k, count);
-    camera.ray_within(pixel / camera.columns(), pixel % camera.columns(), within)
+/// The ray through the point of a pixel that its sample `sample` is at, pixels counted row by row from the top. The first is the
+/// pixel's centre.
+pub fn sample_ray(sensor: &dyn Sensor, pixel: usize, sample: u32) -> Ray {
+    sensor.ray_within(pixel, offset(sample))
 }
 
 /// The default number of samples per pixel.

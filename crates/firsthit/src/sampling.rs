@@ -1,43 +1,36 @@
-//! Points within a pixel: stratified, and a function of their numbers alone.
+//! Points within a pixel.
 
-use crate::geometry::DVec2;
+use crate::geometry::{DVec2, PixelGrid};
 
-/// Point `k` of the `count` in a pixel, each coordinate from 0 up to 1.
+/// The point of every pixel that its ray `sample` goes through, each coordinate from 0 up to 1. The first is the centre.
 ///
-/// The pixel is cut into `count` cells of one size, in about the square root of `count` strips, and each
-/// cell has its point at a place that depends on (pixel, k): the picture is the same for any order in
-/// which the points are taken. (Stratified sampling: Cook, "Stochastic Sampling in Computer Graphics",
-/// ACM Transactions on Graphics 5(1), 1986.) The only point of a pixel is its centre.
-pub(crate) fn offset(pixel: u64, k: u32, count: u32) -> DVec2 {
-    if count == 1 {
-        return DVec2::splat(0.5);
+/// It is the same for all pixels, so that each sample of a picture is a grid of rays; samples are added up as in Haeberli and
+/// Akeley, "The Accumulation Buffer", SIGGRAPH 1990. The points are the (0,2)-sequence of Sobol', scrambled (Kollig and Keller,
+/// "Efficient Multidimensional Sampling", Computer Graphics Forum 21(3), 2002): of 2^m of them each rectangle of 1 / 2^m of the
+/// pixel with sides 1 / 2^k has one, and none depends on how many there will be. It departs in the first point, which would be at
+/// two thirds of the sides.
+pub(crate) fn offset(sample: u32) -> DVec2 {
+    /// Two thirds in binary: so that of 2^m points each is a third or two thirds into its interval, and their mean is the middle,
+    /// nearly.
+    const SCRAMBLE: u32 = 0xaaaa_aaaa;
+    if sample == 0 {
+        return PixelGrid::CENTRE;
     }
-    // The strips when the points are dealt out as evenly as whole numbers go.
-    let (k64, strips, all) = (u64::from(k), u64::from(count.isqrt()), u64::from(count));
-    let strip = k64 * strips / all;
-    let (start, end) = (
-        (strip * all).div_ceil(strips),
-        ((strip + 1) * all).div_ceil(strips),
-    );
-    let (first, cells) = (start as f64, (end - start) as f64);
-    let x = (f64::from(k) - first + random(pixel, k, 0)) / cells;
-    // Strips are as high as they have cells, so all cells have one size.
-    let y = (first + cells * random(pixel, k, 1)) / f64::from(count);
-    DVec2::new(x, y)
+    let coordinate = |bits: u32| f64::from(bits ^ SCRAMBLE) / 4_294_967_296.0;
+    DVec2::new(coordinate(sample.reverse_bits()), coordinate(sobol(sample)))
 }
 
-/// A number from 0 up to 1, by the mixing function of Steele, Lea and Flood, "Fast Splittable Pseudorandom
-/// Number Generators", OOPSLA 2014.
-fn random(pixel: u64, k: u32, dimension: u64) -> f64 {
-    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    let mix = |z: u64| {
-        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    let seed = mix(pixel.wrapping_add(GOLDEN))
-        .wrapping_add((2 * u64::from(k) + dimension).wrapping_mul(GOLDEN));
-    (mix(seed.wrapping_add(GOLDEN)) >> 11) as f64 / (1_u64 << 53) as f64
+/// The second dimension of Sobol's sequence, in units of 2^-32.
+fn sobol(mut index: u32) -> u32 {
+    let (mut direction, mut bits) = (1_u32 << 31, 0);
+    while index != 0 {
+        if index & 1 == 1 {
+            bits ^= direction;
+        }
+        index >>= 1;
+        direction ^= direction >> 1;
+    }
+    bits
 }
 
 #[cfg(test)]
@@ -45,35 +38,34 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_cell_has_one_point_and_all_cells_have_one_size() {
-        for count in [2_u32, 3, 4, 5, 7, 8, 9, 16, 17, 64] {
-            let strips = count.isqrt();
-            let points: Vec<DVec2> = (0..count).map(|k| offset(77, k, count)).collect();
-            // The strips, by another rule: as many points as the ceiling of k * count / strips says.
-            for strip in 0..strips {
-                let edge = |strip: u32| (strip * count).div_ceil(strips);
-                let (start, end) = (edge(strip), edge(strip + 1));
-                for k in start..end {
-                    let p = points[k as usize] * f64::from(count);
-                    assert!(
-                        p.y >= f64::from(start) && p.y < f64::from(end),
-                        "{count} {k} {p}"
-                    );
-                    let x = points[k as usize].x * f64::from(end - start);
-                    assert_eq!(x.floor(), f64::from(k - start), "{count} {k}");
-                }
+    fn the_first_point_is_the_centre() {
+        assert_eq!(offset(0), DVec2::splat(0.5));
+    }
+
+    /// Of 2^m points, all but the first, each rectangle has one, and one rectangle of each shape has none.
+    #[test]
+    fn rectangles_have_a_point_each() {
+        for m in 1..10_u32 {
+            for across in 0..=m {
+                let sides = [across, m - across].map(|k| f64::from(1_u32 << k));
+                let cell = |k| (offset(k) * DVec2::from(sides)).floor().to_array();
+                let mut cells: Vec<[f64; 2]> = (1..1 << m).map(cell).collect();
+                cells.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                let count = cells.len();
+                cells.dedup();
+                assert_eq!(cells.len(), count, "{m} {across}");
             }
         }
     }
 
     #[test]
-    fn the_only_point_is_the_centre() {
-        assert_eq!(offset(3, 0, 1), DVec2::splat(0.5));
-    }
-
-    #[test]
-    fn pixels_have_different_points() {
-        assert_ne!(offset(1, 0, 4), offset(2, 0, 4));
-        assert_ne!(offset(1, 0, 4), offset(1, 1, 4));
+    fn the_mean_is_the_middle_nearly() {
+        for count in [4_u32, 16, 64, 256] {
+            let mean = (0..count).map(offset).sum::<DVec2>() / f64::from(count);
+            assert!(
+                (mean - 0.5).abs().max_element() < 0.35 / f64::from(count),
+                "{mean}"
+            );
+        }
     }
 }

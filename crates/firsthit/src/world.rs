@@ -12,7 +12,8 @@ use crate::shade::Shader;
 
 /// Everything that a scene is made from: objects, cameras, lights, a background, and how to shade.
 ///
-/// [`load()`](crate::load()) returns one. [`World::into_scene`] builds the [`Scene`] that rays are shot at.
+/// [`load()`](crate::load()) returns one in a [`Loaded`](crate::load::Loaded). [`World::into_scene`] builds the
+/// [`Scene`] that rays are shot at.
 #[derive(Clone, Default)]
 pub struct World {
     /// The objects, in the order of their identifiers. Those without materials got no colour from the file.
@@ -32,13 +33,6 @@ pub struct World {
     pub samples: Option<u32>,
     /// The outputs that the file asks for.
     pub outputs: Vec<Output>,
-    /// The files that were read, the loaded one first.
-    pub files: Vec<PathBuf>,
-    /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
-    /// formats `None`: the objects' buffers tell.
-    pub vertices: Option<u64>,
-    /// The warnings about the file: a line each, ready to print.
-    pub warnings: Vec<String>,
     /// Which way is up: as the scene file says, else by the format's rule or convention. +y for glTF and OBJ, +z for
     /// STL and PLY.
     pub up: DVec3,
@@ -54,8 +48,6 @@ impl Debug for World {
             .field("cameras", &self.cameras.len())
             .field("lights", &self.lights.len())
             .field("up", &self.up)
-            .field("files", &self.files.len())
-            .field("warnings", &self.warnings.len())
             .finish_non_exhaustive()
     }
 }
@@ -65,15 +57,12 @@ impl World {
     /// if it does not say. Cameras, background and the rest are dropped: take them before.
     ///
     /// ```
-    /// use std::path::Path;
+    /// use firsthit::world::World;
+    /// use firsthit::{DVec3, Object, Sphere};
     ///
-    /// use firsthit::load::{LoadSettings, load_bytes};
-    ///
-    /// let stl = b"solid one\nfacet normal 0 0 1\nouter loop\n\
-    ///     vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid one\n";
-    /// let world = load_bytes(Path::new("one.stl"), stl, &LoadSettings::default())?;
-    /// let scene = world.into_scene()?;
-    /// assert_eq!(scene.triangles(), 1);
+    /// let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0)?);
+    /// let world = World { objects: vec![ball], up: DVec3::Z, ..World::default() };
+    /// assert_eq!(world.into_scene()?.objects().len(), 1);
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     ///

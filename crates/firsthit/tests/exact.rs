@@ -334,7 +334,11 @@ fn positions_in_slivers_are_where_the_ray_is() {
         }
         hits += 1;
         // At a grazing angle what `t` is rounded to counts along the triangle.
-        let off = scene.position(&ray, &hit).distance(ray.at(hit.t));
+        let off = scene
+            .interaction(&ray, &hit)
+            .unwrap()
+            .position()
+            .distance(ray.at(hit.t));
         let normal = (b - a).cross(c - a);
         let sine = direction.dot(normal).abs() / (direction.length() * normal.length());
         assert!(off * sine < 3e-15, "{corners:?} {ray:?} {off:e}");
@@ -347,7 +351,7 @@ fn positions_in_slivers_are_where_the_ray_is() {
     let scene = scene(vec![Object::new(triangle(thin))]);
     let ray = Ray::new(DVec3::new(1.0, 1.0, 5.0), DVec3::NEG_Z);
     let hit = agree(&scene, &ray);
-    assert_eq!(scene.position(&ray, &hit), thin[1]);
+    assert_eq!(scene.interaction(&ray, &hit).unwrap().position(), thin[1]);
 }
 
 /// A closed mesh in two objects: no ray from inside passes between them, whatever the transform that they have in common.

@@ -5,11 +5,10 @@ use std::io::Write;
 use std::path::Path;
 
 use firsthit::Result;
-use firsthit::load::{LoadSettings, load};
-use firsthit::world::World;
+use firsthit::load::{LoadSettings, Loaded, load};
 
 /// Loads `name` from a folder with these files.
-fn read(files: &[(&str, &[u8])], name: &str, strict: bool) -> Result<World> {
+fn read(files: &[(&str, &[u8])], name: &str, strict: bool) -> Result<Loaded> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("room for a small file");
@@ -59,7 +58,7 @@ fn an_ascii_stl_is_told_wherever_it_is_cut() {
         facets read: 1";
     assert!(said("a.stl", half.as_bytes()).ends_with(words));
     let model = read(&[("a.stl", half.as_bytes())], "a.stl", false).expect("a warning only");
-    assert_eq!(model.objects[0].triangles(), 1);
+    assert_eq!(model.world.objects[0].triangles(), 1);
     let error = read(&[("a.stl", half.as_bytes())], "a.stl", true).expect_err("strict");
     assert!(error.to_string().ends_with(words), "{error}");
 }

@@ -4,14 +4,13 @@ use std::fs;
 use std::path::Path;
 
 use firsthit::geometry::{Color, DVec2, DVec3, Ray, srgb_decode};
-use firsthit::load::{LoadSettings, load};
+use firsthit::load::{LoadSettings, Loaded, load};
 use firsthit::shape::PropertyOf;
 use firsthit::shoot::{BruteForce, Cpu, Engine};
-use firsthit::world::World;
 use firsthit::{Object, Scene};
 
 /// Loads the first of some files.
-fn read(files: &[(&str, &[u8])]) -> World {
+fn read(files: &[(&str, &[u8])]) -> Loaded {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("room for a small file");
@@ -19,8 +18,8 @@ fn read(files: &[(&str, &[u8])]) -> World {
     load(&folder.path().join(files[0].0), &LoadSettings::default()).expect("a right file")
 }
 
-fn names(model: &World) -> Vec<&str> {
-    model.objects.iter().map(Object::name).collect()
+fn names(model: &Loaded) -> Vec<&str> {
+    model.world.objects.iter().map(Object::name).collect()
 }
 
 const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -34,10 +33,10 @@ fn every_spelling_of_the_cuboid_is_the_same_solid() {
             continue;
         }
         let model = load(&path, &LoadSettings::default()).expect("a right file");
-        let meshes = model.objects.iter().filter_map(Object::mesh);
+        let meshes = model.world.objects.iter().filter_map(Object::mesh);
         let count: usize = meshes.map(|mesh| mesh.triangles().len()).sum();
         assert_eq!(count, 12, "{}", path.display());
-        let high = model.objects[0].mesh().unwrap().bounds().high;
+        let high = model.world.objects[0].mesh().unwrap().bounds().high;
         assert!(
             (high - DVec3::new(1.14, 1.53, 0.73)).length() < 1e-6,
             "{}",
@@ -53,12 +52,12 @@ fn objects_come_in_the_order_of_their_first_faces() {
     );
     let model = read(&[("scene.obj", text.as_bytes())]);
     assert_eq!(names(&model), ["scene", "b", "a"]);
-    let b = model.objects[1].mesh().unwrap();
+    let b = model.world.objects[1].mesh().unwrap();
     assert_eq!(b.triangles(), [[0, 1, 2], [0, 2, 3], [0, 1, 3]]);
     assert_eq!([b.face(0), b.face(1), b.face(2)], [0, 0, 1]);
     assert!(std::sync::Arc::ptr_eq(
         b.positions(),
-        model.objects[2].mesh().unwrap().positions()
+        model.world.objects[2].mesh().unwrap().positions()
     ));
 }
 
@@ -70,8 +69,8 @@ fn materials_colour_objects_and_faces() {
     let library = b"newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 0.5\n";
     let model = read(&[("a.obj", text.as_bytes()), ("my colours.mtl", library)]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
-    assert_eq!(model.objects[0].color(), Color::X);
-    let two = &model.objects[1];
+    assert_eq!(model.world.objects[0].color(), Color::X);
+    let two = &model.world.objects[1];
     let color = |triangle| two.material(triangle).unwrap().color;
     assert_eq!([color(0), color(1)], [Color::X, Color::new(0.0, 0.0, 0.5)]);
 }
@@ -95,13 +94,13 @@ const TEXTURED: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1
     mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n";
 
 /// What a ray down onto (x, y) sees of a model: its colour, or nothing.
-fn seen(model: &World, x: f64, y: f64) -> Option<Color> {
-    let scene = Scene::new(model.objects.clone()).expect("a small scene");
+fn seen(model: &Loaded, x: f64, y: f64) -> Option<Color> {
+    let scene = Scene::new(model.world.objects.clone()).expect("a small scene");
     let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
     let hit = Cpu::default().first_hit(&scene, &ray);
     let judged = BruteForce.first_hit(&scene, &ray);
     assert_eq!((hit.t, hit.primitive), (judged.t, judged.primitive));
-    scene.color(&hit)
+    scene.interaction(&ray, &hit).map(|surface| surface.color())
 }
 
 #[test]
@@ -165,18 +164,18 @@ fn normals_and_texture_coordinates_are_those_of_the_corners() {
          o half\nf 1/1/1 2/2/1 3/2\no wrong\nf 1//9 2//9 3//9\n"
     );
     let model = read(&[("a.obj", text.as_bytes())]);
-    let full = model.objects[0].mesh().unwrap();
+    let full = model.world.objects[0].mesh().unwrap();
     assert_eq!(full.uv(0, DVec2::ZERO), Some(DVec2::new(0.25, 0.5)));
     assert_eq!(full.shading_normal(1, DVec2::Y), Some(DVec3::X));
     assert_eq!(
-        model.objects[1]
+        model.world.objects[1]
             .mesh()
             .unwrap()
             .shading_normal(0, DVec2::ZERO),
         None
     );
     assert_eq!(
-        model.objects[2]
+        model.world.objects[2]
             .mesh()
             .unwrap()
             .shading_normal(0, DVec2::ZERO),
@@ -203,7 +202,7 @@ fn colours_of_ply_vertices_and_faces_are_srgb() {
     );
     let model = read(&[("a.ply", text.as_bytes())]);
     assert_eq!(
-        model.objects[0].mesh().unwrap().color(0, DVec2::ZERO),
+        model.world.objects[0].mesh().unwrap().color(0, DVec2::ZERO),
         Some(grey)
     );
     let text = format!(
@@ -212,7 +211,7 @@ fn colours_of_ply_vertices_and_faces_are_srgb() {
     );
     let model = read(&[("a.ply", text.as_bytes())]);
     assert_eq!(
-        model.objects[0].mesh().unwrap().color(1, DVec2::ZERO),
+        model.world.objects[0].mesh().unwrap().color(1, DVec2::ZERO),
         Some(grey)
     );
 }
@@ -224,7 +223,7 @@ fn strips_turn_every_other_triangle_and_restart() {
         0 0 0\n1 0 0\n0 1 0\n1 1 0\n8 0 1 2 3 -1 1 2 3\n";
     let model = read(&[("a.ply", text.as_bytes())]);
     assert_eq!(
-        model.objects[0].mesh().unwrap().triangles(),
+        model.world.objects[0].mesh().unwrap().triangles(),
         [[0, 1, 2], [2, 1, 3], [1, 2, 3]]
     );
 }
@@ -251,7 +250,7 @@ fn a_stray_line_before_the_elements_of_a_ply_file_is_a_comment() {
         property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n\
         end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     let model = read(&[("a.ply", text.as_bytes())]);
-    assert_eq!(model.objects[0].triangles(), 1);
+    assert_eq!(model.world.objects[0].triangles(), 1);
     assert!(
         model.warnings[0]
             .ends_with("a.ply:3: this line of the header is not read: 'Created by a program'"),
@@ -268,7 +267,12 @@ fn files_without_any_geometry_are_empty_scenes() {
     ] {
         let model = read(&[(name, text.as_bytes())]);
         assert_eq!(
-            model.objects.iter().map(Object::triangles).sum::<usize>(),
+            model
+                .world
+                .objects
+                .iter()
+                .map(Object::triangles)
+                .sum::<usize>(),
             0
         );
         assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
@@ -314,7 +318,7 @@ fn numbers_of_ply_files_are_kept_by_name() {
     for format in ["ascii", "binary_little_endian"] {
         let model = read(&[("a.ply", &scan(format))]);
         assert!(model.warnings.is_empty(), "{:?}", model.warnings);
-        let mesh = model.objects[0].mesh().expect("a mesh");
+        let mesh = model.world.objects[0].mesh().expect("a mesh");
         let values = |of, name| {
             let values = mesh.property(of, name).expect("the property");
             (0..values.len())

@@ -4,8 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use firsthit::load::{LoadSettings, load};
-use firsthit::world::World;
+use firsthit::load::{LoadSettings, Loaded, load};
 use firsthit::{Error, Result};
 
 const LOOSE: LoadSettings = LoadSettings {
@@ -15,7 +14,7 @@ const LOOSE: LoadSettings = LoadSettings {
 };
 
 /// Loads a file of that name and content.
-fn read(name: &str, content: &[u8]) -> Result<World> {
+fn read(name: &str, content: &[u8]) -> Result<Loaded> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     fs::write(&path, content).expect("room for a small file");
@@ -60,7 +59,7 @@ fn huge_counts_reserve_nothing() {
 fn rows_of_nothing_take_no_time() {
     let header = format!("element nothing {}\nelement vertex 1\n{XYZ}", u64::MAX);
     let model = read("a.ply", &ply("ascii", &header, b"1 2 3\n")).expect("odd, but right");
-    assert_eq!(model.objects[0].mesh().unwrap().positions().len(), 1);
+    assert_eq!(model.world.objects[0].mesh().unwrap().positions().len(), 1);
     read("a.ply", &ply(LITTLE, &header, &[0; 12])).expect("odd, but right");
 }
 
@@ -105,7 +104,7 @@ fn coordinates_that_are_garbage_cost_their_triangles_only() {
     let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv 0 -inf 0\nv 1e30 0 0\n\
         f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n";
     let model = read("a.obj", text).expect("three bad triangles of four");
-    assert_eq!(model.objects[0].mesh().unwrap().triangles().len(), 1);
+    assert_eq!(model.world.objects[0].mesh().unwrap().triangles().len(), 1);
     assert!(
         model.warnings[0].contains("3 triangles"),
         "{:?}",
@@ -179,7 +178,7 @@ fn ninety_thousand_objects_take_moments() {
     }
     let start = std::time::Instant::now();
     let model = read("a.obj", text.as_bytes()).expect("many objects");
-    assert_eq!(model.objects.len(), 90_000);
+    assert_eq!(model.world.objects.len(), 90_000);
     assert!(start.elapsed().as_secs() < 60);
 }
 
@@ -191,7 +190,7 @@ fn colours_that_are_no_numbers_are_a_warning() {
     );
     let body = b"0 0 0 nan inf 1e300\n1 0 0 1 1 1\n0 1 0 -5 1 1\n3 0 1 2\n";
     let model = read("a.ply", &ply("ascii", &header, body)).expect("odd, but right");
-    let mesh = model.objects[0].mesh().unwrap();
+    let mesh = model.world.objects[0].mesh().unwrap();
     let values = &mesh.colors().unwrap().values;
     assert_eq!(*values, [[1.0; 3], [1.0; 3], [0.0, 1.0, 1.0]]);
     assert!(

@@ -20,7 +20,7 @@ fn mesh_of(points: &[[f64; 2]]) -> Mesh {
     let path = folder.path().join("polygon.obj");
     std::fs::write(&path, text).expect("room for a file");
     let model = load(&path, &LoadSettings::default()).expect("a polygon");
-    Mesh::clone(model.objects[0].mesh().expect("a mesh"))
+    Mesh::clone(model.world.objects[0].mesh().expect("a mesh"))
 }
 
 /// Whether the triangles are n - 2, none turned over, and have the polygon's area together.

@@ -5,8 +5,7 @@ use std::path::Path;
 
 use firsthit::Object;
 use firsthit::geometry::{Bounds, DVec3};
-use firsthit::load::{LoadSettings, load};
-use firsthit::world::World;
+use firsthit::load::{LoadSettings, Loaded, load};
 
 /// A row of the manifest.
 struct Row<'a> {
@@ -60,13 +59,13 @@ fn point(text: &str) -> DVec3 {
     DVec3::from_slice(&numbers)
 }
 
-fn triangle_count(model: &World) -> usize {
-    let meshes = model.objects.iter().filter_map(Object::mesh);
+fn triangle_count(model: &Loaded) -> usize {
+    let meshes = model.world.objects.iter().filter_map(Object::mesh);
     meshes.map(|mesh| mesh.triangles().len()).sum()
 }
 
-fn area(model: &World) -> f64 {
-    let triangles = model.objects.iter().flat_map(|object| {
+fn area(model: &Loaded) -> f64 {
+    let triangles = model.world.objects.iter().flat_map(|object| {
         let mesh = object.mesh().expect("files have meshes only");
         let place = *object.transform().world_from_object();
         let corners = move |k| mesh.corners(k).map(|corner| place.transform_point3(corner));
@@ -78,7 +77,7 @@ fn area(model: &World) -> f64 {
 }
 
 /// What is wrong with the model, if anything.
-fn compare(model: &World, row: &Row) -> Option<String> {
+fn compare(model: &Loaded, row: &Row) -> Option<String> {
     let triangles = triangle_count(model).to_string();
     // Its triangles are not finite: all that can be said is how many are left.
     if row.area == "nan" {
@@ -96,7 +95,7 @@ fn compare(model: &World, row: &Row) -> Option<String> {
     if triangles == "0" {
         return None;
     }
-    let bounds = model.objects.iter().map(Object::bounds);
+    let bounds = model.world.objects.iter().map(Object::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     let (low, high) = (point(row.low), point(row.high));
     // The manifest states nine digits.

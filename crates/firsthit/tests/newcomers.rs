@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use firsthit::load::{LoadSettings, load_bytes};
+use firsthit::load::{LoadSettings, Loaded, load_bytes};
 use firsthit::render::{BACKGROUND, SAMPLES, framing_camera, shoulder_light};
 use firsthit::scene::{MapRole, Maps};
 use firsthit::shoot::{First, trace};
@@ -117,10 +117,14 @@ fn what_is_printed_of_large_things_is_a_summary() {
     let object = Object::new(Arc::clone(&mesh)).named("n".repeat(100_000));
     let object = object.with_materials(vec![material; 50]);
     let objects = vec![object.clone(); 1000];
-    let model = World {
-        objects: objects.clone(),
+    let loaded = Loaded {
+        world: World {
+            objects: objects.clone(),
+            ..World::default()
+        },
+        files: Vec::new(),
         warnings: vec!["w".repeat(1000); 100],
-        ..World::default()
+        vertices: None,
     };
     let scene = Scene::new(objects).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [50, 60]).unwrap();
@@ -133,7 +137,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
         .frame()
         .unwrap();
     for (name, text) in [
-        ("World", format!("{model:?}")),
+        ("Loaded", format!("{loaded:?}")),
         ("Mesh", format!("{mesh:?}")),
         ("Object", format!("{object:?}")),
         ("Scene", format!("{scene:?}")),
@@ -142,7 +146,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
         ("Hits", format!("{hits:?}")),
         ("Positions", format!("{:?}", mesh.positions())),
         ("Attribute", format!("{:?}", mesh.normals())),
-        ("World, in lines", format!("{model:#?}")),
+        ("Loaded, in lines", format!("{loaded:#?}")),
         ("Scene, in lines", format!("{scene:#?}")),
     ] {
         assert!(
@@ -176,9 +180,8 @@ fn a_picture_of_which_nothing_is_said_is_the_full_form_with_the_defaults() {
         .clone()
         .with_borrowed_lights(vec![shoulder_light(&camera)]);
     let shade = Shading {
-        scene: &lit,
-        shader: Shader::default(),
         background: BACKGROUND,
+        ..Shader::default().on(&lit)
     };
     let kinds = [channel::kind("color").unwrap()];
     let full = render(&scene, &camera, &shade, &kinds, SAMPLES, &()).unwrap();
@@ -271,8 +274,8 @@ fn a_frame_is_saved_in_the_format_of_its_name() {
 fn a_model_is_a_scene_in_one_call() {
     let stl = include_bytes!("../../../testdata/cube_binary.stl");
     let model = load_bytes(Path::new("cube.stl"), stl, &LoadSettings::default()).unwrap();
-    assert!(model.up_is_guessed);
-    let objects = model.objects.len();
+    assert!(model.world.up_is_guessed);
+    let objects = model.world.objects.len();
     let scene = model.into_scene().unwrap();
     assert_eq!((scene.objects().len(), scene.triangles()), (objects, 12));
 }
@@ -283,7 +286,7 @@ fn a_scene_of_a_file_is_upright() {
     let obj = b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0.1 0.2 3\n\
         f 1 4 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
     let model = load_bytes(Path::new("a.obj"), obj, &LoadSettings::default()).unwrap();
-    assert_eq!(model.up, DVec3::Y);
+    assert_eq!(model.world.up, DVec3::Y);
     let scene = model.into_scene().unwrap();
     assert_eq!(scene.up(), DVec3::Z);
     assert_eq!(scene.with_up(DVec3::X).up(), DVec3::X);

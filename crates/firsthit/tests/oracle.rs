@@ -68,7 +68,7 @@ fn camera(case: &Value) -> Camera {
 }
 
 fn mesh_objects(path: &Path) -> Vec<Object> {
-    load(path, &LoadSettings::default()).unwrap().objects
+    load(path, &LoadSettings::default()).unwrap().world.objects
 }
 
 fn objects(case: &Value, folder: &Path) -> Vec<Object> {

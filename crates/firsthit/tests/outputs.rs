@@ -42,9 +42,8 @@ fn frame(parallel: bool) -> Frame {
     })
     .unwrap();
     let shade = Shading {
-        scene: &scene,
-        shader: Shader::default(),
         background: example::background(),
+        ..Shader::default().on(&scene)
     };
     let kinds: Vec<_> = KINDS.iter().collect();
     render(&scene, &camera, &shade, &kinds, 1, &()).unwrap()

@@ -174,10 +174,13 @@ fn positions_are_on_the_surface_however_far_away_the_origin_is() {
                 continue;
             }
             hits += 1;
-            let point = scene.position(&ray, &hit);
+            let point = scene.interaction(&ray, &hit).unwrap().position();
             let along = (point - ray.at(hit.t)).length();
             assert!(along < 1e-14 * (1.0 + far), "{} {along}", shape.name());
-            let (normal, lean) = (scene.normal(&ray, &hit), DVec3::new(0.3, 1.0, -0.2));
+            let (normal, lean) = (
+                scene.interaction(&ray, &hit).unwrap().normal(),
+                DVec3::new(0.3, 1.0, -0.2),
+            );
             let off = match &shape {
                 Shape::Mesh(mesh) => {
                     let [a, _, _] = mesh.corners(usize::try_from(hit.primitive).unwrap());

@@ -6,7 +6,7 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
-use firsthit::channel::{KINDS, Kind, Shots, kind};
+use firsthit::channel::{KINDS, Kind, Shots, kind, make};
 use firsthit::image::{Data, Frame};
 use firsthit::render::work;
 use firsthit::shade::Lambert;
@@ -43,9 +43,8 @@ fn ground(lights: Vec<Light>, above: Option<Object>) -> Scene {
 fn seen(scene: &Scene, shader: Shader, p: DVec3, u_r: DVec3) -> Color {
     let background = Background::Uniform(Color::new(0.1, 0.2, 0.3));
     let shade = Shading {
-        scene,
-        shader,
         background,
+        ..shader.on(scene)
     };
     let hit = shoot(scene, p, u_r);
     shade.shade(hit.t, p, u_r, &hit)
@@ -255,8 +254,14 @@ fn every_channel_is_what_a_loop_over_the_pixels_gives() {
                     && vector("barycentric", k).is_nan()
             );
         } else {
-            assert_eq!(vector("normal", k), scene.normal(&ray, &hit));
-            assert_eq!(vector("position", k), scene.position(&ray, &hit));
+            assert_eq!(
+                vector("normal", k),
+                scene.interaction(&ray, &hit).unwrap().normal()
+            );
+            assert_eq!(
+                vector("position", k),
+                scene.interaction(&ray, &hit).unwrap().position()
+            );
         }
     }
 }
@@ -295,7 +300,7 @@ fn antialiased_colours_are_means_and_leave_all_else_alone() {
         .count();
     assert!(inner > 5, "{inner} pixels on the border");
     for (few, many) in colors(&many).iter().zip(colors(&more)) {
-        // 16 stratified points of a straight edge are within two cells of the truth.
+        // Of a straight edge 16 points are within two of the truth.
         assert!(
             (few[0] - many[0]).abs() <= 2.0 / 16.0 + 0.01,
             "{few:?} {many:?}"
@@ -328,9 +333,8 @@ fn shading_together_and_one_by_one_is_the_same() {
     let kinds = [kind("color").unwrap()];
     for name in Shader::NAMES {
         let shading = Shading {
-            scene: &scene,
-            shader: Shader::named(name).unwrap(),
             background: example::background(),
+            ..Shader::named(name).unwrap().on(&scene)
         };
         let one_by_one = |t: f64, p: DVec3, u_r: DVec3, o: &Hit| shading.shade(t, p, u_r, o);
         for samples in [1, 5, 300] {
@@ -357,9 +361,8 @@ fn the_same_picture_with_1_2_and_7_threads() {
         pool.install(|| {
             let scene = example::scene().unwrap();
             let shade = Shading {
-                scene: &scene,
-                shader: Shader::default(),
                 background: example::background(),
+                ..Shader::default().on(&scene)
             };
             let frame = render(&scene, &camera, &shade, &kinds, 4, &()).unwrap();
             let mut bytes = Vec::new();
@@ -414,11 +417,10 @@ fn channels_are_interrupted_too() {
         scene: &scene,
         rays: &camera,
         hits: &hits,
-        camera: Some(&camera),
+        sensor: Some(&camera),
     };
-    let shade = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
-    for kind in KINDS {
-        let result = kind.make(&shots, &shade, &Stopped);
+    for kind in KINDS.iter().filter(|kind| !kind.needs_shade()) {
+        let result = make(&[kind], &shots, &Stopped);
         assert!(matches!(result, Err(Error::Interrupted)), "{}", kind.name);
     }
 }
@@ -438,7 +440,7 @@ fn a_watch_is_told_of_all_the_work_that_was_announced() {
     for samples in [1, 4] {
         let watch = Counted::default();
         render(&scene, &camera, &shade, &kinds, samples, &watch).unwrap();
-        let announced = camera.pixels() as u64 + work(camera.pixels(), &kinds, samples);
+        let announced = work(camera.pixels(), &kinds, samples);
         assert_eq!(watch.0.into_inner(), announced);
     }
 }

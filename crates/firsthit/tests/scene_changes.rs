@@ -3,7 +3,8 @@
 
 mod support;
 
-use firsthit::{DVec3, Object, Ray, Transform};
+use firsthit::shoot::{Count, First, trace};
+use firsthit::{Cuboid, DAffine3, DQuat, DVec3, Object, Plane, Ray, Sphere, Transform};
 use support::{Numbers, agree, bits, bumpy_sphere, mesh, rays, scene};
 
 #[test]
@@ -67,4 +68,58 @@ fn a_mesh_whose_vertices_moved_is_met_where_it_is_now() {
         .unwrap();
     let hit = agree(&scene, &Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::NEG_Z));
     assert_eq!((hit.t, hit.primitive), (4.0, 1));
+}
+
+/// Objects of all kinds, moved one after the other: near and far, onto each other, flattened and turned.
+#[test]
+fn a_moved_object_is_met_as_in_a_scene_built_anew() {
+    let (points, triangles) = bumpy_sphere(12, 3);
+    let ball = mesh(&points, triangles);
+    let mut numbers = Numbers::new(20);
+    let mut objects: Vec<Object> = (0..40)
+        .map(|k| match k % 8 {
+            5 => Object::new(Sphere::new(DVec3::ZERO, 0.7).unwrap()),
+            6 => Object::new(Cuboid::new(DVec3::splat(-0.5), DVec3::splat(0.5)).unwrap()),
+            7 if k == 7 => Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()),
+            _ => Object::new(ball.clone()),
+        })
+        .collect();
+    let mut moved = scene(objects.clone());
+    for step in 0..200 {
+        let object = numbers.below(objects.len());
+        let place = numbers.point() * [3.0, 3.0, 3.0, 1e4][step % 4];
+        let turn = DQuat::from_axis_angle(numbers.point().normalize(), 3.0 * numbers.unit());
+        let sizes = [
+            DVec3::ONE,
+            DVec3::new(1.0, 0.2, 3.0),
+            DVec3::new(1.0, 1.0, 1e-7),
+        ];
+        let map = DAffine3::from_scale_rotation_translation(sizes[step % 3], turn, place);
+        let transform = match step % 5 {
+            // Onto another one, to the last bit, and away again later.
+            0 => *objects[numbers.below(objects.len())].transform(),
+            _ => Transform::new(map).unwrap(),
+        };
+        objects[object] = objects[object].clone().placed(transform);
+        moved.move_object(object, transform).unwrap();
+        if step % 3 > 0 {
+            continue;
+        }
+        let anew = scene(objects.clone());
+        assert_eq!(moved.bounds(), anew.bounds());
+        let rays: Vec<Ray> = (0..200)
+            .map(|_| {
+                let origin = 6.0 * numbers.point();
+                Ray::new(origin, 3.0 * numbers.point() - origin)
+            })
+            .collect();
+        let [got, expected] = [&moved, &anew].map(|scene| trace(scene, &rays, First, &()).unwrap());
+        for (k, ray) in rays.iter().enumerate() {
+            assert_eq!(bits(&got.get(k)), bits(&expected.get(k)), "{step} {ray:?}");
+        }
+        let [got, expected] = [&moved, &anew].map(|scene| trace(scene, &rays, Count, &()).unwrap());
+        assert_eq!(got, expected, "{step}");
+        agree(&moved, &rays[0]);
+    }
+    assert!(moved.move_object(40, Transform::IDENTITY).is_err());
 }

@@ -54,9 +54,8 @@ fn ask_everything(set: InstructionSet) {
             );
         }
         let shade = Shading {
-            scene: &scene,
-            shader: Shader::default(),
             background: firsthit::Background::default(),
+            ..Shader::default().on(&scene)
         };
         let color = firsthit::channel::kind("color").unwrap();
         let frame = render(&scene, &camera, &shade, &[color], 2, &()).unwrap();

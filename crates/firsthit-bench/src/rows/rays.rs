@@ -50,12 +50,9 @@ impl Surface {
         };
         let point = |(row, column): (usize, usize)| {
             let hit = hits.get(row * camera.columns() + column);
-            if hit.is_miss() {
-                return None;
-            }
             let ray = camera.ray(row, column);
-            let normal = scene.normal(&ray, &hit);
-            let normal = if scene.is_front(&ray, normal) {
+            let normal = scene.interaction(&ray, &hit)?.normal();
+            let normal = if ray.direction.dot(normal) < 0.0 {
                 normal
             } else {
                 -normal

@@ -40,9 +40,8 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
         let (columns, rows) = args.size;
         let camera = example::camera(rows, columns)?;
         let shade = Shading {
-            scene: &scene,
-            shader: Shader::default(),
             background: example::background(),
+            ..Shader::default().on(&scene)
         };
         let job = Job {
             scene: &scene,

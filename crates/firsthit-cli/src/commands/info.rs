@@ -70,6 +70,7 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         scene,
         warnings,
         model,
+        ..
     } = loaded;
     // Objects of one mesh have the same properties, so that the lists of all objects count together.
     let mut room = most;
@@ -191,5 +192,5 @@ fn vertices(loaded: &Loaded) -> u64 {
         }
         buffers.values().sum()
     };
-    loaded.model.vertices.unwrap_or_else(count)
+    loaded.vertices.unwrap_or_else(count)
 }

@@ -2,10 +2,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use firsthit::channel::Kind;
 use firsthit::geometry::meant_as_levels;
+use firsthit::image::Data;
 use firsthit::image::WriteSettings;
-use firsthit::render::{BACKGROUND, SAMPLES, develop, shoulder_light, work};
-use firsthit::shoot::{First, trace};
+use firsthit::render::{BACKGROUND, Picture, SAMPLES, shoulder_light, work};
 use firsthit::world::{Output, World};
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 use serde_json::{Value, json};
@@ -42,9 +43,10 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             scene,
             warnings,
             model,
+            files,
             ..
         } = loading::read(&args.file, &args.load, args.light.color)?;
-        let orders = all_orders(args, asked, &model)?;
+        let orders = all_orders(args, asked, &model.outputs, &files)?;
         let shader = shader(&args.light, model.shader.as_ref())?;
         warn(&idle_options(args, &orders, &shader));
         warn(&doubtful_colors(&args.light));
@@ -60,9 +62,8 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             guessed.push("light over the shoulder (--light)".into());
         }
         let shade = Shading {
-            scene: &scene,
-            shader,
             background: background(&args.light, &model, &camera),
+            ..shader.on(&scene)
         };
         let job = Job {
             scene: &scene,
@@ -81,10 +82,10 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
 fn all_orders(
     args: &RenderArgs,
     asked: Option<Vec<Order>>,
-    model: &World,
+    outputs: &[Output],
+    files: &[PathBuf],
 ) -> Result<Vec<Order>, Failure> {
-    let is_of_file =
-        asked.is_none() && args.picture.channels.is_empty() && !model.outputs.is_empty();
+    let is_of_file = asked.is_none() && args.picture.channels.is_empty() && !outputs.is_empty();
     let blamed = |failure: Failure| {
         if is_of_file {
             failure.in_file(&args.file)
@@ -92,10 +93,10 @@ fn all_orders(
             failure
         }
     };
-    let orders = asked.map_or_else(|| orders(args, &model.outputs), Ok);
+    let orders = asked.map_or_else(|| orders(args, outputs), Ok);
     let orders = orders.map_err(blamed)?;
-    output::check_not_inputs(&orders, &model.files).map_err(blamed)?;
-    check_legend(args, &orders, &model.files)?;
+    output::check_not_inputs(&orders, files).map_err(blamed)?;
+    check_legend(args, &orders, files)?;
     Ok(orders)
 }
 
@@ -186,21 +187,30 @@ pub(crate) fn picture(
         legend,
     } = job;
     let pixels = camera.pixels() as u64;
-    let of_order = |order: &Order| work(camera.pixels(), &order.kinds, samples);
-    let total = pixels + orders.iter().map(of_order).sum::<u64>();
+    let kinds = all_kinds(orders)?;
+    let total = work(camera.pixels(), &kinds, samples);
     let progress = Progress::new(total, args.quiet || args.json, interrupted);
-    let hits = trace(scene, camera, First, &progress)?;
+    let picture = Picture {
+        samples,
+        ..Picture::new(scene, camera, shade, &kinds)
+    };
+    let whole = picture.render(&progress)?;
     let mut legends = Vec::new();
     for Order { kinds, targets } in orders {
-        let frame = develop(scene, camera, &hits, shade, kinds, samples, &progress)?;
+        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        let frame = whole.select(&names)?;
         legends.push(output::write(&frame, targets, settings, interrupted)?);
     }
+    let objects = match whole.channel("object").map(|channel| &channel.data) {
+        Some(Data::Int32(objects)) => objects.as_slice(),
+        _ => &[],
+    };
     if let Some(path) = legend {
-        legend::write(path, scene, &hits, interrupted)?;
+        legend::write(path, scene, objects, interrupted)?;
     }
     drop(progress);
-    warn(&crate::hints::hints(scene, camera, &hits));
-    let hit = hits.count_hit();
+    let hit = objects.iter().filter(|&&object| object >= 0).count();
+    warn(&crate::hints::hints(scene, camera, hit));
     let seconds = started.elapsed().as_secs_f64();
     if args.json {
         let done = done(job, orders, &legends, (hit, seconds));
@@ -226,6 +236,17 @@ pub(crate) fn picture(
         }
     }
     Ok(())
+}
+
+/// The kinds of all outputs, each once, and the object, from which it is known what was hit.
+fn all_kinds(orders: &[Order]) -> Result<Vec<&'static Kind>, Failure> {
+    let mut kinds: Vec<&'static Kind> = vec![firsthit::channel::kind("object")?];
+    for kind in orders.iter().flat_map(|order| &order.kinds) {
+        if kinds.iter().all(|known| known.name != kind.name) {
+            kinds.push(kind);
+        }
+    }
+    Ok(kinds)
 }
 
 /// What `--json` says of a picture.

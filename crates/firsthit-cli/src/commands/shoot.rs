@@ -3,11 +3,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use firsthit::channel::{Kind, Shots};
+use firsthit::channel::{Kind, Shots, make};
 use firsthit::image::{Frame, WriteSettings};
 use firsthit::render::{origin, work};
 use firsthit::shoot::{First, Hits, trace};
-use firsthit::{Background, Rays as _, Scene, Shader, Shading};
+use firsthit::{Rays as _, Scene};
 use serde_json::{Value, json};
 
 use super::shoot_stream;
@@ -158,7 +158,7 @@ fn all_at_once(
     interrupted: &AtomicBool,
 ) -> Result<Counts, Failure> {
     let is_quiet = sinks.is_quiet;
-    let total = rays.len() as u64 + work(rays.len(), kinds, 1);
+    let total = work(rays.len(), kinds, 1);
     let progress = Progress::new(total, is_quiet, interrupted);
     let hits = trace(scene, rays, First, &progress)?;
     let frame = frame(scene, rays, &hits, kinds, &progress)?;
@@ -184,16 +184,11 @@ pub(super) fn frame(
         scene,
         rays,
         hits,
-        camera: None,
-    };
-    let shade = Shading {
-        scene,
-        shader: Shader::default(),
-        background: Background::default(),
+        sensor: None,
     };
     let mut frame = Frame::new([rays.len()]).from_origin(origin(scene, None, None));
-    for kind in kinds {
-        frame.push(kind.make(&shots, &shade, watch)?)?;
+    for channel in make(kinds, &shots, watch)? {
+        frame.push(channel)?;
     }
     Ok(frame)
 }

@@ -16,6 +16,17 @@ pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     /// The indices of the boxes, those of a leaf side by side.
     pub(super) order: Vec<u32>,
+    /// Where each box is; made when one is first [moved](Self::refit).
+    pub(super) places: Option<Places>,
+}
+
+/// Where boxes are in a tree.
+#[derive(Debug, Clone)]
+pub(super) struct Places {
+    /// The leaf of each box; any for one that is not in the tree.
+    pub(super) leaves: Vec<u32>,
+    /// The parent of each node; the root is its own.
+    pub(super) parents: Vec<u32>,
 }
 
 /// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
@@ -31,6 +42,11 @@ pub(super) struct Node {
 impl Bvh {
     /// What objects need at least as `slack`, see `Slab` below. Transforms can ask for more.
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
+
+    /// See [`Bvh::build`].
+    pub(crate) fn slack(&self) -> f64 {
+        self.slack
+    }
 
     /// What the tree takes in memory.
     pub fn bytes(&self) -> usize {

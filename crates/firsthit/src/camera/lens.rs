@@ -31,6 +31,17 @@ pub(super) struct Reach {
 macro_rules! lenses {
     ($($(#[$doc:meta])* $variant:ident($model:ident);)*) => {
         /// What a camera sees through, with the numbers that go with it.
+        ///
+        /// ```
+        /// use firsthit::camera::Equirectangular;
+        /// use firsthit::{Camera, DVec3, Lens, View};
+        ///
+        /// let lens = Lens::Equirectangular(Equirectangular {});
+        /// let panorama = Camera::new(View { rows: 180, columns: 360, lens, ..View::default() })?;
+        /// // Half a degree right of the aim and above it.
+        /// assert!(panorama.ray(89, 180).direction.abs_diff_eq(DVec3::NEG_Z, 0.02));
+        /// # Ok::<(), firsthit::Error>(())
+        /// ```
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub enum Lens {
             $($(#[$doc])* $variant($model),)*

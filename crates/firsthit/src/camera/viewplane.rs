@@ -7,6 +7,16 @@ use crate::error::Result;
 use crate::geometry::{DVec2, PixelGrid, Ray};
 
 /// A flat viewplane in front of the camera. Lengths are in scene units.
+///
+/// ```
+/// use firsthit::{Camera, DVec3, Lens, View, Viewplane};
+///
+/// // Parallel rays, ten units from the lower to the upper edge.
+/// let viewplane = Viewplane { width: 16.0, height: 10.0, parallel: true, ..Viewplane::default() };
+/// let camera = Camera::new(View { lens: Lens::Flat(viewplane), ..View::default() })?;
+/// assert_eq!(camera.ray(0, 0).direction, DVec3::NEG_Z);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewplane {
     /// Its distance from the camera, `z_p`.
@@ -69,6 +79,8 @@ impl Viewplane {
         PixelGrid {
             rows,
             columns,
+            first: [0, 0],
+            whole: [rows, columns],
             position: pose.position,
             toward: self.focal_length * pose.aim,
             right: pose.right,

@@ -13,6 +13,10 @@ pub struct PixelGrid {
     pub rows: usize,
     /// See `rows`.
     pub columns: usize,
+    /// The row and the column of the first pixel in the viewplane: a grid may be a part of that.
+    pub first: [usize; 2],
+    /// Pixels down and across the whole viewplane.
+    pub whole: [usize; 2],
     /// Where the camera is.
     pub position: DVec3,
     /// From there to the viewplane's middle.
@@ -37,18 +41,37 @@ impl PixelGrid {
     /// The offset of pixels' centres.
     pub const CENTRE: DVec2 = DVec2::splat(0.5);
 
+    /// The width and the height of a pixel on the viewplane.
+    #[inline]
+    pub fn size(&self) -> [f64; 2] {
+        [
+            self.width / self.whole[1] as f64,
+            self.height / self.whole[0] as f64,
+        ]
+    }
+
+    /// The part from a pixel on, of so many rows and columns.
+    pub fn part(&self, [row, column]: [usize; 2], [rows, columns]: [usize; 2]) -> Self {
+        Self {
+            rows,
+            columns,
+            first: [self.first[0] + row, self.first[1] + column],
+            ..*self
+        }
+    }
+
     /// How far to the right of the middle the ray of a column is.
     #[inline]
     pub fn x(&self, column: usize) -> f64 {
-        -self.width / 2.0 + self.width / self.columns as f64 * (column as f64 + self.offset.x)
+        -self.width / 2.0 + self.size()[0] * ((self.first[1] + column) as f64 + self.offset.x)
     }
 
     /// How far above the middle the ray of a row is; row 0 is the top.
     #[inline]
     pub fn y(&self, row: usize) -> f64 {
         // The one place where rows are flipped: the formula counts them from the bottom.
-        let from_bottom = (self.rows - 1) as f64 - row as f64;
-        -self.height / 2.0 + self.height / self.rows as f64 * (from_bottom + self.offset.y)
+        let from_bottom = (self.whole[0] - 1) as f64 - (self.first[0] + row) as f64;
+        -self.height / 2.0 + self.size()[1] * (from_bottom + self.offset.y)
     }
 
     /// The point of the viewplane that the ray of a pixel goes through, relative to `position`: far from the world's origin

@@ -198,6 +198,20 @@ impl Frame {
         self.channels
     }
 
+    /// A frame of some of the channels, by their names, in that order; they are copied.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a name that no channel has.
+    pub fn select(&self, names: &[&str]) -> Result<Self> {
+        let mut frame = Self::new(self.shape.clone()).from_origin(self.origin.clone());
+        for &name in names {
+            let missing = || Error::argument("channel", "one of the frame", name);
+            frame.push(self.channel(name).ok_or_else(missing)?.clone())?;
+        }
+        Ok(frame)
+    }
+
     /// The channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
@@ -221,6 +235,37 @@ impl Channel {
 }
 
 impl Data {
+    /// Makes room for the values of `count` rays, of so many components.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] when there is no memory for them.
+    pub(crate) fn reserve(&mut self, count: usize, components: usize) -> Result<()> {
+        let more = count.saturating_mul(components).saturating_sub(self.len());
+        let reserved = match self {
+            Self::Float64(values) => values.try_reserve_exact(more),
+            Self::Float32(values) => values.try_reserve_exact(more),
+            Self::Int32(values) => values.try_reserve_exact(more),
+            Self::Bool(values) => values.try_reserve_exact(more),
+        };
+        reserved.map_err(|_| Error::Limit {
+            what: "elements of a result",
+            got: more.to_string(),
+            limit: "the memory there is".into(),
+        })
+    }
+
+    /// Appends values of the same type.
+    pub(crate) fn append(&mut self, other: Self) {
+        match (self, other) {
+            (Self::Float64(values), Self::Float64(more)) => values.extend(more),
+            (Self::Float32(values), Self::Float32(more)) => values.extend(more),
+            (Self::Int32(values), Self::Int32(more)) => values.extend(more),
+            (Self::Bool(values), Self::Bool(more)) => values.extend(more),
+            (values, more) => panic!("{} after {}", more.kind(), values.kind()),
+        }
+    }
+
     /// The number of values: elements times components.
     pub fn len(&self) -> usize {
         match self {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::fault::Checked;
 use super::gzip;
+use super::loaded::Loaded;
 use super::memory_budget::check_free;
 use super::report::Report;
 use super::source::without_gz;
@@ -33,7 +34,7 @@ impl Format {
     ///
     /// [`Error::Parse`] for wrong content, [`Error::TooLarge`] for more than the settings allow, and [`Error::Limit`]
     /// for more than identifiers hold.
-    pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<World> {
+    pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Loaded> {
         let path = report.source.path().to_owned();
         let read = |report: &mut Report| {
             report.budget.charge_read(&path, bytes.len())?;
@@ -46,12 +47,15 @@ impl Format {
             return Err(error);
         }
         let is_up_stated = world.up != DVec3::ZERO;
-        Ok(World {
+        Ok(Loaded {
             warnings: report.take_lines(),
             files: report.source.take_files(),
-            up: if is_up_stated { world.up } else { self.up },
-            up_is_guessed: !is_up_stated && !self.rules_up,
-            ..world
+            vertices: report.vertices,
+            world: World {
+                up: if is_up_stated { world.up } else { self.up },
+                up_is_guessed: !is_up_stated && !self.rules_up,
+                ..world
+            },
         })
     }
 }

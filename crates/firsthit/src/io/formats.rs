@@ -62,8 +62,7 @@ pub(crate) fn load_part(path: &Path, whole: &mut Report) -> Result<World> {
     let format = format_of(path, FORMATS.iter())?;
     let bytes = read::regular_file(path, whole.budget.left())?;
     let mut report = whole.part(path);
-    let mut world = format.load(bytes.into(), &mut report)?;
-    let warnings = std::mem::take(&mut world.warnings);
-    whole.absorb(&report, warnings, std::mem::take(&mut world.files));
-    Ok(world)
+    let loaded = format.load(bytes.into(), &mut report)?;
+    whole.absorb(&report, loaded.warnings, loaded.files);
+    Ok(loaded.world)
 }

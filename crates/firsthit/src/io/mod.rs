@@ -22,6 +22,7 @@ mod formats;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod gzip;
+mod loaded;
 pub(crate) mod memory_budget;
 mod mend;
 #[cfg(feature = "obj")]
@@ -45,6 +46,7 @@ mod warnings;
 
 pub(crate) use format::{Format, format_of};
 pub(crate) use formats::{FORMATS, load_part};
+pub use loaded::Loaded;
 pub(crate) use report::Report;
 pub use settings::LoadSettings;
 pub(crate) use source::without_gz;

@@ -15,6 +15,8 @@ pub(crate) struct Report {
     pub(crate) source: Source,
     pub(crate) budget: MemoryBudget,
     pub(crate) warnings: Warnings,
+    /// See [`Loaded::vertices`](super::Loaded::vertices).
+    pub(crate) vertices: Option<u64>,
 }
 
 impl Report {
@@ -24,6 +26,7 @@ impl Report {
             source: Source::new(path),
             budget: MemoryBudget::new(settings.max_memory),
             warnings: Warnings::default(),
+            vertices: None,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Debug, Formatter};
 
-use super::{BACKGROUND, SAMPLES, framing_camera, render, shoulder_light};
+use super::{BACKGROUND, Picture, Region, SAMPLES, framing_camera, shoulder_light};
 use crate::camera::{Camera, StandardView};
 use crate::channel;
 use crate::error::Result;
@@ -10,6 +10,7 @@ use crate::geometry::DVec3;
 use crate::image::Frame;
 use crate::scene::{Background, Scene};
 use crate::shade::{Shade, Shader, Shading};
+use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
 
 /// A picture to be made of a scene. The defaults are those of the command line: a three-quarter view from above that fills 768
@@ -30,7 +31,7 @@ use crate::watch::Watch;
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 ///
-/// [`render()`] is the same without defaults.
+/// [`render()`](super::render()) is the same without defaults.
 #[derive(Debug, Clone)]
 #[must_use = "nothing is rendered before `frame` is called"]
 pub struct Render<'a> {
@@ -42,6 +43,8 @@ pub struct Render<'a> {
     look: Look<'a>,
     background: Background,
     samples: u32,
+    region: Option<Region>,
+    engine: &'a dyn Engine,
     channels: &'a [&'a str],
     watch: Follower<'a>,
 }
@@ -104,6 +107,8 @@ impl<'a> Render<'a> {
             look: Look::Shader(Shader::default()),
             background: BACKGROUND,
             samples: SAMPLES,
+            region: None,
+            engine: Cpu::shared(),
             channels: &["color"],
             watch: Follower(&()),
         }
@@ -166,6 +171,19 @@ impl<'a> Render<'a> {
         Self { samples, ..self }
     }
 
+    /// Only a part of the picture, with the bytes that it has in the whole.
+    pub fn region(self, region: Region) -> Self {
+        Self {
+            region: Some(region),
+            ..self
+        }
+    }
+
+    /// With another engine than [`Cpu`], for the camera's rays and for the shader's own.
+    pub fn engine(self, engine: &'a dyn Engine) -> Self {
+        Self { engine, ..self }
+    }
+
     /// With these channels, by their names in [`channel::KINDS`]; `color` alone by default.
     pub fn channels(self, channels: &'a [&'a str]) -> Self {
         Self { channels, ..self }
@@ -195,8 +213,13 @@ impl<'a> Render<'a> {
             Ok,
         )?;
         let picture = |shade: &dyn Shade| {
-            let watch = self.watch.0;
-            render(self.scene, &camera, shade, &kinds, self.samples, watch)
+            let picture = Picture {
+                samples: self.samples,
+                region: self.region.clone(),
+                engine: self.engine,
+                ..Picture::new(self.scene, &camera, shade, &kinds)
+            };
+            picture.render(self.watch.0)
         };
         let shader = match self.look {
             Look::Own(shade) => return picture(shade),
@@ -214,6 +237,7 @@ impl<'a> Render<'a> {
             scene,
             shader,
             background: self.background,
+            engine: self.engine,
         })
     }
 }

@@ -9,11 +9,13 @@ mod background;
 mod duplicates;
 #[cfg(feature = "frame")]
 mod fingerprint;
+mod interaction;
 mod light;
 mod likely_up;
 mod material;
 mod object;
 mod texture;
+mod top_tree;
 
 use std::collections::HashMap;
 use std::fmt::{self, Debug, Formatter};
@@ -22,19 +24,21 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 pub use background::Background;
+pub use interaction::SurfaceInteraction;
 pub use light::Light;
 pub use material::{AlphaMode, MapRole, Maps, Material};
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
-use duplicates::Duplicates;
+pub(crate) use top_tree::OnTheWay;
+use top_tree::TopTree;
 
-use crate::accel::{Bvh, InstructionSet, MeshTree, Walk, WalkStack};
+use crate::accel::{InstructionSet, MeshTree};
 use crate::error::{Error, Result};
 use crate::geometry::summary::Few;
-use crate::geometry::{Bounds, Color, DVec2, DVec3, Hit, Ray};
+use crate::geometry::{Bounds, DVec3, Hit, Transform};
 use crate::memory;
-use crate::shape::{Mesh, Shape, Surface};
+use crate::shape::{Mesh, Shape};
 
 /// Objects in a world, ready to be shot at from any number of threads.
 ///
@@ -56,13 +60,9 @@ pub struct Scene {
     objects: Vec<Object>,
     /// A mesh's tree, shared by all objects that share the mesh; `None` for other shapes.
     trees: Vec<Option<Arc<MeshTree>>>,
-    tree: Bvh,
-    /// The objects that every ray is a candidate for: they have no finite box, or only a vague one, or there
-    /// are so few that asking the tree would take longer.
-    unconditional: Vec<u32>,
-    /// Objects in the same place as an earlier one, which are in no tree.
-    duplicates: Duplicates,
-    bounds: Bounds,
+    top: TopTree,
+    /// See [`Scene::bounds`]; made when first asked for.
+    bounds: OnceLock<Bounds>,
     lights: Vec<Light>,
     has_own_lights: bool,
     /// See [`Scene::up`].
@@ -77,7 +77,7 @@ impl Debug for Scene {
         f.debug_struct("Scene")
             .field("objects", &Few(&self.objects))
             .field("triangles", &self.triangles())
-            .field("bounds", &self.bounds)
+            .field("bounds", &self.bounds())
             .field("lights", &self.lights.len())
             .finish_non_exhaustive()
     }
@@ -113,58 +113,59 @@ impl Scene {
     }
 
     fn build(objects: Vec<Object>, before: Option<&Self>) -> Result<Self> {
-        let count = i32::try_from(objects.len())
-            .ok()
-            .and_then(|count| u32::try_from(count).ok());
-        let Some(count) = count else {
+        if i32::try_from(objects.len()).is_err() {
             let (got, limit) = (objects.len().to_string(), i32::MAX.to_string());
             return Err(Error::Limit {
                 what: "objects in a scene",
                 got,
                 limit,
             });
-        };
+        }
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;
         let trees = mesh_trees(&objects, before)?;
-        let bounds: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
-        let duplicates = Duplicates::new(&objects, &bounds);
-        let is_loose = |k: u32| {
-            count <= FEW
-                || is_unbounded(&bounds[k as usize])
-                || objects[k as usize].slack() > LARGEST_SLACK
-        };
-        let is_asked = |&k: &u32| !duplicates.contains(k);
-        let unconditional: Vec<u32> = (0..count)
-            .filter(|&k| is_loose(k))
-            .filter(is_asked)
-            .collect();
-        let slack = (0..count)
-            .filter(|&k| !is_loose(k))
-            .map(|k| objects[k as usize].slack())
-            .fold(Bvh::OBJECTS, f64::max);
-        let padded = |k: u32| {
-            if is_loose(k) || duplicates.contains(k) {
-                Bounds::EMPTY
-            } else {
-                objects[k as usize].padded(bounds[k as usize], slack)
-            }
-        };
-        let tree = Bvh::build(count, padded, slack);
-        let finite = bounds.iter().filter(|bounds| !is_unbounded(bounds));
-        let bounds = finite.copied().fold(Bounds::EMPTY, Bounds::union);
+        let boxes: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
+        let bounds = around(&boxes);
+        let top = TopTree::new(&objects, boxes);
         Ok(Self {
             objects,
             trees,
-            tree,
-            unconditional,
-            duplicates,
-            bounds,
+            top,
+            bounds: OnceLock::from(bounds),
             lights: Vec::new(),
             has_own_lights: true,
             up: None,
             fingerprint: OnceLock::new(),
         })
+    }
+
+    /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by one that
+    /// is built anew; this takes microseconds, for nothing is built but, now and then, the tree over the objects.
+    ///
+    /// ```
+    /// use firsthit::{DVec3, Object, Scene, Sphere, Transform, shoot};
+    ///
+    /// let mut scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+    /// scene.move_object(0, Transform::translation(DVec3::new(0.0, 0.0, 2.0))?)?;
+    /// assert_eq!(shoot(&scene, DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z).t, 6.0);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for an object that is not there.
+    pub fn move_object(&mut self, object: usize, transform: Transform) -> Result<()> {
+        let count = self.objects.len();
+        let moved = u32::try_from(object).ok().filter(|_| object < count);
+        let Some(moved) = moved else {
+            let got = format!("{object}; there are {count}");
+            return Err(Error::argument("object", "one of the scene's", got));
+        };
+        self.objects[object].place(transform);
+        self.top.moved(&self.objects, moved);
+        self.bounds = OnceLock::new();
+        self.fingerprint = OnceLock::new();
+        Ok(())
     }
 
     /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.
@@ -219,7 +220,11 @@ impl Scene {
 
     /// The smallest box around all objects in the world, infinite ones left out; empty without any.
     pub fn bounds(&self) -> Bounds {
-        self.bounds
+        let exactly = || {
+            let boxes: Vec<Bounds> = self.objects.par_iter().map(Object::bounds).collect();
+            around(&boxes)
+        };
+        *self.bounds.get_or_init(exactly)
     }
 
     /// The support function: the largest dot product of `direction` with a point of the scene, for a direction of any length.
@@ -249,127 +254,19 @@ impl Scene {
 
     /// The object that was hit; `None` for a miss.
     ///
-    /// This and what follows take hits of this scene: with one of another scene they answer for whatever
-    /// has its identifiers here, and panic where a mesh has no such triangle.
+    /// For more about it, see [`Scene::interaction`].
     pub fn object(&self, hit: &Hit) -> Option<&Object> {
         self.objects.get(usize::try_from(hit.object).ok()?)
     }
 
-    /// Where in the world `ray` has its `hit`; NaN for a miss.
-    ///
-    /// `ray.at(hit.t)` is off by the rounding of everything on the ray's way; this point is on the surface. In object space a
-    /// triangle's is the mean of its corners by the hit's weights, off its plane by 13 * 2^-53 of the largest coordinate at most. Other shapes'
-    /// is `ray.at(hit.t)` moved onto the shape, off that by 8 * 2^-53 of the shape's largest coordinate and its size. A
-    /// transform rounds once more.
-    pub fn position(&self, ray: &Ray, hit: &Hit) -> DVec3 {
-        let Some(object) = self.object(hit) else {
-            return DVec3::NAN;
-        };
-        let transform = object.transform();
-        let point = if let Some((_, mesh, triangle)) = self.mesh(hit) {
-            let [a, b, c] = mesh.corners(triangle);
-            a + (hit.barycentric.x * (b - a) + hit.barycentric.y * (c - a))
-        } else {
-            let point = transform.ray_in_object(ray).at(hit.t);
-            object.shape().onto(point, hit.primitive)
-        };
-        if transform.is_identity() {
-            point
-        } else {
-            transform.world_from_object().transform_point3(point)
-        }
-    }
-
-    /// The geometric normal in the world where `ray` has its `hit`: the face's own, of length one,
-    /// outwards for closed shapes. NaN for a miss, and for a triangle without an area.
-    pub fn normal(&self, ray: &Ray, hit: &Hit) -> DVec3 {
-        let Some(object) = self.object(hit) else {
-            return DVec3::NAN;
-        };
-        let point = object.transform().ray_in_object(ray).at(hit.t);
-        object
-            .transform()
-            .normal_in_world(object.shape().normal(point, hit.primitive))
-    }
-
-    /// The normal to shade with: interpolated where the mesh has normals at its vertices, on the same
-    /// side as the geometric `normal`, which is returned everywhere else.
-    pub fn shading_normal(&self, hit: &Hit, normal: DVec3) -> DVec3 {
-        let smooth = || {
-            let (object, mesh, triangle) = self.mesh(hit)?;
-            let smooth = object
-                .transform()
-                .normal_in_world(mesh.shading_normal(triangle, hit.barycentric)?);
-            (smooth.is_finite() && smooth.dot(normal) > 0.0).then_some(smooth)
-        };
-        smooth().unwrap_or(normal)
-    }
-
-    /// Whether the front was met: the side that the `normal` points to.
-    pub fn is_front(&self, ray: &Ray, normal: DVec3) -> bool {
-        ray.direction.dot(normal) < 0.0
-    }
-
-    /// The linear colour of the object where it was hit: its material's, times its texture's, times the mesh's
-    /// own. `None` for a miss.
-    pub fn color(&self, hit: &Hit) -> Option<Color> {
-        let object = self.object(hit)?;
-        let Some((_, mesh, triangle)) = self.mesh(hit) else {
-            return Some(object.color());
-        };
-        let own = mesh.color(triangle, hit.barycentric).unwrap_or(Color::ONE);
-        let uv = || mesh.uv(triangle, hit.barycentric);
-        let material = object.material(hit.primitive);
-        let look = material.map_or(Object::NEUTRAL, |material| {
-            match material.maps.get(MapRole::Color) {
-                Some(_) => material.color_at(uv()),
-                None => material.color,
-            }
-        });
-        Some(look * own)
-    }
-
-    /// Whether the colour where the object was hit is to be seen as it is, whatever the light.
-    pub fn is_unlit(&self, hit: &Hit) -> bool {
-        self.object(hit)
-            .and_then(|object| object.material(hit.primitive))
-            .is_some_and(|material| material.unlit)
-    }
-
-    /// The texture coordinates where a mesh that has them was hit; else NaN.
-    pub fn uv(&self, hit: &Hit) -> DVec2 {
-        let uv = self
-            .mesh(hit)
-            .and_then(|(_, mesh, triangle)| mesh.uv(triangle, hit.barycentric));
-        uv.unwrap_or(DVec2::NAN)
-    }
-
-    /// The polygon of the file that the triangle hit was part of; of other shapes the primitive.
-    pub fn face(&self, hit: &Hit) -> i32 {
-        let face = self
-            .mesh(hit)
-            .and_then(|(_, mesh, triangle)| i32::try_from(mesh.face(triangle)).ok());
-        face.unwrap_or(hit.primitive)
-    }
-
-    fn mesh(&self, hit: &Hit) -> Option<(&Object, &Mesh, usize)> {
-        let object = self.object(hit)?;
-        match object.shape() {
-            Shape::Mesh(mesh) => {
-                Some((object, mesh.as_ref(), usize::try_from(hit.primitive).ok()?))
-            }
-            _ => None,
-        }
-    }
-
     /// Whether no ray meets an object first, because an earlier one is in its place.
     pub(crate) fn is_duplicate(&self, object: u32) -> bool {
-        self.duplicates.contains(object)
+        self.top.is_duplicate(object)
     }
 
     /// The objects in the place of one, which no tree has.
     pub(crate) fn duplicates_of(&self, object: u32) -> &[u32] {
-        self.duplicates.of(object)
+        self.top.duplicates_of(object)
     }
 
     /// The mesh and the tree of an object whose triangles are all there is to it.
@@ -390,11 +287,7 @@ impl Scene {
     /// The objects that a ray may meet.
     #[inline(always)]
     pub(crate) fn on_the_way(&self) -> OnTheWay<'_> {
-        OnTheWay {
-            unconditional: &self.unconditional,
-            tree: (self.unconditional.len() < self.objects.len()).then_some(&self.tree),
-            walk: None,
-        }
+        self.top.on_the_way()
     }
 
     /// What the trees take in memory, each shared one once.
@@ -405,47 +298,9 @@ impl Scene {
             .flatten()
             .map(|tree| (Arc::as_ptr(tree), tree.bytes()))
             .collect();
-        distinct.values().sum::<usize>() + self.tree.bytes()
+        distinct.values().sum::<usize>() + self.top.bytes()
     }
 }
-
-/// See [`Scene::on_the_way`].
-pub(crate) struct OnTheWay<'a> {
-    unconditional: &'a [u32],
-    /// Of all other objects.
-    tree: Option<&'a Bvh>,
-    /// Begun when the tree's turn comes.
-    walk: Option<Walk<'a>>,
-}
-
-impl OnTheWay<'_> {
-    /// The next object that `ray` may meet at a parameter of at most `t_max`. That is not larger than the
-    /// time before, and the others are the same.
-    #[inline(always)]
-    pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
-        if let Some((&index, rest)) = self.unconditional.split_first() {
-            self.unconditional = rest;
-            return Some(index);
-        }
-        self.tree
-            .is_some()
-            .then(|| self.next_in_tree(ray, t_max, stack))?
-    }
-
-    #[inline(never)]
-    fn next_in_tree(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
-        let tree = self.tree?;
-        let walk = self.walk.get_or_insert_with(|| tree.walk(ray, stack));
-        walk.next(t_max, stack)
-    }
-}
-
-/// Up to so many objects are all asked.
-const FEW: u32 = 4;
-
-/// Where rounding reaches farther than this share of the coordinates (the transform all but flattens
-/// space), the object is better off without a box than all others are with wider ones.
-const LARGEST_SLACK: f64 = 1e-8;
 
 /// What building a tree takes at most, in bytes for each triangle. Where no vertices are shared it is most: four triangles have
 /// a leaf, its share of a wide node, two binary nodes with their plans, and each has three points and a place in the order.
@@ -504,6 +359,10 @@ pub(crate) fn support(objects: &[Object], direction: DVec3) -> f64 {
     farthest
 }
 
-fn is_unbounded(bounds: &Bounds) -> bool {
-    !bounds.is_empty() && !bounds.is_finite()
+/// The box around all finite boxes.
+fn around(boxes: &[Bounds]) -> Bounds {
+    let finite = boxes
+        .iter()
+        .filter(|bounds| !top_tree::is_unbounded(bounds));
+    finite.copied().fold(Bounds::EMPTY, Bounds::union)
 }

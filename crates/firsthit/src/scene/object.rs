@@ -75,6 +75,11 @@ impl Object {
         Self { transform, ..self }
     }
 
+    /// Takes its shape to the world by another transform.
+    pub(super) fn place(&mut self, transform: Transform) {
+        self.transform = transform;
+    }
+
     /// The same object in one linear colour, which a mesh's own colours multiply.
     pub fn colored(self, color: Color) -> Self {
         self.with_materials([Material::colored(color)])
@@ -234,6 +239,18 @@ impl Object {
                     high: DVec3::from(axes.map(|axis| self.support(axis))),
                 }
             }
+        }
+    }
+
+    /// A box around it in the world in constant time, of a turned mesh wider than the smallest one.
+    pub(super) fn box_around(&self) -> Bounds {
+        let is_turned = !self.transform.keeps_axes();
+        match &self.shape {
+            Shape::Mesh(mesh) if is_turned => {
+                let world_from_object = self.transform.world_from_object();
+                mesh.bounds().transformed(world_from_object)
+            }
+            _ => self.bounds(),
         }
     }
 

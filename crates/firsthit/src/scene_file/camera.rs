@@ -31,6 +31,9 @@ const VIEW: &[Key] = &[
         Form::Direction,
         "Which way is up in the picture, of any length; need not be perpendicular to aim. Default: the scene's up.",
     ),
+];
+
+const PIXELS: &[Key] = &[
     key(
         "columns",
         Form::Whole(1, MOST_PIXELS),
@@ -71,6 +74,7 @@ pub(super) static CAMERA: Record = Record {
             keys: &[
                 VIEW,
                 RAY_START,
+                PIXELS,
                 &[key(
                     "fov",
                     Form::Between(0.0, 180.0),
@@ -91,7 +95,7 @@ pub(super) static CAMERA: Record = Record {
         },
         Variant {
             pick: Pick::Tag(PROJECTION, "orthographic"),
-            keys: &[VIEW, RAY_START, VIEWPLANE],
+            keys: &[VIEW, RAY_START, PIXELS, VIEWPLANE],
             rules: &[
                 Rule::NotBoth("aim", "look_at"),
                 Rule::Needs("focal_length", "width"),
@@ -102,7 +106,7 @@ pub(super) static CAMERA: Record = Record {
         },
         Variant {
             pick: Pick::Tag(PROJECTION, "equirectangular"),
-            keys: &[VIEW],
+            keys: &[VIEW, PIXELS],
             rules: &[
                 Rule::NotBoth("aim", "look_at"),
                 Rule::Needs("look_at", "position"),

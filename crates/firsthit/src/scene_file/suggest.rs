@@ -9,7 +9,7 @@ const LONGEST: usize = 40;
 /// Levenshtein, one slip in every third letter at most.
 ///
 /// ```
-/// use firsthit::io::nearest_word;
+/// use firsthit::scene_file::nearest_word;
 /// assert_eq!(nearest_word("Normals", ["color", "normal"]), Some("normal"));
 /// assert_eq!(nearest_word("x", ["color", "normal"]), None);
 /// ```

@@ -1,9 +1,9 @@
 //! Matte surfaces: the light that falls on them, by the cosine of its angle (Lambert, "Photometria", 1760).
 
-use super::Shot;
-use crate::geometry::{Color, DVec3, Hit, Ray, unit};
-use crate::scene::{Light, Scene};
-use crate::shoot::{Any, Cpu, Engine, trace};
+use super::Shading;
+use crate::geometry::{Color, DVec3, Ray, unit};
+use crate::scene::{Light, SurfaceInteraction};
+use crate::shoot::{Any, trace_with};
 
 /// The settings of the Lambert shader. Surfaces are lit on both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,17 +24,22 @@ impl Default for Lambert {
 }
 
 /// All shadow rays towards a light are shot together: those of neighbours go nearly the same way.
-pub(super) fn shade(settings: &Lambert, scene: &Scene, shots: &[Shot], colors: &mut [Color]) {
-    let mut lit = Vec::with_capacity(shots.len());
-    for (k, (ray, hit)) in shots.iter().enumerate() {
-        match Lit::new(settings, scene, ray, hit) {
+pub(super) fn shade(
+    settings: &Lambert,
+    shading: &Shading<'_>,
+    surfaces: &[SurfaceInteraction<'_>],
+    colors: &mut [Color],
+) {
+    let mut lit = Vec::with_capacity(surfaces.len());
+    for (k, surface) in surfaces.iter().enumerate() {
+        match Lit::new(settings, surface) {
             Ok(point) => lit.push((k, point)),
             Err(color) => colors[k] = color,
         }
     }
     let mut shadow_rays = Vec::with_capacity(lit.len());
     let mut arriving = Vec::with_capacity(lit.len());
-    for source in scene.lights() {
+    for source in shading.scene.lights() {
         shadow_rays.clear();
         arriving.clear();
         for (index, (_, point)) in lit.iter().enumerate() {
@@ -50,7 +55,7 @@ pub(super) fn shade(settings: &Lambert, scene: &Scene, shots: &[Shot], colors: &
         }
         let mut shadows = Vec::new();
         if settings.shadows {
-            shadows = all_blocked(scene, &shadow_rays);
+            shadows = all_blocked(shading, &shadow_rays);
         }
         for (k, &(index, light)) in arriving.iter().enumerate() {
             if shadows.get(k) != Some(&true) {
@@ -63,12 +68,13 @@ pub(super) fn shade(settings: &Lambert, scene: &Scene, shots: &[Shot], colors: &
     }
 }
 
-fn all_blocked(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
-    let one = |ray| Cpu::default().any_hit(scene, ray);
+fn all_blocked(shading: &Shading<'_>, rays: &[Ray]) -> Vec<bool> {
+    let (engine, scene) = (shading.engine, shading.scene);
+    let one = |ray| engine.any_hit(scene, ray);
     if let [ray] = rays {
         return vec![one(ray)];
     }
-    match trace(scene, rays, Any, &()) {
+    match trace_with(engine, scene, rays, Any, &()) {
         Ok(blocked) => blocked,
         Err(_) => rays.iter().map(one).collect(),
     }
@@ -88,22 +94,19 @@ struct Lit {
 }
 
 impl Lit {
-    /// Where a ray meets a surface; or the colour, where no light changes it.
-    fn new(settings: &Lambert, scene: &Scene, ray: &Ray, hit: &Hit) -> Result<Self, Color> {
-        let color = scene.color(hit).ok_or(Color::ZERO)?;
-        if scene.is_unlit(hit) {
+    /// A hit as a lit point; or its colour, where no light changes that.
+    fn new(settings: &Lambert, surface: &SurfaceInteraction<'_>) -> Result<Self, Color> {
+        let color = surface.color();
+        if surface.is_unlit() {
             return Err(color);
         }
-        let geometric = scene.normal(ray, hit);
+        let geometric = surface.normal();
         if !geometric.is_finite() {
             return Err(color * settings.ambient);
         }
-        let smooth = scene.shading_normal(hit, geometric);
-        let side = if scene.is_front(ray, geometric) {
-            1.0
-        } else {
-            -1.0
-        };
+        let smooth = surface.shading_normal();
+        let side = if surface.is_front() { 1.0 } else { -1.0 };
+        let (ray, hit) = (surface.ray(), surface.hit());
         let (position, geometric) = (ray.at(hit.t), side * geometric);
         Ok(Self {
             position,

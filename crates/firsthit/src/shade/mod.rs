@@ -8,8 +8,8 @@ pub use lambert::Lambert;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DVec3, Hit, Ray};
-use crate::scene::{Background, Scene};
-use crate::shoot::Hits;
+use crate::scene::{Background, Scene, SurfaceInteraction};
+use crate::shoot::{Cpu, Engine, Hits};
 
 /// The colour that a ray sees. Replaceable: any function of the right form is one.
 ///
@@ -25,12 +25,11 @@ pub trait Shade: Sync {
     /// infinity, `o.object` is -1, and the shader itself returns the background.
     fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color;
 
-    /// [`shade`](Self::shade) for many rays and what they met: a colour for each. A shader that shoots rays of its own
-    /// is faster when it shoots them together; whoever makes pictures asks for a few hundred pixels at a time. There are
-    /// as many rays as hits and colours.
-    fn shade_all(&self, rays: &[Ray], hits: &Hits, colors: &mut [Color]) {
-        for (k, (ray, color)) in rays.iter().zip(colors).enumerate() {
-            let hit = hits.get(k);
+    /// [`shade`](Self::shade) for many samples: a colour for each. A shader that shoots rays of its own is faster when it
+    /// shoots them together; whoever makes pictures asks for a few hundred at a time. There are as many colours as samples.
+    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color]) {
+        for (k, (ray, color)) in samples.rays.iter().zip(colors).enumerate() {
+            let hit = samples.hits.get(k);
             *color = self.shade(hit.t, ray.origin, ray.direction, &hit);
         }
     }
@@ -48,11 +47,22 @@ impl<F: Fn(f64, DVec3, DVec3, &Hit) -> Color + Sync> Shade for F {
     }
 }
 
-/// A ray and what it met.
-type Shot = (Ray, Hit);
+/// Rays of a picture, and what they met.
+#[derive(Debug, Clone, Copy)]
+pub struct Samples<'a> {
+    /// The rays.
+    pub rays: &'a [Ray],
+    /// What they met, as many.
+    pub hits: &'a Hits,
+    /// The pixels that they are of, counted row by row from the top of the whole picture, as many. With the sample's number they are
+    /// a seed for random numbers that depends on nothing else.
+    pub pixels: &'a [u64],
+    /// Which sample of its pixel each ray is, from 0 on.
+    pub sample: u32,
+}
 
-/// Makes [`Shader`] and everything that depends on the list of shaders. A shader is a function of the
-/// scene and of many rays with their hits, called for hits alone: it sets a colour for each.
+/// Makes [`Shader`] and everything that depends on the list of shaders. A shader is a function of its settings, of what it works
+/// in, and of many hits: it sets a colour for each.
 macro_rules! shaders {
     ($($(#[$doc:meta])* $name:literal => $kind:ident($settings:ty), $shade:path;)*) => {
         /// The shaders that come with the library, by name.
@@ -90,8 +100,8 @@ macro_rules! shaders {
                 match self { $(Self::$kind(_) => $name,)* }
             }
 
-            fn color(&self, scene: &Scene, shots: &[Shot], colors: &mut [Color]) {
-                match self { $(Self::$kind(settings) => $shade(settings, scene, shots, colors),)* }
+            fn color(&self, shading: &Shading<'_>, surfaces: &[SurfaceInteraction<'_>], colors: &mut [Color]) {
+                match self { $(Self::$kind(settings) => $shade(settings, shading, surfaces, colors),)* }
             }
         }
     };
@@ -125,6 +135,7 @@ impl Shader {
             scene,
             shader: self,
             background: Background::NEUTRAL,
+            engine: Cpu::shared(),
         }
     }
 }
@@ -155,6 +166,8 @@ pub struct Shading<'a> {
     pub shader: Shader,
     /// What misses see.
     pub background: Background,
+    /// What finds the hits of its own rays, such as those towards lights.
+    pub engine: &'a dyn Engine,
 }
 
 impl Shade for Shading<'_> {
@@ -166,26 +179,30 @@ impl Shade for Shading<'_> {
         if t == f64::INFINITY {
             return self.background.color(u_r);
         }
+        let ray = Ray::new(p, u_r);
         let mut color = [Color::ZERO];
-        let shot = (Ray::new(p, u_r), *o);
-        self.shader.color(self.scene, &[shot], &mut color);
+        if let Some(surface) = self.scene.interaction(&ray, o) {
+            self.shader.color(self, &[surface], &mut color);
+        }
         color[0]
     }
 
-    fn shade_all(&self, rays: &[Ray], hits: &Hits, colors: &mut [Color]) {
-        let mut met = Vec::new();
-        let mut shots = Vec::new();
-        for (k, (ray, color)) in rays.iter().zip(&mut *colors).enumerate() {
-            let hit = hits.get(k);
-            if hit.t == f64::INFINITY {
-                *color = self.background.color(ray.direction);
-            } else {
+    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color]) {
+        let hits: Vec<Hit> = (0..samples.rays.len())
+            .map(|k| samples.hits.get(k))
+            .collect();
+        let mut met = Vec::with_capacity(hits.len());
+        let mut surfaces = Vec::with_capacity(hits.len());
+        for (k, (ray, hit)) in samples.rays.iter().zip(&hits).enumerate() {
+            if let Some(surface) = self.scene.interaction(ray, hit) {
                 met.push(k);
-                shots.push((*ray, hit));
+                surfaces.push(surface);
+            } else {
+                colors[k] = self.background.color(ray.direction);
             }
         }
-        let mut found = vec![Color::ZERO; shots.len()];
-        self.shader.color(self.scene, &shots, &mut found);
+        let mut found = vec![Color::ZERO; surfaces.len()];
+        self.shader.color(self, &surfaces, &mut found);
         for (k, color) in met.into_iter().zip(found) {
             colors[k] = color;
         }

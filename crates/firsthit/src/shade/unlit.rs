@@ -1,12 +1,17 @@
 //! The object's colour as it is.
 
-use super::Shot;
+use super::Shading;
 use crate::geometry::Color;
-use crate::scene::Scene;
+use crate::scene::SurfaceInteraction;
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the form of all shaders")]
-pub(super) fn shade((): &(), scene: &Scene, shots: &[Shot], colors: &mut [Color]) {
-    for ((_, hit), color) in shots.iter().zip(colors) {
-        *color = scene.color(hit).unwrap_or(Color::ZERO);
+pub(super) fn shade(
+    (): &(),
+    _: &Shading<'_>,
+    surfaces: &[SurfaceInteraction<'_>],
+    colors: &mut [Color],
+) {
+    for (surface, color) in surfaces.iter().zip(colors) {
+        *color = surface.color();
     }
 }

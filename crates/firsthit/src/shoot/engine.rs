@@ -1,6 +1,7 @@
 //! Who computes the answers.
 
 use std::fmt::Debug;
+use std::sync::OnceLock;
 
 use super::batch::{Single, trace_array};
 use super::query::Answers;
@@ -57,6 +58,12 @@ impl Cpu {
     /// plainer one.
     pub const fn with(instruction_set: InstructionSet) -> Self {
         Self(instruction_set)
+    }
+
+    /// The default one, for whoever borrows an engine.
+    pub fn shared() -> &'static Self {
+        static SHARED: OnceLock<Cpu> = OnceLock::new();
+        SHARED.get_or_init(Self::default)
     }
 
     /// What it computes with.

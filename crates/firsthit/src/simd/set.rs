@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
 /// let ray = Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z);
 /// let (fast, plain) = (Cpu::current()?, Cpu::with(InstructionSet::Portable));
-/// assert_eq!(fast.first_hit(&scene, &ray), plain.first_hit(&scene, &ray));
+/// assert_eq!(fast.first_hit(&scene, &ray).t, plain.first_hit(&scene, &ray).t);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

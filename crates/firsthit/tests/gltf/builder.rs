@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use firsthit::Result;
-use firsthit::load::{LoadSettings, load_bytes};
-use firsthit::world::World;
+use firsthit::load::{LoadSettings, Loaded, load_bytes};
 use serde_json::{Value, json};
 
 pub(crate) const FLOAT: u32 = 5126;
@@ -101,7 +100,7 @@ impl Builder {
         json.to_string().into_bytes()
     }
 
-    pub(crate) fn load(&self) -> Result<World> {
+    pub(crate) fn load(&self) -> Result<Loaded> {
         load_bytes(Path::new("a.gltf"), &self.text(), &LoadSettings::default())
     }
 
@@ -127,8 +126,8 @@ pub(crate) fn bytes_of(values: &[f32]) -> Vec<u8> {
 }
 
 /// The positions of an object's mesh, where they are in the world.
-pub(crate) fn points(model: &World, object: usize) -> Vec<firsthit::DVec3> {
-    let object = &model.objects[object];
+pub(crate) fn points(model: &Loaded, object: usize) -> Vec<firsthit::DVec3> {
+    let object = &model.world.objects[object];
     let positions = object.mesh().unwrap().positions();
     let place = object.transform().world_from_object();
     (0..positions.len() as u32)

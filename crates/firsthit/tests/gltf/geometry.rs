@@ -9,7 +9,7 @@ use crate::builder::{Builder, FLOAT, bytes_of, points, push};
 
 fn triangles(builder: &Builder) -> Vec<[u32; 3]> {
     let model = builder.load().unwrap();
-    model.objects[0].mesh().unwrap().triangles().to_vec()
+    model.world.objects[0].mesh().unwrap().triangles().to_vec()
 }
 
 /// Five vertices of a strip.
@@ -49,7 +49,7 @@ fn points_and_lines_are_one_warning_each_kind_that_names_them() {
         let mut builder = five();
         builder.primitive()["mode"] = json!(mode);
         let model = builder.load().unwrap();
-        assert!(model.objects.is_empty());
+        assert!(model.world.objects.is_empty());
         assert!(model.warnings[0].contains(&format!("primitives of {name} (mode {mode})")));
     }
 }
@@ -203,7 +203,7 @@ fn nodes_that_name_one_mesh_share_it() {
     builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 5]}]);
     builder.json["scenes"][0]["nodes"] = json!([1, 0]);
     let model = builder.load().unwrap();
-    let [first, second] = &model.objects[..] else {
+    let [first, second] = &model.world.objects[..] else {
         panic!("two objects")
     };
     assert!(Arc::ptr_eq(first.mesh().unwrap(), second.mesh().unwrap()));
@@ -219,7 +219,7 @@ fn primitives_that_name_one_accessor_share_its_vertices() {
     let again = builder.primitive().clone();
     push(&mut builder.json["meshes"][0]["primitives"], again);
     let model = builder.load().unwrap();
-    let [first, second] = [0, 1].map(|k: usize| model.objects[k].mesh().unwrap().positions());
+    let [first, second] = [0, 1].map(|k: usize| model.world.objects[k].mesh().unwrap().positions());
     assert!(Arc::ptr_eq(first, second));
 }
 
@@ -234,10 +234,10 @@ fn instances_share_their_mesh_and_stand_where_they_are_put() {
     builder.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing":
         {"attributes": {"TRANSLATION": to, "ROTATION": turned, "SCALE": scaled}}});
     let model = builder.load().unwrap();
-    assert_eq!(model.objects.len(), 2);
+    assert_eq!(model.world.objects.len(), 2);
     assert!(Arc::ptr_eq(
-        model.objects[0].mesh().unwrap(),
-        model.objects[1].mesh().unwrap()
+        model.world.objects[0].mesh().unwrap(),
+        model.world.objects[1].mesh().unwrap()
     ));
     assert_eq!(points(&model, 0)[1], DVec3::new(11.0, 0.0, 1.0));
     // Three along x, turned to y.
@@ -255,12 +255,12 @@ fn instances_share_their_mesh_and_stand_where_they_are_put() {
 fn a_mirrored_node_keeps_its_outside() {
     let mut builder = Builder::triangle();
     builder.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
-    let scene = firsthit::Scene::new(builder.load().unwrap().objects).unwrap();
+    let scene = firsthit::Scene::new(builder.load().unwrap().world.objects).unwrap();
     let (eye, down) = (DVec3::new(-0.2, 0.2, 3.0), DVec3::NEG_Z);
     let hit = shoot(&scene, eye, down);
     assert_eq!(hit.t, 3.0);
     let ray = firsthit::Ray::new(eye, down);
-    assert_eq!(scene.normal(&ray, &hit), DVec3::Z);
+    assert_eq!(scene.interaction(&ray, &hit).unwrap().normal(), DVec3::Z);
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn a_flattened_node_is_flat_with_a_warning() {
         "{:?}",
         model.warnings
     );
-    let scene = firsthit::Scene::new(model.objects).unwrap();
+    let scene = firsthit::Scene::new(model.world.objects).unwrap();
     assert_eq!(
         shoot(&scene, DVec3::new(0.5, 0.5, 10.0), DVec3::NEG_Z).t,
         6.0
@@ -302,7 +302,7 @@ fn corners_that_are_not_finite_cost_their_triangles() {
     builder.primitive()["mode"] = json!(6);
     let model = builder.load().unwrap();
     assert_eq!(
-        model.objects[0].mesh().unwrap().triangles(),
+        model.world.objects[0].mesh().unwrap().triangles(),
         [[0, 2, 3], [0, 3, 4]]
     );
     assert!(
@@ -320,7 +320,7 @@ fn values_beside_positions_that_are_not_finite_are_one_warning_each() {
     builder.attribute("NORMAL", &[0., 0., 1., 0., nan, 1., 0., 0., 1.], "VEC3");
     builder.attribute("COLOR_0", &[nan, -1., 0.5, 1., inf, 1., 1., 1., 1.], "VEC3");
     let model = builder.load().unwrap();
-    let mesh = model.objects[0].mesh().unwrap();
+    let mesh = model.world.objects[0].mesh().unwrap();
     assert_eq!(mesh.uvs().unwrap().values, [[0.0; 2]; 3]);
     assert_eq!(mesh.normals().unwrap().values[1], [0.0; 3]);
     let colors = &mesh.colors().unwrap().values;

@@ -186,7 +186,7 @@ fn sparse_accessors_write_nowhere_but_in_themselves() {
 }
 
 /// Loads within a limit of 16 MiB.
-fn small(builder: &Builder) -> firsthit::Result<firsthit::world::World> {
+fn small(builder: &Builder) -> firsthit::Result<firsthit::load::Loaded> {
     let settings = LoadSettings {
         max_memory: 16 << 20,
         ..LoadSettings::default()
@@ -338,7 +338,7 @@ fn more_memory_allows_a_small_file_more() {
         ..LoadSettings::default()
     };
     let model = load_bytes(Path::new("a.gltf"), &builder.text(), &settings).unwrap();
-    assert_eq!(model.objects[0].triangles(), 1_000_000);
+    assert_eq!(model.world.objects[0].triangles(), 1_000_000);
 }
 
 #[test]

@@ -5,21 +5,22 @@ use std::path::Path;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use firsthit::load::{LoadSettings, load};
+use firsthit::load::{LoadSettings, Loaded, load};
 use firsthit::scene::{Filter, MapRole, Wrap};
-use firsthit::world::World;
-use firsthit::{AlphaMode, Color, DVec2, DVec3, Scene, shoot};
+use firsthit::{AlphaMode, Color, DVec2, DVec3, Ray, Scene, shoot};
 use serde_json::{Value, json};
 
 use crate::builder::{Builder, FLOAT, reference};
 
-fn loaded(path: &Path) -> World {
+fn loaded(path: &Path) -> Loaded {
     load(path, &LoadSettings::default()).unwrap()
 }
 
 /// What is seen of the scene from above.
 fn color(scene: &Scene, x: f64, y: f64) -> Option<Color> {
-    scene.color(&shoot(scene, DVec3::new(x, y, 1.0), DVec3::NEG_Z))
+    let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
+    let hit = shoot(scene, ray.origin, ray.direction);
+    scene.interaction(&ray, &hit).map(|surface| surface.color())
 }
 
 /// The curve of IEC 61966-2-1, as the standard has it.
@@ -57,7 +58,7 @@ fn texels_are_seen_where_the_reference_has_them() {
         let start = 3 * (4 * row + column);
         Color::from(std::array::from_fn(|k| decode(texels[start + k])))
     };
-    let scene = Scene::new(loaded(&file).objects).unwrap();
+    let scene = Scene::new(loaded(&file).world.objects).unwrap();
     let modes = [10497, 33071, 33648];
     for square in 0..12_usize {
         let corner = [1.1 * (square % 3) as f64, 1.1 * (square / 3) as f64];
@@ -103,7 +104,7 @@ fn texels_are_seen_where_the_reference_has_them() {
 #[ignore = "needs ../shared/refdata"]
 fn masks_cut_holes_where_alpha_is_below_the_cutoff() {
     let model = loaded(&reference("generated/alpha_modes.gltf"));
-    let map = model.objects[0].materials()[0]
+    let map = model.world.objects[0].materials()[0]
         .maps
         .get(MapRole::Color)
         .cloned()
@@ -114,7 +115,7 @@ fn masks_cut_holes_where_alpha_is_below_the_cutoff() {
         .iter()
         .map(|texel| f64::from(texel[3]) / 255.0);
     let alphas: Vec<f64> = alphas.collect();
-    let scene = Scene::new(model.objects).unwrap();
+    let scene = Scene::new(model.world.objects).unwrap();
     let mut holes = 0;
     for (square, cutoff) in [0.0, 0.5, 0.25, 0.0, 0.75].into_iter().enumerate() {
         for (k, alpha) in alphas.iter().enumerate() {
@@ -150,21 +151,21 @@ fn vertex_colours_are_linear_in_every_type() {
         .into_iter()
         .enumerate()
     {
-        let own = model.objects[k]
+        let own = model.world.objects[k]
             .mesh()
             .unwrap()
             .color(0, DVec2::ZERO)
             .unwrap();
         assert!((own - Color::from(expected)).length() < 1e-7, "{k}: {own}");
         // Nothing else colours them.
-        assert_eq!(model.objects[k].color(), Color::ONE);
+        assert_eq!(model.world.objects[k].color(), Color::ONE);
     }
 }
 
 #[test]
 fn a_primitive_without_a_material_is_neutral() {
     let model = Builder::triangle().load().unwrap();
-    assert!(model.objects[0].materials().is_empty());
+    assert!(model.world.objects[0].materials().is_empty());
 }
 
 /// One red pixel.
@@ -227,7 +228,7 @@ fn a_small_file_has_few_large_textures() {
     for model in [within.load().unwrap(), loaded(&path)] {
         let has_texture =
             |object: &&firsthit::Object| object.materials()[0].maps.get(MapRole::Color).is_some();
-        assert_eq!(model.objects.iter().filter(has_texture).count(), 2);
+        assert_eq!(model.world.objects.iter().filter(has_texture).count(), 2);
         let [warning] = model.warnings.as_slice() else {
             panic!("{:?}", model.warnings)
         };
@@ -254,7 +255,7 @@ fn textured() -> Builder {
 #[test]
 fn images_come_from_data_uris_views_and_files_beside_the_document() {
     let expected = Some(Color::new(0.5, 0.0, 0.0));
-    let seen = |model: World| color(&Scene::new(model.objects).unwrap(), 0.2, 0.2);
+    let seen = |model: Loaded| color(&Scene::new(model.world.objects).unwrap(), 0.2, 0.2);
     assert_eq!(seen(textured().load().unwrap()), expected);
 
     let mut builder = textured();
@@ -296,7 +297,7 @@ fn an_image_that_cannot_be_had_is_one_warning_and_a_flat_colour() {
             warning.contains("#/images/0: ") && warning.contains(word),
             "{warning}"
         );
-        let scene = Scene::new(model.objects).unwrap();
+        let scene = Scene::new(model.world.objects).unwrap();
         assert_eq!(color(&scene, 0.2, 0.2), Some(Color::new(0.5, 1.0, 1.0)));
     }
 }
@@ -338,10 +339,10 @@ fn the_alpha_of_vertices_counts_for_masks() {
     builder.attribute("COLOR_0", &colors, "VEC4");
     let model = builder.load().unwrap();
     assert_eq!(
-        model.objects[0].materials()[0].alpha_mode,
+        model.world.objects[0].materials()[0].alpha_mode,
         AlphaMode::Mask { cutoff: 0.5 }
     );
-    let scene = Scene::new(model.objects).unwrap();
+    let scene = Scene::new(model.world.objects).unwrap();
     assert!(color(&scene, 0.2, 0.2).is_some());
     assert!(color(&scene, 0.3, 0.3).is_none());
 }
@@ -352,7 +353,7 @@ fn samplers_say_how_a_texture_goes_on_and_what_lies_between_texels() {
     builder.json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
     builder.json["textures"][0]["sampler"] = json!(0);
     let model = builder.load().unwrap();
-    let map = model.objects[0].materials()[0]
+    let map = model.world.objects[0].materials()[0]
         .maps
         .get(MapRole::Color)
         .cloned()
@@ -369,7 +370,7 @@ fn normals_are_interpolated_for_shading() {
     let normals = builder.accessor(&bytes, FLOAT, 3, "VEC3");
     builder.primitive()["attributes"]["NORMAL"] = json!(normals);
     let model = builder.load().unwrap();
-    let mesh = model.objects[0].mesh().unwrap();
+    let mesh = model.world.objects[0].mesh().unwrap();
     let normal = mesh.shading_normal(0, DVec2::new(1.0, 0.0)).unwrap();
     assert!((normal - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-7);
 }
@@ -380,7 +381,7 @@ fn words_of_samplers_that_mean_nothing_are_a_warning() {
     builder.json["samplers"] = json!([{"wrapS": 1, "minFilter": 9728}]);
     builder.json["textures"][0]["sampler"] = json!(0);
     let model = builder.load().unwrap();
-    let map = model.objects[0].materials()[0]
+    let map = model.world.objects[0].materials()[0]
         .maps
         .get(MapRole::Color)
         .cloned()

@@ -4,8 +4,7 @@ use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use firsthit::load::{LoadSettings, load, load_bytes};
-use firsthit::world::World;
+use firsthit::load::{LoadSettings, Loaded, load, load_bytes};
 use firsthit::{DVec2, DVec3, Mesh};
 
 use crate::builder::points;
@@ -19,7 +18,7 @@ fn file(name: &str) -> PathBuf {
         .join(name)
 }
 
-fn torus(name: &str) -> World {
+fn torus(name: &str) -> Loaded {
     let model = load(&file(name), &LoadSettings::default()).unwrap();
     assert_eq!(model.warnings, [""; 0]);
     model
@@ -89,7 +88,7 @@ fn meshopt_streams_unpack_to_what_was_packed() {
     let model = torus("torus_meshopt.glb");
     // Octahedral normals of 8 and of 12 bits; texture coordinates of 15 bits of mantissa.
     for (object, tolerance) in [(0, 0.03), (1, 0.002)] {
-        let mesh = model.objects[object].mesh().unwrap();
+        let mesh = model.world.objects[object].mesh().unwrap();
         check(mesh, tolerance, 1e-4);
         for ((place, ..), k) in vertices().into_iter().zip(0..) {
             let got = mesh.positions().get(k);
@@ -105,7 +104,7 @@ fn meshopt_streams_unpack_to_what_was_packed() {
 #[test]
 fn packed_quaternions_turn_instances() {
     let model = torus("torus_meshopt.glb");
-    let instances = &model.objects[2..];
+    let instances = &model.world.objects[2..];
     assert_eq!(instances.len(), 4);
     for (k, instance) in (0..).zip(instances) {
         let angle = f64::from(k) * TAU / 12.0;
@@ -126,7 +125,7 @@ fn packed_quaternions_turn_instances() {
 #[test]
 fn the_newer_meshopt_stream_is_read_too() {
     let model = torus("torus_meshopt_v1.glb");
-    assert_eq!(model.objects.len(), 5);
+    assert_eq!(model.world.objects.len(), 5);
     for (object, (tolerance, x)) in [
         (1e-6, 0.0),
         (1e-6, 6.0),
@@ -144,7 +143,7 @@ fn the_newer_meshopt_stream_is_read_too() {
                 "{object}: {got}, not {place}"
             );
         }
-        let mesh = model.objects[object].mesh().unwrap();
+        let mesh = model.world.objects[object].mesh().unwrap();
         for (k, &[first, ..]) in mesh.triangles().iter().enumerate() {
             let (_, _, uv) = vertices()[first as usize];
             let color = mesh.color(k, DVec2::ZERO).unwrap();
@@ -161,7 +160,7 @@ fn the_newer_meshopt_stream_is_read_too() {
 fn draco_meshes_unpack_to_what_was_packed() {
     for name in ["torus_draco.glb", "torus_draco_sequential.glb"] {
         let model = torus(name);
-        let mesh = model.objects[0].mesh().unwrap();
+        let mesh = model.world.objects[0].mesh().unwrap();
         assert_eq!(mesh.triangles().len(), triangles().len(), "{name}");
         let mut met = HashSet::new();
         for k in 0..mesh.triangles().len() {

@@ -20,6 +20,7 @@ fn without_scenes_all_nodes_that_are_no_children_are_shown() {
     let names: Vec<_> = builder
         .load()
         .unwrap()
+        .world
         .objects
         .iter()
         .map(|o| o.name().to_owned())
@@ -28,9 +29,9 @@ fn without_scenes_all_nodes_that_are_no_children_are_shown() {
     // The first scene is shown where none is named.
     builder.json["scenes"] = json!([{"nodes": [2]}, {"nodes": [1]}]);
     builder.json.as_object_mut().unwrap().remove("scene");
-    assert_eq!(builder.load().unwrap().objects[0].name(), "b");
+    assert_eq!(builder.load().unwrap().world.objects[0].name(), "b");
     builder.json["scene"] = json!(1);
-    assert_eq!(builder.load().unwrap().objects[0].name(), "child");
+    assert_eq!(builder.load().unwrap().world.objects[0].name(), "child");
 }
 
 #[test]
@@ -84,7 +85,7 @@ fn cameras_are_where_their_nodes_are() {
         // A quarter turn about y looks along -x; scale does not count.
         {"camera": 0, "name": "Front", "translation": [1, 2, 3], "rotation": [0, quarter, 0, quarter], "scale": [5, 5, 5]},
     ]);
-    let cameras = builder.load().unwrap().cameras;
+    let cameras = builder.load().unwrap().world.cameras;
     let [wide, parallel] = &cameras[..] else {
         panic!("{cameras:?}")
     };
@@ -152,21 +153,21 @@ fn lights_are_where_their_nodes_are_and_a_white_surface_sends_back_one_part_in_p
     let model = builder.load().unwrap();
     let white = Color::ONE / PI;
     assert_eq!(
-        model.lights[0],
+        model.world.lights[0],
         Light::Point {
             position: DVec3::new(1.0, 2.0, 3.0),
             intensity: Color::new(1.0, 0.5, 0.25) * (8.0 / PI),
         }
     );
     assert_eq!(
-        model.lights[1],
+        model.world.lights[1],
         Light::Directional {
             direction: DVec3::Z,
             color: Color::ONE * (2.0 / PI),
         }
     );
     assert_eq!(
-        model.lights[2],
+        model.world.lights[2],
         Light::Spot {
             position: DVec3::new(0.0, 0.0, 9.0),
             direction: DVec3::NEG_Z,
@@ -196,9 +197,8 @@ fn a_spot_is_full_within_its_inner_angle_and_nothing_beyond_its_outer_one() {
         shadows: true,
     };
     let shade = Shading {
-        scene: &scene,
-        shader: Shader::Lambert(lambert),
         background: Background::default(),
+        ..Shader::Lambert(lambert).on(&scene)
     };
     let seen = |angle: f64| {
         let (eye, down) = (DVec3::new(2.0 * angle.tan(), 0.0, 1.0), DVec3::NEG_Z);
@@ -239,7 +239,10 @@ fn blend_and_animations_are_warnings() {
     builder.json["animations"] = json!([{"channels": [], "samplers": []}]);
     builder.primitive()["material"] = json!(0);
     let model = builder.load().unwrap();
-    assert_eq!(model.objects[0].materials()[0].alpha_mode, AlphaMode::Blend);
+    assert_eq!(
+        model.world.objects[0].materials()[0].alpha_mode,
+        AlphaMode::Blend
+    );
     for word in ["#/materials/0/alphaMode: ", "#/animations: 1 "] {
         assert!(
             model.warnings.iter().any(|line| line.contains(word)),
@@ -260,6 +263,6 @@ fn ninety_thousand_nodes_of_one_mesh_take_moments() {
         push(&mut builder.json["scenes"][0]["nodes"], json!(k));
     }
     let start = std::time::Instant::now();
-    assert_eq!(builder.load().unwrap().objects.len(), 90_000);
+    assert_eq!(builder.load().unwrap().world.objects.len(), 90_000);
     assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
 }

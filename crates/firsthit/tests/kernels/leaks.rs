@@ -24,7 +24,7 @@ fn leaks(round: usize, rays_each: usize) -> usize {
         else {
             continue;
         };
-        for own in model.objects.iter().filter_map(Object::mesh) {
+        for own in model.world.objects.iter().filter_map(Object::mesh) {
             if own.triangles().len() > 200_000 || !is_closed(own.triangles()) {
                 continue;
             }

@@ -7,14 +7,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use firsthit::camera::Projection;
-use firsthit::load::{LoadSettings, load};
-use firsthit::world::World;
+use firsthit::load::{LoadSettings, Loaded, load};
 use firsthit::{
     Background, Color, DQuat, DVec3, Error, Light, RayStart, Result, Scene, Shader, shoot,
 };
 
 /// Loads a scene file among other files.
-fn read(text: &str, files: &[(&str, &str)]) -> Result<World> {
+fn read(text: &str, files: &[(&str, &str)]) -> Result<Loaded> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, content) in files {
         let path = folder.path().join(name);
@@ -26,7 +25,7 @@ fn read(text: &str, files: &[(&str, &str)]) -> Result<World> {
     load(&path, &LoadSettings::default())
 }
 
-fn model(text: &str) -> World {
+fn model(text: &str) -> Loaded {
     read(text, &[]).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
@@ -62,7 +61,9 @@ fn every_shape_is_met_where_its_keys_put_it() {
             ("\ntranslate = [0, 0, 1]", 2.0),
             ("\nscale = 2", 2.0),
         ] {
-            let objects = model(&format!("[[objects]]\n{shape}{placed}\n")).objects;
+            let objects = model(&format!("[[objects]]\n{shape}{placed}\n"))
+                .world
+                .objects;
             let scene = Scene::new(objects).expect("one object");
             let hit = shoot(&scene, DVec3::new(0.0, 0.0, 10.0), DVec3::NEG_Z);
             assert_eq!((hit.object, hit.t), (0, 10.0 - height), "{shape}{placed}");
@@ -74,7 +75,9 @@ fn every_shape_is_met_where_its_keys_put_it() {
 fn objects_are_scaled_then_rotated_then_translated() {
     let placed = |keys: &str| {
         let text = format!("[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\n{keys}");
-        let map = *model(&text).objects[0].transform().world_from_object();
+        let map = *model(&text).world.objects[0]
+            .transform()
+            .world_from_object();
         map.transform_point3(DVec3::new(1.0, 2.0, 3.0))
     };
     assert_eq!(placed(""), DVec3::new(1.0, 2.0, 3.0));
@@ -102,13 +105,13 @@ fn numbers_keep_every_digit() {
     let text = "[[objects]]\nshape = 'plane'\npoint = [0, 0, 0.1234567890123456789]\n\
         normal = [0, 0, 1]\n[[lights]]\nkind = 'point'\nposition = [0x10, 1_000.5, -9007199254740993]\n";
     let model = model(text);
-    let scene = Scene::new(model.objects).expect("one object");
+    let scene = Scene::new(model.world.objects).expect("one object");
     let hit = shoot(&scene, DVec3::new(0.0, 0.0, 1.0), DVec3::NEG_Z);
     assert_eq!(hit.t, 1.0 - 0.123_456_789_012_345_68);
     let white = Color::ONE;
     let place = DVec3::new(16.0, 1000.5, -9_007_199_254_740_992.0);
     assert_eq!(
-        model.lights,
+        model.world.lights,
         [Light::Point {
             position: place,
             intensity: white
@@ -125,13 +128,14 @@ fn cameras_are_what_their_words_say() {
         width = 4\nheight = 2\n";
     let model = model(text);
     let names: Vec<&str> = model
+        .world
         .cameras
         .iter()
         .map(|camera| camera.name.as_str())
         .collect();
     assert_eq!(names, ["camera", "side", "flat"]);
-    assert!(model.has_view);
-    let view = model.cameras[0].view;
+    assert!(model.world.has_view);
+    let view = model.world.cameras[0].view;
     assert_eq!(
         (view.position, view.aim, view.up),
         (DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z, DVec3::Y)
@@ -152,7 +156,7 @@ fn cameras_are_what_their_words_say() {
         ),
         (720, 100, RayStart::Viewplane)
     );
-    let side = &model.cameras[1];
+    let side = &model.world.cameras[1];
     assert_eq!(
         (side.view.aim, side.view.up, side.has_size),
         (DVec3::NEG_X, DVec3::Z, false)
@@ -160,7 +164,7 @@ fn cameras_are_what_their_words_say() {
     assert!((side.view.lens.viewplane().unwrap().height - 2.0 / 3.0_f64.sqrt()).abs() < 1e-15);
     // The specification: cameras of a scene file start their rays at the eye.
     assert_eq!(side.view.lens.viewplane().unwrap().ray_start, RayStart::Eye);
-    let flat = model.cameras[2].view;
+    let flat = model.world.cameras[2].view;
     let viewplane = flat.lens.viewplane().unwrap();
     assert_eq!(
         (flat.lens.projection(), viewplane.width, viewplane.height),
@@ -173,11 +177,11 @@ fn cameras_are_what_their_words_say() {
 fn what_a_camera_leaves_open_the_objects_decide() {
     let ball = "[[objects]]\nshape = 'sphere'\ncenter = [10, 0, 0]\nradius = 2\n";
     let model = model(&format!("up = [0, 1, 0]\n[camera]\ncolumns = 80\n{ball}"));
-    let view = model.cameras[0].view;
+    let view = model.world.cameras[0].view;
     assert_eq!((view.columns, view.rows, view.up), (80, 60, DVec3::Y));
     let to_ball = DVec3::new(10.0, 0.0, 0.0) - view.position;
     assert!(to_ball.normalize().dot(view.aim) > 1.0 - 1e-12);
-    assert_eq!(model.up, DVec3::Y);
+    assert_eq!(model.world.up, DVec3::Y);
 }
 
 #[test]
@@ -190,31 +194,36 @@ fn lights_background_and_shading_are_read() {
         zenith: Color::new(0.0, 0.0, 0.5),
         up: DVec3::Z,
     };
-    assert_eq!(lit.background, Some(sky));
+    assert_eq!(lit.world.background, Some(sky));
     let color = Color::new(1.0, 0.5, 0.0);
     assert_eq!(
-        lit.lights,
+        lit.world.lights,
         [Light::Directional {
             direction: DVec3::NEG_Z,
             color
         }]
     );
-    let Some(Shader::Lambert(lambert)) = lit.shader else {
-        panic!("{:?}", lit.shader);
+    let Some(Shader::Lambert(lambert)) = lit.world.shader else {
+        panic!("{:?}", lit.world.shader);
     };
     assert_eq!(
-        (lambert.ambient, lambert.shadows, lit.samples),
+        (lambert.ambient, lambert.shadows, lit.world.samples),
         (Color::ZERO, false, Some(16))
     );
     let plain = model("[background]\ncolor = '#bc0000'\n[shading]\nshader = 'unlit'\n");
-    assert_eq!(plain.shader.map(|shader| shader.name()), Some("unlit"));
-    let Some(Background::Uniform(red)) = plain.background else {
-        panic!("{:?}", plain.background);
+    assert_eq!(
+        plain.world.shader.map(|shader| shader.name()),
+        Some("unlit")
+    );
+    let Some(Background::Uniform(red)) = plain.world.background else {
+        panic!("{:?}", plain.world.background);
     };
     // Byte 188 of sRGB is half the light, to half a byte.
     assert!((red.x - 0.5).abs() < 0.005 && red.y == 0.0);
     let empty = model("");
-    assert!(empty.shader.is_none() && empty.background.is_none() && !empty.has_view);
+    assert!(
+        empty.world.shader.is_none() && empty.world.background.is_none() && !empty.world.has_view
+    );
 }
 
 #[test]
@@ -227,12 +236,20 @@ fn a_file_named_twice_is_read_once_and_shared() {
     let text = "[[objects]]\nfile = 'parts/t.obj'\nname = 'left'\n\
         [[objects]]\nfile = './parts/t.obj'\ntranslate = [9, 0, 0]\ncolor = [1, 0, 0]\n";
     let model = read(text, &[("parts/t.obj", TETRAHEDRON)]).expect("a scene");
-    let names: Vec<&str> = model.objects.iter().map(firsthit::Object::name).collect();
+    let names: Vec<&str> = model
+        .world
+        .objects
+        .iter()
+        .map(firsthit::Object::name)
+        .collect();
     assert_eq!(names, ["left/a", "left/b", "a", "b"]);
-    let mesh = |k: usize| model.objects[k].mesh().expect("a mesh");
+    let mesh = |k: usize| model.world.objects[k].mesh().expect("a mesh");
     assert!(Arc::ptr_eq(mesh(0), mesh(2)) && Arc::ptr_eq(mesh(1), mesh(3)));
-    assert_eq!(model.objects[2].color(), Color::X);
-    assert_eq!(model.objects[2].bounds().low, DVec3::new(9.0, 0.0, 0.0));
+    assert_eq!(model.world.objects[2].color(), Color::X);
+    assert_eq!(
+        model.world.objects[2].bounds().low,
+        DVec3::new(9.0, 0.0, 0.0)
+    );
     assert_eq!(model.files.len(), 2);
 }
 
@@ -314,8 +331,8 @@ fn outputs_do_not_follow_links_out_of_the_folder() {
     }
     fs::write(&path, "[[outputs]]\nfile = 'new/a.png'\n").expect("room for a file");
     let model = load(&path, &LoadSettings::default()).expect("a scene");
-    assert_eq!(model.outputs[0].path, folder.join("new/a.png"));
-    assert_eq!(model.outputs[0].channels, ["color"]);
+    assert_eq!(model.world.outputs[0].path, folder.join("new/a.png"));
+    assert_eq!(model.world.outputs[0].channels, ["color"]);
 }
 
 #[test]
@@ -342,10 +359,14 @@ fn a_mesh_with_a_corner_that_is_too_far_is_refused_by_its_place() {
 #[test]
 fn colours_have_names_and_a_background_may_be_transparent() {
     let model = model("[background]\ncolor = 'transparent'\n[shading]\nambient = 'white'\n");
-    assert_eq!(model.background, Some(Background::Transparent));
-    let named = self::model("[background]\ncolor = 'tomato'\n").background;
+    assert_eq!(model.world.background, Some(Background::Transparent));
+    let named = self::model("[background]\ncolor = 'tomato'\n")
+        .world
+        .background;
     assert_eq!(
         named,
-        self::model("[background]\ncolor = '#ff6347'\n").background
+        self::model("[background]\ncolor = '#ff6347'\n")
+            .world
+            .background
     );
 }

@@ -276,7 +276,7 @@ fn hostile_texts_end_soon_and_in_an_error() {
 fn a_hundred_thousand_objects_take_moments() {
     let ball = "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\n";
     let start = std::time::Instant::now();
-    assert_eq!(model(&ball.repeat(100_000)).objects.len(), 100_000);
+    assert_eq!(model(&ball.repeat(100_000)).world.objects.len(), 100_000);
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 

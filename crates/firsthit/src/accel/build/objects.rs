@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::binary::{Binary, BinaryNode, CHUNK, Kind, binary};
 use super::binned_sah::{Block, Box32, Item};
-use crate::accel::bvh::{Bvh, Node};
+use crate::accel::bvh::{Bvh, Node, Places};
 use crate::geometry::{Bounds, DVec3};
 
 /// Leaves have up to this many boxes.
@@ -41,6 +41,7 @@ impl Bvh {
                 slack,
                 nodes: Vec::new(),
                 order: Vec::new(),
+                places: None,
             };
         }
         let origin = all.centre();
@@ -56,7 +57,61 @@ impl Bvh {
             slack,
             nodes: nodes.into_iter().map(Node::from).collect(),
             order,
+            places: None,
         }
+    }
+
+    /// Fits the tree to a box that is elsewhere now, and finite: `bounds` as for [`Bvh::build`]. The boxes around it change, up to
+    /// the root.
+    pub(crate) fn refit(&mut self, moved: u32, bounds: impl Fn(u32) -> Bounds) {
+        let places = self.places.take().unwrap_or_else(|| self.find_places());
+        let new = bounds(moved);
+        let reach = (new.high - self.origin).max(self.origin - new.low);
+        self.extent = self.extent.max(reach.max_element());
+        let mut index = places.leaves[moved as usize] as usize;
+        loop {
+            let node = self.nodes[index];
+            let around = if node.count > 0 {
+                let first = node.first as usize;
+                let members = &self.order[first..first + node.count as usize];
+                let boxes = members
+                    .iter()
+                    .map(|&k| rounded_outwards(bounds(k), self.origin));
+                boxes.reduce(Box32::union)
+            } else {
+                let child = |k: usize| self.nodes[node.first as usize + k];
+                let [left, right] =
+                    [child(0), child(1)].map(|node| Box32::new(node.low, node.high));
+                Some(left.union(right))
+            };
+            let Some(around) = around else { break };
+            let node = &mut self.nodes[index];
+            (node.low, node.high) = (around.low(), around.high());
+            if index == 0 {
+                break;
+            }
+            index = places.parents[index] as usize;
+        }
+        self.places = Some(places);
+    }
+
+    fn find_places(&self) -> Places {
+        let last = self.order.iter().max().map_or(0, |&last| last as usize + 1);
+        let mut places = Places {
+            leaves: vec![0; last],
+            parents: vec![0; self.nodes.len()],
+        };
+        for (index, node) in (0..).zip(&self.nodes) {
+            let first = node.first as usize;
+            if node.count > 0 {
+                for &member in &self.order[first..first + node.count as usize] {
+                    places.leaves[member as usize] = index;
+                }
+            } else {
+                places.parents[first..first + 2].fill(index);
+            }
+        }
+        places
     }
 }
 

@@ -95,10 +95,10 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
         report.warn("empty", &Place::File, what);
     }
     let meshes = objects.iter().filter_map(Object::mesh);
+    report.vertices = Some(meshes.map(|mesh| mesh.positions().len() as u64).sum());
     Ok(World {
         cameras,
         lights,
-        vertices: Some(meshes.map(|mesh| mesh.positions().len() as u64).sum()),
         ..World::of(objects)
     })
 }

@@ -36,6 +36,8 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
     let grid = PixelGrid {
         rows,
         columns,
+        first: [0, 0],
+        whole: [rows, columns],
         position: if is_parallel {
             middle - first.direction
         } else {
@@ -73,7 +75,7 @@ fn is_near(grid: &PixelGrid, row: usize, column: usize, ray: &Ray) -> bool {
         Some(parallel) => (ray.origin - grid.position, ray.direction == parallel),
         None => (length * ray.direction, ray.origin == grid.position),
     };
-    let pixel = grid.width / grid.columns as f64;
+    let [pixel, _] = grid.size();
     is_alike && ray.is_whole() && (crossing - grid.point(row, column)).length() < FARTHEST * pixel
 }
 
@@ -236,7 +238,8 @@ impl TileRays<'_> {
         }
         let mut all = [0.0; WIDE];
         l.store64(farthest, &mut all);
-        let pixel = (grid.width / grid.columns as f64).min(grid.height / grid.rows as f64);
+        let [width, height] = grid.size();
+        let pixel = width.min(height);
         // Rows and columns need not be at a right angle, nor parallel rays at one to the grid.
         let normal = grid.right.cross(grid.upwards);
         let sine = match grid.parallel {
@@ -326,6 +329,8 @@ mod tests {
         let grid = PixelGrid {
             rows: 40,
             columns: 70,
+            first: [0, 0],
+            whole: [40, 70],
             position: DVec3::new(3.0, -2.0, 1.0),
             toward,
             right,

@@ -174,20 +174,24 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     if !(is_in_front && low.is_finite() && high.is_finite()) {
         return Some(whole);
     }
-    let tiles = |low: f64, high: f64, size: f64, count: usize| {
-        let pixel = size / count as f64;
+    let nearest = low.z;
+    // The tiles of a row or column of them, from where on the viewplane, counted from its first edge, something is seen.
+    let tiles = |low: f64, high: f64, pixel: f64, axis: usize| {
         let blur = if grid.parallel.is_some() {
             slack
         } else {
-            slack * focal / low.max(slack)
+            slack * focal / nearest.max(slack)
         };
         let pad = 1.0 + blur / pixel;
-        let tile = |x: f64| (x / pixel + 0.5 * count as f64) / TILE as f64;
+        let from_first = 0.5 * grid.whole[axis] as f64 - grid.first[axis] as f64;
+        let tile = |x: f64| (x / pixel + from_first) / TILE as f64;
+        let count = [grid.rows, grid.columns][axis];
         let first = (tile(low) - pad).floor().max(0.0) as usize;
         first..((tile(high) + pad).ceil().max(0.0) as usize).min(count.div_ceil(TILE))
     };
-    let columns = tiles(low.x, high.x, grid.width, grid.columns);
-    let rows = tiles(-high.y, -low.y, grid.height, grid.rows);
+    let [width, height] = grid.size();
+    let columns = tiles(low.x, high.x, width, 1);
+    let rows = tiles(-high.y, -low.y, height, 0);
     (!columns.is_empty() && !rows.is_empty()).then_some(Placed {
         rows,
         columns,
@@ -236,8 +240,9 @@ pub(super) fn camera_of_tile(
 ) -> TileCamera {
     // From the first pixel to the middle of sixteen.
     let half = 0.5 * (TILE as f64 - 1.0);
-    let x = grid.x(column) + half * grid.width / grid.columns as f64;
-    let y = grid.y(row) - half * grid.height / grid.rows as f64;
+    let [width, height] = grid.size();
+    let x = grid.x(column) + half * width;
+    let y = grid.y(row) - half * height;
     let aside = x * grid.right + y * grid.upwards;
     let map = object.transform().object_from_world();
     let place = object.transform().world_from_object().translation;
@@ -254,8 +259,8 @@ pub(super) fn camera_of_tile(
     TileCamera {
         eye: turned(start - place),
         centre: turned(centre),
-        across: turned(grid.width / grid.columns as f64 * grid.right),
-        down: turned(-grid.height / grid.rows as f64 * grid.upwards),
+        across: turned(width * grid.right),
+        down: turned(-height * grid.upwards),
         is_perspective: grid.parallel.is_none(),
         start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
         off,

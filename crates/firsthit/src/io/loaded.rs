@@ -1,0 +1,57 @@
+//! The result of reading a file.
+
+use std::fmt::{self, Debug, Formatter};
+use std::path::PathBuf;
+
+use crate::error::Result;
+use crate::scene::Scene;
+use crate::world::World;
+
+/// A file that was read: the world that it describes, and facts about the reading.
+#[derive(Clone)]
+pub struct Loaded {
+    /// The world that the file describes.
+    pub world: World,
+    /// The files that were read, the loaded one first.
+    pub files: Vec<PathBuf>,
+    /// The warnings about the file: a line each, ready to print.
+    pub warnings: Vec<String>,
+    /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
+    /// formats `None`: the objects' buffers tell.
+    pub vertices: Option<u64>,
+}
+
+/// A summary: the world's, and counts.
+impl Debug for Loaded {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Loaded")
+            .field("world", &self.world)
+            .field("files", &self.files.len())
+            .field("warnings", &self.warnings.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Loaded {
+    /// The scene of the world, see [`World::into_scene`].
+    ///
+    /// ```
+    /// use std::path::Path;
+    ///
+    /// use firsthit::load::{LoadSettings, load_bytes};
+    ///
+    /// let stl = b"solid one\nfacet normal 0 0 1\nouter loop\n\
+    ///     vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid one\n";
+    /// let loaded = load_bytes(Path::new("one.stl"), stl, &LoadSettings::default())?;
+    /// let scene = loaded.into_scene()?;
+    /// assert_eq!(scene.triangles(), 1);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::new`].
+    pub fn into_scene(self) -> Result<Scene> {
+        self.world.into_scene()
+    }
+}

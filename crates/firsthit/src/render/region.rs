@@ -1,0 +1,100 @@
+//! A part of a sensor's pixels, at one point of each.
+
+use std::ops::Range;
+
+use crate::error::{Error, Result};
+use crate::geometry::{DVec2, PixelGrid, Ray, Rays};
+use crate::image::CameraRecord;
+use crate::sensor::Sensor;
+
+/// A rectangle of pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Region {
+    /// Its rows, counted from the top.
+    pub rows: Range<usize>,
+    /// Its columns, counted from the left.
+    pub columns: Range<usize>,
+}
+
+impl Region {
+    /// All pixels of a sensor.
+    pub fn all([rows, columns]: [usize; 2]) -> Self {
+        Self {
+            rows: 0..rows,
+            columns: 0..columns,
+        }
+    }
+
+    /// Rows and columns.
+    pub fn shape(&self) -> [usize; 2] {
+        [self.rows.len(), self.columns.len()]
+    }
+
+    /// Refuses a region that has no pixels, or others than a sensor of that shape.
+    pub(super) fn check(&self, [rows, columns]: [usize; 2]) -> Result<()> {
+        let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
+        if fits(&self.rows, rows) && fits(&self.columns, columns) {
+            return Ok(());
+        }
+        let got = format!("rows {:?} and columns {:?}", self.rows, self.columns);
+        let expected = "a part of the picture that is not empty";
+        Err(Error::argument("region", expected, got))
+    }
+}
+
+/// The rays through one point of the pixels of a region.
+#[derive(Debug, Clone)]
+pub(super) struct Part<'a> {
+    pub(super) sensor: &'a dyn Sensor,
+    pub(super) region: Region,
+    pub(super) offset: DVec2,
+}
+
+impl Part<'_> {
+    /// The number of a pixel in the whole picture.
+    pub(super) fn pixel(&self, index: usize) -> usize {
+        let [_, columns] = self.sensor.shape();
+        let width = self.region.columns.len();
+        let row = self.region.rows.start + index / width;
+        row * columns + self.region.columns.start + index % width
+    }
+}
+
+impl Rays for Part<'_> {
+    fn len(&self) -> usize {
+        let [rows, columns] = self.region.shape();
+        rows.saturating_mul(columns)
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self.sensor.ray_within(self.pixel(index), self.offset)
+    }
+
+    fn grid(&self) -> Option<PixelGrid> {
+        self.grid_within(self.offset)
+    }
+}
+
+impl Sensor for Part<'_> {
+    fn shape(&self) -> [usize; 2] {
+        self.region.shape()
+    }
+
+    fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray {
+        self.sensor.ray_within(self.pixel(pixel), offset)
+    }
+
+    fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
+        let first = [self.region.rows.start, self.region.columns.start];
+        let grid = self.sensor.grid_within(offset)?;
+        Some(grid.part(first, self.region.shape()))
+    }
+
+    fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
+        self.sensor.range_and_z(self.pixel(pixel), t)
+    }
+
+    fn record(&self) -> CameraRecord {
+        self.sensor.record()
+    }
+}

@@ -1,0 +1,163 @@
+//! A part of a picture that is rendered at once, sample by sample.
+//!
+//! 1. Trace the rays through the pixels' centres, a grid of them.
+//! 2. Make from these hits all channels but the colour.
+//! 3. Shade the hits, a few hundred at a time, and add the colours to the pixels' sums.
+//! 4. For each further sample, trace the grid moved to another point of the pixels, shade and add.
+//!
+//! Every sample goes by the tiles of `shoot`. Sums are in the order of the samples, so it does not matter how many are added
+//! at a time.
+
+use rayon::prelude::*;
+
+use super::Picture;
+use super::region::{Part, Region};
+use crate::channel::{self, Shots};
+use crate::error::{Error, Result};
+use crate::geometry::{Color, DVec3, Ray, Rays};
+use crate::image::{Channel, Data};
+use crate::memory::zeroed;
+use crate::sampling::offset;
+use crate::shade::Samples;
+use crate::shoot::{First, Hits, trace_into};
+use crate::watch::Watch;
+
+/// How many pixels are shaded at a time: enough that their shadow rays go together, few enough for slow shaders.
+const SHADED: usize = 256;
+
+/// See [the module](self).
+pub(super) struct Slab<'a> {
+    picture: &'a Picture<'a>,
+    part: Part<'a>,
+    hits: Hits,
+    /// Red, green, blue and coverage, summed over the samples so far.
+    sums: Vec<[f64; 4]>,
+    samples: u32,
+    /// All channels but the colour, in their order.
+    channels: Vec<Channel>,
+}
+
+impl<'a> Slab<'a> {
+    pub(super) fn new(picture: &'a Picture<'a>, region: Region) -> Result<Self> {
+        let part = Part {
+            sensor: picture.sensor,
+            region,
+            offset: offset(0),
+        };
+        let pixels = if picture.has_color() { part.len() } else { 0 };
+        Ok(Self {
+            picture,
+            sums: zeroed(pixels)?,
+            part,
+            hits: Hits::default(),
+            samples: 0,
+            channels: Vec::new(),
+        })
+    }
+
+    /// Adds the next sample.
+    pub(super) fn add_sample(&mut self, watch: &dyn Watch) -> Result<()> {
+        let picture = self.picture;
+        self.part.offset = offset(self.samples);
+        let answers = (First, &mut self.hits);
+        trace_into(picture.engine, picture.scene, &self.part, answers, watch)?;
+        if self.samples == 0 {
+            let shots = Shots {
+                scene: picture.scene,
+                rays: &self.part,
+                hits: &self.hits,
+                sensor: Some(&self.part),
+            };
+            let plain = picture.channels.iter().copied();
+            let plain: Vec<_> = plain.filter(|kind| !kind.needs_shade()).collect();
+            self.channels = channel::make(&plain, &shots, watch)?;
+        }
+        self.shade(watch)?;
+        self.samples += 1;
+        Ok(())
+    }
+
+    /// Adds the colours of the current hits to the sums.
+    fn shade(&mut self, watch: &dyn Watch) -> Result<()> {
+        let (part, hits, sample) = (&self.part, &self.hits, self.samples);
+        let shade = self.picture.shade;
+        let chunks = self.sums.par_chunks_mut(SHADED).enumerate();
+        chunks.try_for_each(|(chunk, sums)| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            let pixels = chunk * SHADED..chunk * SHADED + sums.len();
+            let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED];
+            let rays = &mut rays[..sums.len()];
+            part.read(pixels.start, rays);
+            let mut numbers = [0; SHADED];
+            for (number, index) in numbers.iter_mut().zip(pixels.clone()) {
+                *number = part.pixel(index) as u64;
+            }
+            let samples = Samples {
+                rays,
+                hits: &hits.part(pixels),
+                pixels: &numbers[..sums.len()],
+                sample,
+            };
+            let mut colors = [Color::ZERO; SHADED];
+            shade.shade_all(&samples, &mut colors[..sums.len()]);
+            for ((sum, color), &t) in sums.iter_mut().zip(colors).zip(&samples.hits.t) {
+                let covered = f64::from(u8::from(t < f64::INFINITY));
+                for (sum, value) in sum.iter_mut().zip([color.x, color.y, color.z, covered]) {
+                    *sum += value;
+                }
+            }
+            watch.advance(sums.len() as u64);
+            Ok(())
+        })
+    }
+
+    /// How many of its pixels' centres hit something.
+    pub(super) fn region(&self) -> &Region {
+        &self.part.region
+    }
+
+    /// The channels, in the order of the picture's, the colour as the mean of the samples so far.
+    pub(super) fn channels(&self) -> Result<Vec<Channel>> {
+        let mut plain = self.channels.iter();
+        let kinds = self.picture.channels.iter();
+        let channels = kinds.map(|kind| {
+            if !kind.needs_shade() {
+                let channel = plain.next().expect("it was made with the first sample");
+                return Ok(channel.clone());
+            }
+            Ok(if self.picture.shade.is_transparent() {
+                kind.transparent_channel(self.means::<4>()?)
+            } else {
+                kind.channel(self.means::<3>()?)
+            })
+        });
+        channels.collect()
+    }
+
+    /// `N` numbers for each pixel: red, green, blue, and with `N` = 4 the coverage.
+    fn means<const N: usize>(&self) -> Result<Data> {
+        let mut means = zeroed::<f32>(self.sums.len().saturating_mul(N))?;
+        let count = f64::from(self.samples.max(1));
+        let chunk = 1 << 12;
+        let sums = self.sums.par_chunks(chunk);
+        let chunks = means.par_chunks_mut(N * chunk).zip(sums);
+        chunks.for_each(|(out, sums)| {
+            for (out, sum) in out.chunks_mut(N).zip(sums) {
+                for (out, sum) in out.iter_mut().zip(sum) {
+                    *out = single(sum / count);
+                }
+            }
+        });
+        Ok(Data::Float32(means))
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "colours are stored as float32"
+)]
+fn single(value: f64) -> f32 {
+    value as f32
+}

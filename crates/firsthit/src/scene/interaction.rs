@@ -1,0 +1,163 @@
+//! What there is to know about a hit.
+
+use std::cell::OnceCell;
+
+use super::{MapRole, Material, Object, Scene};
+use crate::geometry::{Color, DVec2, DVec3, Hit, Ray};
+use crate::shape::{Mesh, Shape, Surface};
+
+/// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything else is computed when it is
+/// asked for.
+///
+/// ```
+/// use firsthit::{DVec3, Object, Ray, Scene, Sphere, shoot};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+/// let hit = shoot(&scene, ray.origin, ray.direction);
+/// let surface = scene.interaction(&ray, &hit).expect("the ray hits the sphere");
+/// assert_eq!(surface.position(), DVec3::Z);
+/// assert_eq!(surface.normal(), DVec3::Z);
+/// assert!(surface.is_front());
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SurfaceInteraction<'a> {
+    ray: &'a Ray,
+    hit: &'a Hit,
+    object: &'a Object,
+    /// The mesh, and which of its triangles.
+    mesh: Option<(&'a Mesh, usize)>,
+    normal: OnceCell<DVec3>,
+}
+
+impl Scene {
+    /// What there is to know about a ray's hit; `None` for a miss.
+    ///
+    /// It takes a hit of this scene: with one of another scene it answers for whatever has its identifiers here.
+    ///
+    /// # Panics
+    ///
+    /// Where a mesh has no such triangle.
+    pub fn interaction<'a>(&'a self, ray: &'a Ray, hit: &'a Hit) -> Option<SurfaceInteraction<'a>> {
+        let object = self.object(hit)?;
+        let mesh = match object.shape() {
+            Shape::Mesh(mesh) => Some((mesh.as_ref(), usize::try_from(hit.primitive).ok()?)),
+            _ => None,
+        };
+        Some(SurfaceInteraction {
+            ray,
+            hit,
+            object,
+            mesh,
+            normal: OnceCell::new(),
+        })
+    }
+}
+
+impl<'a> SurfaceInteraction<'a> {
+    /// The ray, in the world.
+    pub fn ray(&self) -> &'a Ray {
+        self.ray
+    }
+
+    /// What the ray met.
+    pub fn hit(&self) -> &'a Hit {
+        self.hit
+    }
+
+    /// The object.
+    pub fn object(&self) -> &'a Object {
+        self.object
+    }
+
+    /// The material; `None` for an object that was given none.
+    pub fn material(&self) -> Option<&'a Material> {
+        self.object.material(self.hit.primitive)
+    }
+
+    /// Where the hit is in the world.
+    ///
+    /// `ray.at(hit.t)` is off by the rounding of everything on the ray's way; this point is on the surface. In object space a
+    /// triangle's is the mean of its corners by the hit's weights, off its plane by 13 * 2^-53 of the largest coordinate at most. Other shapes'
+    /// is `ray.at(hit.t)` moved onto the shape, off that by 8 * 2^-53 of the shape's largest coordinate and its size. A
+    /// transform rounds once more.
+    pub fn position(&self) -> DVec3 {
+        let transform = self.object.transform();
+        let point = if let Some((mesh, triangle)) = self.mesh {
+            let [a, b, c] = mesh.corners(triangle);
+            let weights = self.hit.barycentric;
+            a + (weights.x * (b - a) + weights.y * (c - a))
+        } else {
+            let point = transform.ray_in_object(self.ray).at(self.hit.t);
+            self.object.shape().onto(point, self.hit.primitive)
+        };
+        if transform.is_identity() {
+            point
+        } else {
+            transform.world_from_object().transform_point3(point)
+        }
+    }
+
+    /// The geometric normal in the world: the face's own, of length one, outwards for closed shapes. NaN for a triangle
+    /// without an area.
+    pub fn normal(&self) -> DVec3 {
+        *self.normal.get_or_init(|| {
+            let transform = self.object.transform();
+            let point = transform.ray_in_object(self.ray).at(self.hit.t);
+            let normal = self.object.shape().normal(point, self.hit.primitive);
+            transform.normal_in_world(normal)
+        })
+    }
+
+    /// The normal to shade with: interpolated where the mesh has normals at its vertices, on the same side as the geometric
+    /// normal, which it is everywhere else.
+    pub fn shading_normal(&self) -> DVec3 {
+        let geometric = self.normal();
+        let smooth = || {
+            let (mesh, triangle) = self.mesh?;
+            let smooth = mesh.shading_normal(triangle, self.hit.barycentric)?;
+            let smooth = self.object.transform().normal_in_world(smooth);
+            (smooth.is_finite() && smooth.dot(geometric) > 0.0).then_some(smooth)
+        };
+        smooth().unwrap_or(geometric)
+    }
+
+    /// Whether the front was met: the side that the geometric normal points to.
+    pub fn is_front(&self) -> bool {
+        self.ray.direction.dot(self.normal()) < 0.0
+    }
+
+    /// The linear colour: the material's, times its texture's, times the mesh's own.
+    pub fn color(&self) -> Color {
+        let Some((mesh, triangle)) = self.mesh else {
+            return self.object.color();
+        };
+        let own = mesh.color(triangle, self.hit.barycentric);
+        let look = self.material().map_or(Object::NEUTRAL, |material| {
+            if material.maps.get(MapRole::Color).is_some() {
+                material.color_at(mesh.uv(triangle, self.hit.barycentric))
+            } else {
+                material.color
+            }
+        });
+        look * own.unwrap_or(Color::ONE)
+    }
+
+    /// Whether the colour is to be seen as it is, whatever the light.
+    pub fn is_unlit(&self) -> bool {
+        self.material().is_some_and(|material| material.unlit)
+    }
+
+    /// The texture coordinates, where a mesh has them.
+    pub fn uv(&self) -> Option<DVec2> {
+        let (mesh, triangle) = self.mesh?;
+        mesh.uv(triangle, self.hit.barycentric)
+    }
+
+    /// The polygon of the file that the triangle was part of; of other shapes the primitive.
+    pub fn face(&self) -> i32 {
+        let face = |(mesh, triangle): (&Mesh, usize)| i32::try_from(mesh.face(triangle)).ok();
+        self.mesh.and_then(face).unwrap_or(self.hit.primitive)
+    }
+}

@@ -1,0 +1,146 @@
+//! The tree over a scene's objects, and the objects that are in none.
+
+use super::Object;
+use super::duplicates::Duplicates;
+use crate::accel::{Bvh, Walk, WalkStack};
+use crate::geometry::{Bounds, Ray};
+
+/// Up to this many objects are all asked.
+const FEW: usize = 4;
+
+/// Where rounding is larger than this share of the coordinates (the transform all but flattens space), the object is
+/// better off without a box than all others are with wider ones.
+const LARGEST_SLACK: f64 = 1e-8;
+
+/// See [the module](self).
+#[derive(Debug, Clone)]
+pub(super) struct TopTree {
+    tree: Bvh,
+    /// The objects that every ray is a candidate for: they have no finite box, or only a vague one, or there are so few
+    /// that asking the tree would take longer.
+    unconditional: Vec<u32>,
+    duplicates: Duplicates,
+    /// A box around each object.
+    boxes: Vec<Bounds>,
+    /// How often an object was moved since the tree was built.
+    moves: usize,
+}
+
+impl TopTree {
+    /// Of objects with these boxes around them, at most `i32::MAX`.
+    pub(super) fn new(objects: &[Object], boxes: Vec<Bounds>) -> Self {
+        let duplicates = Duplicates::new(objects, &boxes);
+        let count = u32::try_from(objects.len()).expect("identifiers are numbers of 31 bits");
+        let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
+        let loose = (0..count).filter(|&k| is_loose(k) && !duplicates.contains(k));
+        let unconditional = loose.collect();
+        let slack = (0..count)
+            .filter(|&k| !is_loose(k))
+            .map(|k| objects[k as usize].slack())
+            .fold(Bvh::OBJECTS, f64::max);
+        let padded = |k: u32| {
+            if is_loose(k) || duplicates.contains(k) {
+                Bounds::EMPTY
+            } else {
+                objects[k as usize].padded(boxes[k as usize], slack)
+            }
+        };
+        Self {
+            tree: Bvh::build(count, padded, slack),
+            unconditional,
+            duplicates,
+            boxes,
+            moves: 0,
+        }
+    }
+
+    /// Fits the tree to an object that has been moved; takes as long as the tree is deep, but for a first time. After as many
+    /// moves as there are objects the tree is built anew: fitted boxes overlap more and more.
+    pub(super) fn moved(&mut self, objects: &[Object], moved: u32) {
+        let index = moved as usize;
+        let object = &objects[index];
+        let bounds = object.box_around();
+        let was_loose = self.unconditional.binary_search(&moved).is_ok();
+        self.boxes[index] = bounds;
+        self.moves += 1;
+        let is_alone = !self.duplicates.contains(moved) && self.duplicates.of(moved).is_empty();
+        let slack = self.tree.slack();
+        let is_loose = is_loose(objects, index, &bounds);
+        if is_alone && was_loose && is_loose {
+            return;
+        }
+        let fits = !was_loose && !is_loose && object.slack() <= slack;
+        if is_alone && fits && self.moves <= objects.len() {
+            let boxes = &self.boxes;
+            let padded = |k: u32| objects[k as usize].padded(boxes[k as usize], slack);
+            self.tree.refit(moved, padded);
+        } else {
+            *self = Self::new(objects, std::mem::take(&mut self.boxes));
+        }
+    }
+
+    /// Whether no ray meets an object first, because an earlier one is in its place.
+    pub(super) fn is_duplicate(&self, object: u32) -> bool {
+        self.duplicates.contains(object)
+    }
+
+    /// The objects in the place of one, which no tree has.
+    pub(super) fn duplicates_of(&self, object: u32) -> &[u32] {
+        self.duplicates.of(object)
+    }
+
+    /// What the tree takes in memory.
+    pub(super) fn bytes(&self) -> usize {
+        self.tree.bytes()
+    }
+
+    /// The objects that a ray may meet.
+    #[inline(always)]
+    pub(super) fn on_the_way(&self) -> OnTheWay<'_> {
+        OnTheWay {
+            unconditional: &self.unconditional,
+            tree: (self.unconditional.len() < self.boxes.len()).then_some(&self.tree),
+            walk: None,
+        }
+    }
+}
+
+/// Whether an object is in no tree.
+fn is_loose(objects: &[Object], index: usize, bounds: &Bounds) -> bool {
+    objects.len() <= FEW || is_unbounded(bounds) || objects[index].slack() > LARGEST_SLACK
+}
+
+pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
+    !bounds.is_empty() && !bounds.is_finite()
+}
+
+/// See [`TopTree::on_the_way`].
+pub(crate) struct OnTheWay<'a> {
+    unconditional: &'a [u32],
+    /// Of all other objects.
+    tree: Option<&'a Bvh>,
+    /// Begun when the tree's turn comes.
+    walk: Option<Walk<'a>>,
+}
+
+impl OnTheWay<'_> {
+    /// The next object that `ray` may meet at a parameter of at most `t_max`. That is not larger than the
+    /// time before, and the others are the same.
+    #[inline(always)]
+    pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
+        if let Some((&index, rest)) = self.unconditional.split_first() {
+            self.unconditional = rest;
+            return Some(index);
+        }
+        self.tree
+            .is_some()
+            .then(|| self.next_in_tree(ray, t_max, stack))?
+    }
+
+    #[inline(never)]
+    fn next_in_tree(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
+        let tree = self.tree?;
+        let walk = self.walk.get_or_insert_with(|| tree.walk(ray, stack));
+        walk.next(t_max, stack)
+    }
+}
