@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     #: rays start.
     View = tuple[
         tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
-        tuple[float, float, float],
+        tuple[float | None, float | None, float | None],
         tuple[int, int],
         tuple[Projection, RayStart],
     ]
@@ -39,14 +39,16 @@ class Camera:
         The direction it looks in, of any length but zero.
     up : (3,) array_like
         Which way is up; anything but parallel to ``aim``.
-    focal_length : float
-        Distance from the camera to the viewplane, in scene units.
-    width, height : float
-        Size of the viewplane, in scene units.
+    focal_length : float or None
+        Distance from the camera to the viewplane, in scene units; ``None`` for a projection without
+        one.
+    width, height : float or None
+        Size of the viewplane, in scene units; likewise.
     rows, columns : int
         Pixels down and across.
-    projection : {"perspective", "orthographic"}
-        Rays through the position, or parallel to the aim.
+    projection : {"perspective", "orthographic", "equirectangular"}
+        Rays through the position and a viewplane, or parallel to the aim, or in all directions: see
+        `equirectangular`.
     ray_start : {"viewplane", "eye"}
         Where rays start, and ``t`` counts from. What lies between the eye and the viewplane is not
         seen from the viewplane.
@@ -71,21 +73,31 @@ class Camera:
         position: npt.ArrayLike,
         aim: npt.ArrayLike,
         up: npt.ArrayLike,
-        focal_length: float,
-        width: float,
-        height: float,
+        focal_length: float | None,
+        width: float | None,
+        height: float | None,
         rows: int,
         columns: int,
         projection: Projection = "perspective",
         ray_start: RayStart = "viewplane",
     ) -> None:
+        lengths = {"focal_length": focal_length, "width": width, "height": height}
+        has_viewplane = text("projection", projection) != "equirectangular"
+        for name, length in lengths.items():
+            if has_viewplane != (length is not None):
+                how = "given with" if has_viewplane else "None with"
+                raise ValueError(f"{name} must be {how} projection {projection}, got {length!r}")
+        if not has_viewplane and ray_start != "eye":
+            raise ValueError(
+                f"ray_start must be eye with projection {projection}, got {ray_start!r}"
+            )
         self._arguments = (
             vector("position", position),
             vector("aim", aim),
             vector("up", up),
-            number("focal_length", focal_length),
-            number("width", width),
-            number("height", height),
+            _length("focal_length", focal_length),
+            _length("width", width),
+            _length("height", height),
             count("rows", rows),
             count("columns", columns),
             text("projection", projection),
@@ -99,8 +111,11 @@ class Camera:
 
     def _made(self, *, again: bool) -> _firsthit.Camera:
         where, aimed, upward, focal, wide, high, down, across, kind, start = self._arguments
+        # A projection without a viewplane has no use for these.
+        size = 1.0 if wide is None else wide, 1.0 if high is None else high
+        focal = 1.0 if focal is None else focal
         return _firsthit.Camera(
-            where, aimed, upward, focal, (wide, high), (down, across), str(kind), str(start), again
+            where, aimed, upward, focal, size, (down, across), str(kind), str(start), again
         )
 
     @classmethod
@@ -150,6 +165,42 @@ class Camera:
         focal, width, height = _firsthit.Camera.lens(degrees, down, across)
         aim = np.subtract(there, where)
         return cls(where, aim, up, focal, width, height, down, across, projection, ray_start)
+
+    @classmethod
+    def equirectangular(
+        cls,
+        position: npt.ArrayLike,
+        aim: npt.ArrayLike,
+        up: npt.ArrayLike,
+        rows: int,
+        columns: int,
+    ) -> Camera:
+        """Make a panorama of the whole sphere.
+
+        The aim is in the middle of the picture. Longitude runs from -180 degrees at the left edge
+        to 180 at the right one, latitude from 90 degrees at the top to -90 at the bottom.
+
+        Parameters
+        ----------
+        position, aim, up : (3,) array_like
+            Where the camera is, where it looks, and which way is up.
+        rows, columns : int
+            Pixels down and across; twice as many columns as rows make square pixels at the horizon.
+
+        Returns
+        -------
+        Camera
+            Its rays start at ``position``.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.equirectangular((0, 0, 0), (0, 1, 0), (0, 0, 1), rows=2, columns=4)
+        >>> camera.rays()[1][0, 1].round(3)
+        array([-0.5  ,  0.5  ,  0.707])
+        """
+        lengths = None, None, None
+        return cls(position, aim, up, *lengths, rows, columns, "equirectangular", "eye")
 
     @classmethod
     def framing(
@@ -233,18 +284,18 @@ class Camera:
         return np.array(self._native.frame()[3])
 
     @property
-    def focal_length(self) -> float:
-        """Distance from the camera to the viewplane."""
+    def focal_length(self) -> float | None:
+        """Distance from the camera to the viewplane; ``None`` for a projection without one."""
         return self._arguments[3]
 
     @property
-    def width(self) -> float:
-        """Width of the viewplane."""
+    def width(self) -> float | None:
+        """Width of the viewplane; ``None`` for a projection without one."""
         return self._arguments[4]
 
     @property
-    def height(self) -> float:
-        """Height of the viewplane."""
+    def height(self) -> float | None:
+        """Height of the viewplane; ``None`` for a projection without one."""
         return self._arguments[5]
 
     @property
@@ -259,7 +310,7 @@ class Camera:
 
     @property
     def projection(self) -> Projection:
-        """``perspective`` or ``orthographic``."""
+        """``perspective``, ``orthographic`` or ``equirectangular``."""
         return self._arguments[8]
 
     @property
@@ -275,7 +326,7 @@ class Camera:
         origins, directions : (rows, columns, 3) array of float64
             World space; directions of length one. Row 0 is the top row.
         """
-        origins, directions = self._native.rays((0, self.rows), None)
+        origins, directions = self._native.rays((0, self.rows), 0)
         shape = (self.rows, self.columns, 3)
         return origins.reshape(shape), directions.reshape(shape)
 
@@ -312,14 +363,18 @@ class Camera:
         return type(self), self._arguments
 
 
+def _length(name: str, length: float | None) -> float | None:
+    return None if length is None else number(name, length)
+
+
 def _taken(
     kind: type[Camera],
     position: Vector,
     aim: Vector,
     up: Vector,
-    focal_length: float,
-    width: float,
-    height: float,
+    focal_length: float | None,
+    width: float | None,
+    height: float | None,
     rows: int,
     columns: int,
     projection: Projection,

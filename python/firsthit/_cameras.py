@@ -61,7 +61,8 @@ class NamedCamera:
 
 
 def _resized(camera: Camera, columns: int, rows: int) -> Camera:
-    width = camera.height * columns / max(rows, 1)
+    height = camera.height
+    width = None if height is None else height * columns / max(rows, 1)
     return Camera(
         camera.position,
         camera.aim,

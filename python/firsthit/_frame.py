@@ -249,6 +249,7 @@ def render(
     channels: ChannelName | Sequence[ChannelName] = ("color",),
     background: Sky | npt.ArrayLike | None = None,
     samples: int | None = None,
+    region: tuple[slice, slice] | None = None,
     shade: ShaderName | OwnShade | None = None,
     ambient: npt.ArrayLike | None = None,
     shadows: bool | None = None,
@@ -278,6 +279,9 @@ def render(
         Points of each pixel whose mean is its colour; all other channels are of pixel centres.
         This and what follows are the scene's own `Shading` if left out, which has 4 where nobody
         says.
+    region : tuple of two slices, optional
+        The rows and the columns to make, without steps, such as ``np.s_[100:200, :]``; the numbers
+        are those of that part of the whole picture.
     shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. ``shade(hits)`` gets `Hits`, misses included, and returns linear
         colours of shape (..., 3); the background is then its own affair. It is called for each of
@@ -331,16 +335,20 @@ def render(
     shading = (shader, back, light, flag("shadows", shadows))
     asked = [name for name in names if own is None or name != "color"]
     camera = scene._view() if camera is None else camera
-    shape = (camera.rows, camera.columns)
-    work = _firsthit.render_work(camera._native, asked, many)
-    owned = shape[0] * shape[1] * many if own is not None and "color" in names else 0
+    part = _part(region, (camera.rows, camera.columns))
+    shape = (part[1] - part[0], part[3] - part[2])
+    work = _firsthit.render_work(shape[0] * shape[1], asked, many)
+    pixels = camera.rows * camera.columns
+    owned = pixels * many if own is not None and "color" in names else 0
     native = scene._native()
     with following(progress, work + owned) as report:
-        arrays, origin = _firsthit.render(native, camera._native, asked, shading, many, use, report)
+        how = shading, many, part, use
+        arrays, origin = _firsthit.render(native, camera._native, asked, *how, report)
         made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
-            how = (many, use)
-            made["color"] = _own_colors((scene, native), camera, own, how, later(report, work))
+            told = later(report, work)
+            colors = _own_colors((scene, native), camera, own, (many, use), told)
+            made["color"] = np.ascontiguousarray(colors[part[0] : part[1], part[2] : part[3]])
     return Frame(shape, {name: made[name] for name in names}, origin)
 
 
@@ -388,6 +396,20 @@ def _shaped(array: npt.NDArray[Any], shape: tuple[int, int]) -> npt.NDArray[Any]
     return array.reshape(shape if components == 1 else (*shape, components))
 
 
+def _part(region: object, shape: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the first row and the one behind the last, and likewise the columns."""
+    if region is None:
+        return 0, shape[0], 0, shape[1]
+    slices = tuple(region) if isinstance(region, tuple | list) else (region,)
+    if len(slices) != 2 or not all(isinstance(each, slice) for each in slices):
+        raise TypeError(f"region must be two slices, of rows and of columns, got {region!r}")
+    ends = [each.indices(length) for each, length in zip(slices, shape, strict=True)]
+    if any(step != 1 or first >= last for first, last, step in ends):
+        raise ValueError(f"region must have pixels, and no steps, got {region!r}")
+    (top, bottom, _), (left, right, _) = ends
+    return top, bottom, left, right
+
+
 def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
     colors = np.asarray(shade(hits), dtype=np.float64)
     wanted = (*hits.shape, 3)
@@ -414,7 +436,7 @@ def _own_colors(
         last = min(row + step, camera.rows)
         total = np.zeros((last - row, camera.columns, 3))
         for sample in range(samples):
-            origins, directions = camera._native.rays((row, last), (sample, samples))
+            origins, directions = camera._native.rays((row, last), sample)
             rays = Rays.of(origins.reshape(total.shape), directions.reshape(total.shape))
             hits = scene._shot(native, rays, threads, later(report, done))
             hits._camera = camera

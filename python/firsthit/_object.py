@@ -63,6 +63,10 @@ class Object:
         """How many triangles it has; 0 for shapes that are no mesh."""
         return self._shape._mesh.counts()[1] if isinstance(self._shape, Mesh) else 0
 
+    def _moved(self, matrix: npt.NDArray[np.float64]) -> Object:
+        """Return the same object elsewhere."""
+        return Object(self._shape, self._name, matrix, self._materials)
+
     def __repr__(self) -> str:
         return f"Object({self._name!r}, {self._shape!r})"
 

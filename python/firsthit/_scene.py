@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from . import _firsthit, _foreign
-from ._arrays import color_of, numbers, text, threads_or_all, vector
+from ._arrays import color_of, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
-from ._hits import Hits, hits_arrays
 from ._lights import TRANSPARENT, Light, Sky, is_transparent
 from ._object import Object, affine, placed
-from ._progress import following, later
-from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
-from ._rounding import is_single
+from ._queries import Queries
 from ._shading import Shading
 from ._shapes import Shape
 from ._turn import Turn
@@ -27,18 +24,17 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._material import Material
-    from ._progress import Report
-    from .typing import MeshLike, Progress, SceneLike, Vector
+    from .typing import MeshLike, SceneLike, Vector
 
 
 class _Built(NamedTuple):
-    """What rays are shot at, and how many objects and lights it was built from."""
+    """What rays are shot at, and the counts of objects, lights and moves that it was built from."""
 
     native: _firsthit.Scene
-    counts: tuple[int, int]
+    counts: tuple[int, int, int]
 
 
-class Scene:
+class Scene(Queries):
     """Objects and lights, to be shot at from any number of threads.
 
     An object's identifier is its index in the order of insertion. Adding is cheap: what rays need
@@ -58,6 +54,8 @@ class Scene:
 
     def __init__(self) -> None:
         self._objects: list[Object] = []
+        #: How often an object was moved.
+        self._moves = 0
         self._lights: list[Light] = []
         self._cameras: tuple[NamedCamera, ...] = ()
         self._background: Sky | Vector | str | None = None
@@ -165,6 +163,48 @@ class Scene:
     def _identifier(self, made: Object) -> int:
         """Return where an object is that was just added: others may have been added since."""
         return next(k for k in reversed(range(len(self._objects))) if self._objects[k] is made)
+
+    def move(self, identifier: int, transform: npt.ArrayLike | None) -> None:
+        """Move an object: take its shape to the world by another transform.
+
+        Rays are then answered as in a scene that is built anew. It takes microseconds, whatever the
+        scene's size: nothing is built but, now and then, the tree over the objects.
+
+        Parameters
+        ----------
+        identifier : int
+            The object's.
+        transform : (4, 4) array_like or None
+            From the object's coordinates to the world's; ``None`` for none.
+
+        Raises
+        ------
+        IndexError
+            For an object that is not there.
+        ValueError
+            For a transform that cannot be undone.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        >>> up = np.eye(4)
+        >>> up[2, 3] = 2
+        >>> scene.move(ball, up)
+        >>> float(scene.shoot((0, 0, 9), (0, 0, -1)).t)
+        6.0
+        """
+        if not 0 <= identifier < len(self._objects):
+            raise IndexError(f"there is no object {identifier!r}; there are {len(self._objects)}")
+        matrix = np.eye(4) if transform is None else affine(transform)
+        with self._turn.taken():
+            native = self._current()
+            self._objects[identifier] = self._objects[identifier]._moved(matrix)
+            self._moves += 1
+            if native is not None:
+                self._built = _Built(native.moved(identifier, matrix.tolist()), self._counts())
 
     def add_light(self, light: Light) -> None:
         """Add a light; a scene without any is lit from behind the camera's left shoulder.
@@ -279,176 +319,32 @@ class Scene:
             # Another thread may have built it while this one waited.
             return self._current() or self._build()
 
+    def _whole(self) -> Scene:
+        return self
+
     def _current(self) -> _firsthit.Scene | None:
         """Return what was built last, unless something was added since."""
         built = self._built
-        # Nothing is ever taken away: the counts tell whether it is all there.
-        counts = len(self._objects), len(self._lights)
-        return built.native if built is not None and built.counts == counts else None
+        return built.native if built is not None and built.counts == self._counts() else None
+
+    def _counts(self) -> tuple[int, int, int]:
+        """Return what tells whether all is there that was added, where it was moved to."""
+        return len(self._objects), len(self._lights), self._moves
 
     def _build(self) -> _firsthit.Scene:
-        objects, lights, built = self._objects[:], self._lights[:], self._built
+        # First the moves: one that comes in between then counts as one that was missed.
+        moves, objects, lights, built = self._moves, self._objects[:], self._lights[:], self._built
         native = _firsthit.Scene(
             [made._native() for made in objects],
             [light._native() for light in lights],
             None if built is None else built.native,
         )
-        self._built = _Built(native, (len(objects), len(lights)))
+        self._built = _Built(native, (len(objects), len(lights), moves))
         return native
 
     def _view(self) -> Camera:
         """Return the camera to look through where nobody says."""
         return self._cameras[0].camera if self._has_view else Camera.framing(self)
-
-    def shoot(
-        self,
-        origins: npt.ArrayLike | Camera,
-        directions: npt.ArrayLike | None = None,
-        *,
-        t_min: npt.ArrayLike = 0.0,
-        t_max: npt.ArrayLike = math.inf,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        dtype: npt.DTypeLike | None = None,
-    ) -> Hits:
-        """Find the first object that each ray meets.
-
-        Parameters
-        ----------
-        origins, directions : (..., 3) array_like
-            World space, any real type; broadcast against each other. Directions of any length:
-            ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
-            Arrays are copied, for the hits to compute from: they may be changed afterwards.
-        t_min, t_max : (...) array_like
-            Where rays begin and end: what is met has ``t_min < t <= t_max``. With a ``t_min`` of
-            zero, a surface that a ray starts on is not met if the origin is exactly on it; a
-            rounded one is to one side (see `Hits.position`). With a negative one it is, and so is
-            what is behind the origin down to there.
-        threads : int, optional
-            How many to use, here and for the attributes of the hits; all cores if left out. The
-            result is the same for any number.
-        progress : bool or callable, optional
-            ``True`` shows a bar (by tqdm, where that is installed). A function is called with how
-            many rays are done and how many there are, about twenty times a second and at the end,
-            in the calling thread; what it raises ends the work.
-        dtype : {float64, float32}, optional
-            The type of the distances: ``t``, ``range`` and ``z``. float64 if left out, whatever the
-            rays' type. Everything is computed in float64 in any case. float32 is the nearest one
-            with two exceptions: a hit's distance is finite, and zero only where it is zero; and
-            where rounding would leave ``t_min < t <= t_max``, ``t`` is the next float32 that does
-            not (where there is none between the two, the one below ``t_max``). Rays that go on
-            from a hit need its float64 ``t``: a float32 may lie before the surface.
-
-        Returns
-        -------
-        Hits
-            Of the rays' shape. A ray that is zero, NaN or infinite, or begins where it ends, is a
-            miss, alone.
-
-        Raises
-        ------
-        ValueError
-            For arrays whose shapes or types do not fit, with their names, and for another dtype.
-
-        Examples
-        --------
-        >>> import firsthit as fh
-        >>> scene = fh.Scene()
-        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
-        0
-        >>> hits = scene.shoot([[0, 0, 3], [0.6, 0, 3]], [0, 0, -1])
-        >>> hits.t
-        array([2. , 2.2])
-        >>> hits.normal[0]
-        array([0., 0., 1.])
-        """
-        use = 0 if threads is None else threads_or_all(threads)
-        single = dtype is not None and is_single(dtype)
-        if isinstance(origins, Camera):
-            if directions is not None:
-                raise ValueError("directions must be left out with a camera, which has its own")
-            if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, math.inf)):
-                raise ValueError("t_min and t_max must be left out with a camera")
-            with following(progress, origins.rows * origins.columns) as report:
-                hits = self._shot_by(self._native(), origins, use, report)
-            return hits._rounded(NO_MINIMUM, NO_MAXIMUM) if single else hits
-        rays = Rays.of(origins, directions, t_min, t_max)
-        limits = rays.arrays[2:]
-        if progress is None:
-            hits = self._shot(self._native(), rays, use, None)
-        else:
-            with following(progress, rays.length) as report:
-                hits = self._shot(self._native(), rays, use, report)
-        return hits._rounded(*limits) if single else hits
-
-    def _shot_by(
-        self, native: _firsthit.Scene, camera: Camera, threads: int, report: Report | None
-    ) -> Hits:
-        """Shoot a camera's rays at what was built."""
-        out = hits_arrays(camera.rows * camera.columns)
-        _firsthit.shoot_camera(native, camera._native, threads, out, report)
-        return Hits._of_camera(self, native, out, camera, threads)
-
-    def _shot(
-        self, native: _firsthit.Scene, rays: Rays, threads: int, report: Report | None
-    ) -> Hits:
-        """Shoot rays at what was built."""
-        out = hits_arrays(rays.length)
-        # The hits keep the rays, from which they compute what is asked later.
-        copies = rays.own()
-        parts = rays.parts()
-        if len(parts) == 1:
-            _firsthit.shoot(native, rays.part(parts[0]), copies, threads, out, report)
-        else:
-            for part in parts:
-                t, identifiers, primitive, barycentric = out
-                pieces = t[part], identifiers[part], primitive[part], barycentric[part]
-                told = later(report, part.start)
-                _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
-        return Hits._of_rays(self, native, out, rays.keep(copies), threads)
-
-    def occluded(
-        self,
-        origins: npt.ArrayLike,
-        directions: npt.ArrayLike,
-        *,
-        t_min: npt.ArrayLike = 0.0,
-        t_max: npt.ArrayLike = math.inf,
-        threads: int | None = None,
-        progress: Progress | None = None,
-    ) -> npt.NDArray[np.bool_]:
-        """Tell whether each ray meets anything. Sooner known than what it meets first.
-
-        Parameters
-        ----------
-        origins, directions, t_min, t_max, threads, progress
-            As for `shoot`.
-
-        Returns
-        -------
-        (...) array of bool
-            Whether anything is at ``t_min < t <= t_max``.
-
-        Examples
-        --------
-        >>> import firsthit as fh
-        >>> scene = fh.Scene()
-        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
-        0
-        >>> eye, target = (0, 0, 5), (0, 0, 2)
-        >>> bool(scene.occluded(eye, [0, 0, -3], t_max=1.0))  # is the target seen?
-        False
-        """
-        use = 0 if threads is None else threads_or_all(threads)
-        rays = Rays.of(origins, directions, t_min, t_max)
-        found = np.empty(rays.length, np.bool_)
-        # Once: what others add meanwhile is for the next call.
-        native = self._native()
-        with following(progress, rays.length) as report:
-            for part in rays.parts():
-                told = later(report, part.start)
-                _firsthit.occluded(native, rays.part(part), use, found[part], told)
-        return found.reshape(rays.shape)
 
     def __repr__(self) -> str:
         triangles = sum(made.triangles for made in self._objects)
@@ -468,7 +364,7 @@ class Scene:
         other = Scene()
         other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
         # Counted with what it was built from, which is not more than there is.
-        other._built = self._built
+        other._built, other._moves = self._built, self._moves
         other._objects, other._lights = list(self._objects), list(self._lights)
         return other
 
@@ -484,7 +380,3 @@ _KEPT = (
     "_up",
     "_up_is_guessed",
 )
-
-
-def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:
-    return bool(np.all(numbers(name, given) == number))

@@ -58,7 +58,7 @@ ChannelName = Literal[
 ]
 
 ShaderName = Literal["lambert", "unlit", "normal"]
-Projection = Literal["perspective", "orthographic"]
+Projection = Literal["perspective", "orthographic", "equirectangular"]
 RayStart = Literal["viewplane", "eye"]
 #: The sides from which `Camera.framing` looks.
 ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]

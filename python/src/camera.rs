@@ -227,7 +227,12 @@ fn ray_arrays(
 }
 
 /// Position, aim and up; focal length, width and height; rows and columns; projection and ray start.
-pub(crate) type ViewOut = ([[f64; 3]; 3], [f64; 3], [usize; 2], [&'static str; 2]);
+pub(crate) type ViewOut = (
+    [[f64; 3]; 3],
+    [Option<f64>; 3],
+    [usize; 2],
+    [&'static str; 2],
+);
 
 pub(crate) fn view_out(view: &View) -> ViewOut {
     let &View {
@@ -239,9 +244,9 @@ pub(crate) fn view_out(view: &View) -> ViewOut {
         lens,
     } = view;
     let viewplane = lens.viewplane();
-    let lengths = viewplane.map_or([f64::NAN; 3], |viewplane| {
-        [viewplane.focal_length, viewplane.width, viewplane.height]
-    });
+    let lengths =
+        viewplane.map(|viewplane| [viewplane.focal_length, viewplane.width, viewplane.height]);
+    let lengths = [0, 1, 2].map(|k| lengths.map(|lengths| lengths[k]));
     let ray_start = viewplane.map_or(RayStart::Eye, |viewplane| viewplane.ray_start);
     (
         [position, aim, up].map(|vector| vector.to_array()),

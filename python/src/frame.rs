@@ -36,11 +36,10 @@ fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<&'static Kind>> {
 #[pyfunction]
 pub(crate) fn render_work(
     py: Python<'_>,
-    camera: &Camera,
+    pixels: usize,
     channels: Vec<String>,
     samples: u32,
 ) -> PyResult<u64> {
-    let pixels = camera.0.pixels();
     Ok(work(pixels, &kinds(py, &channels)?, samples))
 }
 
@@ -63,7 +62,7 @@ pub(crate) fn render<'py>(
     channels: Vec<String>,
     shading: ShadingIn,
     samples: u32,
-    region: Option<[usize; 4]>,
+    region: [usize; 4],
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
@@ -95,13 +94,13 @@ pub(crate) fn render<'py>(
         background,
         ..shader.on(&scene)
     };
-    let region = region.map(|[first_row, last_row, first_column, last_column]| Region {
-        rows: first_row..last_row,
-        columns: first_column..last_column,
-    });
+    let [top, bottom, left, right] = region;
     let picture = Picture {
         samples,
-        region,
+        region: Some(Region {
+            rows: top..bottom,
+            columns: left..right,
+        }),
         ..Picture::new(&scene, &camera.0, &shade, &kinds)
     };
     let frame = run_reported(py, threads, report.as_ref(), |stop| picture.render(stop))?;

@@ -47,6 +47,14 @@ impl Scene {
         Ok(Self(scene.with_lights(lights)))
     }
 
+    /// The same scene with an object moved.
+    fn moved(&self, py: Python<'_>, identifier: usize, rows: [[f64; 4]; 4]) -> PyResult<Self> {
+        let mut scene = self.0.clone();
+        let moved = scene.move_object(identifier, transform(py, &rows)?);
+        moved.map_err(|error| raise(py, &error))?;
+        Ok(Self(scene))
+    }
+
     /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.
     fn likely_up(&self, py: Python<'_>, convention: [f64; 3]) -> PyResult<[f64; 3]> {
         let up = run(py, 0, |_| Ok(self.0.likely_up(DVec3::from(convention))))?;

@@ -72,7 +72,10 @@ def test_words_that_are_typed_are_those_that_there_are():
 
 
 def small(**words):
-    return fh.Camera((0, 0, 5), (0, 0, -1), (0, 1, 0), 1, 1, 1, 2, 2, **words)
+    lengths = 1, 1, 1
+    if words.get("projection") == "equirectangular":
+        lengths, words = (None, None, None), {"ray_start": "eye", **words}
+    return fh.Camera((0, 0, 5), (0, 0, -1), (0, 1, 0), *lengths, 2, 2, **words)
 
 
 def test_arguments_are_taken_as_the_types_say_and_shown_as_tuples():

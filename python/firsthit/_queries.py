@@ -1,0 +1,234 @@
+"""What rays can be asked about a scene."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import numbers, threads_or_all
+from ._camera import Camera
+from ._hits import Hits, hits_arrays
+from ._progress import following, later
+from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
+from ._rounding import is_single
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._progress import Report
+    from ._scene import Scene
+    from .typing import Progress
+
+
+class Queries:
+    """The part of `Scene` that shoots."""
+
+    def _native(self) -> _firsthit.Scene:
+        """Return what rays are shot at."""
+        raise NotImplementedError
+
+    def _whole(self) -> Scene:
+        """Return the scene that this is a part of."""
+        raise NotImplementedError
+
+    def shoot(
+        self,
+        origins: npt.ArrayLike | Camera,
+        directions: npt.ArrayLike | None = None,
+        *,
+        t_min: npt.ArrayLike = 0.0,
+        t_max: npt.ArrayLike = math.inf,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        dtype: npt.DTypeLike | None = None,
+    ) -> Hits:
+        """Find the first object that each ray meets.
+
+        Parameters
+        ----------
+        origins, directions : (..., 3) array_like
+            World space, any real type; broadcast against each other. Directions of any length:
+            ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
+            Arrays are copied, for the hits to compute from: they may be changed afterwards.
+        t_min, t_max : (...) array_like
+            Where rays begin and end: what is met has ``t_min < t <= t_max``. With a ``t_min`` of
+            zero, a surface that a ray starts on is not met if the origin is exactly on it; a
+            rounded one is to one side (see `Hits.position`). With a negative one it is, and so is
+            what is behind the origin down to there.
+        threads : int, optional
+            How many to use, here and for the attributes of the hits; all cores if left out. The
+            result is the same for any number.
+        progress : bool or callable, optional
+            ``True`` shows a bar (by tqdm, where that is installed). A function is called with how
+            many rays are done and how many there are, about twenty times a second and at the end,
+            in the calling thread; what it raises ends the work.
+        dtype : {float64, float32}, optional
+            The type of the distances: ``t``, ``range`` and ``z``. float64 if left out, whatever the
+            rays' type. Everything is computed in float64 in any case. float32 is the nearest one
+            with two exceptions: a hit's distance is finite, and zero only where it is zero; and
+            where rounding would leave ``t_min < t <= t_max``, ``t`` is the next float32 that does
+            not (where there is none between the two, the one below ``t_max``). Rays that go on
+            from a hit need its float64 ``t``: a float32 may lie before the surface.
+
+        Returns
+        -------
+        Hits
+            Of the rays' shape. A ray that is zero, NaN or infinite, or begins where it ends, is a
+            miss, alone.
+
+        Raises
+        ------
+        ValueError
+            For arrays whose shapes or types do not fit, with their names, and for another dtype.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> hits = scene.shoot([[0, 0, 3], [0.6, 0, 3]], [0, 0, -1])
+        >>> hits.t
+        array([2. , 2.2])
+        >>> hits.normal[0]
+        array([0., 0., 1.])
+        """
+        use = 0 if threads is None else threads_or_all(threads)
+        single = dtype is not None and is_single(dtype)
+        if isinstance(origins, Camera):
+            if directions is not None:
+                raise ValueError("directions must be left out with a camera, which has its own")
+            if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, math.inf)):
+                raise ValueError("t_min and t_max must be left out with a camera")
+            with following(progress, origins.rows * origins.columns) as report:
+                hits = self._shot_by(self._native(), origins, use, report)
+            return hits._rounded(NO_MINIMUM, NO_MAXIMUM) if single else hits
+        rays = Rays.of(origins, directions, t_min, t_max)
+        limits = rays.arrays[2:]
+        if progress is None:
+            hits = self._shot(self._native(), rays, use, None)
+        else:
+            with following(progress, rays.length) as report:
+                hits = self._shot(self._native(), rays, use, report)
+        return hits._rounded(*limits) if single else hits
+
+    def _shot_by(
+        self, native: _firsthit.Scene, camera: Camera, threads: int, report: Report | None
+    ) -> Hits:
+        """Shoot a camera's rays at what was built."""
+        out = hits_arrays(camera.rows * camera.columns)
+        _firsthit.shoot_camera(native, camera._native, threads, out, report)
+        return Hits._of_camera(self._whole(), native, out, camera, threads)
+
+    def _shot(
+        self, native: _firsthit.Scene, rays: Rays, threads: int, report: Report | None
+    ) -> Hits:
+        """Shoot rays at what was built."""
+        out = hits_arrays(rays.length)
+        # The hits keep the rays, from which they compute what is asked later.
+        copies = rays.own()
+        parts = rays.parts()
+        if len(parts) == 1:
+            _firsthit.shoot(native, rays.part(parts[0]), copies, threads, out, report)
+        else:
+            for part in parts:
+                t, identifiers, primitive, barycentric = out
+                pieces = t[part], identifiers[part], primitive[part], barycentric[part]
+                told = later(report, part.start)
+                _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
+        return Hits._of_rays(self._whole(), native, out, rays.keep(copies), threads)
+
+    def occluded(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        *,
+        t_min: npt.ArrayLike = 0.0,
+        t_max: npt.ArrayLike = math.inf,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.bool_]:
+        """Tell whether each ray meets anything. Sooner known than what it meets first.
+
+        Parameters
+        ----------
+        origins, directions, t_min, t_max, threads, progress
+            As for `shoot`.
+
+        Returns
+        -------
+        (...) array of bool
+            Whether anything is at ``t_min < t <= t_max``.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> eye, target = (0, 0, 5), (0, 0, 2)
+        >>> bool(scene.occluded(eye, [0, 0, -3], t_max=1.0))  # is the target seen?
+        False
+        """
+        use = 0 if threads is None else threads_or_all(threads)
+        rays = Rays.of(origins, directions, t_min, t_max)
+        found = np.empty(rays.length, np.bool_)
+        # Once: what others add meanwhile is for the next call.
+        native = self._native()
+        with following(progress, rays.length) as report:
+            for part in rays.parts():
+                told = later(report, part.start)
+                _firsthit.occluded(native, rays.part(part), use, found[part], told)
+        return found.reshape(rays.shape)
+
+    def count(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        *,
+        t_min: npt.ArrayLike = 0.0,
+        t_max: npt.ArrayLike = math.inf,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.uint32]:
+        """Count how many times each ray meets a surface.
+
+        All pairs of an object and a primitive that a ray meets count, and of a solid that is no
+        mesh both ends. Surfaces in the same place count each, and so do two triangles at the edge
+        that they share.
+
+        Parameters
+        ----------
+        origins, directions, t_min, t_max, threads, progress
+            As for `shoot`.
+
+        Returns
+        -------
+        (...) array of uint32
+            How many are at ``t_min < t <= t_max``.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> scene.count([[0, 0, 5], [0, 0, 0], [0, 2, 5]], [0, 0, -1])
+        array([2, 1, 0], dtype=uint32)
+        """
+        use = 0 if threads is None else threads_or_all(threads)
+        rays = Rays.of(origins, directions, t_min, t_max)
+        counts = np.empty(rays.length, np.uint32)
+        native = self._native()
+        with following(progress, rays.length) as report:
+            for part in rays.parts():
+                told = later(report, part.start)
+                _firsthit.count(native, rays.part(part), use, counts[part], told)
+        return counts.reshape(rays.shape)
+
+
+def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:
+    return bool(np.all(numbers(name, given) == number))

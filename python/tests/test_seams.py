@@ -1,0 +1,121 @@
+"""Counting, moving, panoramas and parts of pictures."""
+
+from __future__ import annotations
+
+import pickle
+from time import perf_counter
+
+import numpy as np
+import pytest
+
+import firsthit as fh
+
+
+def _scene() -> fh.Scene:
+    scene = fh.Scene()
+    scene.add(fh.Box(low=(-1, -1, -1), high=(1, 1, 1)))
+    corners = np.array([[-3, -3, 0.5], [3, -3, 0.5], [3, 3, 0.5], [-3, 3, 0.5]])
+    scene.add(fh.Mesh(corners, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]))
+    return scene
+
+
+def test_count_counts_surfaces_and_copies_of_them() -> None:
+    scene = _scene()
+    # Through the box and a triangle that is there twice; past the box; past everything.
+    origins = [[0.5, -0.3, 9], [2, -1, 9], [9, 9, 9]]
+    assert scene.count(origins, [0, 0, -1]).tolist() == [4, 2, 0]
+    assert scene.count(origins, [0, 0, -1], t_max=8.5).tolist() == [3, 2, 0]
+    many = np.broadcast_to(origins[0], (3, 1000, 3))
+    counts = scene.count(many, [0, 0, -1])
+    assert counts.dtype == np.uint32 and counts.shape == (3, 1000) and (counts == 4).all()
+
+
+def test_a_moved_object_is_where_it_was_moved_to() -> None:
+    scene = _scene()
+    before = scene.shoot((0, 0, 9), (0, 0, -1))
+    there = np.eye(4)
+    there[2, 3] = 3
+    scene.move(0, there)
+    after = scene.shoot((0, 0, 9), (0, 0, -1))
+    assert (before.t.item(), after.t.item()) == (8.0, 5.0)
+    # What was shot before is still told of where things were.
+    assert before.position.tolist() == [0, 0, 1]
+    assert scene.objects[0].transform[2, 3] == 3
+    assert pickle.loads(pickle.dumps(scene)).shoot((0, 0, 9), (0, 0, -1)).t == 5.0
+    scene.move(0, None)
+    assert scene.shoot((0, 0, 9), (0, 0, -1)).t == 8.0
+    with pytest.raises(IndexError, match="no object 2; there are 2"):
+        scene.move(2, there)
+    with pytest.raises(ValueError, match="transform"):
+        scene.move(0, np.zeros((4, 4)))
+
+
+def test_moving_one_of_a_thousand_takes_no_rebuild() -> None:
+    scene = fh.Scene()
+    turns = np.linspace(0, 2 * np.pi, 300)
+    vertices = np.stack([np.cos(turns), np.sin(turns), turns % 1], -1)
+    ball = fh.Mesh(vertices, [[0, k, k + 1] for k in range(1, 299)])
+    for k in range(1000):
+        place = np.eye(4)
+        place[:3, 3] = k % 10, k // 10 % 10, k // 100
+        scene.add(ball, transform=place)
+    ray = ((3.2, 3.1, 99), (0, 0, -1))
+    scene.shoot(*ray)
+    place = np.eye(4)
+    started = perf_counter()
+    for k in range(200):
+        place[:3, 3] = 3, 3, 20 + 0.1 * k
+        scene.move(7, place)
+        assert scene.shoot(*ray).object == 7
+    # A build takes longer than all of it: no timing, a bound that no machine misses by far.
+    assert perf_counter() - started < 20
+
+
+def test_a_panorama_sees_all_around() -> None:
+    scene = fh.Scene()
+    for k, place in enumerate(
+        [(0, 5, 0), (5, 0, 0), (0, -5, 0), (-5, 0, 0), (0, 0, 5), (0, 0, -5)]
+    ):
+        assert scene.add(fh.Sphere(center=place, radius=1)) == k
+    camera = fh.Camera.equirectangular((0, 0, 0), (0, 1, 0), (0, 0, 1), rows=90, columns=180)
+    frame = fh.render(scene, camera, channels=("object", "t", "range", "z"), samples=1)
+    middle = [(45, 90), (45, 135), (45, 0), (45, 45), (0, 20), (89, 20)]
+    assert [int(frame["object"][pixel]) for pixel in middle] == list(range(6))
+    assert np.array_equal(frame["t"], frame["range"])
+    directions = camera.rays()[1]
+    hit = np.isfinite(frame["t"])
+    np.testing.assert_allclose(frame["z"][hit], (frame["t"] * directions[..., 1])[hit], atol=1e-14)
+    assert frame.metadata["camera"]["projection"] == "equirectangular"
+    assert frame.metadata["camera"]["focal_length"] is None
+    assert camera.focal_length is None
+    assert pickle.loads(pickle.dumps(camera)) == camera
+
+
+@pytest.mark.parametrize(
+    ("lengths", "kind", "start", "name"),
+    [
+        ((1.0, 1.0, 1.0), "equirectangular", "eye", "focal_length"),
+        ((None, None, None), "perspective", "eye", "focal_length"),
+        ((None, None, None), "equirectangular", "viewplane", "ray_start"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(lengths, kind, start, name) -> None:
+    with pytest.raises(ValueError, match=f"^{name} must be"):
+        fh.Camera((0, 0, 0), (0, 1, 0), (0, 0, 1), *lengths, 4, 8, kind, start)
+
+
+@pytest.mark.parametrize("samples", [1, 3])
+def test_a_region_is_that_part_of_the_picture(samples: int) -> None:
+    scene = _scene()
+    camera = fh.Camera.framing(scene, rows=60, columns=80)
+    region = np.s_[7:33, 50:]
+    for shade in ("lambert", lambda hits: np.repeat(hits.t[..., None] < 9, 3, -1)):
+        how = {"channels": ("color", "z", "object"), "samples": samples, "shade": shade}
+        whole = fh.render(scene, camera, **how)
+        part = fh.render(scene, camera, **how, region=region)
+        assert part.shape == (26, 30)
+        for name in ("color", "z", "object"):
+            np.testing.assert_array_equal(part[name], whole[name][region])
+    for wrong, error in [(np.s_[5:5, :], ValueError), (np.s_[::2, :], ValueError), (3, TypeError)]:
+        with pytest.raises(error, match="region must"):
+            fh.render(scene, camera, region=wrong)
