@@ -5,10 +5,9 @@ from __future__ import annotations
 import pickle
 from time import perf_counter
 
+import firsthit as fh
 import numpy as np
 import pytest
-
-import firsthit as fh
 
 
 def _scene() -> fh.Scene:
@@ -27,7 +26,8 @@ def test_count_counts_surfaces_and_copies_of_them() -> None:
     assert scene.count(origins, [0, 0, -1], t_max=8.5).tolist() == [3, 2, 0]
     many = np.broadcast_to(origins[0], (3, 1000, 3))
     counts = scene.count(many, [0, 0, -1])
-    assert counts.dtype == np.uint32 and counts.shape == (3, 1000) and (counts == 4).all()
+    assert (counts.dtype, counts.shape) == (np.uint32, (3, 1000))
+    assert (counts == 4).all()
 
 
 def test_a_moved_object_is_where_it_was_moved_to() -> None:
