@@ -244,6 +244,15 @@ impl Rays for Camera {
         Camera::ray(self, index / self.columns(), index % self.columns())
     }
 
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        if let Some(grid) = self.grid() {
+            return grid.read(first, rays);
+        }
+        for (index, ray) in (first..).zip(rays) {
+            *ray = Rays::ray(self, index);
+        }
+    }
+
     fn grid(&self) -> Option<PixelGrid> {
         self.grid_within(PixelGrid::CENTRE)
     }

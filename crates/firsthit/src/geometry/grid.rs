@@ -83,7 +83,12 @@ impl PixelGrid {
 
     /// The ray of a pixel, its direction of length one.
     pub fn ray(&self, row: usize, column: usize) -> Ray {
-        let point = self.point(row, column);
+        self.through(self.point(row, column))
+    }
+
+    /// The ray through a point of the viewplane, relative to `position`.
+    #[inline]
+    fn through(&self, point: DVec3) -> Ray {
         let (start, direction) = match self.parallel {
             Some(direction) if self.starts_on_viewplane => (point, direction),
             Some(direction) => (point - self.toward, direction),
@@ -91,5 +96,23 @@ impl PixelGrid {
             None => return Ray::new(self.position, unit(point)),
         };
         Ray::new(self.position + start, direction)
+    }
+
+    /// Fills `rays` with those from the pixel `first` on, pixels counted row by row: the same as [`ray`](Self::ray) gives,
+    /// sooner than one by one.
+    pub fn read(&self, first: usize, rays: &mut [Ray]) {
+        let [width, _] = self.size();
+        let (mut row, mut column) = (first / self.columns, first % self.columns);
+        let mut rest = rays;
+        while !rest.is_empty() {
+            let (of_row, after) = rest.split_at_mut(rest.len().min(self.columns - column));
+            // Operation for operation what `point` does.
+            let up = self.y(row) * self.upwards;
+            for (k, ray) in (self.first[1] + column..).zip(of_row) {
+                let x = -self.width / 2.0 + width * (k as f64 + self.offset.x);
+                *ray = self.through(self.toward + x * self.right + up);
+            }
+            (row, column, rest) = (row + 1, 0, after);
+        }
     }
 }

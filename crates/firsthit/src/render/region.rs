@@ -60,6 +60,25 @@ impl Part<'_> {
     }
 }
 
+impl Part<'_> {
+    /// The numbers in the whole picture of the pixels from one on.
+    pub(super) fn number(&self, first: usize, numbers: &mut [u64]) {
+        let [_, columns] = self.sensor.shape();
+        let width = self.region.columns.len();
+        let mut within = first % width;
+        let mut pixel = self.pixel(first);
+        for number in numbers {
+            *number = pixel as u64;
+            within += 1;
+            pixel += 1;
+            if within == width {
+                within = 0;
+                pixel += columns - width;
+            }
+        }
+    }
+}
+
 impl Rays for Part<'_> {
     fn len(&self) -> usize {
         let [rows, columns] = self.region.shape();
@@ -68,6 +87,15 @@ impl Rays for Part<'_> {
 
     fn ray(&self, index: usize) -> Ray {
         self.sensor.ray_within(self.pixel(index), self.offset)
+    }
+
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        if let Some(grid) = self.grid() {
+            return grid.read(first, rays);
+        }
+        for (index, ray) in (first..).zip(rays) {
+            *ray = self.ray(index);
+        }
     }
 
     fn grid(&self) -> Option<PixelGrid> {

@@ -91,9 +91,7 @@ impl<'a> Slab<'a> {
             let rays = &mut rays[..sums.len()];
             part.read(pixels.start, rays);
             let mut numbers = [0; SHADED];
-            for (number, index) in numbers.iter_mut().zip(pixels.clone()) {
-                *number = part.pixel(index) as u64;
-            }
+            part.number(pixels.start, &mut numbers[..sums.len()]);
             let samples = Samples {
                 rays,
                 hits: &hits.part(pixels),
