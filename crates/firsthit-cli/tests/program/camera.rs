@@ -238,3 +238,48 @@ fn what_is_before_the_viewplane_is_not_seen_and_that_is_said() {
     assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr);
     assert!(array(&lab.read("o.npy")).values.contains(&0.0));
 }
+
+#[test]
+fn a_panorama_sees_all_around_from_the_middle() {
+    let lab = Lab::with("cube_binary.stl", "part.stl");
+    lab.ok("render part.stl --projection equirectangular --channels range,face -o all.npz -q");
+    let all = lab.npz("all.npz");
+    let range = &all["range"];
+    assert_eq!(&*range.shape, &[512, 1024]);
+    // From the middle of a box of 2.28 x 3.06 x 1.46 to its faces, and to its corners.
+    let corner = (1.14_f64 * 1.14 + 1.53 * 1.53 + 0.73 * 0.73).sqrt();
+    let [nearest, farthest] = [f64::min as fn(f64, f64) -> f64, f64::max]
+        .map(|choose| range.values.iter().copied().reduce(choose).unwrap());
+    assert!((0.73..0.7301).contains(&nearest), "{nearest}");
+    assert!(
+        (0.995 * corner..corner).contains(&farthest),
+        "{farthest} {corner}"
+    );
+    // The scene file's words are the same.
+    let toml = "[camera]\nprojection = \"equirectangular\"\n[[objects]]\nfile = \"part.stl\"\n";
+    lab.write("around.toml", toml.as_bytes());
+    lab.ok("render around.toml --channels range,face -o file.npz -q");
+    assert!(lab.npz("file.npz")["range"].values == range.values);
+}
+
+#[test]
+fn a_panorama_has_no_viewplane() {
+    let lab = Lab::with_square();
+    let render = "render square.ply -o x.png --projection equirectangular";
+    lab.fails(&format!("{render} --fov 90"), 2, "sees all directions");
+    lab.fails(
+        &format!("{render} --viewplane 1x1 --focal-length 1"),
+        2,
+        "sees all directions",
+    );
+    lab.fails(
+        &format!("{render} --ray-start viewplane"),
+        2,
+        "rays start at the eye",
+    );
+    lab.fails(
+        "render square.ply -o x.png --projection fisheye",
+        2,
+        "[possible values: perspective, orthographic, equirectangular]",
+    );
+}

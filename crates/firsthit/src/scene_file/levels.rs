@@ -18,6 +18,8 @@ pub(super) fn warn(text: Text<'_>, scene: &DeTable<'_>, report: &mut Report) {
     let mut open: Vec<_> = top
         .map(|(name, value)| (name.get_ref().as_ref(), value))
         .collect();
+    // Only the first is told: to count the lines up to each would take long.
+    let mut first = None;
     while let Some((name, value)) = open.pop() {
         match value.get_ref() {
             DeValue::Table(table) => {
@@ -35,7 +37,8 @@ pub(super) fn warn(text: Text<'_>, scene: &DeTable<'_>, report: &mut Report) {
                 };
                 let levels = [red, green, blue];
                 if let Some(hex) = meant_as_levels(levels.map(|level| level as f64).into()) {
-                    report.warn("levels", &text.place(value.span().start), || {
+                    let place = first.get_or_insert_with(|| text.place(value.span().start));
+                    report.warn("levels", place, || {
                         format!(
                             "the colour {levels:?} is brighter than white: colours are linear, from 0 to 1; \
                              levels from 0 to 255 are written \"{hex}\""

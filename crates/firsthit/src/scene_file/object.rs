@@ -238,11 +238,16 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
             let each = OBJECT_BYTES.saturating_add(own_name);
             let names: usize = of_file.iter().map(|object| object.name().len()).sum();
             let needed = each.saturating_mul(of_file.len() as u64);
-            report.budget.charge_at(
-                section.place("file"),
-                needed.saturating_add(names as u64),
-                "an object for each of the file's",
-            )?;
+            let needed = needed.saturating_add(names as u64);
+            let charged = (report.budget).charge(needed, "an object for each of the file's");
+            // To count the lines up to here for each of many objects would take longer than all else.
+            charged.map_err(|fault| match fault {
+                Fault::TooLarge { what, .. } => Fault::TooLarge {
+                    place: section.place("file"),
+                    what,
+                },
+                other => other,
+            })?;
             for object in &*of_file {
                 let name = name_of(&section, object, of_file.len() > 1);
                 objects.push(finished(
