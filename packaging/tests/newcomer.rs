@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use firsthit::channel::kind;
 use firsthit::image::Channel;
-use firsthit::shoot::{occluded_all, shoot_all};
+use firsthit::render::Picture;
+use firsthit::shoot::{Any, Cpu, Engine, First, trace_with};
 use firsthit::{
     Camera, Color, DVec3, Hit, InstructionSet, Mesh, Object, Positions, Ray, Result, Scene, Sphere,
-    render, shoot,
 };
 
 /// Two triangles for each square of a hilly grid.
@@ -42,23 +42,27 @@ fn scattered(count: u32) -> Vec<Ray> {
 }
 
 /// How many rays hit of one, a few and many, in all the ways in which rays go, and a picture.
-fn everything(scene: &Scene) -> Result<(Vec<usize>, Vec<Channel>)> {
+fn everything(engine: &dyn Engine, scene: &Scene) -> Result<(Vec<usize>, Vec<Channel>)> {
     let eye = DVec3::new(0.3, -1.5, 1.0);
     let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 40.0, 40, 60)?;
     let mut counts = Vec::new();
     let one = camera.ray(20, 30);
-    counts.push(usize::from(!shoot(scene, one.origin, one.direction).is_miss()));
+    counts.push(usize::from(!engine.first_hit(scene, &one).is_miss()));
     for count in [1, 20, 5000] {
         let rays = scattered(count);
-        let hits = shoot_all(scene, &rays, &())?;
+        let hits = trace_with(engine, scene, &rays, First, &())?;
         counts.push(hits.object.iter().filter(|&&object| object >= 0).count());
-        let occluded = occluded_all(scene, &rays, &())?;
+        let occluded = trace_with(engine, scene, &rays, Any, &())?;
         counts.push(occluded.into_iter().filter(|&is| is).count());
     }
     let depth_cue = |t: f64, _: DVec3, _: DVec3, _: &Hit| Color::splat(1.0 / (1.0 + t));
     let channels = [kind("color")?, kind("t")?];
-    let frame = render(scene, &camera, &depth_cue, &channels, 4, &())?;
-    Ok((counts, frame.into_channels()))
+    let picture = Picture {
+        samples: 4,
+        engine,
+        ..Picture::new(scene, &camera, &depth_cue, &channels)
+    };
+    Ok((counts, picture.render(&())?.into_channels()))
 }
 
 fn main() -> Result<()> {
@@ -70,16 +74,16 @@ fn main() -> Result<()> {
             continue;
         }
         for scene in [&alone, &together] {
-            let scene = scene.clone().with_instruction_set(set);
+            let (scene, engine) = (scene.clone(), Cpu::with(set));
             println!("{}, on rayon's threads", set.name());
-            let expected = everything(&scene)?;
+            let expected = everything(&engine, &scene)?;
             assert!(expected.0[5] > 2500, "{:?}", expected.0);
             println!("{}, from a thread of 256 KiB", set.name());
             let small = std::thread::Builder::new().stack_size(256 << 10);
             let found = small.spawn(move || {
                 // Made here, too: from vertices to trees.
                 hills(60)?;
-                everything(&scene)
+                everything(&engine, &scene)
             });
             let found = found.expect("a thread is granted").join().expect("no panic")?;
             assert!(found == expected, "{set:?}");

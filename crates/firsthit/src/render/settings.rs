@@ -201,7 +201,7 @@ impl<'a> Render<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render()`] and [`framing_camera`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel.
+    /// Those of [`render()`](super::render()) and [`framing_camera`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel.
     pub fn frame(self) -> Result<Frame> {
         let kinds = self.channels.iter().map(|name| channel::kind(name));
         let kinds = kinds.collect::<Result<Vec<_>>>()?;
