@@ -200,11 +200,13 @@ class Scene(Queries):
             raise IndexError(f"there is no object {identifier!r}; there are {len(self._objects)}")
         matrix = np.eye(4) if transform is None else affine(transform)
         with self._turn.taken():
-            native = self._current()
+            native, built = self._current(), self._built
             self._objects[identifier] = self._objects[identifier]._moved(matrix)
             self._moves += 1
-            if native is not None:
-                self._built = _Built(native.moved(identifier, matrix.tolist()), self._counts())
+            if native is not None and built is not None:
+                # With the counts that it was built from: others may have been added meanwhile.
+                counts = *built.counts[:2], self._moves
+                self._built = _Built(native.moved(identifier, matrix.tolist()), counts)
 
     def add_light(self, light: Light) -> None:
         """Add a light; a scene without any is lit from behind the camera's left shoulder.

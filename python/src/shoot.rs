@@ -112,6 +112,14 @@ pub(crate) fn count<'py>(
 ) -> PyResult<()> {
     let out = out.as_slice_mut().map_err(not_contiguous)?;
     let rays = rays.slices(out.len())?;
+    if rays.len() < FEW {
+        let counted = guarded(|| {
+            let answers = Answers::Count(out);
+            Cpu::default().trace(&scene.0, &rays, answers, &())
+        })?;
+        counted.map_err(|error| raise(py, &error))?;
+        return report_done(report.as_ref(), rays.len());
+    }
     run_reported(py, threads, report.as_ref(), |stop| {
         Cpu::default().trace(&scene.0, &rays, Answers::Count(out), stop)
     })

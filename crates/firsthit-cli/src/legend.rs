@@ -18,7 +18,7 @@ use crate::progress::Interrupt;
 const MISS: i32 = -1;
 
 /// A line of the table.
-struct Row<'a> {
+pub(crate) struct Row<'a> {
     object: i32,
     name: &'a str,
     /// As in the picture: sRGB, `#rrggbb`.
@@ -43,20 +43,18 @@ pub(crate) fn check(path: &Path, orders: &[Order], inputs: &[PathBuf]) -> Result
     output::check_other(path, orders, inputs)
 }
 
-/// Writes the table: misses, then all objects in the order of their numbers, seen or not.
+/// Writes the table.
 pub(crate) fn write(
     path: &Path,
-    scene: &Scene,
-    objects: &[i32],
+    rows: &[Row<'_>],
     interrupted: &AtomicBool,
 ) -> Result<(), Failure> {
-    let rows = rows(scene.objects(), objects);
     let watch = Interrupt(interrupted);
     write_whole(path, &watch, |out| {
         if is_json(path) {
-            write_json(&rows, out)
+            write_json(rows, out)
         } else {
-            write_csv(&rows, out)
+            write_csv(rows, out)
         }
     })?;
     Ok(())
@@ -71,7 +69,9 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
     extension.eq_ignore_ascii_case(wanted)
 }
 
-fn rows<'a>(objects: &'a [Object], seen: &[i32]) -> Vec<Row<'a>> {
+/// The table of the objects that pixels show: misses, then all objects in the order of their numbers, seen or not.
+pub(crate) fn rows<'a>(scene: &'a Scene, seen: &[i32]) -> Vec<Row<'a>> {
+    let objects = scene.objects();
     let mut misses = 0;
     let mut pixels = vec![0; objects.len()];
     for &object in seen {

@@ -179,7 +179,7 @@ impl<'a> Picture<'a> {
                 slab.add_sample(watch)?;
             }
             let mut frame = self.frame(slab.region().shape());
-            for channel in slab.channels()? {
+            for channel in slab.take_channels()? {
                 frame.push(channel)?;
             }
             sink(frame)?;

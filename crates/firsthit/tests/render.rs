@@ -13,8 +13,8 @@ use firsthit::shade::Lambert;
 use firsthit::shoot::{First, trace};
 use firsthit::watch::Watch;
 use firsthit::{
-    Background, Camera, Color, Cuboid, DVec3, Disc, Error, Hit, Lens, Light, Object, Plane,
-    RayStart, Scene, Shade, Shader, Shading, Sphere, View, Viewplane, example, render, shoot,
+    Background, Camera, Color, Cuboid, DVec3, Disc, Error, Hit, Light, Object, Plane, Scene, Shade,
+    Shader, Shading, Sphere, example, render, shoot,
 };
 
 const RED: Color = Color::new(0.8, 0.1, 0.05);
@@ -191,21 +191,7 @@ fn misses_see_the_background_which_is_a_function_of_the_direction() {
 }
 
 fn small_camera() -> Camera {
-    let view = View {
-        rows: 30,
-        columns: 40,
-        lens: Lens::Flat(Viewplane {
-            ray_start: RayStart::Viewplane,
-            ..*example::camera(30, 40)
-                .unwrap()
-                .view()
-                .lens
-                .viewplane()
-                .unwrap()
-        }),
-        ..*example::camera(30, 40).unwrap().view()
-    };
-    Camera::new(view).unwrap()
+    example::camera(30, 40).unwrap()
 }
 
 #[test]

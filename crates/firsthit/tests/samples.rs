@@ -15,26 +15,11 @@ use firsthit::render::{Picture, Region};
 use firsthit::shade::Samples;
 use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{
-    Camera, Color, DVec3, Hit, InstructionSet, Lens, RayStart, Render, Shade, Shader, View,
-    Viewplane, example, render,
+    Camera, Color, DVec3, Hit, InstructionSet, Lens, Render, Shade, Shader, View, example, render,
 };
 
 fn small_camera() -> Camera {
-    let view = View {
-        rows: 30,
-        columns: 40,
-        lens: Lens::Flat(Viewplane {
-            ray_start: RayStart::Viewplane,
-            ..*example::camera(30, 40)
-                .unwrap()
-                .view()
-                .lens
-                .viewplane()
-                .unwrap()
-        }),
-        ..*example::camera(30, 40).unwrap().view()
-    };
-    Camera::new(view).unwrap()
+    example::camera(30, 40).unwrap()
 }
 
 /// A shader that says of which pixel and sample it is asked.

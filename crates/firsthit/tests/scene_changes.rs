@@ -80,6 +80,7 @@ fn a_moved_object_is_met_as_in_a_scene_built_anew() {
         .map(|k| match k % 8 {
             5 => Object::new(Sphere::new(DVec3::ZERO, 0.7).unwrap()),
             6 => Object::new(Cuboid::new(DVec3::splat(-0.5), DVec3::splat(0.5)).unwrap()),
+            3 if k == 3 => Object::new(mesh(&points, Vec::new())),
             7 if k == 7 => Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()),
             _ => Object::new(ball.clone()),
         })

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use firsthit::channel::Kind;
 use firsthit::geometry::meant_as_levels;
-use firsthit::image::Data;
 use firsthit::image::WriteSettings;
+use firsthit::image::{Data, Frame};
 use firsthit::render::{BACKGROUND, Picture, SAMPLES, shoulder_light, work};
 use firsthit::world::{Output, World};
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
@@ -194,22 +194,18 @@ pub(crate) fn picture(
         samples,
         ..Picture::new(scene, camera, shade, &kinds)
     };
-    let whole = picture.render(&progress)?;
-    let mut legends = Vec::new();
-    for Order { kinds, targets } in orders {
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
-        let frame = whole.select(&names)?;
-        legends.push(output::write(&frame, targets, settings, interrupted)?);
-    }
+    let mut whole = picture.render(&progress)?;
     let objects = match whole.channel("object").map(|channel| &channel.data) {
         Some(Data::Int32(objects)) => objects.as_slice(),
         _ => &[],
     };
-    if let Some(path) = legend {
-        legend::write(path, scene, objects, interrupted)?;
+    let hit = objects.iter().filter(|&&object| object >= 0).count();
+    let rows = legend.map(|_| legend::rows(scene, objects));
+    let legends = write_all(&mut whole, orders, settings, interrupted)?;
+    if let (Some(path), Some(rows)) = (legend, rows) {
+        legend::write(path, &rows, interrupted)?;
     }
     drop(progress);
-    let hit = objects.iter().filter(|&&object| object >= 0).count();
     warn(&crate::hints::hints(scene, camera, hit));
     let seconds = started.elapsed().as_secs_f64();
     if args.json {
@@ -236,6 +232,24 @@ pub(crate) fn picture(
         }
     }
     Ok(())
+}
+
+/// Writes each output its channels of the picture, which are taken out where no later one has them; returns their legends.
+fn write_all(
+    picture: &mut Frame,
+    orders: &[Order],
+    settings: WriteSettings,
+    interrupted: &AtomicBool,
+) -> Result<Vec<Vec<Option<String>>>, Failure> {
+    let mut legends = Vec::new();
+    for (number, Order { kinds, targets }) in (1..).zip(orders) {
+        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        let later = orders[number..].iter().flat_map(|order| &order.kinds);
+        let is_last = |name: &str| !later.clone().any(|kind| kind.name == name);
+        let frame = picture.select(&names, is_last)?;
+        legends.push(output::write(&frame, targets, settings, interrupted)?);
+    }
+    Ok(legends)
 }
 
 /// The kinds of all outputs, each once, and the object, from which it is known what was hit.

@@ -1,4 +1,4 @@
-//! The judge's last word for eight rays at once, each with a triangle that it is known to meet.
+//! The exact test's numbers for eight rays at once, each with a triangle that it is known to meet.
 //!
 //! It is the code of `shape/triangle/place.rs`, in lanes, so the bits are the same. What is special (triangles seen
 //! edge-on, numbers of extreme sizes) is left to a single lane of `shape/triangle.rs`.
@@ -153,7 +153,7 @@ impl Corners {
     }
 }
 
-/// `t` and the weights of corners 1 and 2, and in which of the lanes `wanted` they are the judge's: those where nothing is
+/// `t` and the weights of corners 1 and 2, and in which of the lanes `wanted` they are the exact test's: those where nothing is
 /// special.
 #[inline(always)]
 pub(crate) fn intersect8<L: Lanes>(
@@ -327,7 +327,7 @@ impl SharedTriangle {
         };
         let (of_place, place) = plane.place(a, &start, &rays.direction);
         let sound = of_start & of_place & ahead(l, place[0]);
-        // In some lanes plain float64 is what the judge takes.
+        // In some lanes the exact test takes plain float64.
         (if enough == 0 { sound } else { 0 }, place)
     }
 }

@@ -1,14 +1,13 @@
 //! Which triangles of a leaf may a ray meet? Decided in float32 where that is certain, and only there.
 //!
-//! The test is that of the judge (`shape/triangle.rs`): the sides of the sheared triangle's edges that the
-//! ray is on. Let `E` bound what a sheared coordinate is off, and `X` the coordinates themselves. Then each
-//! side, a difference of two products, is off by at most `B = (4.2 E + 9 u X) X`: 4 E X from the
+//! The test is the exact one's (`shape/triangle.rs`): on which sides of the sheared triangle's edges the ray passes. Let `E`
+//! bound what a sheared coordinate is off, and `X` the coordinates themselves. Then each side, a difference of two products, is off by at most `B = (4.2 E + 9 u X) X`: 4 E X from the
 //! coordinates (and the 0.2 for what is quadratic in E), 4 u X^2 from rounding, and as much again. So
 //!
-//! - where one side is below -B and another above B, the judge finds the same signs and rejects;
-//! - where all are beyond B on the same side, the judge finds the same signs and accepts.
+//! - where one side is below -B and another above B, the exact test finds the same signs and rejects;
+//! - where all are beyond B on the same side, the exact test finds the same signs and accepts.
 //!
-//! The first verdict needs a `B` for rays that the judge has inside the triangle: there no coordinate is larger than the
+//! The first needs a `B` for rays that are inside the triangle: there no coordinate is larger than the
 //! triangle's extent across the ray, which is at most its extent along an axis twice, and E. The second needs one for
 //! any ray: what looks like a tiny inside may be the rounding of a triangle without any, far from the ray. But the ray
 //! passes the leaf's box, so no coordinate is larger than the leaf's extent along an axis twice, and what the test
@@ -17,7 +16,7 @@
 //! `E`, in units of u, of a vertex at the depth D that is P from the start across the axis of the depth: two differences
 //! 2 P; two along the ray, times a slope of at most 1, 2 D; the slope itself D; product and difference, where they are not
 //! fused, D + X. As P is at most X + D, and X twice an extent, that is 6 D and 6 extents. To that comes the
-//! ray's `blur`, three times, in which is what float64 rounds when it makes the ray ready. The judge decides exactly.
+//! ray's `blur`, three times, in which is what float64 rounds when it makes the ray ready. The exact test adds nothing.
 //!
 //! Where the ray meets the inside for certain, its depth is the corners' mean with the sides as weights. Two things are off:
 //! - The corners' places, by E along x and y. Then the plane through them passes the ray at a depth that is off by
@@ -44,7 +43,7 @@ pub(crate) struct Candidates<L: Lanes> {
     pub(super) possible: u16,
     /// Those of them whose inside it meets for certain.
     pub(super) certain: u16,
-    /// Depths between which the judge's is, where it meets one.
+    /// Depths between which the ray meets the triangle, if it does.
     pub(super) low: L::Floats,
     pub(super) high: L::Floats,
 }

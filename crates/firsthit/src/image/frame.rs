@@ -198,16 +198,26 @@ impl Frame {
         self.channels
     }
 
-    /// A frame of some of the channels, by their names, in that order; they are copied.
+    /// A frame of some of the channels, by their names, in that order. They are copied, but those that are named in no
+    /// later frame can be taken out: `is_last` says which.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for a name that no channel has.
-    pub fn select(&self, names: &[&str]) -> Result<Self> {
+    pub fn select(&mut self, names: &[&str], is_last: impl Fn(&str) -> bool) -> Result<Self> {
         let mut frame = Self::new(self.shape.clone()).from_origin(self.origin.clone());
         for &name in names {
+            let place = self
+                .channels
+                .iter()
+                .position(|channel| channel.name == name);
             let missing = || Error::argument("channel", "one of the frame", name);
-            frame.push(self.channel(name).ok_or_else(missing)?.clone())?;
+            let place = place.ok_or_else(missing)?;
+            frame.push(if is_last(name) {
+                self.channels.remove(place)
+            } else {
+                self.channels[place].clone()
+            })?;
         }
         Ok(frame)
     }

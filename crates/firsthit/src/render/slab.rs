@@ -111,19 +111,28 @@ impl<'a> Slab<'a> {
         })
     }
 
-    /// How many of its pixels' centres hit something.
+    /// The part of the sensor that it is.
     pub(super) fn region(&self) -> &Region {
         &self.part.region
     }
 
-    /// The channels, in the order of the picture's, the colour as the mean of the samples so far.
+    /// The channels, in the order of the picture's, the colour as the mean of the samples so far. The others are taken out.
+    pub(super) fn take_channels(&mut self) -> Result<Vec<Channel>> {
+        let plain = std::mem::take(&mut self.channels);
+        self.channels_with(plain)
+    }
+
+    /// The same, copied.
     pub(super) fn channels(&self) -> Result<Vec<Channel>> {
-        let mut plain = self.channels.iter();
+        self.channels_with(self.channels.clone())
+    }
+
+    fn channels_with(&self, plain: Vec<Channel>) -> Result<Vec<Channel>> {
+        let mut plain = plain.into_iter();
         let kinds = self.picture.channels.iter();
         let channels = kinds.map(|kind| {
             if !kind.needs_shade() {
-                let channel = plain.next().expect("it was made with the first sample");
-                return Ok(channel.clone());
+                return Ok(plain.next().expect("it was made with the first sample"));
             }
             Ok(if self.picture.shade.is_transparent() {
                 kind.transparent_channel(self.means::<4>()?)

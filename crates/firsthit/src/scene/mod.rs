@@ -125,7 +125,7 @@ impl Scene {
         InstructionSet::current()?;
         let trees = mesh_trees(&objects, before)?;
         let boxes: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
-        let bounds = around(&boxes);
+        let bounds = around(boxes.iter().copied());
         let top = TopTree::new(&objects, boxes);
         Ok(Self {
             objects,
@@ -220,10 +220,8 @@ impl Scene {
 
     /// The smallest box around all objects in the world, infinite ones left out; empty without any.
     pub fn bounds(&self) -> Bounds {
-        let exactly = || {
-            let boxes: Vec<Bounds> = self.objects.par_iter().map(Object::bounds).collect();
-            around(&boxes)
-        };
+        // By one thread: a pool's thread that waited here could take up work that asks for the bounds itself.
+        let exactly = || around(self.objects.iter().map(Object::bounds));
         *self.bounds.get_or_init(exactly)
     }
 
@@ -360,9 +358,7 @@ pub(crate) fn support(objects: &[Object], direction: DVec3) -> f64 {
 }
 
 /// The box around all finite boxes.
-fn around(boxes: &[Bounds]) -> Bounds {
-    let finite = boxes
-        .iter()
-        .filter(|bounds| !top_tree::is_unbounded(bounds));
-    finite.copied().fold(Bounds::EMPTY, Bounds::union)
+fn around(boxes: impl Iterator<Item = Bounds>) -> Bounds {
+    let finite = boxes.filter(|bounds| !top_tree::is_unbounded(bounds));
+    finite.fold(Bounds::EMPTY, Bounds::union)
 }

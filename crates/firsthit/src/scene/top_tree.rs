@@ -63,6 +63,10 @@ impl TopTree {
         let was_loose = self.unconditional.binary_search(&moved).is_ok();
         self.boxes[index] = bounds;
         self.moves += 1;
+        if bounds.is_empty() {
+            // It is in no tree, and no ray meets it anywhere.
+            return;
+        }
         let is_alone = !self.duplicates.contains(moved) && self.duplicates.of(moved).is_empty();
         let slack = self.tree.slack();
         let is_loose = is_loose(objects, index, &bounds);

@@ -1,4 +1,4 @@
-//! The judge: does this ray meet this triangle, and where? As exact arithmetic on the float64 numbers would say.
+//! The exact test: does this ray meet this triangle, and where? As exact arithmetic on the float64 numbers would say.
 //!
 //! A ray meets a triangle where it has no two of the edges on different sides. The sides are first computed as Woop, Benthin and
 //! Wald do, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013: space is sheared so that the

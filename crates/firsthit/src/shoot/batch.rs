@@ -48,9 +48,7 @@ pub(super) fn each_chunk<S: Sink>(
     watch: &dyn Watch,
     fill: impl Fn(usize, S) + Sync,
 ) -> Result<()> {
-    let chunks = sink.chunks(size.max(1));
-    let chunks = chunks.into_par_iter().enumerate();
-    chunks.try_for_each(|(index, chunk)| {
+    let fill = |(index, chunk): (usize, S)| {
         if watch.is_stopped() {
             return Err(Error::Interrupted);
         }
@@ -58,7 +56,13 @@ pub(super) fn each_chunk<S: Sink>(
         fill(index, chunk);
         watch.advance(count);
         Ok(())
-    })
+    };
+    let chunks = sink.chunks(size.max(1));
+    if chunks.len() == 1 {
+        // Few rays need no other thread.
+        return chunks.into_iter().enumerate().try_for_each(fill);
+    }
+    chunks.into_par_iter().enumerate().try_for_each(fill)
 }
 
 thread_local! {

@@ -60,7 +60,7 @@ struct Axes {
 }
 
 impl Axes {
-    /// The judge's choice: of equal ones the first.
+    /// The exact test's choice: of equal ones the first.
     #[inline(always)]
     fn new<L: Lanes>(l: L, d: &[L::Doubles; 3]) -> Self {
         let [x, y, z] = [l.abs64(d[0]), l.abs64(d[1]), l.abs64(d[2])];

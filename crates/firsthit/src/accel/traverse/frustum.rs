@@ -1,6 +1,6 @@
 //! The planes around the rays of a packet, and which boxes are within them.
 //!
-//! Points are counted from the beam's reference, the planes from there on along its axis z: at a depth d all rays
+//! Points are counted from the packet's reference, the planes from there on along its axis z: at a depth d all rays
 //! are between `start low + d * slope low` and `start high + d * slope high`, along x and along y. The reference
 //! is as far back as the rearmost ray, so d is not negative where a ray may meet something.
 //!
@@ -156,7 +156,7 @@ impl PacketFrustum {
         self.margin + l.largest(l.select(matters, depths, l.splat(-2.0 - 3.0 * self.margin)))
     }
 
-    /// Which of a node's boxes the beam may meet at depths up to `limit`, and from which depth on.
+    /// Which of a node's boxes the rays may meet at depths up to `limit`, and from which depth on.
     #[inline(always)]
     pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
         let [x, y, z] = self.axes;

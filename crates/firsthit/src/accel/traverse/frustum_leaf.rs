@@ -38,7 +38,7 @@ impl LeafView {
 }
 
 impl PacketFrustum {
-    /// Which of a leaf's triangles the beam may meet at depths up to `limit`.
+    /// Which of a leaf's triangles the rays may meet at depths up to `limit`.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
