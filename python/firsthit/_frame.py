@@ -45,6 +45,10 @@ _DTYPES = ("float64", "float32", "int32", "bool")
 _AS_UINT32 = _DTYPES[2:]
 
 
+#: The extensions of files that hold several channels.
+_OF_SEVERAL = (".npz", ".exr", ".ply", ".pcd")
+
+
 class Frame:
     """A picture: named channels over the same pixels, row 0 at the top.
 
@@ -202,7 +206,9 @@ class Frame:
         path : path-like
             ``.exr`` and ``.npz`` take all channels; ``.npy`` and ``.png`` take the only one, or
             ``color``. ``{channel}`` in the name makes a file of each. Arrays are exact and linear,
-            an EXR is linear float32, a PNG is for looking.
+            an EXR is linear float32, a PNG is for looking. ``.ply`` and ``.pcd`` are point clouds:
+            the pixels that hit something, with all channels, of which ``position`` must be one;
+            colours are sRGB bytes, the numbers of a PLY are exact, those of a PCD float32.
         png_scale : float, optional
             Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers of steps of
             this length, 0 being a miss. A distance that 65535 steps do not reach is an error.
@@ -222,10 +228,10 @@ class Frame:
             return
         target = Path(text)
         names = list(self._channels)
-        if target.suffix.lower() not in (".npz", ".exr") and len(names) != 1:
+        if target.suffix.lower() not in _OF_SEVERAL and len(names) != 1:
             if "color" not in names:
                 raise ValueError(
-                    "path must end in .exr or .npz, or contain {channel}, "
+                    "path must end in .exr, .npz, .ply or .pcd, or contain {channel}, "
                     f"for several channels, got {text}"
                 )
             names = ["color"]

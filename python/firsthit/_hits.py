@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import numpy as np
@@ -15,6 +16,7 @@ from ._rounding import singles, singles_within
 from .typing import ChannelName
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterator, Sequence
     from types import EllipsisType
 
@@ -369,6 +371,57 @@ class Hits:
             for k, letter in enumerate(letters):
                 table[f"{name}_{letter}"] = columns[:, k]
         return table
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        channels: ChannelName | Sequence[ChannelName] | None = None,
+    ) -> None:
+        """Write the hits to a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.ply`` and ``.pcd`` are point clouds of what was hit: misses are left out, and
+            ``position`` is always among the channels. The numbers of a PLY are exact, those of a
+            PCD float32. ``.npz`` takes all rays and several channels, ``.npy`` one channel; hits of
+            the shape of a picture can be ``.exr`` and ``.png`` too, as `Frame.save` writes them.
+        channels : str or sequence of str, optional
+            Some of `channels`. If left out, ``t``, ``object`` and ``primitive``, for a point cloud
+            ``position`` and ``normal`` too.
+
+        Raises
+        ------
+        ValueError
+            For an unknown extension or channel, several channels for a file that takes one, or
+            numbers that the format cannot hold.
+        FileWriteError
+            The system refused; an old file is as it was.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
+        >>> hits.save("cloud.ply", ["position", "normal", "object"])
+        """
+        target = Path(path)
+        is_cloud = target.suffix.lower() in (".ply", ".pcd")
+        names: list[ChannelName] = ["t", "object", "primitive"]
+        if channels is not None:
+            names = [channels] if isinstance(channels, str) else list(channels)
+        elif is_cloud:
+            names = ["normal", *names]
+        if is_cloud and "position" not in names:
+            names = ["position", *names]
+        arrays: list[tuple[str, npt.NDArray[Any]]] = [
+            (name, np.ascontiguousarray(self.channel(name)).ravel()) for name in names
+        ]
+        camera = self._camera._native if self._camera is not None else None
+        origin = _firsthit.origin(self._native_scene, camera)
+        _firsthit.write(target, list(self._shape), arrays, origin, None)
 
     def __getitem__(self, index: Index) -> Hits:
         """Return some of the hits, as an array of their shape would: by a mask, a slice, ..."""

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use firsthit::channel::{self, Kind};
 use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
 use firsthit::render::{BACKGROUND, Picture, Region, SAMPLES, shoulder_light, work};
+use firsthit::sensor::Sensor;
 use firsthit::shade::Lambert;
 use firsthit::{Background, Color, Shader, Shading};
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -132,6 +133,17 @@ pub(crate) fn metadata(
     let mut metadata = frame(py, vec![1, 1], channels, origin)?.metadata();
     metadata.shape = shape;
     Ok(metadata.to_json())
+}
+
+/// The JSON of the origin of what rays met, of a camera's or of others.
+#[pyfunction]
+pub(crate) fn origin(py: Python<'_>, scene: &Scene, camera: Option<&Camera>) -> PyResult<String> {
+    let sensor = camera.map(|camera| &camera.0 as &dyn Sensor);
+    // The fingerprint takes long the first time.
+    let origin = run(py, 0, |_| {
+        Ok(firsthit::render::origin(&scene.0, sensor, None))
+    })?;
+    serde_json::to_string(&origin).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 
 /// A frame from flat arrays; `origin` is the JSON of an origin, or of metadata.

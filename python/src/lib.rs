@@ -27,7 +27,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::camera::Camera;
     #[pymodule_export]
-    use crate::frame::{defaults, metadata, png, read, render, render_work, write};
+    use crate::frame::{defaults, metadata, origin, png, read, render, render_work, write};
     #[pymodule_export]
     use crate::load::load;
     #[pymodule_export]

@@ -127,13 +127,13 @@ impl From<RayStartArg> for RayStart {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct PictureArgs {
-    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all); may be given several times.
-    /// {channel} in the name makes a file of each channel [default: what a scene file asks for, else the
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point cloud); may be given
+    /// several times. {channel} in the name makes a file of each channel [default: what a scene file asks for, else the
     /// file's name with .png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// What to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
-    /// normal, position, barycentric, uv, front [default: color]
+    /// normal, position, barycentric, uv, front [default: color; for .ply and .pcd position, normal, color, object]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(Source::Camera), hide_possible_values = true)]
     pub(crate) channels: Vec<String>,
     /// Write a table beside a picture of objects: each object's number, name, colour in the picture (sRGB) and count
@@ -218,22 +218,21 @@ pub(crate) struct ShootArgs {
     pub(crate) rays: PathBuf,
     /// The rays' directions, if RAYS are only origins
     pub(crate) directions: Option<PathBuf>,
-    /// Where to write: .npz, .npy (one channel) or .csv, - for standard output; may be given several
-    /// times [default: - as CSV]
+    /// Where to write: .npz, .npy (one channel), .csv, .ply or .pcd (a point cloud of what was hit), - for standard
+    /// output; may be given several times [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// The format on standard output [default: csv]
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
     /// What to compute, with commas between: t, object, primitive, face, normal, position, barycentric,
-    /// uv, front
+    /// uv, front [default: t,object,primitive; for .ply and .pcd position and normal too]
     #[arg(
         long,
         value_name = "NAMES",
         value_delimiter = ',',
         value_parser = ChannelNames(Source::Rays),
-        hide_possible_values = true,
-        default_value = "t,object,primitive"
+        hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,
     /// The t that rays begin at, which does not yet count; a negative one lets them meet what they start on [default: 0]
@@ -258,7 +257,7 @@ pub(crate) enum StreamFormat {
 #[derive(Debug, Args)]
 #[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy or .npz
+    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, or a point cloud that is .ply
     pub(crate) file: PathBuf,
     /// As JSON: of a 3D file triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up,
     /// cameras, lights, materials, textures, counts of all these, warnings; of an output format, arrays, counts, metadata
@@ -275,7 +274,7 @@ pub(crate) struct InfoArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::DIFF_EXAMPLES)]
 pub(crate) struct DiffArgs {
-    /// An output: .png, .exr, .npy or .npz
+    /// An output: .png, .exr, .npy, .npz, .ply or .pcd
     pub(crate) a: PathBuf,
     /// Another one, of any of these formats
     pub(crate) b: PathBuf,
@@ -303,18 +302,17 @@ pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
     #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
     pub(crate) size: (usize, usize),
-    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all); may be given several times.
-    /// {channel} in the name makes a file of each channel [default: demo.png]
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point cloud); may be given
+    /// several times. {channel} in the name makes a file of each channel [default: demo.png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// What to compute, with commas between; see firsthit render --help
+    /// What to compute, with commas between; see firsthit render --help [default: color]
     #[arg(
         long,
         value_name = "NAMES",
         value_delimiter = ',',
         value_parser = ChannelNames(Source::Camera),
-        hide_possible_values = true,
-        default_value = "color"
+        hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,
     /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene

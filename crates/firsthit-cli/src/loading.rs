@@ -108,3 +108,10 @@ fn has_room(threads: usize) -> bool {
     std::hint::black_box(&mut probe);
     refused.is_ok()
 }
+
+/// Whether a file's name says that it is a 3D file; one that is packed is.
+pub(crate) fn has_model_extension(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let extension = extension.to_ascii_lowercase();
+    extension == "gz" || load::extensions().any(|known| known == extension)
+}

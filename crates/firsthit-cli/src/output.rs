@@ -112,13 +112,14 @@ pub(crate) struct Order {
 /// What a camera's picture goes to: `outputs`, each with the names of its channels; none of `inputs` may be
 /// among them. Files with the same channels are one order.
 pub(crate) fn orders(
-    outputs: &[(PathBuf, &[String])],
+    outputs: &[(PathBuf, Vec<String>)],
     inputs: &[&Path],
     quiet: bool,
 ) -> Result<Vec<Order>, Failure> {
     let mut orders: Vec<Order> = Vec::new();
     for (path, channels) in outputs {
-        let kinds = kinds(channels, Source::Camera, quiet || !orders.is_empty())?;
+        let channels = with_required(channels, [path]);
+        let kinds = kinds(&channels, Source::Camera, quiet || !orders.is_empty())?;
         let made = targets(std::slice::from_ref(path), &kinds, Source::Camera, inputs)?;
         let names = |kinds: &[&Kind]| kinds.iter().map(|kind| kind.name).collect::<Vec<_>>();
         match orders
@@ -133,10 +134,38 @@ pub(crate) fn orders(
         }
     }
     check_paths(orders.iter().flat_map(|order| &order.targets), inputs)?;
-    for order in &orders {
-        check_all_go_somewhere(&order.targets, &order.kinds)?;
+    for (_, channels) in outputs {
+        let same = outputs.iter().filter(|(_, others)| others == channels);
+        let same: Vec<PathBuf> = same.map(|(path, _)| path.clone()).collect();
+        let kinds = kinds(channels, Source::Camera, true)?;
+        let targets = targets(&same, &kinds, Source::Camera, inputs)?;
+        check_all_go_somewhere(&targets, &kinds)?;
     }
     Ok(orders)
+}
+
+/// The channels of a picture's file: those that were asked for, else those that its format is for.
+pub(crate) fn channels(asked: &[String], path: &Path) -> Vec<String> {
+    if !asked.is_empty() {
+        return asked.to_vec();
+    }
+    let format = image::format_of(path);
+    let names = format.map_or(&["color"][..], |format| format.holds.default_channels());
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
+/// The names of channels, those first that some of the `files` cannot do without.
+pub(crate) fn with_required<'a>(
+    names: &[String],
+    files: impl IntoIterator<Item = &'a PathBuf>,
+) -> Vec<String> {
+    let holds = files
+        .into_iter()
+        .filter_map(|path| image::format_of(path).ok());
+    let required = holds.flat_map(|format| format.holds.required_channels());
+    let required = required.map(|&name| name.to_owned());
+    let required = required.filter(|name| !names.iter().any(|given| given.trim() == name));
+    required.chain(names.iter().cloned()).collect()
 }
 
 /// Refuses to write over what was read.
@@ -159,6 +188,12 @@ pub(crate) fn targets(
             for kind in kinds {
                 let path = PathBuf::from(text.replace(PLACEHOLDER, kind.name));
                 let format = format(&path, source)?;
+                if format.is_some_and(|format| format.holds == Holds::Points) {
+                    return Err(Failure::usage(format!(
+                        "--output: a point cloud holds all channels; leave {PLACEHOLDER} out of {}",
+                        escaped(Path::new(&*text))
+                    )));
+                }
                 let channel = Some(kind.name);
                 targets.push(Target {
                     path,
@@ -208,7 +243,7 @@ fn only_channel(
     format: Option<&Format>,
     kinds: &[&'static Kind],
 ) -> Result<Option<&'static str>, Failure> {
-    if format.is_none_or(|format| format.holds == Holds::AllChannels) {
+    if format.is_none_or(|format| format.holds != Holds::OneChannel) {
         return Ok(None);
     }
     match kinds {

@@ -8,6 +8,7 @@ use firsthit::error::escape_controls;
 
 use crate::console::{end_report_with_error, say};
 use crate::failure::USAGE;
+use crate::loading::has_model_extension;
 
 /// Prints what was asked for, help or version, or what is wrong with the command line; returns the exit
 /// code.
@@ -44,19 +45,16 @@ fn file_for_command(error: &Error) -> Option<String> {
     if path.is_dir() {
         return Some(format!("{shown} is a folder, not a command; see --help"));
     }
-    let extension = |name: &Path| {
-        let extension = name.extension().unwrap_or_default().to_string_lossy();
-        extension.to_ascii_lowercase()
-    };
     let is_output = firsthit::image::format_of(path).is_ok();
-    let is_model = match extension(path).as_str() {
-        "gz" => true,
-        extension => firsthit::load::extensions().any(|known| known == extension),
-    };
+    let is_model = has_model_extension(path);
     if !(is_output || is_model || path.is_file()) {
         return None;
     }
-    let command = if is_output { "info" } else { "render" };
+    let command = if is_output && !is_model {
+        "info"
+    } else {
+        "render"
+    };
     // As it would have to be typed.
     let is_plain = |c: char| c.is_alphanumeric() || "._-/+:,@%".contains(c);
     let typed = if shown.chars().all(is_plain) {

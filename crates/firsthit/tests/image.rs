@@ -14,8 +14,8 @@ use std::path::Path;
 use firsthit::Error;
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
-    Channel, Data, Description, FORMATS, Frame, Picture, WriteSettings, format_named, format_of,
-    write,
+    Channel, Data, Description, FORMATS, Frame, Holds, Picture, WriteSettings, format_named,
+    format_of, write,
 };
 
 fn channel(name: &'static str, components: usize, data: Data, picture: Picture) -> Channel {
@@ -165,7 +165,8 @@ fn an_npy_file_holds_one_channel_of_a_batch() {
 #[test]
 fn files_have_the_same_bytes_as_streams_every_time() {
     let folder = tempfile::tempdir().unwrap();
-    for format in FORMATS {
+    // A point cloud takes more than one channel.
+    for format in (FORMATS.iter()).filter(|format| format.holds != Holds::Points) {
         let path = folder.path().join("out");
         // Not all channels: an EXR refuses a distance of 1e300.
         let channel = Some("object");
@@ -206,7 +207,7 @@ fn extensions_choose_formats_in_any_case() {
     for path in ["a.jpg", "png", "", ".png"] {
         let message = format_of(Path::new(path)).unwrap_err().to_string();
         assert!(
-            message.ends_with(" (known: .png, .exr, .npy, .npz)"),
+            message.ends_with(" (known: .png, .exr, .npy, .npz, .ply, .pcd)"),
             "{message}"
         );
     }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use firsthit::channel::KINDS;
 use firsthit::image::{
     Encoding, FORMATS, Format, Frame, Holds, Metadata, Numbers, WriteSettings, compare,
-    format_named, read, write, write_channel,
+    format_named, is_point_cloud, read, write, write_channel,
 };
 use firsthit::{
     Camera, Color, DVec3, Error, Lens, Light, Mesh, Object, Positions, Scene, Shader, Shading,
@@ -68,7 +68,7 @@ fn schema() -> Value {
 fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
     let mut paths = Vec::new();
     for format in FORMATS {
-        if format.holds == Holds::AllChannels {
+        if format.holds != Holds::OneChannel {
             paths.push(folder.join(format!("all.{}", format.name)));
             write(frame, paths.last().unwrap()).unwrap();
             continue;
@@ -123,6 +123,10 @@ fn files_hold_the_values_and_say_where_they_come_from() {
     let frame = frame(false);
     let scene = example::scene().unwrap();
     for path in write_all(&frame, folder.path()) {
+        // What point clouds hold is judged in point_clouds.rs.
+        if is_point_cloud(&path) {
+            continue;
+        }
         let output = read(&path).unwrap();
         let metadata = output.metadata.as_ref().unwrap();
         assert_eq!(metadata.scene.as_deref(), Some(scene.fingerprint()));
@@ -364,6 +368,7 @@ fn damaged_files_are_refused_or_read_but_never_a_panic() {
                 assert_eq!(message.lines().count(), 1, "{message}");
                 // Our own words, not the crate's `ChunkType { type: IDAT }`.
                 let words = message.replace(r"\u{", "");
+                let words = words.split(" '").next().unwrap();
                 assert!(!words.contains('{'), "{message}");
             }
         }

@@ -3,37 +3,31 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::{Shader, Shading, example};
 
-use super::render::{Job, WITHOUT_COLOR, picture, settings};
+use super::render::{Job, WITHOUT_COLOR, needs_shade, picture, settings};
 use crate::args::DemoArgs;
 use crate::camera::check_size;
 use crate::console::warn;
 use crate::failure::Failure;
 use crate::loading::with_threads;
-use crate::output::Order;
-use crate::output::{self, Source};
+use crate::output;
 
 /// The embedded scene is small: it can be made well.
 const DEFAULT_SAMPLES: u32 = 16;
 
 pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    let kinds = output::kinds(
-        &args.channels,
-        Source::Camera,
-        args.run.quiet || args.run.json,
-    )?;
     check_size("--size", args.size)?;
-    if args.samples.is_some() && !kinds.iter().any(|kind| kind.needs_shade()) {
-        warn(&[format!("--samples does nothing {WITHOUT_COLOR}")]);
-    }
     let default = [PathBuf::from("demo.png")];
     let outputs = if args.output.is_empty() {
         &default[..]
     } else {
         &args.output
     };
-    let targets = output::targets(outputs, &kinds, Source::Camera, &[])?;
-    output::check_all_go_somewhere(&targets, &kinds)?;
-    let orders = [Order { kinds, targets }];
+    let with_channels = |path: &PathBuf| (path.clone(), output::channels(&args.channels, path));
+    let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
+    let orders = output::orders(&outputs, &[], args.run.quiet || args.run.json)?;
+    if args.samples.is_some() && !orders.iter().any(needs_shade) {
+        warn(&[format!("--samples does nothing {WITHOUT_COLOR}")]);
+    }
     let settings = settings(args.png_scale, &orders);
     with_threads(&args.run, || {
         let scene = example::scene()?;

@@ -3,7 +3,7 @@ use std::io::Write;
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
-use firsthit::image::format_of;
+use firsthit::image::{format_of, is_point_cloud};
 use firsthit::shape::{Property, PropertyOf};
 use firsthit::shoot::Cpu;
 use firsthit::{Bounds, Object, Shape};
@@ -15,12 +15,15 @@ use crate::args::InfoArgs;
 use crate::console::{counted, json_text, warn};
 use crate::failure::Failure;
 use crate::hints::{number, span, triple};
-use crate::loading::{self, Loaded, with_all_cores};
+use crate::loading::{self, Loaded, has_model_extension, with_all_cores};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let text = match format_of(&args.file) {
-        Ok(format) => info_output::text(args, format)?,
-        Err(_) => of_model(args)?,
+        // A PLY may be either.
+        Ok(format) if !has_model_extension(&args.file) || is_point_cloud(&args.file) => {
+            info_output::text(args, format)?
+        }
+        _ => of_model(args)?,
     };
     std::io::stdout()
         .write_all(text.as_bytes())

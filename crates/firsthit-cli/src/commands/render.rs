@@ -21,8 +21,6 @@ use crate::output::{self, Order, Source};
 use crate::progress::Progress;
 use crate::values::LightArg;
 
-const DEFAULT_CHANNEL: &str = "color";
-
 /// The only one that looks at lights.
 const DEFAULT_SHADER: &str = "lambert";
 
@@ -109,14 +107,10 @@ fn check_legend(args: &RenderArgs, orders: &[Order], inputs: &[PathBuf]) -> Resu
 
 /// What goes where: as the command line says, else as the file says, else a picture with the file's name.
 fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> {
-    let color = [DEFAULT_CHANNEL.to_owned()];
-    let channels = match &args.picture.channels[..] {
-        [] => &color[..],
-        channels => channels,
-    };
-    let outputs: Vec<(PathBuf, &[String])> = if !args.picture.output.is_empty() {
-        let paths = args.picture.output.iter().cloned();
-        paths.map(|path| (path, channels)).collect()
+    let asked = &args.picture.channels;
+    let with_channels = |path: &PathBuf| (path.clone(), output::channels(asked, path));
+    let outputs: Vec<(PathBuf, Vec<String>)> = if !args.picture.output.is_empty() {
+        args.picture.output.iter().map(with_channels).collect()
     } else if of_file.is_empty() {
         let path = default_output(&args.file);
         if path.to_string_lossy().contains(output::PLACEHOLDER) {
@@ -125,14 +119,16 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
                 "--output must be given: {name} would be a template of names"
             )));
         }
-        vec![(path, channels)]
-    } else if args.picture.channels.is_empty() {
+        vec![with_channels(&path)]
+    } else if asked.is_empty() {
         let own = of_file.iter();
-        own.map(|output| (output.path.clone(), &output.channels[..]))
+        own.map(|output| (output.path.clone(), output.channels.clone()))
             .collect()
     } else {
-        let paths = of_file.iter().map(|output| output.path.clone());
-        paths.map(|path| (path, channels)).collect()
+        of_file
+            .iter()
+            .map(|output| with_channels(&output.path))
+            .collect()
     };
     output::orders(&outputs, &[&args.file], args.run.quiet || args.run.json)
 }
@@ -354,7 +350,7 @@ fn doubtful_colors(light: &LightingArgs) -> Vec<String> {
     colors.into_iter().filter_map(doubt).collect()
 }
 
-fn needs_shade(order: &Order) -> bool {
+pub(super) fn needs_shade(order: &Order) -> bool {
     order.kinds.iter().any(|kind| kind.needs_shade())
 }
 

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use firsthit::channel::{Kind, Shots, make};
-use firsthit::image::{Frame, WriteSettings};
+use firsthit::image::{Frame, Holds, WriteSettings, format_of};
 use firsthit::render::{origin, work};
 use firsthit::shoot::{First, Hits, trace};
 use firsthit::{Rays as _, Scene};
@@ -19,6 +19,11 @@ use crate::loading::{self, Loaded, with_threads};
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::rays::{self, Feed, RayArrays, RayLines};
+
+const DEFAULT_CHANNELS: [&str; 3] = ["t", "object", "primitive"];
+
+/// Those where one of the files is a point cloud.
+const CLOUD_CHANNELS: [&str; 5] = ["position", "normal", "t", "object", "primitive"];
 
 /// Where a result goes.
 struct Sinks {
@@ -57,6 +62,18 @@ pub(super) struct Counts {
     pub(super) hits: u64,
 }
 
+/// The channels that were asked for, and those that the files cannot do without.
+fn channels(args: &ShootArgs) -> Vec<String> {
+    let is_cloud = |path: &PathBuf| format_of(path).is_ok_and(|f| f.holds == Holds::Points);
+    let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    let asked: Vec<String> = match &args.channels[..] {
+        [] if args.output.iter().any(is_cloud) => named(&CLOUD_CHANNELS),
+        [] => named(&DEFAULT_CHANNELS),
+        asked => asked.to_vec(),
+    };
+    output::with_required(&asked, &args.output)
+}
+
 /// Where rays come from.
 enum Source {
     Arrays(RayArrays),
@@ -82,7 +99,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         report_beside_data();
     }
     let kinds = output::kinds(
-        &args.channels,
+        &channels(args),
         output::Source::Rays,
         args.run.quiet || args.run.json,
     )?;

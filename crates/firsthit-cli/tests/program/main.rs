@@ -7,6 +7,7 @@
 
 mod camera;
 mod channels;
+mod clouds;
 mod colours;
 mod files;
 mod gltf;

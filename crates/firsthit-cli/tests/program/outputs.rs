@@ -208,7 +208,7 @@ fn what_cannot_be_compared_is_wrong_usage_or_bad_input() {
         "zero or a positive number",
     );
     lab.fails("diff a.exr none.exr", 3, "none.exr: No such file");
-    lab.fails("diff a.exr square.ply", 2, "known: .png, .exr, .npy, .npz");
+    lab.fails("diff a.exr square.stl", 2, "known: .png, .exr, .npy, .npz");
     for (whole, name, bytes) in [
         ("a.exr", "x.exr", 900),
         ("a.npz", "x.npz", 900),

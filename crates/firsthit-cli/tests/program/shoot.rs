@@ -200,8 +200,11 @@ fn what_needs_a_camera_or_would_be_ignored_is_refused() {
         ("-o hits.npy", "holds one channel of several"),
         ("-o - -o -", "named twice"),
         ("-o hits.csv -o ./hits.csv", "named twice"),
-        ("-o hits.png", "must end in one of .npy, .npz, .csv"),
-        ("-o hits", "must end in one of .npy, .npz, .csv"),
+        (
+            "-o hits.png",
+            "must end in one of .npy, .npz, .ply, .pcd, .csv",
+        ),
+        ("-o hits", "must end in one of .npy, .npz, .ply, .pcd, .csv"),
         ("-o rays.csv", "rays.csv is an input"),
         ("-o ./rays.csv", "./rays.csv is an input"),
         ("rays.csv", "the same file"),

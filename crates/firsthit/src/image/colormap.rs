@@ -1,7 +1,7 @@
 use std::sync::LazyLock;
 
 use super::frame::{Channel, Picture};
-use super::srgb::{SRGB, unit_byte};
+use super::srgb::{SRGB, unit_byte, unpremultiplied};
 
 type Rgb = [u8; 3];
 
@@ -84,16 +84,6 @@ impl ColorMap {
             (Self::Fraction | Self::Color, &[r, g, b]) => [r, g, b].map(unit_byte),
             _ => unreachable!("`Frame::push` checks the components of each kind of picture"),
         }
-    }
-}
-
-/// A premultiplied colour as PNG stores it, which is not premultiplied.
-fn unpremultiplied([r, g, b, alpha]: [f64; 4]) -> [u8; 4] {
-    if alpha > 0.0 {
-        let [r, g, b] = [r, g, b].map(|level| SRGB.byte(level / alpha));
-        [r, g, b, unit_byte(alpha)]
-    } else {
-        [0; 4]
     }
 }
 

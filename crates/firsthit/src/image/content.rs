@@ -1,6 +1,6 @@
 //! The content that a format writes.
 
-use super::frame::Channel;
+use super::frame::{Channel, Data};
 use super::metadata::Metadata;
 use crate::error::{Error, Result};
 use crate::watch::Watch;
@@ -40,4 +40,35 @@ pub(super) fn pixel(index: usize, shape: &[usize]) -> String {
         [_, columns] => format!("row {}, column {}", index / columns, index % columns),
         _ => format!("element {index}"),
     }
+}
+
+/// Refuses finite numbers that float32 would make infinite, and so a miss.
+#[cfg(any(feature = "exr", feature = "cloud"))]
+pub(super) fn check_float32(
+    channel: &Channel,
+    shape: &[usize],
+    expected: &'static str,
+) -> Result<()> {
+    let Data::Float64(values) = &channel.data else {
+        return Ok(());
+    };
+    let is_lost = |value: &f64| value.is_finite() && single(*value).is_infinite();
+    match values.iter().position(is_lost) {
+        None => Ok(()),
+        Some(index) => {
+            let place = pixel(index / channel.components, shape);
+            let got = format!("{:?} at {place}", values[index]);
+            Err(Error::argument(channel.name, expected, got))
+        }
+    }
+}
+
+/// The nearest float32.
+#[cfg(any(feature = "exr", feature = "cloud"))]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the format has no float64; `check_float32` refuses what would be lost"
+)]
+pub(super) fn single(value: f64) -> f32 {
+    value as f32
 }

@@ -10,10 +10,10 @@ use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, Vec2};
 use rayon::prelude::*;
 
-use super::content::{Content, picture_sides, pixel};
+use super::content::{Content, check_float32, picture_sides, single};
 use super::frame::{Channel, Data, Picture};
 use super::metadata::{Encoding, KEY, Stored};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Every sample has 32 bits.
 const BYTES: usize = 4;
@@ -24,19 +24,9 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
         content.shape,
         "[rows, columns], each from 1 to 2^31 - 1, for an EXR",
     )?;
-    for channel in &content.channels {
-        let Data::Float64(values) = &channel.data else {
-            continue;
-        };
-        let is_lost = |value: &f64| value.is_finite() && single(*value).is_infinite();
-        if let Some(index) = values.iter().position(is_lost) {
-            let place = pixel(index / channel.components, content.shape);
-            let got = format!("{} at {place}", values[index]);
-            let expected = "in the range of float32 for an EXR (or use npz)";
-            return Err(Error::argument(channel.name, expected, got));
-        }
-    }
-    Ok(())
+    let expected = "in the range of float32 for an EXR (or use npz)";
+    let mut channels = content.channels.iter();
+    channels.try_for_each(|channel| check_float32(channel, content.shape, expected))
 }
 
 /// How an EXR stores a channel: by the names that programs look for, where there are such.
@@ -58,15 +48,6 @@ pub(super) fn stored(channel: &Channel) -> Stored {
         Data::Int32(_) => Stored::new(names, "uint32", Encoding::TwosComplement, "4294967295"),
         Data::Bool(_) => Stored::new(names, "uint32", Encoding::Exact, "0"),
     }
-}
-
-/// The nearest float32.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "EXR has no float64; `check` refuses what would be lost"
-)]
-fn single(value: f64) -> f32 {
-    value as f32
 }
 
 /// Writes scan lines in blocks of 16, compressed by ZIP, with all threads of the current rayon pool. The

@@ -12,6 +12,8 @@ use super::metadata::{Metadata, Stored};
 use super::png;
 #[cfg(feature = "npy")]
 use super::{npy, npz};
+#[cfg(feature = "cloud")]
+use super::{pcd, ply, points};
 use crate::error::{Error, Result, escaped};
 use crate::watch::Watch;
 
@@ -71,6 +73,32 @@ pub const FORMATS: &[Format] = &[
         encode: npz::encode,
         decode: super::decode::npz::decode,
     },
+    #[cfg(feature = "cloud")]
+    Format {
+        name: "ply",
+        extensions: &["ply"],
+        holds: Holds::Points,
+        only_pictures: false,
+        has_sidecar: false,
+        summary: "a point cloud: all channels of what was hit, exact values, colours as sRGB bytes",
+        check: |content| ply::LAYOUT.check(content),
+        stored: |channel, _| ply::LAYOUT.stored(channel),
+        encode: ply::encode,
+        decode: super::decode::points::ply,
+    },
+    #[cfg(feature = "cloud")]
+    Format {
+        name: "pcd",
+        extensions: &["pcd"],
+        holds: Holds::Points,
+        only_pictures: false,
+        has_sidecar: false,
+        summary: "a point cloud for PCL and ROS: the same with float32",
+        check: |content| pcd::LAYOUT.check(content),
+        stored: |channel, _| pcd::LAYOUT.stored(channel),
+        encode: pcd::encode,
+        decode: super::decode::points::pcd,
+    },
 ];
 
 /// A file format.
@@ -80,7 +108,7 @@ pub struct Format {
     pub name: &'static str,
     /// The extensions that choose it, in lower case and without the dot.
     pub extensions: &'static [&'static str],
-    /// Whether a file holds one channel or all.
+    /// How much of a frame a file holds.
     pub holds: Holds,
     /// Whether it stores only pictures, `[rows, columns]`, and no batches of rays.
     pub only_pictures: bool,
@@ -105,6 +133,26 @@ pub enum Holds {
     OneChannel,
     /// All channels of the frame.
     AllChannels,
+    /// All channels, of those elements that have a `position`, which must be among them: a point cloud. Misses are left out.
+    Points,
+}
+
+impl Holds {
+    /// The channels that a file cannot do without.
+    pub fn required_channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Points => &["position"],
+            Self::OneChannel | Self::AllChannels => &[],
+        }
+    }
+
+    /// The channels of a picture's file where nobody says which.
+    pub fn default_channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Points => &["position", "normal", "color", "object"],
+            Self::OneChannel | Self::AllChannels => &["color"],
+        }
+    }
 }
 
 /// Writes all of `frame` to a file, whole or not at all, in the format that `path`'s extension names.
@@ -127,7 +175,8 @@ pub fn write_channel(frame: &Frame, name: &str, path: &Path) -> Result<()> {
 
 impl Frame {
     /// Writes it to a file, whole or not at all, in the format that the path's extension names (see
-    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels.
+    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels, `.ply` and `.pcd` all
+    /// channels of what was hit.
     ///
     /// ```no_run
     /// use firsthit::{Render, Scene};
@@ -271,7 +320,11 @@ impl Format {
             watch,
         };
         (self.check)(&content)?;
-        Ok(content)
+        Ok(match self.holds {
+            #[cfg(feature = "cloud")]
+            Holds::Points => points::counted(content),
+            _ => content,
+        })
     }
 
     fn select<'a>(&self, frame: &'a Frame, channel: Option<&str>) -> Result<Vec<&'a Channel>> {

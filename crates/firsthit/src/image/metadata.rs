@@ -153,6 +153,16 @@ impl Metadata {
         }
     }
 
+    /// The metadata of a point cloud, whose elements are a list and no longer pixels.
+    #[cfg(feature = "cloud")]
+    pub(super) fn of_points(self, count: u64) -> Self {
+        Self {
+            shape: vec![count],
+            pixels: None,
+            ..self
+        }
+    }
+
     /// As JSON in one line of ASCII.
     ///
     /// # Panics

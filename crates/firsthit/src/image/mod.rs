@@ -2,8 +2,7 @@
 //!
 //! A [`Frame`] holds the channels. [`write()`] stores it in the [`Format`] that the path's extension names; [`FORMATS`]
 //! lists the formats. A file appears whole or not at all, see [`write_whole`]. Every file holds the same [`Metadata`],
-//! and
-//! [`read`] reads any of them back.
+//! and [`read`] reads any of them back.
 //!
 //! Colours are linear in a frame; only PNG applies the sRGB curve. Nothing is filtered, tone-mapped or resized, and the
 //! same frame gives the same bytes on every machine.
@@ -24,10 +23,16 @@ mod npy;
 #[cfg(feature = "npy")]
 mod npz;
 mod origin;
+#[cfg(feature = "cloud")]
+mod pcd;
+#[cfg(feature = "cloud")]
+mod ply;
 #[cfg(feature = "png")]
 mod png;
+#[cfg(feature = "cloud")]
+mod points;
 mod read;
-#[cfg(feature = "png")]
+#[cfg(any(feature = "png", feature = "cloud"))]
 mod srgb;
 #[cfg(feature = "png")]
 mod steps;
@@ -44,4 +49,6 @@ pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_c
 pub use frame::{Channel, Data, Description, Frame, Picture, Unit};
 pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
 pub use origin::{CameraRecord, Intrinsics, Origin, Pose};
+#[cfg(feature = "cloud")]
+pub use points::is_point_cloud;
 pub use read::{read, read_bytes};

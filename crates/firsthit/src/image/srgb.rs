@@ -45,6 +45,16 @@ impl SrgbBytes {
     }
 }
 
+/// The bytes of a premultiplied colour, as PNG stores them: divided by alpha, which has no curve.
+pub(super) fn unpremultiplied([r, g, b, alpha]: [f64; 4]) -> [u8; 4] {
+    if alpha > 0.0 {
+        let [r, g, b] = [r, g, b].map(|level| SRGB.byte(level / alpha));
+        [r, g, b, unit_byte(alpha)]
+    } else {
+        [0; 4]
+    }
+}
+
 /// A number from 0 to 1 as a byte, rounded to nearest.
 pub(super) fn unit_byte(unit: f64) -> u8 {
     #[expect(

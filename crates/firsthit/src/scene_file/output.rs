@@ -5,7 +5,7 @@ use super::table::Form;
 use super::table::{Pick, Record, Variant, key, required};
 use crate::channel::KINDS;
 use crate::error::escape_controls;
-use crate::image::FORMATS;
+use crate::image::{FORMATS, format_of};
 use crate::io::fault::Checked;
 use crate::io::{Report, read};
 use crate::world::Output;
@@ -24,7 +24,7 @@ pub(super) static OUTPUT: Record = Record {
             key(
                 "channels",
                 Form::SomeOf(|| KINDS.iter().map(|kind| kind.name).collect()),
-                "What to write. Default: [\"color\"].",
+                "What to write. Default: [\"color\"]; for a point cloud (.ply, .pcd) [\"position\", \"normal\", \"color\", \"object\"].",
             ),
         ]],
         rules: &[],
@@ -41,17 +41,16 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
         let name = escape_controls(name);
         section.fault_at("file", format!("'{name}' is not written: {reason}"))
     })?;
-    let wanted = path.extension().unwrap_or_default();
-    let known = || FORMATS.iter().flat_map(|format| format.extensions);
-    if !known().any(|extension| wanted.eq_ignore_ascii_case(extension)) {
-        let known: Vec<String> = known().map(|extension| format!(".{extension}")).collect();
+    let Ok(format) = format_of(&path) else {
+        let known = FORMATS.iter().flat_map(|format| format.extensions);
+        let known: Vec<String> = known.map(|extension| format!(".{extension}")).collect();
         let (name, known) = (escape_controls(name), known.join(", "));
         let what = format!("'{name}' is not written: it must end in one of {known}");
         return Err(section.fault_at("file", what));
-    }
+    };
     let mut channels = section.texts("channels");
     if channels.is_empty() {
-        channels.push("color");
+        channels.extend(format.holds.default_channels());
     }
     Ok(Output {
         path,

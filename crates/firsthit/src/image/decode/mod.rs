@@ -23,3 +23,5 @@ pub(super) mod npz;
 pub(super) mod output;
 #[cfg(feature = "png")]
 pub(super) mod png;
+#[cfg(feature = "cloud")]
+pub(super) mod points;

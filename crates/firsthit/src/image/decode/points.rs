@@ -1,0 +1,379 @@
+//! Point clouds as firsthit writes them, and others of the same kind: binary, little-endian, one number a column.
+
+use std::collections::HashSet;
+
+use super::super::metadata::{ChannelRecord, Encoding, KEY, Metadata};
+use super::output::{Array, Numbers, Output, collected, elements, metadata_of};
+
+/// The points of a PLY.
+pub(in crate::image) fn ply(bytes: &[u8], most: u64) -> Result<Output, String> {
+    let mut header = Header::default();
+    let mut rest = bytes;
+    let mut is_first = true;
+    loop {
+        let line = next_line(&mut rest)?;
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        match words[..] {
+            ["ply"] if is_first => {}
+            _ if is_first => return Err("not a PLY".to_owned()),
+            ["format", "binary_little_endian", "1.0"] => {}
+            ["format", ..] => return Err("not binary and little-endian".to_owned()),
+            ["comment", KEY, ..] => header.comment(line, "comment"),
+            ["comment" | "obj_info", ..] | [] => {}
+            ["element", "vertex", count] if header.count.is_none() => header.set_count(count)?,
+            ["element", ..] => return Err("more than points: a mesh, not a point cloud".to_owned()),
+            ["property", kind, name] if header.count.is_some() => {
+                let kind = Type::of_ply(kind).ok_or_else(|| unknown(kind))?;
+                header.columns.push((name.to_owned(), kind));
+            }
+            ["end_header"] => return header.read(rest, most),
+            _ => return Err(unknown(line)),
+        }
+        is_first = false;
+    }
+}
+
+/// The points of a PCD.
+pub(in crate::image) fn pcd(bytes: &[u8], most: u64) -> Result<Output, String> {
+    let mut header = Header::default();
+    let mut rest = bytes;
+    let (mut names, mut sizes, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+    loop {
+        let line = next_line(&mut rest)?;
+        let mut words = line.split_ascii_whitespace();
+        let first = words.next();
+        let words: Vec<&str> = words.collect();
+        match (first, &words[..]) {
+            (Some("#"), [KEY, ..]) => header.comment(line, "#"),
+            (None | Some("VERSION" | "WIDTH" | "HEIGHT" | "VIEWPOINT"), _) => {}
+            (Some(word), _) if word.starts_with('#') => {}
+            (Some("FIELDS"), _) => names = words,
+            (Some("SIZE"), _) => sizes = words,
+            (Some("TYPE"), _) => kinds = words,
+            (Some("COUNT"), counts) if counts.iter().all(|&count| count == "1") => {}
+            (Some("COUNT"), _) => return Err("columns of several numbers are not read".to_owned()),
+            (Some("POINTS"), [count]) => header.set_count(count)?,
+            (Some("DATA"), ["binary"]) => break,
+            (Some("DATA"), _) => return Err("not binary, or compressed".to_owned()),
+            _ => return Err(unknown(line)),
+        }
+    }
+    if names.len() != sizes.len() || names.len() != kinds.len() {
+        return Err("FIELDS, SIZE and TYPE do not go together".to_owned());
+    }
+    for ((name, size), kind) in names.into_iter().zip(sizes).zip(kinds) {
+        let kind = Type::of_pcd(kind, size).ok_or_else(|| unknown(&format!("{kind} {size}")))?;
+        header.columns.push((name.to_owned(), kind));
+    }
+    header.read(rest, most)
+}
+
+/// The next line of a header, without its end; it is then gone from `rest`.
+fn next_line<'a>(rest: &mut &'a [u8]) -> Result<&'a str, String> {
+    let end = rest.iter().position(|&byte| byte == b'\n');
+    let (line, after) = end
+        .and_then(|end| rest.split_at_checked(end + 1))
+        .ok_or("ends within its header")?;
+    *rest = after;
+    let line = std::str::from_utf8(line).map_err(|_| "a header that is no text")?;
+    Ok(line.trim_end_matches(['\r', '\n']))
+}
+
+fn unknown(what: &str) -> String {
+    let start: String = what.chars().take(40).collect();
+    format!("'{}' is not read", crate::error::escape_controls(&start))
+}
+
+/// The type of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Type {
+    Float64,
+    Float32,
+    /// A whole number of so many bytes.
+    Signed(usize),
+    Unsigned(usize),
+}
+
+impl Type {
+    fn of_ply(name: &str) -> Option<Self> {
+        Some(match name {
+            "double" | "float64" => Self::Float64,
+            "float" | "float32" => Self::Float32,
+            "char" | "int8" => Self::Signed(1),
+            "short" | "int16" => Self::Signed(2),
+            "int" | "int32" => Self::Signed(4),
+            "uchar" | "uint8" => Self::Unsigned(1),
+            "ushort" | "uint16" => Self::Unsigned(2),
+            "uint" | "uint32" => Self::Unsigned(4),
+            _ => return None,
+        })
+    }
+
+    fn of_pcd(kind: &str, size: &str) -> Option<Self> {
+        Some(match (kind, size) {
+            ("F", "8") => Self::Float64,
+            ("F", "4") => Self::Float32,
+            ("I", "1") => Self::Signed(1),
+            ("I", "2") => Self::Signed(2),
+            ("I", "4") => Self::Signed(4),
+            ("U", "1") => Self::Unsigned(1),
+            ("U", "2") => Self::Unsigned(2),
+            ("U", "4") => Self::Unsigned(4),
+            _ => return None,
+        })
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::Float64 => 8,
+            Self::Float32 => 4,
+            Self::Signed(size) | Self::Unsigned(size) => size,
+        }
+    }
+
+    fn dtype(self) -> String {
+        match self {
+            Self::Float64 => "float64".to_owned(),
+            Self::Float32 => "float32".to_owned(),
+            Self::Signed(size) => format!("int{}", 8 * size),
+            Self::Unsigned(size) => format!("uint{}", 8 * size),
+        }
+    }
+
+    /// Numbers of this type.
+    fn numbers<'a>(
+        self,
+        count: usize,
+        cells: impl Iterator<Item = &'a [u8]>,
+    ) -> Result<Numbers, String> {
+        Ok(match self {
+            Self::Float64 => {
+                let values = cells.map(|cell| f64::from_le_bytes(padded(cell)));
+                Numbers::Float64(collected(count, values)?)
+            }
+            Self::Float32 => {
+                let values = cells.map(|cell| f32::from_le_bytes(padded(cell)));
+                Numbers::Float32(collected(count, values)?)
+            }
+            Self::Signed(size) => {
+                let unused = 64 - 8 * size;
+                let whole = |cell| i64::from_le_bytes(padded(cell)) << unused >> unused;
+                Numbers::Integer(collected(count, cells.map(whole))?)
+            }
+            Self::Unsigned(_) => {
+                let whole = |cell| i64::from_le_bytes(padded(cell));
+                Numbers::Integer(collected(count, cells.map(whole))?)
+            }
+        })
+    }
+}
+
+/// The bytes of a number, with zeros after them.
+fn padded<const N: usize>(cell: &[u8]) -> [u8; N] {
+    let mut bytes = [0; N];
+    for (byte, &given) in bytes.iter_mut().zip(cell) {
+        *byte = given;
+    }
+    bytes
+}
+
+/// What a header says.
+#[derive(Default)]
+struct Header {
+    count: Option<u64>,
+    columns: Vec<(String, Type)>,
+    /// The metadata, put together from the comments.
+    text: Option<String>,
+}
+
+impl Header {
+    fn set_count(&mut self, word: &str) -> Result<(), String> {
+        self.count = Some(word.parse().map_err(|_| unknown(word))?);
+        Ok(())
+    }
+
+    /// Takes up the next piece of the metadata.
+    fn comment(&mut self, line: &str, mark: &str) {
+        let piece = line
+            .strip_prefix(mark)
+            .and_then(|rest| rest.strip_prefix(' '));
+        let piece = piece
+            .and_then(|rest| rest.strip_prefix(KEY))
+            .and_then(|rest| rest.strip_prefix(' '));
+        self.text
+            .get_or_insert_default()
+            .push_str(piece.unwrap_or_default());
+    }
+
+    /// The columns as arrays: those that the metadata know as one channel are put together, then those that go together by
+    /// convention, then the others.
+    fn read(self, data: &[u8], most: u64) -> Result<Output, String> {
+        let Self {
+            count,
+            columns,
+            text,
+        } = self;
+        let count = count.ok_or("does not say how many points it has")?;
+        let names: HashSet<&String> = columns.iter().map(|(name, _)| name).collect();
+        if columns.is_empty() || names.len() < columns.len() {
+            return Err("has no columns, or two of one name".to_owned());
+        }
+        let row: usize = columns.iter().map(|(_, kind)| kind.size()).sum();
+        // In memory every number takes 8 bytes.
+        elements(&[count, columns.len() as u64], 8, most)?;
+        let count = usize::try_from(count).map_err(|_| "has too many points")?;
+        let holds = data.len() / row;
+        if holds < count {
+            return Err(format!("holds {holds} points of {count}"));
+        }
+        let mut output = Output {
+            ..Output::default()
+        };
+        output.metadata = metadata_of(text.as_deref(), &mut output.notes);
+        if data.len() > count * row {
+            let more = data.len() - count * row;
+            output
+                .notes
+                .push(format!("{more} bytes after the last point are not read"));
+        }
+        let mut places = Vec::new();
+        let mut start = 0;
+        for (name, kind) in columns {
+            places.push(Column { name, kind, start });
+            start += kind.size();
+        }
+        let table = Table { data, row, count };
+        output.arrays = arrays(places, &table, output.metadata.as_ref())?;
+        Ok(output)
+    }
+}
+
+/// The points' bytes.
+struct Table<'a> {
+    data: &'a [u8],
+    row: usize,
+    count: usize,
+}
+
+/// Where a point's row has a number.
+struct Column {
+    name: String,
+    kind: Type,
+    start: usize,
+}
+
+/// The names by which columns are a channel.
+const CONVENTIONS: [(&str, &[&str], bool); 6] = [
+    ("position", &["x", "y", "z"], false),
+    ("normal", &["nx", "ny", "nz"], false),
+    ("normal", &["normal_x", "normal_y", "normal_z"], false),
+    ("color", &["red", "green", "blue", "alpha"], true),
+    ("color", &["red", "green", "blue"], true),
+    ("z", &["depth"], false),
+];
+
+fn arrays(
+    mut columns: Vec<Column>,
+    table: &Table<'_>,
+    metadata: Option<&Metadata>,
+) -> Result<Vec<Array>, String> {
+    let mut arrays = Vec::new();
+    let records = metadata.map_or(&[][..], |metadata| &metadata.channels);
+    for ChannelRecord {
+        name,
+        stored,
+        components,
+        ..
+    } in records
+    {
+        let Some(stored) = stored else { continue };
+        let is_picture = stored.encoding == Encoding::Picture;
+        let taken = take(&mut columns, &stored.names);
+        if let Some(taken) = taken {
+            arrays.push(match taken[..] {
+                [ref column] if is_picture => {
+                    table.packed(name, column, if *components == 4 { 4 } else { 3 })?
+                }
+                _ => table.array(name, &taken, is_picture)?,
+            });
+        }
+    }
+    for (name, names, is_picture) in CONVENTIONS {
+        let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+        if let Some(taken) = take(&mut columns, &names) {
+            arrays.push(table.array(name, &taken, is_picture)?);
+        }
+    }
+    for column in columns {
+        let name = column.name.clone();
+        arrays.push(match name.as_str() {
+            "rgb" => table.packed("color", &column, 3)?,
+            "rgba" => table.packed("color", &column, 4)?,
+            _ => table.array(&name, &[column], false)?,
+        });
+    }
+    Ok(arrays)
+}
+
+/// The columns of these names, if all are there and of one type; they are then gone.
+fn take(columns: &mut Vec<Column>, names: &[String]) -> Option<Vec<Column>> {
+    let place = |name: &String| columns.iter().position(|column| column.name == *name);
+    let places: Vec<usize> = names.iter().map(place).collect::<Option<_>>()?;
+    let kind = |&place: &usize| columns.get(place).map(|column| column.kind);
+    let first = kind(places.first()?);
+    let are_different: HashSet<usize> = places.iter().copied().collect();
+    if are_different.len() < places.len() || places.iter().any(|place| kind(place) != first) {
+        return None;
+    }
+    let mut taken = Vec::new();
+    for name in names {
+        let place = columns.iter().position(|column| column.name == *name)?;
+        taken.push(columns.remove(place));
+    }
+    Some(taken)
+}
+
+impl Table<'_> {
+    /// Columns of one type as one array.
+    fn array(&self, name: &str, columns: &[Column], is_picture: bool) -> Result<Array, String> {
+        let kind = columns.first().map_or(Type::Float64, |column| column.kind);
+        let starts: Vec<usize> = columns.iter().map(|column| column.start).collect();
+        self.interleaved(name, kind, &starts, is_picture)
+    }
+
+    /// The bytes of one column as an array of red, green, blue, and alpha.
+    fn packed(&self, name: &str, column: &Column, components: usize) -> Result<Array, String> {
+        if column.kind.size() != 4 {
+            return self.array(name, std::slice::from_ref(column), false);
+        }
+        let starts = [2, 1, 0, 3].map(|byte| column.start + byte);
+        let starts = starts.get(..components).unwrap_or(&starts);
+        self.interleaved(name, Type::Unsigned(1), starts, true)
+    }
+
+    fn interleaved(
+        &self,
+        name: &str,
+        kind: Type,
+        starts: &[usize],
+        is_picture: bool,
+    ) -> Result<Array, String> {
+        let rows = self.data.chunks_exact(self.row).take(self.count);
+        let cells = rows.flat_map(|row| {
+            let cell = move |&start: &usize| row.get(start..start + kind.size());
+            starts.iter().filter_map(cell)
+        });
+        let mut shape = vec![self.count];
+        if starts.len() > 1 {
+            shape.push(starts.len());
+        }
+        Ok(Array {
+            name: Some(name.to_owned()),
+            shape,
+            components: starts.len(),
+            numbers: kind.numbers(self.count * starts.len(), cells)?,
+            dtype: kind.dtype(),
+            is_picture,
+        })
+    }
+}

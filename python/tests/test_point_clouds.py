@@ -1,0 +1,122 @@
+"""Point clouds, read with NumPy and with trimesh."""
+
+import json
+
+import firsthit as fh
+import numpy as np
+import pytest
+
+trimesh = pytest.importorskip("trimesh")
+
+TYPES = {"double": "<f8", "float": "<f4", "int": "<i4", "uchar": "u1"}
+
+
+@pytest.fixture
+def scene():
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene.add(fh.Box((2, -1, -1), (4, 1, 1)), color=(0.2, 0.5, 0.8))
+    return scene
+
+
+@pytest.fixture
+def camera():
+    return fh.Camera.look_at((2, -12, 1), (1, 0, 0), (0, 0, 1), 40, 30, 50)
+
+
+def ply(path):
+    """The points of a PLY as a structured array: a reader that knows nothing of the writer."""
+    header, data = path.read_bytes().split(b"end_header\n", 1)
+    words = [line.split() for line in header.decode().splitlines()]
+    dtype = [(line[2], TYPES[line[1]]) for line in words if line[0] == "property"]
+    points = np.frombuffer(data, dtype)
+    assert ["element", "vertex", str(len(points))] in words
+    return points
+
+
+def test_a_picture_s_cloud_holds_its_numbers(scene, camera, tmp_path):
+    channels = ["position", "normal", "color", "object", "z"]
+    frame = fh.render(scene, camera, channels=channels, samples=1)
+    frame.save(tmp_path / "a.ply")
+    points = ply(tmp_path / "a.ply")
+    hit = frame["object"] >= 0
+    assert 0 < hit.sum() < hit.size
+    for k, axis in enumerate("xyz"):
+        np.testing.assert_array_equal(points[axis], frame["position"][hit][:, k])
+        np.testing.assert_array_equal(points[f"n{axis}"], frame["normal"][hit][:, k])
+    np.testing.assert_array_equal(points["object"], frame["object"][hit])
+    np.testing.assert_array_equal(points["depth"], frame["z"][hit])
+    linear = frame["color"][hit]
+    srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    colors = np.stack([points[name] for name in ("red", "green", "blue")], 1)
+    np.testing.assert_array_equal(colors, np.floor(255 * srgb.clip(0, 1) + 0.5).astype(np.uint8))
+
+
+def test_others_read_it(scene, camera, tmp_path):
+    channels = ["position", "normal", "color", "object"]
+    frame = fh.render(scene, camera, channels=channels)
+    frame.save(tmp_path / "a.ply")
+    cloud = trimesh.load(tmp_path / "a.ply")
+    hit = frame["object"] >= 0
+    np.testing.assert_array_equal(cloud.vertices, frame["position"][hit])
+    assert len(cloud.colors) == hit.sum()
+
+
+def test_it_is_read_back(scene, camera, tmp_path):
+    frame = fh.render(scene, camera, channels=["position", "object", "t"])
+    hit = frame["object"] >= 0
+    for name, dtype in (("a.ply", np.float64), ("a.pcd", np.float32)):
+        frame.save(tmp_path / name)
+        again = fh.Frame.load(tmp_path / name)
+        for channel in ("position", "t"):
+            expected = frame[channel][hit].astype(dtype)
+            np.testing.assert_array_equal(again[channel], expected)
+        np.testing.assert_array_equal(again["object"], frame["object"][hit])
+        assert again.metadata["shape"] == [hit.sum()]
+        assert again.metadata["camera"] == frame.metadata["camera"]
+
+
+def test_hits_are_saved_too(scene, tmp_path):
+    rng = np.random.default_rng(1)
+    directions = rng.normal(size=(20, 30, 3))
+    hits = scene.shoot((1.5, 0, 0), directions)
+    hit = hits.object >= 0
+    assert 0 < hit.sum() < hit.size
+    hits.save(tmp_path / "a.ply")
+    points = ply(tmp_path / "a.ply")
+    assert points.dtype.names == (
+        *("x", "y", "z", "nx", "ny", "nz"),
+        *("t", "object", "primitive"),
+    )
+    np.testing.assert_array_equal(points["x"], hits.position[hit][:, 0])
+    np.testing.assert_array_equal(points["t"], hits.t[hit])
+    hits.save(tmp_path / "b.ply", "object")
+    assert ply(tmp_path / "b.ply").dtype.names == ("x", "y", "z", "object")
+    hits.save(tmp_path / "all.npz")
+    table = np.load(tmp_path / "all.npz")
+    np.testing.assert_array_equal(table["t"], hits.t)
+    assert table["object"].shape == (20, 30)
+    said = json.loads(str(table["metadata"]))
+    assert said["scene"].startswith("blake3:")
+    assert said["camera"] is None
+
+
+def test_a_camera_s_hits_say_which_camera(scene, camera, tmp_path):
+    scene.shoot(camera).save(tmp_path / "a.ply", ["object", "range"])
+    said = fh.read_metadata(tmp_path / "a.ply")
+    assert said["camera"]["position"] == [2, -12, 1]
+    assert [channel["name"] for channel in said["channels"]] == ["position", "object", "range"]
+
+
+def test_what_is_wrong_is_said(scene, camera, tmp_path):
+    frame = fh.render(scene, camera, channels=["color", "object"])
+    with pytest.raises(ValueError, match="position, and any others, for a point cloud"):
+        frame.save(tmp_path / "a.ply")
+    hits = scene.shoot([0, 0, 9], [0, 0, -1])
+    with pytest.raises(ValueError, match="holds; name it, or choose"):
+        hits.save(tmp_path / "a.npy")
+    with pytest.raises(ValueError, match="known:"):
+        hits.save(tmp_path / "a.xyz")
+    with pytest.raises(ValueError, match="channel"):
+        hits.save(tmp_path / "a.ply", ["color"])
+    assert not list(tmp_path.iterdir())
