@@ -62,18 +62,16 @@ def test_others_read_it(scene, camera, tmp_path):
     assert len(cloud.colors) == hit.sum()
 
 
-def test_it_is_read_back(scene, camera, tmp_path):
+@pytest.mark.parametrize("name", ["a.ply", "a.pcd"])
+def test_it_says_where_it_comes_from(scene, camera, tmp_path, name):
     frame = fh.render(scene, camera, channels=["position", "object", "t"])
-    hit = frame["object"] >= 0
-    for name, dtype in (("a.ply", np.float64), ("a.pcd", np.float32)):
-        frame.save(tmp_path / name)
-        again = fh.Frame.load(tmp_path / name)
-        for channel in ("position", "t"):
-            expected = frame[channel][hit].astype(dtype)
-            np.testing.assert_array_equal(again[channel], expected)
-        np.testing.assert_array_equal(again["object"], frame["object"][hit])
-        assert again.metadata["shape"] == [hit.sum()]
-        assert again.metadata["camera"] == frame.metadata["camera"]
+    frame.save(tmp_path / name)
+    said = fh.read_metadata(tmp_path / name)
+    assert said["shape"] == [(frame["object"] >= 0).sum()]
+    assert said["camera"] == frame.metadata["camera"]
+    # A frame is a picture.
+    with pytest.raises(ValueError, match="must hold a picture"):
+        fh.Frame.load(tmp_path / name)
 
 
 def test_hits_are_saved_too(scene, tmp_path):
