@@ -70,7 +70,17 @@ fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
     if let Some(up) = up {
         guessed.push(format!("up {} (--up)", axis(up)));
     }
+    let is_panorama = described.projection == Some(Projection::Equirectangular);
     match (described.position, described.aim) {
+        (None, Some(Aim::Along(_))) if is_panorama => {
+            guessed.push("from the middle (--position)".into());
+        }
+        (None, None | Some(Aim::Centre)) if is_panorama => {
+            let front = StandardView::Front.name();
+            guessed.push(format!(
+                "from the middle (--position), view {front} (--view)"
+            ));
+        }
         (None, Some(Aim::Along(_))) => guessed.push("all in the picture (--position)".into()),
         (None, None | Some(Aim::Centre)) => {
             guessed.push(format!("view {} (--view)", StandardView::default().name()));
