@@ -12,17 +12,8 @@ from ._arrays import count, number, text, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._scene import Scene
-    from .typing import Projection, RayStart, Vector, ViewName
-
-    #: Position, aim and up; focal length, width and height; rows and columns; projection and where
-    #: rays start.
-    View = tuple[
-        tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
-        tuple[float | None, float | None, float | None],
-        tuple[int, int],
-        tuple[Projection, RayStart],
-    ]
+    from ._traceable import Traceable
+    from ._types import Projection, RayStart, Vector, ViewName
 
 
 class Camera:
@@ -119,7 +110,7 @@ class Camera:
         )
 
     @classmethod
-    def _again(cls, view: View) -> Camera:
+    def _again(cls, view: _firsthit._View) -> Camera:
         """Return the camera from which the view was taken."""
         vectors, lengths, pixels, words = view
         position, aim, up = (vector("view", each) for each in vectors)
@@ -205,7 +196,7 @@ class Camera:
     @classmethod
     def framing(
         cls,
-        scene: Scene,
+        scene: Traceable,
         rows: int | None = None,
         columns: int | None = None,
         view: ViewName = "iso",

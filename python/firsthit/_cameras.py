@@ -11,7 +11,7 @@ from ._camera import Camera
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ._camera import View
+    from . import _firsthit
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def find(cameras: Sequence[NamedCamera], name: str | int) -> NamedCamera:
 
 def from_native(
     name: str,
-    view: View,
+    view: _firsthit._View,
     has_size: bool,  # noqa: FBT001 - as the native half sends it
     *,
     settled: bool,

@@ -12,7 +12,7 @@ from ._memory import SMALL, empty
 from ._progress import following, later
 from ._rays import Rays
 from ._rounding import singles, singles_within
-from .typing import ChannelName
+from ._types import ChannelName
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from ._camera import Camera
     from ._progress import Report
-    from ._scene import Scene
-    from .typing import DistanceName, IdentifierName, Progress, VectorName
+    from ._traceable import Traceable
+    from ._types import DistanceName, IdentifierName, Progress, VectorName
 
     Arrays = tuple[
         npt.NDArray[np.float64],
@@ -81,7 +81,7 @@ class Hits:
     def __init__(self) -> None:
         raise TypeError("Hits are made by Scene.shoot")
 
-    _scene: Scene
+    _scene: Traceable
     _native_scene: _firsthit.Scene
     _arrays: Arrays
     _shape: tuple[int, ...]
@@ -99,7 +99,7 @@ class Hits:
     @classmethod
     def _of(
         cls,
-        scene: Scene,
+        scene: Traceable,
         native: _firsthit.Scene,
         arrays: Arrays,
         shape: tuple[int, ...],
@@ -113,7 +113,7 @@ class Hits:
 
     @classmethod
     def _of_camera(
-        cls, scene: Scene, native: _firsthit.Scene, arrays: Arrays, camera: Camera, threads: int
+        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, camera: Camera, threads: int
     ) -> Hits:
         hits = cls._of(scene, native, arrays, (camera.rows, camera.columns), threads)
         hits._camera = camera
@@ -121,7 +121,7 @@ class Hits:
 
     @classmethod
     def _of_rays(
-        cls, scene: Scene, native: _firsthit.Scene, arrays: Arrays, rays: Rays, threads: int
+        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, rays: Rays, threads: int
     ) -> Hits:
         hits = cls._of(scene, native, arrays, rays.shape, threads)
         hits._rays = rays

@@ -11,7 +11,7 @@ from ._arrays import color_of, number, settle, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .typing import Vector
+    from ._types import Vector
 
     LightTuple = tuple[str, Vector, Vector, tuple[Vector, tuple[float, float]] | None]
 

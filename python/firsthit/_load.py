@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Sequence
 
-    from .typing import Vector
+    from ._types import Vector
 
 
 def load(

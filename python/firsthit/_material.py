@@ -13,7 +13,7 @@ from ._arrays import color_of, flag, number, numbers, settle, text, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .typing import AlphaMode, Filter, Vector, Wrap
+    from ._types import AlphaMode, Filter, Vector, Wrap
 
 #: Texture coordinates whose v runs upwards, as in OBJ and PLY: rows of the map to the picture.
 _V_UP = ((1.0, 0.0, 0.0), (0.0, -1.0, 1.0))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._foreign import Part
-    from .typing import Vector
+    from ._types import Vector
 
 
 class Object:

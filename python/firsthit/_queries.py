@@ -14,25 +14,17 @@ from ._hits import Hits, hits_arrays
 from ._progress import following, later
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
 from ._rounding import is_single
+from ._traceable import Traceable
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._progress import Report
-    from ._scene import Scene
-    from .typing import Progress
+    from ._types import Progress
 
 
-class Queries:
+class Queries(Traceable):
     """The part of `Scene` that shoots."""
-
-    def _native(self) -> _firsthit.Scene:
-        """Return what rays are shot at."""
-        raise NotImplementedError
-
-    def _whole(self) -> Scene:
-        """Return the scene that this is a part of."""
-        raise NotImplementedError
 
     def shoot(
         self,
@@ -121,7 +113,7 @@ class Queries:
         """Shoot a camera's rays at what was built."""
         out = hits_arrays(camera.rows * camera.columns)
         _firsthit.shoot_camera(native, camera._native, threads, out, report)
-        return Hits._of_camera(self._whole(), native, out, camera, threads)
+        return Hits._of_camera(self, native, out, camera, threads)
 
     def _shot(
         self, native: _firsthit.Scene, rays: Rays, threads: int, report: Report | None
@@ -139,7 +131,7 @@ class Queries:
                 pieces = t[part], identifiers[part], primitive[part], barycentric[part]
                 told = later(report, part.start)
                 _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
-        return Hits._of_rays(self._whole(), native, out, rays.keep(copies), threads)
+        return Hits._of_rays(self, native, out, rays.keep(copies), threads)
 
     def occluded(
         self,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._material import Material
-    from .typing import MeshLike, SceneLike, Vector
+    from ._types import MeshLike, SceneLike, Vector
 
 
 class _Built(NamedTuple):
@@ -320,9 +320,6 @@ class Scene(Queries):
         with self._turn.taken():
             # Another thread may have built it while this one waited.
             return self._current() or self._build()
-
-    def _whole(self) -> Scene:
-        return self
 
     def _current(self) -> _firsthit.Scene | None:
         """Return what was built last, unless something was added since."""

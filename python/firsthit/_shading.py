@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, get_args
 
 from . import _firsthit
 from ._arrays import color_of, count, flag, settle
-from .typing import ShaderName
+from ._types import ShaderName
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .typing import Vector
+    from ._types import Vector
 
 _SHADERS = get_args(ShaderName)
 

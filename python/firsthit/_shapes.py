@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .typing import MeshLike, Vector
+    from ._types import MeshLike, Vector
 
 
 class Shape:
