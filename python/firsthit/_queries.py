@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -17,10 +17,14 @@ from ._rounding import is_single
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy.typing as npt
 
     from ._progress import Report
     from ._types import Progress
+
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
 
 class Queries(Traceable):
@@ -165,16 +169,8 @@ class Queries(Traceable):
         >>> bool(scene.occluded(eye, [0, 0, -3], t_max=1.0))  # is the target seen?
         False
         """
-        use = 0 if threads is None else threads_or_all(threads)
         rays = Rays.of(origins, directions, t_min, t_max)
-        found = np.empty(rays.length, np.bool_)
-        # Once: what others add meanwhile is for the next call.
-        native = self._native()
-        with following(progress, rays.length) as report:
-            for part in rays.parts():
-                told = later(report, part.start)
-                _firsthit.occluded(native, rays.part(part), use, found[part], told)
-        return found.reshape(rays.shape)
+        return self._answers(_firsthit.occluded, np.bool_, rays, threads, progress)
 
     def count(
         self,
@@ -211,15 +207,27 @@ class Queries(Traceable):
         >>> scene.count([[0, 0, 5], [0, 0, 0], [0, 2, 5]], [0, 0, -1])
         array([2, 1, 0], dtype=uint32)
         """
-        use = 0 if threads is None else threads_or_all(threads)
         rays = Rays.of(origins, directions, t_min, t_max)
-        counts = np.empty(rays.length, np.uint32)
+        return self._answers(_firsthit.count, np.uint32, rays, threads, progress)
+
+    def _answers(
+        self,
+        ask: Callable[..., None],
+        dtype: type[_Scalar],
+        rays: Rays,
+        threads: int | None,
+        progress: Progress | None,
+    ) -> npt.NDArray[_Scalar]:
+        """Return what the native half answers to a query, a number for each ray."""
+        use = 0 if threads is None else threads_or_all(threads)
+        answers = np.empty(rays.length, dtype)
+        # Once: what others add meanwhile is for the next call.
         native = self._native()
         with following(progress, rays.length) as report:
             for part in rays.parts():
                 told = later(report, part.start)
-                _firsthit.count(native, rays.part(part), use, counts[part], told)
-        return counts.reshape(rays.shape)
+                ask(native, rays.part(part), use, answers[part], told)
+        return answers.reshape(rays.shape)
 
 
 def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:
