@@ -14,7 +14,7 @@ DistanceName = Literal["t", "range", "z"]
 IdentifierName = Literal["object", "primitive", "face"]
 #: Channels of several float64 for each ray.
 VectorName = Literal["normal", "position", "barycentric", "uv"]
-#: All channels.
+#: All channels. ``color`` is float32 and ``front`` is bool; `firsthit.render` lists the rest.
 ChannelName = Literal[
     "color",
     "t",
@@ -45,7 +45,7 @@ Progress = bool | Callable[[int, int], object]
 
 
 class MeshLike(Protocol):
-    """What other packages' meshes look like from here, such as ``trimesh.Trimesh``."""
+    """A mesh of another package, such as ``trimesh.Trimesh``."""
 
     @property
     def vertices(self) -> Any:
@@ -53,11 +53,11 @@ class MeshLike(Protocol):
 
     @property
     def faces(self) -> Any:
-        """The vertices' indices of each triangle, (m, 3) array_like of int."""
+        """The indices of each triangle's vertices, (m, 3) array_like of int."""
 
 
 class SceneLike(Protocol):
-    """What other packages' scenes look like from here, such as ``trimesh.Scene``."""
+    """A scene of another package, such as ``trimesh.Scene``."""
 
     @property
     def geometry(self) -> Mapping[str, Any]:
