@@ -111,7 +111,7 @@ pub(crate) fn of_file(args: &CameraArgs, model: &World) -> Result<Description, F
 fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, Failure> {
     if name.is_empty() {
         return Err(Failure::usage(
-            "--camera: the name is empty; a camera without one has a number",
+            "--camera: the name is empty; use the number of a camera without a name",
         ));
     }
     let called = |of: &dyn Fn(&NamedCamera) -> bool| -> Vec<usize> {
@@ -143,7 +143,7 @@ fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, 
             format!("--camera '{shown}': the file has {names}")
         }
         _ => format!(
-            "--camera '{shown}': several are called so, take a number: {}",
+            "--camera '{shown}': several cameras have this name, use a number: {}",
             in_words(found.iter().map(usize::to_string))
         ),
     }))
