@@ -41,7 +41,7 @@ def load(
         of warnings.
     max_memory : int
         How many bytes the file's content may take once it is unpacked. The vertices, triangles and
-        objects that it describes may take 256 times its size and 1/256 of ``max_memory``.
+        objects that it describes may take 256 times its size plus 1/256 of ``max_memory``.
     max_texture : int
         The largest width and height of a texture in texels. Its texels, four bytes each, may take
         the square of this.

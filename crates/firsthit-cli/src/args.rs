@@ -80,8 +80,8 @@ pub(crate) struct CameraArgs {
     #[arg(long, value_name = "X,Y,Z|auto", value_parser = values::target, allow_hyphen_values = true)]
     pub(crate) look_at: Option<Target>,
     /// Which way is up [default: 0,1,0 for glTF and OBJ, 0,0,1 for PLY and STL. Without --position and --aim, an OBJ, PLY
-    /// or STL model that clearly stands on a flat base along y or z is shown upright. If the camera looks along the
-    /// default: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
+    /// or STL model that clearly stands on a flat base along y or z is shown upright. If the camera looks along
+    /// that axis: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
     /// The vertical field of view: degrees from the picture's lower to its upper edge [default: 45]
@@ -100,7 +100,7 @@ pub(crate) struct CameraArgs {
     /// The same as --projection orthographic
     #[arg(long)]
     pub(crate) orthographic: bool,
-    /// Where rays start, and t is 0. Rays that start on the viewplane do not meet what is between it and the eye
+    /// Where rays start, with t = 0. Rays that start on the viewplane do not meet what is between it and the eye
     /// [default: viewplane with --focal-length, else eye]
     #[arg(long, value_name = "WHERE")]
     pub(crate) ray_start: Option<RayStartArg>,
@@ -186,7 +186,7 @@ pub(crate) struct LoadArgs {
     #[arg(long)]
     pub(crate) strict: bool,
     /// The memory that the file's content may take once it is unpacked, in bytes, or with K, M, G or T for powers of
-    /// 1024. What the content describes may take 256 times its size, and 1/256 of this limit
+    /// 1024. What the content describes may take 256 times its size, plus 1/256 of this limit
     #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G", allow_hyphen_values = true)]
     pub(crate) max_memory: u64,
     /// The largest width and height of a texture, in texels. The texture may take SIDE x SIDE bytes in all, at four
