@@ -12,51 +12,44 @@ from ._arrays import count, number, text, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._scene import Scene
-    from .typing import Projection, RayStart, Vector, ViewName
-
-    #: Position, aim and up; focal length, width and height; rows and columns; projection and where
-    #: rays start.
-    View = tuple[
-        tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
-        tuple[float | None, float | None, float | None],
-        tuple[int, int],
-        tuple[Projection, RayStart],
-    ]
+    from ._traceable import Traceable
+    from ._types import Projection, RayStart, Vector, ViewName
 
 
 class Camera:
-    """A camera anywhere, aimed anywhere, that makes a ray for every pixel. Immutable.
+    """A camera at any position, with any aim: it makes a ray for every pixel. Immutable.
 
-    Its frame is right-handed: ``right``, ``upwards``, and backwards. Row 0 is the top row, and a
-    pixel's ray passes through its centre.
+    All vectors are in world space, all lengths in scene units. The camera's own frame is
+    right-handed: ``right``, ``upwards``, and backwards, against ``aim``. Row 0 is the top row, and
+    a pixel's ray passes through its centre.
 
     Parameters
     ----------
     position : (3,) array_like
         Where the camera is.
     aim : (3,) array_like
-        The direction it looks in, of any length but zero.
+        The direction in which it looks, of any length but zero.
     up : (3,) array_like
-        Which way is up; anything but parallel to ``aim``.
+        Which way is up, of any length but zero; not parallel to ``aim``.
     focal_length : float or None
-        Distance from the camera to the viewplane, in scene units; ``None`` for a projection without
-        one.
+        Distance from the camera to the viewplane; ``None`` for a projection without a viewplane.
     width, height : float or None
-        Size of the viewplane, in scene units; likewise.
+        Size of the viewplane; ``None`` for a projection without a viewplane.
     rows, columns : int
         Pixels down and across.
     projection : {"perspective", "orthographic", "equirectangular"}
-        Rays through the position and a viewplane, or parallel to the aim, or in all directions: see
-        `equirectangular`.
+        Perspective rays go from the position through the viewplane, orthographic ones are parallel
+        to the aim, and equirectangular ones go in all directions: see `equirectangular`.
     ray_start : {"viewplane", "eye"}
-        Where rays start, and ``t`` counts from. What lies between the eye and the viewplane is not
-        seen from the viewplane.
+        Where rays start, and ``t`` is 0. Rays that start on the viewplane do not meet what is
+        between it and the eye. Equirectangular rays start at the eye.
 
     Raises
     ------
     ValueError
-        For values that make no sense, with their name.
+        For a value that makes no sense, with its name: a zero direction, ``up`` parallel to
+        ``aim``, a length that is not positive, no pixels, numbers that are not finite, lengths or a
+        ``ray_start`` that do not fit the projection.
 
     Examples
     --------
@@ -119,7 +112,7 @@ class Camera:
         )
 
     @classmethod
-    def _again(cls, view: View) -> Camera:
+    def _again(cls, view: _firsthit._View) -> Camera:
         """Return the camera from which the view was taken."""
         vectors, lengths, pixels, words = view
         position, aim, up = (vector("view", each) for each in vectors)
@@ -142,20 +135,36 @@ class Camera:
         Parameters
         ----------
         position, target : (3,) array_like
-            Where the camera is, and where it looks.
+            The points, in world space, where the camera is and at which it looks.
         up : (3,) array_like
-            Which way is up.
+            Which way is up, of any length but zero; not parallel to the direction of the target.
         vertical_fov_degrees : float
-            Between the picture's lower and upper edge, from 0 to 180.
+            The vertical field of view: degrees between the picture's lower and upper edge, above 0
+            and below 180.
         rows, columns : int
             Pixels down and across.
-        projection, ray_start : str
-            As for `Camera`; the rays start at the eye.
+        projection : {"perspective", "orthographic"}
+            As for `Camera`. An orthographic camera has the same viewplane.
+        ray_start : {"eye", "viewplane"}
+            As for `Camera`.
 
         Returns
         -------
         Camera
             Its viewplane is at distance 1.
+
+        Raises
+        ------
+        ValueError
+            For a target at the position, an angle out of range, an ``up`` that does not fit, no
+            pixels, numbers that are not finite, and an equirectangular projection.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.look_at((0, -5, 0), (0, 0, 0), (0, 0, 1), 90, rows=480, columns=640)
+        >>> round(camera.height, 12), camera.aim.tolist()
+        (2.0, [0.0, 1.0, 0.0])
         """
         where, there = vector("position", position), vector("target", target)
         if where == there:
@@ -175,22 +184,30 @@ class Camera:
         rows: int,
         columns: int,
     ) -> Camera:
-        """Make a panorama of the whole sphere.
+        """Make a camera for panoramas, which sees the whole sphere.
 
-        The aim is in the middle of the picture. Longitude runs from -180 degrees at the left edge
-        to 180 at the right one, latitude from 90 degrees at the top to -90 at the bottom.
+        The aim is in the middle of the picture. Longitude is linear in the columns, from -180
+        degrees at the left edge to 180 at the right one. Latitude is linear in the rows, from 90
+        degrees at the top edge, which is upwards, to -90 at the bottom one.
 
         Parameters
         ----------
-        position, aim, up : (3,) array_like
-            Where the camera is, where it looks, and which way is up.
+        position : (3,) array_like
+            The point, in world space, where the camera is.
+        aim, up : (3,) array_like
+            The directions of the picture's middle and of up, of any length but zero; not parallel.
         rows, columns : int
             Pixels down and across; twice as many columns as rows make square pixels at the horizon.
 
         Returns
         -------
         Camera
-            Its rays start at ``position``.
+            Its rays start at ``position``; it has no viewplane and no intrinsic matrix.
+
+        Raises
+        ------
+        ValueError
+            For directions that do not fit, no pixels, and numbers that are not finite.
 
         Examples
         --------
@@ -205,42 +222,43 @@ class Camera:
     @classmethod
     def framing(
         cls,
-        scene: Scene,
+        scene: Traceable,
         rows: int | None = None,
         columns: int | None = None,
         view: ViewName = "iso",
         up: npt.ArrayLike | None = None,
     ) -> Camera:
-        """Make a camera from which all of a scene is seen and fills the picture.
+        """Make a perspective camera that sees all of a scene, filling the picture.
 
-        It is what the program looks through where nothing else is said: with square pixels, a
-        vertical field of view of 45 degrees. The picture is 1.05 times as large as the scene in
-        one of its two directions. Rays start at the eye, which stays away from the scene by at
-        least a millionth of its depth: a scene that is narrower than that looks small.
+        It is the program's own default camera. Pixels are square, the vertical field of view is 45
+        degrees, and the picture is 1.05 times as large as the scene in one of its two directions.
+        Rays start at the eye, which stays away from the scene by at least a millionth of its depth:
+        a scene that is narrower than that looks small.
 
         Parameters
         ----------
         scene : Scene
-            What to see. Infinite objects do not count; with nothing to see, it is somewhere.
+            What to see. Infinite objects do not count. For a scene without finite objects the
+            camera is placed as for a box from (-1, -1, -1) to (1, 1, 1).
         rows, columns : int, optional
             Pixels down and across. If one is left out, the picture is 4:3; if both are, it is 768
             rows of 1024.
         view : {"iso", "front", "back", "left", "right", "top", "bottom"}
-            Where from: ``iso`` is three quarters, from above. The front is the side that faces -y
-            where z is up, and +z where y is up.
+            The side from which it looks: ``iso`` is a three-quarter view from above. The front is
+            the side that faces -y where z is up, and +z where y is up.
         up : (3,) array_like, optional
-            Which way is up in the world; the scene's own `Scene.up` if left out.
+            Which way is up in world space; `Scene.up` if left out.
 
         Returns
         -------
         Camera
-            Above things where ``up`` is above, whichever direction that is.
+            With ``up`` upwards in the picture.
 
         Raises
         ------
         ValueError
-            For a view that nobody knows, an ``up`` that is no direction, no pixels, and a scene
-            that reaches so far that there is no place to see it from.
+            For an unknown view, an ``up`` that is no direction, no pixels, and a scene that reaches
+            so far that no camera can see all of it.
 
         Examples
         --------
@@ -260,42 +278,42 @@ class Camera:
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
-        """Where the camera is, (3,)."""
+        """Where the camera is, in world space, (3,) float64: a copy."""
         return np.array(self._arguments[0])
 
     @property
     def aim(self) -> npt.NDArray[np.float64]:
-        """The direction it looks in, (3,), of length one."""
+        """The direction in which it looks, in world space, (3,) float64, of length one: a copy."""
         return np.array(self._native.frame()[1])
 
     @property
     def up(self) -> npt.NDArray[np.float64]:
-        """Which way is up, (3,), as it was given."""
+        """Which way is up, in world space, (3,) float64, as it was given: a copy."""
         return np.array(self._arguments[2])
 
     @property
     def right(self) -> npt.NDArray[np.float64]:
-        """To the right in the picture, (3,), of length one."""
+        """To the right in the picture, in world space, (3,) float64, of length one: a copy."""
         return np.array(self._native.frame()[2])
 
     @property
     def upwards(self) -> npt.NDArray[np.float64]:
-        """Upwards in the picture, (3,), of length one."""
+        """Upwards in the picture, in world space, (3,) float64, of length one: a copy."""
         return np.array(self._native.frame()[3])
 
     @property
     def focal_length(self) -> float | None:
-        """Distance from the camera to the viewplane; ``None`` for a projection without one."""
+        """Distance to the viewplane, in scene units; ``None`` for a projection without one."""
         return self._arguments[3]
 
     @property
     def width(self) -> float | None:
-        """Width of the viewplane; ``None`` for a projection without one."""
+        """Width of the viewplane, in scene units; ``None`` for a projection without one."""
         return self._arguments[4]
 
     @property
     def height(self) -> float | None:
-        """Height of the viewplane; ``None`` for a projection without one."""
+        """Height of the viewplane, in scene units; ``None`` for a projection without one."""
         return self._arguments[5]
 
     @property
@@ -324,7 +342,7 @@ class Camera:
         Returns
         -------
         origins, directions : (rows, columns, 3) array of float64
-            World space; directions of length one. Row 0 is the top row.
+            In world space; directions of length one. Row 0 is the top row.
         """
         origins, directions = self._native.rays((0, self.rows), 0)
         shape = (self.rows, self.columns, 3)

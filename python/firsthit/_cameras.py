@@ -11,7 +11,7 @@ from ._camera import Camera
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ._camera import View
+    from . import _firsthit
 
 
 @dataclass(frozen=True)
@@ -23,10 +23,10 @@ class NamedCamera:
     name : str
         Its name; may be empty.
     camera : Camera
-        What the file says of it. Where ``has_size`` is false, its number of pixels and the shape of
-        its viewplane mean nothing: `at` makes one of a size.
+        The camera as the file describes it, in world space. Where ``has_size`` is false, its number
+        of pixels and the shape of its viewplane have no meaning: `at` makes a camera of a size.
     has_size : bool
-        Whether the file gives the pixels and the shape of the viewplane too.
+        Whether the file also gives the number of pixels and the shape of the viewplane.
     """
 
     name: str
@@ -39,18 +39,18 @@ class NamedCamera:
         Parameters
         ----------
         columns, rows : int, optional
-            Pixels across and down. Where both are left out, they are the file's.
+            Pixels across and down: both, or neither for those of the file.
 
         Returns
         -------
         Camera
-            The viewplane's height is the file's. With another size than the file's, its width
-            follows from square pixels.
+            The viewplane's height is the file's. If a size is given, the viewplane's width follows
+            from square pixels.
 
         Raises
         ------
         ValueError
-            For a size that nobody gives.
+            If only one of the two is given, or neither and the file has no size; and for no pixels.
         """
         if columns is None and rows is None and self.has_size:
             return self.camera
@@ -91,7 +91,7 @@ def find(cameras: Sequence[NamedCamera], name: str | int) -> NamedCamera:
 
 def from_native(
     name: str,
-    view: View,
+    view: _firsthit._View,
     has_size: bool,  # noqa: FBT001 - as the native half sends it
     *,
     settled: bool,

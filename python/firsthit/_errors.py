@@ -1,8 +1,8 @@
-"""What can go wrong with files; bad values are plain ``ValueError``."""
+"""Errors and warnings about files. Bad values are plain ``ValueError``."""
 
 
 class FirsthitWarning(UserWarning):
-    """Something doubtful in a file, or a request that is probably not what was meant."""
+    """Something doubtful in a file, or an argument that is probably not what was meant."""
 
 
 class FileError(Exception):
@@ -13,7 +13,7 @@ class FileError(Exception):
     path : str
         The file.
     place : str
-        Where in the file, such as ``line 12`` or ``byte 84``; empty for the file as a whole.
+        Where in the file, such as ``line 12`` or ``byte 84``; empty if the error has no place.
     """
 
     def __init__(self, message: str, path: str = "", place: str = "") -> None:
@@ -31,7 +31,7 @@ class FileReadError(FileError, OSError):
 
 
 class FileWriteError(FileError, OSError):
-    """The system refused to write a file; nothing of it was written."""
+    """The system refused to write a file; nothing was written, and an old file is as it was."""
 
 
 class FileFormatError(FileError, ValueError):

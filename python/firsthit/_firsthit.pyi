@@ -5,8 +5,7 @@ from typing import Any, TypedDict, final
 import numpy as np
 import numpy.typing as npt
 
-from ._camera import View
-from .typing import AlphaMode, ShaderName
+from ._types import AlphaMode, Projection, RayStart, ShaderName
 
 __all__ = [
     "Camera",
@@ -49,7 +48,15 @@ _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
 _Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool]
 _MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
 _MaterialOut = tuple[_Vector, float, _MapOut | None, _MapOut | None, AlphaMode, float, bool, bool]
-_CameraOut = tuple[str, View, bool]
+# Position, aim and up; focal length, width and height; rows and columns; projection and where
+# rays start.
+_View = tuple[
+    tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
+    tuple[float | None, float | None, float | None],
+    tuple[int, int],
+    tuple[Projection, RayStart],
+]
+_CameraOut = tuple[str, _View, bool]
 _Report = Callable[[int], object]
 
 class _Model(TypedDict):
@@ -89,7 +96,7 @@ class Camera:
     def framing(
         scene: Scene, up: _Vector, view: str, rows: int | None, columns: int | None
     ) -> Camera: ...
-    def view(self) -> View: ...
+    def view(self) -> _View: ...
     @staticmethod
     def lens(
         vertical_fov_degrees: float, rows: int, columns: int

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .typing import SceneLike
+    from ._types import SceneLike
 
 
 class Part(NamedTuple):

@@ -52,11 +52,13 @@ _OF_SEVERAL = (".npz", ".exr", ".ply", ".pcd")
 class Frame:
     """A picture: named channels over the same pixels, row 0 at the top.
 
-    ``frame["z"]`` is a channel's array, (rows, columns) or (rows, columns, k), and ``items()``,
-    ``keys()`` and ``values()`` are as of a dict. In a notebook a frame shows itself.
+    ``frame["z"]`` is the array of a channel, of shape (rows, columns), or (rows, columns, k) where
+    a pixel has several numbers. `render` lists the channels with their types, units and frames.
+    ``items()``, ``keys()`` and ``values()`` are those of a dict. A notebook shows a frame as a
+    picture.
 
-    Type checkers are told the types of what `render` makes; those of a file may be others, see
-    `load`.
+    For type checkers, channels have the types that `render` gives them; those of a file may differ,
+    see `load`.
     """
 
     def __init__(
@@ -76,24 +78,25 @@ class Frame:
         Parameters
         ----------
         path : path-like
-            ``.exr``, ``.npz``, ``.npy`` or ``.png``, of `save`, of the program, or of others.
+            ``.exr``, ``.npz``, ``.npy`` or ``.png``, written by `save`, by the program or by other
+            software.
 
         Returns
         -------
         Frame
             With the channels as they are in the file: float32 from an EXR, distances from a PNG
-            that was written with a scale, bytes from other PNGs. A channel whose name the file
-            does not tell is called ``array``.
+            that was written with a scale, bytes from other PNGs. A channel that has no name in the
+            file is called ``array``.
 
         Raises
         ------
         FileReadError
-            The system refused; also an `OSError`.
+            If the system refuses to read it; also an `OSError`.
         FileFormatError
-            The content is wrong, or its metadata name a type that no channel has; also a
+            If the content is wrong, or its metadata name a type that no channel has; also a
             `ValueError`.
         ValueError
-            For an unknown extension, and for a batch of rays, which is no picture.
+            For an unknown extension, and for the hits of an array of rays, which are no picture.
 
         Warns
         -----
@@ -127,11 +130,11 @@ class Frame:
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """What the frame says of itself, and what its files keep.
+        """What files of this frame say of it.
 
-        Channels with unit, frame, miss value and type; where pixel centres are; the camera, also
-        as intrinsic matrix and pose; the scene's fingerprint; the version. Of a frame from a file,
-        what the file says; empty for files of other programs.
+        That is: each channel's unit, frame, miss value and type; where pixel centres are; the
+        camera, also as intrinsic matrix and pose; the scene's fingerprint; the version. A frame
+        from a file has that file's metadata; they are empty for files of other programs.
         """
         if self._metadata is not None:
             return self._metadata
@@ -149,7 +152,7 @@ class Frame:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """The channels' names."""
+        """The names of the channels, in their order."""
         return tuple(self._channels)
 
     @overload
@@ -168,7 +171,7 @@ class Frame:
     def __getitem__(self, name: str) -> npt.NDArray[Any]: ...
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
-        """Return a channel's array."""
+        """Return the array of a channel; a ``KeyError`` where there is no such channel."""
         if name not in self._channels:
             raise KeyError(f"no channel {name!r}; there are {', '.join(self._channels)}")
         return self._channels[name]
@@ -204,14 +207,16 @@ class Frame:
         Parameters
         ----------
         path : path-like
-            ``.exr`` and ``.npz`` take all channels; ``.npy`` and ``.png`` take the only one, or
-            ``color``. ``{channel}`` in the name makes a file of each. Arrays are exact and linear,
-            an EXR is linear float32, a PNG is for looking. ``.ply`` and ``.pcd`` are point clouds:
-            the pixels that hit something, with all channels, of which ``position`` must be one;
-            colours are sRGB bytes, the numbers of a PLY are exact, those of a PCD float32.
+            ``.exr`` and ``.npz`` hold all channels. ``.npy`` and ``.png`` hold one: the only one,
+            or ``color``. With ``{channel}`` in the name each channel has a file of its own. NPY and
+            NPZ are exact, with linear colours; an EXR is linear float32; a PNG is sRGB, and shows
+            other channels in false colours. ``.ply`` and ``.pcd`` are point clouds: the pixels that
+            hit something, with all channels, of which ``position`` must be one. Their colours are
+            sRGB bytes; a PLY is exact otherwise, a PCD float32.
         png_scale : float, optional
-            Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers of steps of
-            this length, 0 being a miss. A distance that 65535 steps do not reach is an error.
+            Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers, which count
+            steps of this length in scene units; 0 is a miss. A distance beyond 65535 steps, or
+            below half a step, is an error.
 
         Raises
         ------
@@ -219,7 +224,7 @@ class Frame:
             For an unknown extension, several channels for a file that takes one, or numbers that
             the format cannot hold.
         FileWriteError
-            The system refused; an old file is as it was.
+            If the system refuses to write it; an old file is as it was. Also an `OSError`.
         """
         text = os.fspath(path)
         if "{channel}" in text:
@@ -264,48 +269,80 @@ def render(
 ) -> Frame:
     """Make a picture.
 
-    ``fh.render(fh.load(path)).save("out.png")`` is what the program makes of the same file.
+    ``fh.render(fh.load(path)).save("out.png")`` writes the picture that the program makes of the
+    same file.
 
     Parameters
     ----------
     scene : Scene
-        What to see.
+        The scene.
     camera : Camera, optional
-        From where; if left out, from where the scene's file says it is to be seen (only scene files
-        do), else `Camera.framing`.
-    channels : sequence of str
-        ``color`` (float32, linear), ``t``, ``range``, ``z`` (float64), ``object``, ``primitive``,
-        ``face`` (int32), ``normal``, ``position``, ``barycentric``, ``uv`` (float64), ``front``.
+        The camera. If left out, it is the first camera of a scene file (TOML); of other scenes it
+        is `Camera.framing`.
+    channels : str or sequence of str
+        Any of those that the table below lists.
     background : Sky, (3,) array_like or str, optional
-        What misses see: a sky, linear numbers, sRGB as ``"#rrggbb"``, a CSS name, or
-        ``"transparent"``. The scene's own if left out, or a dark blue grey. Colours before a
-        transparent background are (rows, columns, 4): the last number is the pixel's coverage
-        (alpha), and the others are premultiplied by it.
+        The colour of misses: a `Sky`, linear numbers, sRGB as ``"#rrggbb"``, a CSS name, or
+        ``"transparent"``. If left out, `Scene.background`, or a dark blue grey where that is
+        ``None``.
     samples : int, optional
-        Points of each pixel whose mean is its colour; all other channels are of pixel centres.
-        This and what follows are the scene's own `Shading` if left out, which has 4 where nobody
-        says.
+        The number of points of a pixel whose mean is its colour. They are the first ``samples``
+        points of a fixed low-discrepancy sequence, the same in every pixel; the first is the
+        centre. All other channels are those of the centre. If left out, this, ``shade``,
+        ``ambient`` and ``shadows`` are those of `Scene.shading`.
     region : tuple of two slices, optional
-        The rows and the columns to make, without steps, such as ``np.s_[100:200, :]``; the numbers
-        are those of that part of the whole picture.
+        The part of the picture to make: its rows and its columns, without steps, such as
+        ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for
+        bit. The whole if left out.
     shade : {"lambert", "unlit", "normal"} or callable, optional
-        How hits get their colour. ``shade(hits)`` gets `Hits`, misses included, and returns linear
-        colours of shape (..., 3); the background is then its own affair. It is called for each of
-        the ``samples``, and for parts of large pictures; ``background``, ``ambient`` and
-        ``shadows`` cannot be given with it.
+        How hits get their colour. A function ``shade(hits)`` gets `Hits`, misses included, and
+        returns their linear colours, of shape (..., 3). It is called for each sample, and for parts
+        of large pictures. ``background``, ``ambient`` and ``shadows`` cannot be given with it.
     ambient : (3,) array_like or str, optional
-        Lambert's light from everywhere.
+        Ambient light of the shader ``lambert``, linear.
     shadows : bool, optional
-        Whether Lambert's lights are blocked by things.
+        Whether objects cast shadows with the shader ``lambert``.
     threads : int, optional
-        How many to use; all cores if left out. The result is the same for any number.
+        The number of threads; all cores if left out. The result is the same for any number.
     progress : bool or callable, optional
         As for `Scene.shoot`; every sample of a pixel and every channel counts.
 
     Returns
     -------
     Frame
-        With the channels asked for.
+        With the channels asked for, of the shape (rows, columns) of the region, or of the camera.
+
+    Raises
+    ------
+    ValueError
+        For an unknown channel or shader, a value out of range, a region without pixels or with
+        steps, and colours of a wrong shape from ``shade``.
+    TypeError
+        For a scene, a camera, a region or a flag of another type.
+    MemoryError
+        If the picture does not fit into memory.
+
+    Notes
+    -----
+    ===============================  =================  =====================  ================
+    channel                          type               unit and frame         a miss
+    ===============================  =================  =====================  ================
+    ``color``                        3 or 4 float32     linear Rec. 709        the background
+    ``t``                            float64            length, along the ray  inf
+    ``range``, ``z``                 float64            length, camera         inf
+    ``object``, ``primitive``        int32              identifier             -1
+    ``face``                         int32              identifier             -1
+    ``normal``                       3 float64          length one, world      nan
+    ``position``                     3 float64          length, world          nan
+    ``barycentric``                  3 float64          weights of corners     nan
+    ``uv``                           2 float64          texture coordinates    nan
+    ``front``                        bool               the front was met      False
+    ===============================  =================  =====================  ================
+
+    Lengths are in scene units. ``t`` counts from the ray's start; ``range`` from the camera's
+    position along the ray; ``z`` from the camera's position along its aim. With a transparent
+    background ``color`` has four numbers: the last is alpha, the pixel's coverage, and the others
+    are premultiplied by it.
 
     Examples
     --------
@@ -369,13 +406,18 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
     Returns
     -------
     dict or None
-        As `Frame.metadata`, and how the file stores each channel; ``None`` for a file without.
-        ``docs/outputs.md`` and the JSON Schema beside it say what every entry means.
+        As `Frame.metadata`, and how the file stores each channel; ``None`` for a file without
+        metadata. ``docs/outputs.md`` and the JSON Schema beside it say what every entry means.
 
     Raises
     ------
     FileReadError, FileFormatError, ValueError
         As `Frame.load`.
+
+    Warns
+    -----
+    FirsthitWarning
+        For what is doubtful in the file.
     """
     _, said, doubts = _firsthit.read(Path(path))
     for doubt in doubts:

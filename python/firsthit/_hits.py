@@ -13,7 +13,7 @@ from ._memory import SMALL, empty
 from ._progress import following, later
 from ._rays import Rays
 from ._rounding import singles, singles_within
-from .typing import ChannelName
+from ._types import ChannelName
 
 if TYPE_CHECKING:
     import os
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from ._camera import Camera
     from ._progress import Report
-    from ._scene import Scene
-    from .typing import DistanceName, IdentifierName, Progress, VectorName
+    from ._traceable import Traceable
+    from ._types import DistanceName, IdentifierName, Progress, VectorName
 
     Arrays = tuple[
         npt.NDArray[np.float64],
@@ -69,21 +69,23 @@ def hits_arrays(length: int) -> Arrays:
 
 
 class Hits:
-    """What rays met first, as arrays of the rays' shape.
+    """The first hits of rays, as arrays of the rays' shape, which is written (...) below.
 
-    ``t, o = hits`` unpacks distances and objects; ``len(hits)`` and ``hits[mask]`` index the rays,
-    as of an array of their shape; ``hits.to_dict()`` is a table. A miss has ``t``, ``range`` and
-    ``z`` of infinity, ``object`` and ``primitive`` of -1, and NaN elsewhere. Other channels are
-    computed when they are first read, from the rays and the scene as they were shot.
+    ``t, o = hits`` unpacks distances and objects. ``hits[mask]`` and ``len(hits)`` work as for an
+    array of the rays' shape. ``hits.to_dict()`` is a table.
 
-    All arrays are read-only, for hits compute from them and hand out the same memory at every
-    read: ``hits.t.copy()`` can be written.
+    A miss has ``t``, ``range`` and ``z`` of infinity; ``object``, ``primitive`` and ``face`` of -1;
+    a false ``front``; and NaN elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
+    others are computed when they are first read, from the rays and the scene as they were shot.
+
+    All arrays are read-only, because hits compute from them and return the same memory at every
+    read. A copy, such as ``hits.t.copy()``, can be written.
     """
 
     def __init__(self) -> None:
         raise TypeError("Hits are made by Scene.shoot")
 
-    _scene: Scene
+    _scene: Traceable
     _native_scene: _firsthit.Scene
     _arrays: Arrays
     _shape: tuple[int, ...]
@@ -101,7 +103,7 @@ class Hits:
     @classmethod
     def _of(
         cls,
-        scene: Scene,
+        scene: Traceable,
         native: _firsthit.Scene,
         arrays: Arrays,
         shape: tuple[int, ...],
@@ -115,7 +117,7 @@ class Hits:
 
     @classmethod
     def _of_camera(
-        cls, scene: Scene, native: _firsthit.Scene, arrays: Arrays, camera: Camera, threads: int
+        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, camera: Camera, threads: int
     ) -> Hits:
         hits = cls._of(scene, native, arrays, (camera.rows, camera.columns), threads)
         hits._camera = camera
@@ -123,7 +125,7 @@ class Hits:
 
     @classmethod
     def _of_rays(
-        cls, scene: Scene, native: _firsthit.Scene, arrays: Arrays, rays: Rays, threads: int
+        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, rays: Rays, threads: int
     ) -> Hits:
         hits = cls._of(scene, native, arrays, rays.shape, threads)
         hits._rays = rays
@@ -137,21 +139,22 @@ class Hits:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The rays' shape, (rows, columns) for a camera."""
+        """The rays' shape; (rows, columns) for a camera."""
         return self._shape
 
     @property
     def t(self) -> npt.NDArray[np.floating[Any]]:
-        """The rays' parameters, (...); infinity for a miss.
+        """The ray parameters of the hits, (...) float64; infinity for a miss.
 
-        In lengths of the directions, for a camera a distance from the rays' start. float64,
-        whatever the rays' type, unless `Scene.shoot` was asked for float32.
+        A hit is at ``origin + t * direction``. ``t`` is in units of the direction's length; a
+        camera's directions have length one, so that it is a distance from the ray's start in scene
+        units. It is float32 if `Scene.shoot` was asked for that.
         """
         return self._read_only(self._arrays[0] if self._single is None else self._single)
 
     @property
     def object(self) -> npt.NDArray[np.int32]:
-        """The objects' identifiers, (...) int32; -1 for a miss."""
+        """The identifiers of the objects, (...) int32; -1 for a miss."""
         return self._read_only(self._arrays[1])
 
     @property
@@ -161,72 +164,79 @@ class Hits:
 
     @property
     def face(self) -> npt.NDArray[np.int32]:
-        """The identifiers of the file's polygons that triangles were part of, (...) int32."""
+        """The identifiers of the polygons that became triangles, (...) int32; -1 for a miss."""
         return self.channel("face")
 
     @property
     def barycentric(self) -> npt.NDArray[np.float64]:
-        """The weights of a triangle's corners 0, 1, 2, (..., 3); NaN for other shapes."""
+        """The weights of the triangle's corners, (..., 3) float64; NaN for other shapes."""
         return self.channel("barycentric")
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
-        """Where the hits are in the world, (..., 3); on the surface, from however far away.
+        """The points that are hit, in world space and scene units, (..., 3) float64.
 
-        A triangle's is the mean of its corners by the weights of `barycentric`, off its plane by
-        a few 2^-53 of the largest coordinate. Any other shape's is ``origin + t * direction`` moved
-        onto the shape, off that by a few 2^-53 of the shape's largest coordinate and size.
+        They are on the surface, however far away the ray starts. On a triangle the point is the
+        mean of its corners by the weights of `barycentric`; on any other shape it is
+        ``origin + t * direction``, moved onto the shape. Rounding leaves it a few 2^-53 of the
+        largest coordinate off the surface, on either side, so a ray from there may meet the same
+        surface again.
 
-        That is on either side of the surface, so a ray from there may meet it again. Start it from
-        ``position + h * normal``, ``h`` being 1e-9 of the largest coordinate and the normal on the
-        side of the new direction. On the same ray, ``t_min=hits.t`` goes on exactly.
+        To go on in another direction, start at ``position + h * normal``, where ``h`` is 1e-9 times
+        the largest coordinate and the normal is on the side of the new direction. To go on along
+        the same ray, shoot it with ``t_min=hits.t``, which is exact.
         """
         return self.channel("position")
 
     @property
     def normal(self) -> npt.NDArray[np.float64]:
-        """The geometric normals in the world, (..., 3), of length one, outwards."""
+        """The geometric normals, in world space, (..., 3) float64, of length one.
+
+        A triangle's points to its front, from which its corners are counter-clockwise; a solid's
+        points outwards.
+        """
         return self.channel("normal")
 
     @property
     def front(self) -> npt.NDArray[np.bool_]:
-        """Whether the side was met that the normal points to, (...) bool; false for a miss."""
+        """Whether the ray met the front, to which the normal points, (...) bool."""
         return self.channel("front")
 
     @property
     def uv(self) -> npt.NDArray[np.float64]:
-        """The texture coordinates, (..., 2); NaN where there are none."""
+        """The texture coordinates, (..., 2) float64; NaN where there are none."""
         return self.channel("uv")
 
     @property
     def range(self) -> npt.NDArray[np.floating[Any]]:
-        """The distance from the camera's position along the ray, (...); for a camera's hits.
+        """The distance from the camera's position along the ray, (...) float64, in scene units.
 
-        float64, as `t`.
+        It is float32 if `t` is. An ``AttributeError`` for rays that no camera made.
         """
         return self.channel("range")
 
     @property
     def z(self) -> npt.NDArray[np.floating[Any]]:
-        """The distance from the camera's position along its aim, (...); for a camera's hits.
+        """The distance from the camera's position along its aim, (...) float64, in scene units.
 
-        float64, as `t`.
+        It is negative behind the camera, which only a panorama sees. It is float32 if `t` is. An
+        ``AttributeError`` for rays that no camera made.
         """
         return self.channel("z")
 
     @property
     def origin(self) -> npt.NDArray[Any]:
-        """The rays' starts, (..., 3), as they were shot, in the type that they came in."""
+        """The origins of the rays, in world space, (..., 3), of the type that was given."""
         return self._both()[0]
 
     @property
     def direction(self) -> npt.NDArray[Any]:
-        """The rays' directions, (..., 3), as they were shot, in the type that they came in."""
+        """The directions of the rays, in world space, (..., 3), of the type that was given."""
         return self._both()[1]
 
     @property
     def channels(self) -> tuple[ChannelName, ...]:
-        """The names of all that can be asked about these hits."""
+        """The names of the channels of these hits; ``range`` and ``z`` only for a camera's."""
         return _OF_RAYS if self._camera is None else _OF_A_CAMERA
 
     @overload
@@ -281,21 +291,21 @@ class Hits:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[Any]:
-        """Compute a channel: as the attribute of that name, with a choice of threads and progress.
+        """Return a channel, as the attribute of its name, with a choice of threads and progress.
 
         Parameters
         ----------
         name : str
             One of `channels`.
         threads : int, optional
-            How many to use; as many as the rays were shot with if left out.
+            The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
             As for `Scene.shoot`. A channel that was computed before reports nothing.
 
         Returns
         -------
         (...) or (..., k) array
-            The same memory at every call, read-only.
+            As the attribute: the same memory at every call, read-only.
 
         Raises
         ------
@@ -303,6 +313,8 @@ class Hits:
             For a name that is none of `channels`.
         AttributeError
             For ``range`` and ``z`` of rays that no camera made.
+        MemoryError
+            If the array does not fit into memory.
         """
         use = self._threads if threads is None else threads_or_all(threads)
         made: npt.NDArray[Any]
@@ -340,9 +352,14 @@ class Hits:
         Returns
         -------
         dict of str to (n,) array
-            A row for each ray, in the order of the rays. A camera's hits begin with the columns
+            A row for each ray, in the order of the rays. For a camera's hits the first columns are
             ``row`` and ``column``, their pixel. A channel of several numbers has as many columns,
             called as in the program's CSV: ``position_x``, ``barycentric_0``, ``uv_u``, and so on.
+
+        Raises
+        ------
+        ValueError, AttributeError
+            As `channel`.
 
         Examples
         --------
@@ -424,7 +441,7 @@ class Hits:
         _firsthit.write(target, list(self._shape), arrays, origin, None)
 
     def __getitem__(self, index: Index) -> Hits:
-        """Return some of the hits, as an array of their shape would: by a mask, a slice, ..."""
+        """Return some of the hits, as for an array of their shape: by a mask, a slice, ..."""
         if isinstance(index, str):
             raise TypeError(f"hits take a mask, a slice or numbers; write hits.channel({index!r})")
         length = len(self._arrays[0])
@@ -445,7 +462,7 @@ class Hits:
         return some
 
     def __len__(self) -> int:
-        """Return how many there are along the first axis, as of an array."""
+        """Return the number of hits along the first axis, as for an array."""
         if not self._shape:
             raise TypeError("the hit of one ray has no length")
         return self._shape[0]

@@ -1,4 +1,4 @@
-"""What is in use."""
+"""Version, instruction set and threads."""
 
 import os
 
@@ -11,14 +11,14 @@ def info() -> dict[str, str | int]:
     Returns
     -------
     dict
-        ``version``; ``instruction_set``, which never changes a result (the fastest that the
-        machine has, or that of the environment variable ``FIRSTHIT_ISA``: ``portable``, ``avx2`` or
-        ``avx512``); ``threads``, how many are used where ``threads`` is not given.
+        ``version``; ``instruction_set``, the fastest that the machine has, or the one that the
+        environment variable ``FIRSTHIT_ISA`` names (``portable``, ``avx2`` or ``avx512``; it never
+        changes a result); ``threads``, how many are used where ``threads`` is not given.
 
     Raises
     ------
     ValueError
-        When ``FIRSTHIT_ISA`` names no instruction set of this machine.
+        If ``FIRSTHIT_ISA`` names no instruction set of this machine.
 
     Examples
     --------

@@ -11,7 +11,7 @@ from ._arrays import color_of, number, settle, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .typing import Vector
+    from ._types import Vector
 
     LightTuple = tuple[str, Vector, Vector, tuple[Vector, tuple[float, float]] | None]
 
@@ -23,9 +23,15 @@ class DirectionalLight:
     Parameters
     ----------
     direction : (3,) array_like
-        Where the light goes, of any length but zero.
+        The direction in which the light goes, in world space, of any length but zero.
     color : (3,) array_like or str
-        The linear colour that a white surface facing the light takes.
+        The linear colour of a white surface that faces the light; any finite numbers, or sRGB as
+        ``"#rrggbb"`` or a CSS name.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     direction: Vector
@@ -49,9 +55,15 @@ class PointLight:
     Parameters
     ----------
     position : (3,) array_like
-        Where it is.
+        Where the light is, in world space.
     intensity : (3,) array_like or str
-        The linear colour that a white surface facing the light takes at distance one.
+        The linear colour of a white surface that faces the light at a distance of one scene unit;
+        any finite numbers, or sRGB as ``"#rrggbb"`` or a CSS name.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     position: Vector
@@ -72,14 +84,15 @@ class SpotLight:
     Parameters
     ----------
     position : (3,) array_like
-        Where it is.
+        Where the light is, in world space.
     direction : (3,) array_like
-        Where the middle of the cone goes, of any length but zero.
+        The direction of the cone's axis, in world space, of any length but zero.
     intensity : (3,) array_like or str
-        The linear colour that a white surface facing the light takes at distance one.
+        The linear colour of a white surface on the axis that faces the light at a distance of one
+        scene unit; any finite numbers, or sRGB as ``"#rrggbb"`` or a CSS name.
     inner_angle, outer_angle : float
-        Radians between the middle and the end of full light, and the end of all light: from 0 to a
-        quarter turn, the inner one less.
+        Radians from the axis. Up to the inner angle there is full light, from the outer angle on
+        there is none. ``0 <= inner_angle < outer_angle <= pi / 2``.
 
     Raises
     ------
@@ -119,14 +132,20 @@ class SpotLight:
 
 @dataclass(frozen=True, init=False)
 class Sky:
-    """What rays see that meet nothing: from one colour to another by height.
+    """A background that goes from one colour at the horizon to another at the zenith.
 
     Parameters
     ----------
     horizon, zenith : (3,) array_like or str
-        Colours where the direction is level (and below), and straight up.
+        The colours of rays that are level or go down, and of those that go straight up: linear
+        numbers, not negative, or sRGB as ``"#rrggbb"`` or a CSS name.
     up : (3,) array_like
-        Which way is up, of any length but zero.
+        The direction of the zenith, in world space, of any length but zero.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     horizon: Vector

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import _cameras, _firsthit
-from ._arrays import count, settle
+from ._arrays import count, flag, settle
 from ._arrays import vector as as_vector
 from ._errors import FirsthitWarning
 from ._lights import DirectionalLight, Light, PointLight, Sky, SpotLight
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Sequence
 
-    from .typing import Vector
+    from ._types import Vector
 
 
 def load(
@@ -37,26 +37,32 @@ def load(
     path : path-like
         The file; its extension tells the format.
     strict : bool
-        Whether unusable triangles, and a text file that seems to be truncated, are
-        errors instead of warnings.
+        Whether unusable triangles, and a text file that seems to be truncated, are errors instead
+        of warnings.
     max_memory : int
-        How many bytes of memory the file's content may take. Beside it, what the file describes
-        (vertices, triangles, objects) may take 256 times its size and 1/256 of ``max_memory``.
+        How many bytes the file's content may take once it is unpacked. The vertices, triangles and
+        objects that it describes may take 256 times its size plus 1/256 of ``max_memory``.
     max_texture : int
-        How many texels a texture may have across or down, and the root of how many bytes in all.
+        The largest width and height of a texture in texels. Its texels, four bytes each, may take
+        the square of this.
 
     Returns
     -------
     Scene
-        An object for each of the file's, with names, transforms and materials; with the file's
-        lights, cameras, background, shading and up.
+        The file's objects with their names, transforms and materials, and its lights, cameras,
+        background, shading and up. Lengths are in the file's unit.
 
     Raises
     ------
     FileReadError
-        The system refused; also an `OSError`.
+        If the system refuses to read it; also an `OSError`.
     FileFormatError
-        The content is wrong; also a `ValueError`. Both are `FileError`, with path and place.
+        For an unknown extension and wrong content; also a `ValueError`. Both are `FileError`, with
+        path and place.
+    ValueError
+        For limits that are no whole numbers.
+    MemoryError
+        If the file needs more than ``max_memory``, or more than there is.
 
     Warns
     -----
@@ -64,7 +70,7 @@ def load(
         For what is doubtful in the file.
     """
     limits = count("max_memory", max_memory), min(count("max_texture", max_texture), 2**32 - 1)
-    model = _firsthit.load(Path(path), strict, *limits)
+    model = _firsthit.load(Path(path), flag("strict", strict), *limits)
     for doubt in model["warnings"]:
         warnings.warn(doubt, FirsthitWarning, stacklevel=2)
     scene = Scene()

@@ -1,4 +1,4 @@
-"""What surfaces look like, and where they have holes."""
+"""What surfaces look like, and where alpha masks cut them out."""
 
 from __future__ import annotations
 
@@ -13,31 +13,35 @@ from ._arrays import color_of, flag, number, numbers, settle, text, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .typing import AlphaMode, Filter, Vector, Wrap
+    from ._types import AlphaMode, Filter, Vector, Wrap
 
 #: Texture coordinates whose v runs upwards, as in OBJ and PLY: rows of the map to the picture.
 _V_UP = ((1.0, 0.0, 0.0), (0.0, -1.0, 1.0))
 
 
 class Texture:
-    """A picture on surfaces. Immutable; materials can share one.
+    """An image on surfaces. Immutable; materials can share one.
 
     Parameters
     ----------
     texels : (rows, columns, 3 or 4) array of uint8
-        Red, green, blue as sRGB, and alpha, opaque where it is left out. Row 0 is the top row.
+        Red, green and blue as sRGB, and a linear alpha; without alpha the texture is opaque. Row 0
+        is the top row.
     wrap : {"repeat", "mirror", "clamp"} or two of them
-        What lies beyond the left and right edge, and beyond the top and bottom one.
+        What is beyond the edges: beyond the left and the right one, and beyond the top and the
+        bottom one.
     filter : {"linear", "nearest"}
-        What lies between texels: their mean in linear light, or the nearest.
+        What is between texels: their weighted mean in linear light, or the nearest texel.
     picture_from_uv : (2, 3) array_like, optional
-        The map from (u, v, 1) to the picture's coordinates, from 0 at the left to 1 at the right
-        and from 0 at the top to 1 at the bottom. If left out, v runs upwards.
+        The affine map from (u, v, 1) to the image's coordinates, which run from 0 at the left to 1
+        at the right, and from 0 at the top to 1 at the bottom. If left out, it is (u, 1 - v).
 
     Raises
     ------
     ValueError
-        For an array of a wrong shape or type, and for words that are not known.
+        For an array of a wrong shape or type, and for unknown words.
+    TypeError
+        For a ``wrap`` or a ``filter`` that is no word.
 
     Examples
     --------
@@ -98,22 +102,22 @@ class Texture:
 
     @property
     def texels(self) -> npt.NDArray[np.uint8]:
-        """The texels, (rows, columns, 4): a copy."""
+        """The texels, (rows, columns, 4) uint8, red, green, blue as sRGB and alpha: a copy."""
         return self._texels.array()
 
     @property
     def wrap(self) -> tuple[str, str]:
-        """What lies beyond the edges: left and right, top and bottom."""
+        """What is beyond the edges: beyond left and right, and beyond top and bottom."""
         return self._wrap
 
     @property
     def filter(self) -> str:
-        """What lies between texels."""
+        """What is between texels: ``linear`` or ``nearest``."""
         return self._filter
 
     @property
     def picture_from_uv(self) -> npt.NDArray[np.float64]:
-        """The map from (u, v, 1) to the picture's coordinates, (2, 3): a copy."""
+        """The map from (u, v, 1) to the image's coordinates, (2, 3) float64: a copy."""
         return np.array(self._rows)
 
     def _native(
@@ -143,33 +147,36 @@ def _rows(picture_from_uv: npt.ArrayLike) -> tuple[Vector, Vector]:
 
 @dataclass(frozen=True, init=False)
 class Material:
-    """What a surface looks like, and where it has holes.
+    """What a surface looks like, and where an alpha mask cuts it out. Immutable.
 
     Parameters
     ----------
     color : (3,) array_like or str
-        Linear numbers, or sRGB as ``"#rrggbb"`` or a CSS name; the mesh's own colours and the
-        texture multiply it.
+        Linear numbers, or sRGB as ``"#rrggbb"`` or a CSS name; multiplied by the mesh's own colours
+        and by the texture.
     alpha : float
-        From 0, not there, to 1, opaque; multiplied likewise.
+        From 0, transparent, to 1, opaque; multiplied by the mesh's own alphas and by the texture's.
     texture : Texture, optional
         Colour and alpha, for meshes with ``uvs``.
     alpha_texture : Texture, optional
-        Alpha alone, in place of the other's.
+        Alpha alone, in place of the alpha of ``texture``.
     alpha_mode : {"opaque", "mask", "blend"}
-        What alpha means: nothing; holes, which rays pass, where it is below ``cutoff``; or how much
-        of what is behind shows through, which is opaque for now.
+        What alpha does. ``opaque``: nothing. ``mask``: it is an alpha mask; where it is below
+        ``cutoff`` the surface is cut out, and rays do not meet it. ``blend``: the same as opaque,
+        for now.
     cutoff : float
-        The least alpha that is there.
+        The alpha from which on the surface is there.
     unlit : bool
-        Whether the colour is seen as it is, whatever the light.
+        Whether the colour is shown as it is, without any light.
     double_sided : bool
-        Whether the file says that both sides are to be seen. Rays meet both in any case.
+        Whether the file says that both sides are visible. Rays meet both sides in any case.
 
     Raises
     ------
     ValueError
         For values that make no sense, with their name.
+    TypeError
+        For a texture that is no `Texture`, and flags that are not ``True`` or ``False``.
 
     Examples
     --------

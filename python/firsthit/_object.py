@@ -1,4 +1,4 @@
-"""Objects: shapes somewhere in a scene."""
+"""Objects: shapes with a transform and materials."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._foreign import Part
-    from .typing import Vector
+    from ._types import Vector
 
 
 class Object:
-    """A shape somewhere in a scene, as `Scene.add` made it. Read only."""
+    """A shape with its name, transform and materials, as `Scene.add` made it. Read-only."""
 
     def __init__(
         self,
@@ -45,22 +45,22 @@ class Object:
 
     @property
     def transform(self) -> npt.NDArray[np.float64]:
-        """From object space to the world, (4, 4): a copy."""
+        """The transform from object space to world space, for columns, (4, 4) float64: a copy."""
         return np.eye(4) if self._transform is None else self._transform.copy()
 
     @property
     def color(self) -> Vector | None:
-        """Its linear colour, that of its first material; ``None`` where nobody gave one."""
+        """The linear colour of its first material; ``None`` if it has no material."""
         return self._materials[0].color if self._materials else None
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """Its materials, in the order of a mesh's slots; none where nobody gave it a look."""
+        """Its materials, in the order of a mesh's ``slots``; empty if it was given none."""
         return self._materials
 
     @property
     def triangles(self) -> int:
-        """How many triangles it has; 0 for shapes that are no mesh."""
+        """The number of its triangles; 0 for a shape that is not a mesh."""
         return self._shape._mesh.counts()[1] if isinstance(self._shape, Mesh) else 0
 
     def _moved(self, matrix: npt.NDArray[np.float64]) -> Object:

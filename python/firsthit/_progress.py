@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from .typing import Progress
+    from ._types import Progress
 
     #: Takes how many rays are done.
     Report = Callable[[int], object]

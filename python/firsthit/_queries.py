@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -14,25 +14,21 @@ from ._hits import Hits, hits_arrays
 from ._progress import following, later
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
 from ._rounding import is_single
+from ._traceable import Traceable
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy.typing as npt
 
     from ._progress import Report
-    from ._scene import Scene
-    from .typing import Progress
+    from ._types import Progress
+
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
 
-class Queries:
+class Queries(Traceable):
     """The part of `Scene` that shoots."""
-
-    def _native(self) -> _firsthit.Scene:
-        """Return what rays are shot at."""
-        raise NotImplementedError
-
-    def _whole(self) -> Scene:
-        """Return the scene that this is a part of."""
-        raise NotImplementedError
 
     def shoot(
         self,
@@ -45,44 +41,47 @@ class Queries:
         progress: Progress | None = None,
         dtype: npt.DTypeLike | None = None,
     ) -> Hits:
-        """Find the first object that each ray meets.
+        """Find the first hit of each ray.
 
         Parameters
         ----------
         origins, directions : (..., 3) array_like
-            World space, any real type; broadcast against each other. Directions of any length:
-            ``t`` counts in lengths of a direction. Or a `Camera` alone, for the rays of its pixels.
-            Arrays are copied, for the hits to compute from: they may be changed afterwards.
+            The rays, in world space, of any real type; they broadcast against each other.
+            Directions have any length but zero, and ``t`` is in units of that length. Instead of
+            both, a `Camera` alone stands for the rays of its pixels. The hits keep copies, so that
+            arrays may be changed afterwards.
         t_min, t_max : (...) array_like
-            Where rays begin and end: what is met has ``t_min < t <= t_max``. With a ``t_min`` of
-            zero, a surface that a ray starts on is not met if the origin is exactly on it; a
-            rounded one is to one side (see `Hits.position`). With a negative one it is, and so is
-            what is behind the origin down to there.
+            Limits of the rays, not for a camera: hits have ``t_min < t <= t_max``. With a ``t_min``
+            of zero, a ray does not meet a surface on which its origin lies exactly; a rounded
+            origin is to one side of the surface (see `Hits.position`). With a negative ``t_min`` it
+            does, and it meets what is behind the origin, down to ``t_min``.
         threads : int, optional
-            How many to use, here and for the attributes of the hits; all cores if left out. The
-            result is the same for any number.
+            The number of threads, here and for the attributes of the hits; all cores if left out.
+            The result is the same for any number.
         progress : bool or callable, optional
-            ``True`` shows a bar (by tqdm, where that is installed). A function is called with how
-            many rays are done and how many there are, about twenty times a second and at the end,
-            in the calling thread; what it raises ends the work.
+            ``True`` shows a bar, by tqdm if that is installed. A function is called with the number
+            of rays that are done and the number of all rays, in the calling thread, about twenty
+            times a second and at the end. An exception that it raises ends the work.
         dtype : {float64, float32}, optional
-            The type of the distances: ``t``, ``range`` and ``z``. float64 if left out, whatever the
-            rays' type. Everything is computed in float64 in any case. float32 is the nearest one
-            with two exceptions: a hit's distance is finite, and zero only where it is zero; and
-            where rounding would leave ``t_min < t <= t_max``, ``t`` is the next float32 that does
-            not (where there is none between the two, the one below ``t_max``). Rays that go on
-            from a hit need its float64 ``t``: a float32 may lie before the surface.
+            The type of ``t``, ``range`` and ``z``; float64 if left out, whatever the rays' type.
+            Everything is computed in float64 in any case. The float32 is the nearest one, with two
+            exceptions. The distance of a hit stays finite, and zero only if it is zero. And if
+            rounding takes ``t`` out of its limits, it is the next float32 within them; if there is
+            none, the one below ``t_max``. Rays that go on from a hit need its float64 ``t``: a
+            float32 may lie before the surface.
 
         Returns
         -------
         Hits
-            Of the rays' shape. A ray that is zero, NaN or infinite, or begins where it ends, is a
-            miss, alone.
+            Of the rays' shape. A ray with a zero direction, a NaN or an infinite component, or
+            ``t_min >= t_max`` is a miss; other rays are not affected.
 
         Raises
         ------
         ValueError
             For arrays whose shapes or types do not fit, with their names, and for another dtype.
+        MemoryError
+            If the hits do not fit into memory.
 
         Examples
         --------
@@ -121,7 +120,7 @@ class Queries:
         """Shoot a camera's rays at what was built."""
         out = hits_arrays(camera.rows * camera.columns)
         _firsthit.shoot_camera(native, camera._native, threads, out, report)
-        return Hits._of_camera(self._whole(), native, out, camera, threads)
+        return Hits._of_camera(self, native, out, camera, threads)
 
     def _shot(
         self, native: _firsthit.Scene, rays: Rays, threads: int, report: Report | None
@@ -139,7 +138,7 @@ class Queries:
                 pieces = t[part], identifiers[part], primitive[part], barycentric[part]
                 told = later(report, part.start)
                 _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
-        return Hits._of_rays(self._whole(), native, out, rays.keep(copies), threads)
+        return Hits._of_rays(self, native, out, rays.keep(copies), threads)
 
     def occluded(
         self,
@@ -151,17 +150,24 @@ class Queries:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_]:
-        """Tell whether each ray meets anything. Sooner known than what it meets first.
+        """Tell whether each ray meets anything: faster than `shoot`, for shadows and visibility.
 
         Parameters
         ----------
         origins, directions, t_min, t_max, threads, progress
-            As for `shoot`.
+            As for `shoot`; no camera.
 
         Returns
         -------
         (...) array of bool
-            Whether anything is at ``t_min < t <= t_max``.
+            Whether there is a hit with ``t_min < t <= t_max``.
+
+        Raises
+        ------
+        ValueError
+            For arrays whose shapes or types do not fit, with their names.
+        MemoryError
+            If the answers do not fit into memory.
 
         Examples
         --------
@@ -173,16 +179,8 @@ class Queries:
         >>> bool(scene.occluded(eye, [0, 0, -3], t_max=1.0))  # is the target seen?
         False
         """
-        use = 0 if threads is None else threads_or_all(threads)
         rays = Rays.of(origins, directions, t_min, t_max)
-        found = np.empty(rays.length, np.bool_)
-        # Once: what others add meanwhile is for the next call.
-        native = self._native()
-        with following(progress, rays.length) as report:
-            for part in rays.parts():
-                told = later(report, part.start)
-                _firsthit.occluded(native, rays.part(part), use, found[part], told)
-        return found.reshape(rays.shape)
+        return self._answers(_firsthit.occluded, np.bool_, rays, threads, progress)
 
     def count(
         self,
@@ -194,21 +192,28 @@ class Queries:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.uint32]:
-        """Count how many times each ray meets a surface.
+        """Count all hits of each ray.
 
-        All pairs of an object and a primitive that a ray meets count, and of a solid that is no
-        mesh both ends. Surfaces in the same place count each, and so do two triangles at the edge
+        Every triangle that a ray meets counts, and of a solid that is not a mesh both the entry and
+        the exit. Surfaces in the same place count separately, and so do two triangles at the edge
         that they share.
 
         Parameters
         ----------
         origins, directions, t_min, t_max, threads, progress
-            As for `shoot`.
+            As for `shoot`; no camera.
 
         Returns
         -------
         (...) array of uint32
-            How many are at ``t_min < t <= t_max``.
+            The number of hits with ``t_min < t <= t_max``.
+
+        Raises
+        ------
+        ValueError
+            For arrays whose shapes or types do not fit, with their names.
+        MemoryError
+            If the answers do not fit into memory.
 
         Examples
         --------
@@ -219,15 +224,27 @@ class Queries:
         >>> scene.count([[0, 0, 5], [0, 0, 0], [0, 2, 5]], [0, 0, -1])
         array([2, 1, 0], dtype=uint32)
         """
-        use = 0 if threads is None else threads_or_all(threads)
         rays = Rays.of(origins, directions, t_min, t_max)
-        counts = np.empty(rays.length, np.uint32)
+        return self._answers(_firsthit.count, np.uint32, rays, threads, progress)
+
+    def _answers(
+        self,
+        ask: Callable[..., None],
+        dtype: type[_Scalar],
+        rays: Rays,
+        threads: int | None,
+        progress: Progress | None,
+    ) -> npt.NDArray[_Scalar]:
+        """Return what the native half answers to a query, a number for each ray."""
+        use = 0 if threads is None else threads_or_all(threads)
+        answers = np.empty(rays.length, dtype)
+        # Once: what others add meanwhile is for the next call.
         native = self._native()
         with following(progress, rays.length) as report:
             for part in rays.parts():
                 told = later(report, part.start)
-                _firsthit.count(native, rays.part(part), use, counts[part], told)
-        return counts.reshape(rays.shape)
+                ask(native, rays.part(part), use, answers[part], told)
+        return answers.reshape(rays.shape)
 
 
 def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:

@@ -1,4 +1,4 @@
-"""Scenes: objects, lights, and what rays meet in them."""
+"""Scenes: objects and lights."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._material import Material
-    from .typing import MeshLike, SceneLike, Vector
+    from ._types import MeshLike, SceneLike, Vector
 
 
 class _Built(NamedTuple):
@@ -35,10 +35,11 @@ class _Built(NamedTuple):
 
 
 class Scene(Queries):
-    """Objects and lights, to be shot at from any number of threads.
+    """Objects and lights. Any number of threads may use it at once.
 
-    An object's identifier is its index in the order of insertion. Adding is cheap: what rays need
-    is built on the first shot, and what did not change since is kept.
+    An object's identifier is its index in the order of insertion. Coordinates and lengths have any
+    unit, the scene unit. Adding is cheap: the trees for rays are built by the first call that needs
+    them, and later calls build only what has changed.
 
     Examples
     --------
@@ -104,36 +105,36 @@ class Scene(Queries):
         Parameters
         ----------
         shape : Shape, or another package's mesh or scene
-            A `Mesh`, `Sphere`, ..., which objects may share: nothing is copied. Or anything with
+            A `Mesh`, `Sphere`, ...; objects may share it, and nothing is copied. Or anything with
             ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``. Or a ``trimesh.Scene``: each
-            of its nodes with a mesh becomes an object with the node's name and transform; nodes
-            share their meshes. Colours of trimesh's vertices and faces (which are taken for sRGB),
-            a material's colour and its picture come along; what is no mesh is left out with a
-            warning. Scenes of other packages do not say which way is up: set `up` if it is not +z;
-            trimesh leaves those of glTF files with +y.
+            of its nodes with a mesh becomes an object with the node's name and transform, and nodes
+            that share a mesh go on sharing it. The colours of trimesh's vertices and faces are
+            taken, as sRGB, and so are the colour and the image of a material. What is no mesh is
+            left out, with a warning. Scenes of other packages do not say which way is up: set `up`
+            if it is not +z, as for a glTF file that trimesh has read, where it is +y.
         name : str
-            Need not be unique. A scene's objects have their own.
+            A name, which need not be unique; not for a scene, whose objects have their own.
         transform : (4, 4) or (3, 4) array_like, optional
-            From object space to the world, applied to columns: any affine map that can be undone.
-            Of a scene, from its world to this one.
+            The affine map from object space to world space, for columns; it must be invertible. For
+            a scene, from its world space to that of this one. The identity if left out.
         color : (3,) array_like or str, optional
-            Its colour: linear numbers, or sRGB as ``"#rrggbb"`` or a CSS name. A light grey if left
-            out, white for a mesh with colours of its own.
+            The colour: linear numbers, or sRGB as ``"#rrggbb"`` or a CSS name. If left out, light
+            grey, or white for a mesh with colours of its own.
         material : Material or sequence of Material, optional
-            In place of ``color``: its look, or one for each of a mesh's ``slots``.
+            A material in place of ``color``, or one for each of a mesh's ``slots``.
 
         Returns
         -------
         int or tuple of int
-            The object's identifier; of a scene those of its objects, in the order of its nodes.
+            The object's identifier; for a scene those of its objects, in the order of its nodes.
 
         Raises
         ------
         ValueError
-            For a transform that flattens space, for values of a wrong shape or type, and for a name
-            with lone surrogates, which no file can hold.
+            For a transform that is not invertible, values of a wrong shape or type, a color beside
+            a material, and a name with lone surrogates, which no file can hold.
         TypeError
-            For something that is no shape, no material, or no name.
+            For something that is not a shape, a material or a name.
 
         Warns
         -----
@@ -165,24 +166,26 @@ class Scene(Queries):
         return next(k for k in reversed(range(len(self._objects))) if self._objects[k] is made)
 
     def move(self, identifier: int, transform: npt.ArrayLike | None) -> None:
-        """Move an object: take its shape to the world by another transform.
+        """Move an object: replace its transform.
 
-        Rays are then answered as in a scene that is built anew. It takes microseconds, whatever the
-        scene's size: nothing is built but, now and then, the tree over the objects.
+        Later calls give the results of a scene that is built anew. A move takes microseconds,
+        whatever the size of the scene. Only the boxes above the object are refitted, and now and
+        then the tree over the objects is rebuilt. Calls that are running see the scene as it was.
 
         Parameters
         ----------
         identifier : int
-            The object's.
-        transform : (4, 4) array_like or None
-            From the object's coordinates to the world's; ``None`` for none.
+            The object's identifier.
+        transform : (4, 4) or (3, 4) array_like, or None
+            The affine map from object space to world space, for columns; it must be invertible.
+            ``None`` is the identity.
 
         Raises
         ------
         IndexError
-            For an object that is not there.
+            For an identifier that no object has.
         ValueError
-            For a transform that cannot be undone.
+            For a transform of a wrong shape, and for one that is not invertible.
 
         Examples
         --------
@@ -209,17 +212,17 @@ class Scene(Queries):
                 self._built = _Built(native.moved(identifier, matrix.tolist()), counts)
 
     def add_light(self, light: Light) -> None:
-        """Add a light; a scene without any is lit from behind the camera's left shoulder.
+        """Add a light. A scene without lights is lit from behind the camera's left shoulder.
 
         Parameters
         ----------
         light : DirectionalLight, PointLight or SpotLight
-            The light.
+            The light, in world space.
 
         Raises
         ------
         TypeError
-            For something else.
+            For anything else.
         """
         if not isinstance(light, Light):
             raise TypeError(f"light must be a light, got {light!r}")
@@ -232,7 +235,7 @@ class Scene(Queries):
 
     @property
     def lights(self) -> tuple[Light, ...]:
-        """The lights."""
+        """The lights, in the order in which they were added."""
         return tuple(self._lights)
 
     @property
@@ -243,34 +246,37 @@ class Scene(Queries):
     def camera(
         self, name: str | int = 0, *, columns: int | None = None, rows: int | None = None
     ) -> Camera:
-        """Make a camera of the file that the scene was read from.
+        """Return a camera of the file that the scene was read from.
 
         Parameters
         ----------
         name : str or int
-            Its name, or its number from 0.
+            Its name, or its index in `cameras`.
         columns, rows : int, optional
-            Pixels across and down, which must be given where the file does not.
+            Pixels across and down; both must be given if the file has no size.
 
         Returns
         -------
         Camera
-            With square pixels, unless both its size and its pixels are the file's.
+            As `NamedCamera.at` makes it.
 
         Raises
         ------
         KeyError
-            For a camera that is not there.
+            For a name or an index that no camera has.
+        ValueError
+            For a size that is incomplete or missing.
         """
         return find(self._cameras, name).at(columns=columns, rows=rows)
 
     @property
     def up(self) -> Vector:
-        """Which way is up in the world, where `Camera.framing` and `render` are not told.
+        """Which way is up in world space, for `Camera.framing` and `render`; of any length.
 
-        That of the file: as a scene file says, +y for glTF. OBJ, STL and PLY files do not say: it
-        is +y for OBJ and +z for STL and PLY, unless the meshes clearly stand on a flat base along
-        the other of the two. Of other scenes +z.
+        A scene file says it, and for glTF it is +y. OBJ, STL and PLY files do not say it: it is +y
+        for OBJ and +z for STL and PLY, unless the meshes clearly stand on a flat base along the
+        other of the two axes. For other scenes it is +z. Setting zero, or numbers that are not
+        finite, is a ``ValueError``.
         """
         return vector("up", self._native().likely_up(self._up)) if self._up_is_guessed else self._up
 
@@ -283,7 +289,11 @@ class Scene(Queries):
 
     @property
     def background(self) -> Sky | Vector | str | None:
-        """What misses see where `render` is not told: a sky, a linear colour or "transparent"."""
+        """The default background of `render`: a sky, a linear colour, "transparent", or None.
+
+        It is set to a `Sky`, to any colour that `render` takes, or to ``None``; anything else is a
+        ``ValueError``.
+        """
         return self._background
 
     @background.setter
@@ -297,7 +307,7 @@ class Scene(Queries):
 
     @property
     def shading(self) -> Shading:
-        """How hits get their colour, where `render` is not told."""
+        """The default shading of `render`; a ``TypeError`` for what is no `Shading`."""
         return self._shading
 
     @shading.setter
@@ -308,7 +318,10 @@ class Scene(Queries):
 
     @property
     def bounds(self) -> npt.NDArray[np.float64]:
-        """Low and high corner of the box around all finite objects, (2, 3); NaN without any."""
+        """The box around all finite objects in world space: its low and its high corner.
+
+        (2, 3) float64, in scene units; NaN without finite objects.
+        """
         bounds = self._native().bounds()
         return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
 
@@ -320,9 +333,6 @@ class Scene(Queries):
         with self._turn.taken():
             # Another thread may have built it while this one waited.
             return self._current() or self._build()
-
-    def _whole(self) -> Scene:
-        return self
 
     def _current(self) -> _firsthit.Scene | None:
         """Return what was built last, unless something was added since."""

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, get_args
 
 from . import _firsthit
 from ._arrays import color_of, count, flag, settle
-from .typing import ShaderName
+from ._types import ShaderName
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .typing import Vector
+    from ._types import Vector
 
 _SHADERS = get_args(ShaderName)
 
@@ -22,18 +22,26 @@ SAMPLES: int = _firsthit.defaults()[0]
 
 @dataclass(frozen=True, init=False)
 class Shading:
-    """How hits get their colour, where `render` is not told.
+    """How hits get their colour, by default: see `Scene.shading`. Immutable.
 
     Parameters
     ----------
     shade : {"lambert", "unlit", "normal"}
         The shader.
     ambient : (3,) array_like or str, optional
-        Lambert's light from everywhere.
+        Ambient light of the shader ``lambert``: linear numbers, or sRGB as ``"#rrggbb"`` or a CSS
+        name; (0.25, 0.25, 0.25) if left out.
     shadows : bool
-        Whether Lambert's lights are blocked by things.
+        Whether objects cast shadows with the shader ``lambert``.
     samples : int
-        Points of each pixel whose mean is its colour; 4 if left out.
+        The number of points of a pixel whose mean is its colour; 4 if left out. See `render`.
+
+    Raises
+    ------
+    ValueError
+        For an unknown shader, a colour that makes no sense, and samples below 1.
+    TypeError
+        For ``shadows`` that are not ``True`` or ``False``.
     """
 
     shade: ShaderName

@@ -1,4 +1,4 @@
-"""What rays can meet. Shapes are immutable; many objects can share one."""
+"""Shapes, in object space. They are immutable, and many objects can share one."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .typing import MeshLike, Vector
+    from ._types import MeshLike, Vector
 
 
 class Shape:
-    """Any shape, in its own object space."""
+    """Any shape. Its coordinates and lengths are in object space."""
 
     def _native(self) -> _firsthit.Shape:
         raise NotImplementedError
@@ -28,14 +28,14 @@ class Shape:
 
 @dataclass(frozen=True, init=False)
 class Sphere(Shape):
-    """A sphere.
+    """A sphere, in object space.
 
     Parameters
     ----------
     center : (3,) array_like
-        Its middle.
+        Its centre.
     radius : float
-        Positive.
+        Its radius, positive.
 
     Raises
     ------
@@ -62,14 +62,19 @@ class Sphere(Shape):
 
 @dataclass(frozen=True, init=False)
 class Plane(Shape):
-    """An infinite plane.
+    """An infinite plane, in object space.
 
     Parameters
     ----------
     point : (3,) array_like
         A point of it.
     normal : (3,) array_like
-        Where its front looks, of any length but zero.
+        The direction that its front faces, of any length but zero.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     point: Vector
@@ -85,16 +90,21 @@ class Plane(Shape):
 
 @dataclass(frozen=True, init=False)
 class Disc(Shape):
-    """A flat round disc.
+    """A flat round disc, in object space.
 
     Parameters
     ----------
     center : (3,) array_like
-        Its middle.
+        Its centre.
     normal : (3,) array_like
-        Where its front looks, of any length but zero.
+        The direction that its front faces, of any length but zero.
     radius : float
-        Positive.
+        Its radius, positive.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     center: Vector
@@ -112,12 +122,19 @@ class Disc(Shape):
 
 @dataclass(frozen=True, init=False)
 class Box(Shape):
-    """A box with its sides along the axes. Primitives 0 to 5 are -x, +x, -y, +y, -z, +z.
+    """A box with its sides along the axes of object space.
+
+    Primitives 0 to 5 are its faces -x, +x, -y, +y, -z, +z.
 
     Parameters
     ----------
     low, high : (3,) array_like
         Two corners, ``low`` below ``high`` along every axis.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     low: Vector
@@ -133,14 +150,21 @@ class Box(Shape):
 
 @dataclass(frozen=True, init=False)
 class Cylinder(Shape):
-    """A cylinder with both lids. Primitives: 0 the side, 1 the bottom, 2 the top.
+    """A cylinder with both caps, in object space.
+
+    Primitives: 0 the side, 1 the bottom, 2 the top.
 
     Parameters
     ----------
     bottom, top : (3,) array_like
-        The ends of its axis.
+        The ends of its axis, two different points.
     radius : float
-        Positive.
+        Its radius, positive.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     bottom: Vector
@@ -158,18 +182,23 @@ class Cylinder(Shape):
 
 @dataclass(frozen=True, init=False)
 class Cone(Shape):
-    """A cone with its lids, or with a ``top_radius`` the lower part of one.
+    """A cone, or with a ``top_radius`` a truncated cone, with its caps, in object space.
 
     Primitives: 0 the side, 1 the bottom, 2 the top.
 
     Parameters
     ----------
     bottom, top : (3,) array_like
-        The ends of its axis.
+        The ends of its axis, two different points.
     radius : float
-        At the bottom; zero or positive.
+        The radius at the bottom, zero or positive.
     top_radius : float
-        At the top; zero gives it a tip.
+        The radius at the top, zero or positive; not both are zero.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
     """
 
     bottom: Vector
@@ -195,33 +224,37 @@ class Mesh(Shape):
     Parameters
     ----------
     vertices : (n, 3) array_like, or a mesh of another package
-        Any real type; stored as float32 where that loses nothing, else as float64.
+        The vertices in object space, of any real type. They are stored as float32 if that loses
+        nothing, else as float64.
     triangles : (m, 3) array_like of int
-        Indices of vertices. May be left out when ``vertices`` is an object that has ``vertices``
-        and ``faces`` of its own, as trimesh's have.
+        The indices of each triangle's vertices. May be left out if ``vertices`` is an object with
+        ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``.
     normals : (n, 3) or (m, 3, 3) array_like, optional
-        For shading; need not be of length one. For each vertex, or for each corner of each
-        triangle, as all that follow.
+        Normals for shading, of any length. These and the next three are given for each vertex, or
+        for each corner of each triangle, and stored as float32.
     uvs : (n, 2) or (m, 3, 2) array_like, optional
         Texture coordinates.
     colors : (n, 3) or (m, 3, 3) array_like, optional
-        Linear colours, which the object's colour multiplies.
+        Linear colours, multiplied by the object's colour.
     alphas : (n, 1) or (m, 3, 1) array_like, optional
-        Alpha, which the material's multiplies.
+        Alphas, multiplied by the material's alpha.
     faces : (m,) array_like of int, optional
-        Which polygon each triangle was part of, for the channel ``face``.
+        The polygon that each triangle was part of, for the channel ``face``; the triangle's own
+        index if left out.
     slots : (m,) array_like of int, optional
-        Which of the object's materials each triangle takes.
+        The index of each triangle's material among those of the object.
     vertex_properties : dict of str to (n,) array_like, optional
-        Numbers by name, such as a scan's quality.
+        Numbers of the vertices by name, such as the quality of a scan.
     face_properties : dict of str to (f,) array_like, optional
-        The same for each of the polygons that ``faces`` counts.
+        The same for the polygons that ``faces`` counts.
 
     Raises
     ------
     ValueError
-        For arrays of a wrong shape or type, an index without a vertex, or a corner that is not
+        For arrays of a wrong shape or type, an index without a vertex, and a corner that is not
         finite.
+    TypeError
+        For properties that are no dict.
 
     Examples
     --------
@@ -276,55 +309,58 @@ class Mesh(Shape):
 
     @property
     def vertices(self) -> npt.NDArray[np.float64]:
-        """The vertices, (n, 3) float64: a copy."""
+        """The vertices in object space, (n, 3) float64: a copy."""
         return self._mesh.vertices()
 
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
-        """The vertices' indices of each triangle, (m, 3) uint32: a copy."""
+        """The indices of each triangle's vertices, (m, 3) uint32: a copy."""
         return self._mesh.triangles()
 
     @property
     def normals(self) -> npt.NDArray[np.float32] | None:
-        """The shading normals, (n, 3) or (m, 3, 3): a copy."""
+        """The shading normals in object space, (n, 3) or (m, 3, 3) float32: a copy."""
         return self._mesh.attributes()[0]
 
     @property
     def uvs(self) -> npt.NDArray[np.float32] | None:
-        """The texture coordinates, (n, 2) or (m, 3, 2): a copy."""
+        """The texture coordinates, (n, 2) or (m, 3, 2) float32: a copy."""
         return self._mesh.attributes()[1]
 
     @property
     def colors(self) -> npt.NDArray[np.float32] | None:
-        """The linear colours, (n, 3) or (m, 3, 3): a copy."""
+        """The linear colours, (n, 3) or (m, 3, 3) float32: a copy."""
         return self._mesh.attributes()[2]
 
     @property
     def alphas(self) -> npt.NDArray[np.float32] | None:
-        """The alphas, (n, 1) or (m, 3, 1): a copy."""
+        """The alphas, (n, 1) or (m, 3, 1) float32: a copy."""
         return self._mesh.attributes()[3]
 
     @property
     def faces(self) -> npt.NDArray[np.uint32] | None:
-        """Which polygon each triangle was part of, (m,): a copy."""
+        """The polygon that each triangle was part of, (m,) uint32: a copy."""
         return self._mesh.labels()[0]
 
     @property
     def slots(self) -> npt.NDArray[np.uint32] | None:
-        """Which of the object's materials each triangle takes, (m,): a copy."""
+        """The index of each triangle's material among the object's, (m,) uint32: a copy."""
         return self._mesh.labels()[1]
 
     @property
     def vertex_properties(self) -> dict[str, npt.NDArray[Any]]:
-        """The numbers that vertices have by name, each (n,), float32 or float64: a copy.
+        """The numbers of the vertices by name, each (n,) float32 or float64: a copy.
 
-        A PLY file's properties that mean nothing to firsthit are here.
+        They hold a PLY file's properties that have no meaning to firsthit.
         """
         return {name: values for mine, name, values in self._mesh.properties() if mine}
 
     @property
     def face_properties(self) -> dict[str, npt.NDArray[Any]]:
-        """The numbers that polygons have by name, (f,): ``values[frame["face"]]`` is a picture."""
+        """The numbers of the polygons by name, each (f,) float32 or float64: a copy.
+
+        ``values[frame["face"]]`` is a picture of them, where every pixel hits this mesh.
+        """
         return {name: values for mine, name, values in self._mesh.properties() if not mine}
 
     def __repr__(self) -> str:

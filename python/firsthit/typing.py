@@ -5,8 +5,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from ._types import (
+    AlphaMode,
+    ChannelName,
+    DistanceName,
+    Filter,
+    IdentifierName,
+    MeshLike,
+    Progress,
+    Projection,
+    RayStart,
+    SceneLike,
+    ShaderName,
+    Vector,
+    VectorName,
+    ViewName,
+    Wrap,
+)
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -32,67 +50,5 @@ __all__ = [
     "Wrap",
 ]
 
-#: Three numbers, as attributes have them; arguments take anything array_like of three.
-Vector = tuple[float, float, float]
-
-#: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
-DistanceName = Literal["t", "range", "z"]
-#: Channels of identifiers, int32.
-IdentifierName = Literal["object", "primitive", "face"]
-#: Channels of several float64 for each ray.
-VectorName = Literal["normal", "position", "barycentric", "uv"]
-#: All channels.
-ChannelName = Literal[
-    "color",
-    "t",
-    "range",
-    "z",
-    "object",
-    "primitive",
-    "face",
-    "normal",
-    "position",
-    "barycentric",
-    "uv",
-    "front",
-]
-
-ShaderName = Literal["lambert", "unlit", "normal"]
-Projection = Literal["perspective", "orthographic", "equirectangular"]
-RayStart = Literal["viewplane", "eye"]
-#: The sides from which `Camera.framing` looks.
-ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]
-Wrap = Literal["repeat", "mirror", "clamp"]
-Filter = Literal["linear", "nearest"]
-AlphaMode = Literal["opaque", "mask", "blend"]
-
 #: A shader of one's own: from hits, misses included, to linear colours of shape (..., 3).
 OwnShade = Callable[["Hits"], "npt.ArrayLike"]
-
-#: ``True`` for a bar, or a function that is called with (done, total) about twenty times a second.
-#: An exception that it raises ends the work.
-Progress = bool | Callable[[int, int], object]
-
-
-class MeshLike(Protocol):
-    """What other packages' meshes look like from here, such as ``trimesh.Trimesh``."""
-
-    @property
-    def vertices(self) -> Any:
-        """The vertices, (n, 3) array_like."""
-
-    @property
-    def faces(self) -> Any:
-        """The vertices' indices of each triangle, (m, 3) array_like of int."""
-
-
-class SceneLike(Protocol):
-    """What other packages' scenes look like from here, such as ``trimesh.Scene``."""
-
-    @property
-    def geometry(self) -> Mapping[str, Any]:
-        """The meshes by name."""
-
-    @property
-    def graph(self) -> Any:
-        """The nodes: ``nodes_geometry``, and ``get(node)`` with its matrix and its mesh's name."""

@@ -8,7 +8,7 @@ use numpy::PyReadwriteArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, not_contiguous};
+use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, RaySlices, not_contiguous};
 use crate::camera::Camera;
 use crate::errors::raise;
 use crate::frame::array;
@@ -87,17 +87,7 @@ pub(crate) fn occluded<'py>(
 ) -> PyResult<()> {
     let out = out.as_slice_mut().map_err(not_contiguous)?;
     let rays = rays.slices(out.len())?;
-    if rays.len() < FEW {
-        guarded(|| {
-            for (k, found) in out.iter_mut().enumerate() {
-                *found = Cpu::default().any_hit(&scene.0, &rays.ray(k));
-            }
-        })?;
-        return report_done(report.as_ref(), rays.len());
-    }
-    run_reported(py, threads, report.as_ref(), |stop| {
-        Cpu::default().trace(&scene.0, &rays, Answers::Any(out), stop)
-    })
+    answer(py, scene, &rays, threads, Answers::Any(out), report)
 }
 
 /// How many times rays in arrays meet a surface, written to `out`.
@@ -112,16 +102,26 @@ pub(crate) fn count<'py>(
 ) -> PyResult<()> {
     let out = out.as_slice_mut().map_err(not_contiguous)?;
     let rays = rays.slices(out.len())?;
+    answer(py, scene, &rays, threads, Answers::Count(out), report)
+}
+
+/// Answers a query; few rays by the calling thread alone.
+fn answer(
+    py: Python<'_>,
+    scene: &Scene,
+    rays: &RaySlices<'_>,
+    threads: usize,
+    answers: Answers<'_>,
+    report: Option<Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    let report = report.as_ref();
     if rays.len() < FEW {
-        let counted = guarded(|| {
-            let answers = Answers::Count(out);
-            Cpu::default().trace(&scene.0, &rays, answers, &())
-        })?;
-        counted.map_err(|error| raise(py, &error))?;
-        return report_done(report.as_ref(), rays.len());
+        let traced = guarded(|| Cpu::default().trace(&scene.0, rays, answers, &()))?;
+        traced.map_err(|error| raise(py, &error))?;
+        return report_done(report, rays.len());
     }
-    run_reported(py, threads, report.as_ref(), |stop| {
-        Cpu::default().trace(&scene.0, &rays, Answers::Count(out), stop)
+    run_reported(py, threads, report, |stop| {
+        Cpu::default().trace(&scene.0, rays, answers, stop)
     })
 }
 

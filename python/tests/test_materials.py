@@ -33,7 +33,7 @@ def test_texels_are_seen_where_they_are():
     assert np.allclose(colors_at(scene, CENTRES), np.float64(TEXELS[..., :3].reshape(4, 3)) / 255)
 
 
-def test_masks_make_holes():
+def test_alpha_masks_cut_surfaces_out():
     texture = fh.Texture(TEXELS, filter="nearest")
     for mode, hits in [("opaque", 4), ("blend", 4), ("mask", 3)]:
         scene = scene_of(fh.Material(texture=texture, alpha_mode=mode), uvs=UVS)
@@ -42,7 +42,7 @@ def test_masks_make_holes():
         assert scene.occluded(origins, [0, 0, -1]).sum() == hits
 
 
-def test_alphas_of_vertices_make_holes_too():
+def test_alphas_of_vertices_cut_surfaces_out_too():
     scene = scene_of(fh.Material(alpha_mode="mask"), alphas=[[0], [0], [1], [1]])
     t = scene.shoot([[0.5, 0.2, 1], [0.5, 0.8, 1]], [0, 0, -1]).t
     assert t.tolist() == [np.inf, 1]

@@ -21,20 +21,20 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Make a picture, or distances, identifiers, normals, ... of a 3D file.
+    /// Make a picture of a 3D file, or compute distances, identifiers, normals, ... for its pixels.
     Render(Box<RenderArgs>),
-    /// Shoot any rays at a 3D file.
+    /// Shoot rays of your own at a 3D file.
     Shoot(ShootArgs),
-    /// Say what is in a 3D file, or what an output says of itself.
+    /// Show what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
     /// Compare two outputs, channel by channel.
     Diff(DiffArgs),
     /// Render the embedded example scene.
     Demo(DemoArgs),
-    /// Print the JSON Schema of scene files, by which editors complete and check them.
+    /// Print the JSON Schema of scene files, with which editors complete and check them.
     #[command(after_help = help::SCHEMA_EXAMPLES)]
     Schema,
-    /// Print the completions for a shell, to be sourced or saved.
+    /// Print the completions for a shell, to source or to save.
     #[command(after_help = help::COMPLETIONS_EXAMPLES)]
     Completions {
         /// The shell to complete in.
@@ -62,29 +62,29 @@ pub(crate) struct RenderArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct CameraArgs {
-    /// One of the file's cameras, by its name or its number from 0 on, as firsthit info lists them; the options
-    /// below replace what it says [default: a scene file's first, of other files none]
+    /// A camera of the file, by its name or its number (from 0), as firsthit info lists them. The options below
+    /// override what it says [default: the first one of a scene file, none of other files]
     #[arg(long, value_name = "NAME|NUMBER", allow_hyphen_values = true)]
     pub(crate) camera: Option<String>,
-    /// Fit the model into the picture in a standard view, in place of the file's camera. The front faces -y if z is up,
-    /// +z if y is up [default: iso, a three-quarter view from above]
+    /// Look at the model from a standard side, so that it fills the picture. This replaces the file's camera. The front
+    /// is the side that faces -y if z is up, and +z if y is up [default: iso, a three-quarter view from above]
     #[arg(long, value_name = "VIEW", value_parser = values::view(), conflicts_with_all = ["position", "aim", "look_at"])]
     pub(crate) view: Option<StandardView>,
-    /// Where the camera is [default: where the model fills the picture]
+    /// Where the camera is [default: where the model fills the picture; of a panorama, the middle of the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) position: Option<DVec3>,
-    /// The direction it looks in
+    /// The direction in which the camera looks
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true, conflicts_with = "look_at")]
     pub(crate) aim: Option<DVec3>,
-    /// The point it looks at; auto is the middle of the scene [default: auto]
+    /// The point at which the camera looks; auto is the middle of the scene [default: auto]
     #[arg(long, value_name = "X,Y,Z|auto", value_parser = values::target, allow_hyphen_values = true)]
     pub(crate) look_at: Option<Target>,
-    /// Which way is up [default: 0,1,0 for glTF and OBJ, 0,0,1 for PLY and STL. Without a position or an aim, OBJ, PLY
-    /// and STL files that clearly stand on a flat base along y or z are seen upright. If the camera looks along that
-    /// axis: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
+    /// Which way is up [default: 0,1,0 for glTF and OBJ, 0,0,1 for PLY and STL. Without --position and --aim, an OBJ, PLY
+    /// or STL model that clearly stands on a flat base along y or z is shown upright. If the camera looks along
+    /// that axis: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
-    /// Degrees from the picture's lower to its upper edge [default: 45]
+    /// The vertical field of view: degrees from the picture's lower to its upper edge [default: 45]
     #[arg(long, value_name = "DEGREES", value_parser = values::fov, conflicts_with_all = ["viewplane", "focal_length", "orthographic"], allow_hyphen_values = true)]
     pub(crate) fov: Option<f64>,
     /// The distance from the camera to the viewplane, in scene units
@@ -93,18 +93,19 @@ pub(crate) struct CameraArgs {
     /// The viewplane's width and height, in scene units
     #[arg(long, value_name = "WxH", value_parser = values::lengths, allow_hyphen_values = true)]
     pub(crate) viewplane: Option<(f64, f64)>,
-    /// How rays are made: through a viewplane, parallel to the aim, or in all directions (a panorama) [default:
-    /// perspective, or the file's]
+    /// Perspective rays go through a viewplane, orthographic ones are parallel, and equirectangular ones go in all
+    /// directions: a panorama of 360 by 180 degrees [default: perspective, or the file's]
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), conflicts_with = "orthographic")]
     pub(crate) projection: Option<String>,
-    /// Short for --projection orthographic
+    /// The same as --projection orthographic
     #[arg(long)]
     pub(crate) orthographic: bool,
-    /// Where rays start, and t counts from: what lies between the eye and the viewplane is not seen
-    /// from the viewplane [default: viewplane with --focal-length, else eye]
+    /// Where rays start, with t = 0. Rays that start on the viewplane do not meet what is between it and the eye
+    /// [default: viewplane with --focal-length, else eye]
     #[arg(long, value_name = "WHERE")]
     pub(crate) ray_start: Option<RayStartArg>,
-    /// Columns and rows of pixels [default: 1024x768, or as high as the viewplane's shape asks]
+    /// Columns and rows of pixels [default: 1024x768; with --viewplane as many rows as make square pixels; 1024x512 of a
+    /// panorama]
     #[arg(long, value_name = "WxH", value_parser = values::pixels, allow_hyphen_values = true)]
     pub(crate) size: Option<(usize, usize)>,
 }
@@ -132,19 +133,20 @@ pub(crate) struct PictureArgs {
     /// file's name with .png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// What to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
+    /// The channels to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
     /// normal, position, barycentric, uv, front [default: color; for .ply and .pcd position, normal, color, object]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(Source::Camera), hide_possible_values = true)]
     pub(crate) channels: Vec<String>,
-    /// Write a table beside a picture of objects: each object's number, name, colour in the picture (sRGB) and count
-    /// of pixels, as .csv or .json
+    /// Write a table that explains a picture of the channel object: the number of each object, its name, its colour in the
+    /// picture (sRGB) and its count of pixels, as .csv or .json
     #[arg(long, value_name = "FILE")]
     pub(crate) legend: Option<PathBuf>,
-    /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene
-    /// units and 0 a miss, instead of as pictures to look at
+    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
+    /// miss. Otherwise a PNG of distances is in false colours, to look at
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) png_scale: Option<f64>,
-    /// Antialiasing: the colour is the mean of this many points of a pixel; 1 is the pixel's centre [default: 4]
+    /// Antialiasing: the colour is the mean of this many points of a pixel. They are the first ones of a fixed
+    /// low-discrepancy sequence; 1 is the pixel's centre [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
 }
@@ -155,17 +157,17 @@ pub(crate) struct LightingArgs {
     /// How hits get their colour [default: lambert]
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Shader::NAMES))]
     pub(crate) shader: Option<String>,
-    /// A light, directional:X,Y,Z (where it goes) or point:X,Y,Z (where it is); may be given several
-    /// times [default: the file's, else one over the camera's shoulder]
+    /// A light: directional:X,Y,Z (the direction in which it shines) or point:X,Y,Z (its position); may be given
+    /// several times [default: the file's, else one over the camera's shoulder]
     #[arg(long, value_name = "KIND:X,Y,Z", value_parser = values::light, allow_hyphen_values = true)]
     pub(crate) light: Vec<LightArg>,
-    /// Light from everywhere [default: 0.25,0.25,0.25]
+    /// Ambient light, which is the same from all directions [default: 0.25,0.25,0.25]
     #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) ambient: Option<Color>,
-    /// Leave out the shadows
+    /// Light surfaces as if nothing cast a shadow
     #[arg(long)]
     pub(crate) no_shadows: bool,
-    /// The colour of all objects that the file gives none [default: 0.6,0.6,0.6]
+    /// The colour of the objects to which the file gives none [default: 0.6,0.6,0.6]
     #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) color: Option<Color>,
     /// The colour where nothing is hit, or transparent [default: 0.12,0.17,0.24]
@@ -179,16 +181,16 @@ pub(crate) struct LightingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct LoadArgs {
-    /// Fail where a file has triangles that cannot be used (NaN, infinite or enormous corners) instead of
-    /// leaving them out, and where a text file seems to be truncated instead of warning
+    /// Fail where there would be a warning for unusable triangles, which are left out (a corner is NaN, infinite or
+    /// enormous), or for a text file that seems to be truncated
     #[arg(long)]
     pub(crate) strict: bool,
-    /// How much memory the file's content may take, unpacked; in bytes, or with K, M, G or T for their
-    /// 1024th powers. What a file describes may take 256 times its size and 1/256 of this
+    /// The memory that the file's content may take once it is unpacked, in bytes, or with K, M, G or T for powers of
+    /// 1024. What the content describes may take 256 times its size, plus 1/256 of this limit
     #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G", allow_hyphen_values = true)]
     pub(crate) max_memory: u64,
-    /// How many texels a texture may have across or down; in all it may have as many bytes as the square of
-    /// that
+    /// The largest width and height of a texture, in texels. The texture may take SIDE x SIDE bytes in all, at four
+    /// bytes a texel
     #[arg(long, value_name = "SIDE", value_parser = clap::value_parser!(u32).range(1..=1 << 20), default_value = "16384", allow_hyphen_values = true)]
     pub(crate) max_texture: u32,
 }
@@ -196,14 +198,14 @@ pub(crate) struct LoadArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct RunArgs {
-    /// How many threads to use; the result is the same for any number [default: all cores]
+    /// The number of threads; the result is the same for any [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
     pub(crate) threads: Option<u16>,
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
-    /// Report the run, with its warnings, as one JSON object on standard output, or on standard error if the results
-    /// go to standard output
+    /// Report the run and its warnings as one JSON object: on standard output, or on standard error if the results go to
+    /// standard output
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -213,10 +215,10 @@ pub(crate) struct RunArgs {
 pub(crate) struct ShootArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The rays, or only their origins: .npy, .npz or .csv, - for standard input. CSV from standard input to CSV on
-    /// standard output is answered line by line, as it comes
+    /// The rays, or only their origins: .npy, .npz or .csv, or - for standard input. From CSV on standard input to CSV on
+    /// standard output, lines are answered as they arrive
     pub(crate) rays: PathBuf,
-    /// The rays' directions, if RAYS are only origins
+    /// The directions of the rays, if RAYS has only their origins
     pub(crate) directions: Option<PathBuf>,
     /// Where to write: .npz, .npy (one channel), .csv, .ply or .pcd (a point cloud of what was hit), - for standard
     /// output; may be given several times [default: - as CSV]
@@ -225,7 +227,7 @@ pub(crate) struct ShootArgs {
     /// The format on standard output [default: csv]
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
-    /// What to compute, with commas between: t, object, primitive, face, normal, position, barycentric,
+    /// The channels to compute, with commas between: t, object, primitive, face, normal, position, barycentric,
     /// uv, front [default: t,object,primitive; for .ply and .pcd position and normal too]
     #[arg(
         long,
@@ -235,10 +237,10 @@ pub(crate) struct ShootArgs {
         hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,
-    /// The t that rays begin at, which does not yet count; a negative one lets them meet what they start on [default: 0]
+    /// Hits have a t above this. With a negative one, rays also meet the surface that they start on [default: 0]
     #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]
     pub(crate) t_min: Option<f64>,
-    /// The largest t that counts [default: inf]
+    /// Hits have a t up to this, itself included [default: inf]
     #[arg(long, value_name = "T", value_parser = values::t_max, allow_hyphen_values = true)]
     pub(crate) t_max: Option<f64>,
     #[command(flatten)]
@@ -259,9 +261,9 @@ pub(crate) enum StreamFormat {
 pub(crate) struct InfoArgs {
     /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, or a point cloud that is .ply
     pub(crate) file: PathBuf,
-    /// As JSON: of a 3D file triangles, vertices, bounds as [[low], [high]] (null when nothing is there), objects, up,
-    /// cameras, lights, materials, textures, counts of all these, warnings; of an output format, arrays, counts, metadata
-    /// (null when there are none), notes. Of each kind the first 10000 are listed
+    /// Print JSON. Of a 3D file: triangles, vertices, bounds as [[low], [high]] (null if nothing is there), objects, up,
+    /// cameras, lights, materials, textures, counts of these, warnings. Of an output: format, arrays, counts, metadata
+    /// (null if there are none), notes. Of each kind the first 10000 are listed
     #[arg(long)]
     pub(crate) json: bool,
     /// List everything, not only the first 20 of each kind (10000 with --json)
@@ -276,12 +278,12 @@ pub(crate) struct InfoArgs {
 pub(crate) struct DiffArgs {
     /// An output: .png, .exr, .npy, .npz, .ply or .pcd
     pub(crate) a: PathBuf,
-    /// Another one, of any of these formats
+    /// Another output, of any of these formats
     pub(crate) b: PathBuf,
-    /// The largest difference of two numbers that is none; identifiers must be equal [default: 0]
+    /// Numbers that differ by no more than this are equal; identifiers must be the same [default: 0]
     #[arg(long, value_name = "X", value_parser = values::tolerance, allow_hyphen_values = true)]
     pub(crate) tolerance: Option<f64>,
-    /// What to compare, with commas between [default: all channels of both]
+    /// The channels to compare, with commas between [default: all of both files]
     #[arg(
         long,
         value_name = "NAMES",
@@ -291,7 +293,7 @@ pub(crate) struct DiffArgs {
         visible_alias = "channel"
     )]
     pub(crate) channels: Vec<String>,
-    /// As JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`, warnings
+    /// Print JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`, warnings
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -306,7 +308,7 @@ pub(crate) struct DemoArgs {
     /// several times. {channel} in the name makes a file of each channel [default: demo.png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// What to compute, with commas between; see firsthit render --help [default: color]
+    /// The channels to compute, with commas between; see firsthit render --help [default: color]
     #[arg(
         long,
         value_name = "NAMES",
@@ -315,8 +317,8 @@ pub(crate) struct DemoArgs {
         hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,
-    /// Write distances (t, range, z) to .png as 16 bit numbers of steps, one step being LENGTH in scene
-    /// units and 0 a miss, instead of as pictures to look at
+    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
+    /// miss. Otherwise a PNG of distances is in false colours, to look at
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) png_scale: Option<f64>,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]

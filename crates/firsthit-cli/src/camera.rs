@@ -70,7 +70,17 @@ fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
     if let Some(up) = up {
         guessed.push(format!("up {} (--up)", axis(up)));
     }
+    let is_panorama = described.projection == Some(Projection::Equirectangular);
     match (described.position, described.aim) {
+        (None, Some(Aim::Along(_))) if is_panorama => {
+            guessed.push("from the middle (--position)".into());
+        }
+        (None, None | Some(Aim::Centre)) if is_panorama => {
+            let front = StandardView::Front.name();
+            guessed.push(format!(
+                "from the middle (--position), view {front} (--view)"
+            ));
+        }
         (None, Some(Aim::Along(_))) => guessed.push("all in the picture (--position)".into()),
         (None, None | Some(Aim::Centre)) => {
             guessed.push(format!("view {} (--view)", StandardView::default().name()));
@@ -101,7 +111,7 @@ pub(crate) fn of_file(args: &CameraArgs, model: &World) -> Result<Description, F
 fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, Failure> {
     if name.is_empty() {
         return Err(Failure::usage(
-            "--camera: the name is empty; a camera without one has a number",
+            "--camera: the name is empty; use the number of a camera without a name",
         ));
     }
     let called = |of: &dyn Fn(&NamedCamera) -> bool| -> Vec<usize> {
@@ -133,7 +143,7 @@ fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, 
             format!("--camera '{shown}': the file has {names}")
         }
         _ => format!(
-            "--camera '{shown}': several are called so, take a number: {}",
+            "--camera '{shown}': several cameras have this name, use a number: {}",
             in_words(found.iter().map(usize::to_string))
         ),
     }))

@@ -8,16 +8,16 @@ use firsthit::channel::KINDS;
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   firsthit demo                         the embedded scene, no file needed
-  firsthit render bunny.ply             fills the picture with it, in bunny.png
+  firsthit render bunny.ply             fits it into a picture, bunny.png
   firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
       -o color.png -o all.npz --channels color,t,z,object,normal
-  firsthit render scene.toml            what a scene file says, as it says
+  firsthit render scene.toml            the outputs that a scene file asks for
   firsthit shoot part.stl rays.npy -o hits.npz
   firsthit info part.stl --json         what is in the file
-  firsthit info all.npz                 from which camera and scene it is
+  firsthit info all.npz                 its channels, camera and scene
   firsthit diff all.npz again.exr       whether two outputs are the same
 
-With --json, render, shoot, demo, info and diff report the run as one JSON object; that of a failure has error and exit_code.
+With --json, render, shoot, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -30,6 +30,7 @@ Examples:
       --focal-length 35 --viewplane 36x24 --size 720x480
   firsthit render part.stl --position 200,300,100 --look-at 0,0,0 --fov 45 \\
       -o color.png -o all.npz --channels color,t,range,z,object,normal,position
+  firsthit render part.stl --projection equirectangular -o panorama.png
   firsthit render part.stl --channels z,object -o 'part-{channel}.png'
   firsthit render part.stl --channels color,z,object,normal -o part.exr
   firsthit render part.stl --channels z -o depth.png --png-scale 0.001
@@ -51,11 +52,11 @@ Examples:
 
 Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
 as .npz with the entries origins and directions (or origin, and direction or dir) or rays, or as .csv \
-with six numbers in a line. Directions may have any length: t counts in lengths of the direction.
+with six numbers in a line. Directions may have any length; t is in units of the direction's length.
 
-A program can keep shoot running behind a pipe, and read the answer to each line before it sends the next. The header comes \
-with the first answer; comments and blank lines have no answer. A wrong line ends the run with exit code 3, after the answers \
-to the lines before it.";
+A program can keep shoot running behind a pipe: it sends a line and reads the answer before it sends the next line. The header \
+comes with the first answer. Comments and blank lines have no answer. A wrong line ends the run with exit code 3, after the \
+answers to the lines before it.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:
@@ -69,7 +70,7 @@ Examples:
   firsthit diff yesterday.exr today.exr
   firsthit diff all.npz depth.png --channels z --tolerance 0.0005
 
-Channels are compared by name. Numbers are compared by the lower precision of the two files; NaN equals NaN. \
+Channels are compared by name. Numbers are compared in the lower precision of the two files; NaN equals NaN. \
 Exit codes: 0 equal within the tolerance, 1 different, 2 wrong usage, 3 a file that cannot be read.";
 
 pub(crate) const DEMO_EXAMPLES: &str = "\

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use super::info_looks::Looks;
 use super::info_output;
+use super::listing::{listed, most_listed};
 use crate::args::InfoArgs;
 use crate::console::{counted, json_text, warn};
 use crate::failure::Failure;
@@ -39,33 +40,6 @@ fn of_model(args: &InfoArgs) -> Result<String, Failure> {
         warn(&loaded.warnings);
         as_text(&loaded, most)
     })
-}
-
-/// How many of each kind people read: small files can hold thousands.
-const MOST_IN_TEXT: usize = 20;
-
-/// The same for programs, which are told how many there are in all.
-const MOST_IN_JSON: usize = 10_000;
-
-/// How many of each kind are listed.
-pub(super) fn most_listed(args: &InfoArgs) -> usize {
-    match (args.all, args.json) {
-        (true, _) => usize::MAX,
-        (false, true) => MOST_IN_JSON,
-        (false, false) => MOST_IN_TEXT,
-    }
-}
-
-/// The first `most` of `lines`, after `indent`, and how many there are beside.
-pub(super) fn listed(
-    most: usize,
-    indent: &str,
-    lines: impl ExactSizeIterator<Item = String>,
-) -> Vec<String> {
-    let more = lines.len().saturating_sub(most);
-    let shown = lines.take(most).map(|line| format!("{indent}{line}"));
-    let more = (more > 0).then(|| format!("{indent}... and {more} more (--all lists them)"));
-    shown.chain(more).collect()
 }
 
 fn as_json(loaded: &Loaded, most: usize) -> Value {

@@ -8,7 +8,7 @@ use firsthit::world::{NamedCamera, World};
 use firsthit::{AlphaMode, Lens, Light, Material, Scene, Texture};
 use serde_json::{Value, json};
 
-use super::info::listed;
+use super::listing::listed;
 use crate::camera::labelled;
 use crate::hints::{number, triple};
 

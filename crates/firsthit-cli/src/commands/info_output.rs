@@ -4,7 +4,7 @@ use firsthit::error::escape_controls;
 use firsthit::image::{Array, CameraRecord, ChannelRecord, Format, Metadata, Output, Stored, read};
 use serde_json::{Value, json};
 
-use super::info::{listed, most_listed};
+use super::listing::{listed, most_listed};
 use crate::args::InfoArgs;
 use crate::console::{json_text, warn};
 use crate::failure::Failure;

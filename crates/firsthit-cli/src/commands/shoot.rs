@@ -3,14 +3,14 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use firsthit::channel::{Kind, Shots, make};
+use firsthit::channel::Kind;
 use firsthit::image::{Frame, Holds, WriteSettings, format_of};
-use firsthit::render::{origin, work};
-use firsthit::shoot::{First, Hits, trace};
+use firsthit::render::work;
 use firsthit::{Rays as _, Scene};
 use serde_json::{Value, json};
 
 use super::shoot_stream;
+use super::shot::{Counts, shot};
 use crate::args::{ShootArgs, StreamFormat};
 use crate::console::{counted, end_report, report_beside_data, say, warn};
 use crate::failure::Failure;
@@ -53,13 +53,6 @@ impl Sinks {
             (None, files) => output::names(files),
         }
     }
-}
-
-/// How many rays there were, and how many of them hit.
-#[derive(Debug, Default)]
-pub(super) struct Counts {
-    pub(super) rays: u64,
-    pub(super) hits: u64,
 }
 
 /// The channels that were asked for, and those that the files cannot do without.
@@ -177,37 +170,14 @@ fn all_at_once(
     let is_quiet = sinks.is_quiet;
     let total = work(rays.len(), kinds, 1);
     let progress = Progress::new(total, is_quiet, interrupted);
-    let hits = trace(scene, rays, First, &progress)?;
-    let frame = frame(scene, rays, &hits, kinds, &progress)?;
+    let (frame, counts) = shot(scene, rays, kinds, &progress)?;
     drop(progress);
     // Files first: a reader of standard output who has had enough ends the program.
     output::write(&frame, &sinks.files, WriteSettings::default(), interrupted)?;
     if let Some(format) = sinks.stdout {
         stream(&frame, format)?;
     }
-    let hits = hits.count_hit() as u64;
-    let rays = rays.len() as u64;
-    Ok(Counts { rays, hits })
-}
-
-pub(super) fn frame(
-    scene: &Scene,
-    rays: &RayArrays,
-    hits: &Hits,
-    kinds: &[&Kind],
-    watch: &Progress<'_>,
-) -> Result<Frame, Failure> {
-    let shots = Shots {
-        scene,
-        rays,
-        hits,
-        sensor: None,
-    };
-    let mut frame = Frame::new([rays.len()]).from_origin(origin(scene, None, None));
-    for channel in make(kinds, &shots, watch)? {
-        frame.push(channel)?;
-    }
-    Ok(frame)
+    Ok(counts)
 }
 
 fn sinks(args: &ShootArgs, kinds: &[&'static Kind]) -> Result<Sinks, Failure> {

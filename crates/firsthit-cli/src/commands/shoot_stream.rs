@@ -5,15 +5,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use firsthit::channel::Kind;
 use firsthit::image::Frame;
-use firsthit::shoot::{First, trace};
 use firsthit::{Rays as _, Scene};
 use rayon::prelude::*;
 
-use super::shoot::{Counts, frame};
+use super::shot::{Counts, shot};
 use crate::failure::Failure;
 use crate::hits_csv::{write_header, write_rows};
 use crate::progress::Progress;
-use crate::rays::{Feed, RayArrays, RayLines};
+use crate::rays::{Feed, RayLines};
 
 /// How many lines a thread formats at a time.
 const ROWS: usize = 1 << 12;
@@ -36,30 +35,17 @@ pub(super) fn answer(
         let is_answer = !rays.is_empty() || (text.is_none() && read.is_ok() && !has_header);
         if is_answer {
             let progress = Progress::new(rays.len() as u64, true, interrupted);
-            let (frame, hits) = shot(scene, &rays, kinds, &progress)?;
+            let (frame, more) = shot(scene, &rays, kinds, &progress)?;
             let written = write(&frame, !has_header, &mut out);
             written.map_err(|error| Failure::stdout(&error))?;
             has_header = true;
-            counts.rays += rays.len() as u64;
-            counts.hits += hits;
+            counts += more;
         }
         read?;
         if text.is_none() {
             return Ok(counts);
         }
     }
-}
-
-/// The frame of some rays, and how many of them hit.
-fn shot(
-    scene: &Scene,
-    rays: &RayArrays,
-    kinds: &[&Kind],
-    progress: &Progress<'_>,
-) -> Result<(Frame, u64), Failure> {
-    let hits = trace(scene, rays, First, progress)?;
-    let frame = frame(scene, rays, &hits, kinds, progress)?;
-    Ok((frame, hits.count_hit() as u64))
 }
 
 fn write(frame: &Frame, with_header: bool, out: &mut dyn Write) -> io::Result<()> {

@@ -91,7 +91,7 @@ fn a_camera_that_is_not_there_is_told_which_are() {
     assert!(
         outcome
             .stderr
-            .contains("several are called so, take a number: 1, 2"),
+            .contains("several cameras have this name, use a number: 1, 2"),
         "{}",
         outcome.stderr
     );

@@ -67,6 +67,16 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
             "--aim 0,1,-5 --up 0,1,0",
             Some(format!("all in the picture (--position), {shoulder}")),
         ),
+        (
+            "--projection equirectangular --up 0,1,0",
+            Some(format!(
+                "from the middle (--position), view front (--view), {shoulder}"
+            )),
+        ),
+        (
+            "--projection equirectangular --up 0,1,0 --aim 0,0,-1",
+            Some(format!("from the middle (--position), {shoulder}")),
+        ),
         (ABOVE, Some(shoulder.into())),
     ] {
         let said = lab

@@ -1,0 +1,68 @@
+"""The types that all modules share: `firsthit.typing` hands them on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, Protocol
+
+#: Three numbers, as attributes have them; arguments take anything array_like of three.
+Vector = tuple[float, float, float]
+
+#: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
+DistanceName = Literal["t", "range", "z"]
+#: Channels of identifiers, int32.
+IdentifierName = Literal["object", "primitive", "face"]
+#: Channels of several float64 for each ray.
+VectorName = Literal["normal", "position", "barycentric", "uv"]
+#: All channels. ``color`` is float32 and ``front`` is bool; `firsthit.render` lists the rest.
+ChannelName = Literal[
+    "color",
+    "t",
+    "range",
+    "z",
+    "object",
+    "primitive",
+    "face",
+    "normal",
+    "position",
+    "barycentric",
+    "uv",
+    "front",
+]
+
+ShaderName = Literal["lambert", "unlit", "normal"]
+Projection = Literal["perspective", "orthographic", "equirectangular"]
+RayStart = Literal["viewplane", "eye"]
+#: The sides from which `Camera.framing` looks.
+ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]
+Wrap = Literal["repeat", "mirror", "clamp"]
+Filter = Literal["linear", "nearest"]
+AlphaMode = Literal["opaque", "mask", "blend"]
+
+#: ``True`` for a bar, or a function that is called with (done, total) about twenty times a second.
+#: An exception that it raises ends the work.
+Progress = bool | Callable[[int, int], object]
+
+
+class MeshLike(Protocol):
+    """A mesh of another package, such as ``trimesh.Trimesh``."""
+
+    @property
+    def vertices(self) -> Any:
+        """The vertices, (n, 3) array_like."""
+
+    @property
+    def faces(self) -> Any:
+        """The indices of each triangle's vertices, (m, 3) array_like of int."""
+
+
+class SceneLike(Protocol):
+    """A scene of another package, such as ``trimesh.Scene``."""
+
+    @property
+    def geometry(self) -> Mapping[str, Any]:
+        """The meshes by name."""
+
+    @property
+    def graph(self) -> Any:
+        """The nodes: ``nodes_geometry``, and ``get(node)`` with its matrix and its mesh's name."""
