@@ -2,8 +2,9 @@
 
 use firsthit::{DVec3, Object, Ray, Scene};
 
+use super::generators::{PLACES, placed};
+use super::judged;
 use super::support::{Numbers, bumpy_sphere, mesh};
-use super::{PLACES, judged, placed};
 
 /// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point, side by side, from a bent line
 /// to one point, and apart from one another.
