@@ -1,12 +1,8 @@
-//! A ray made ready for a [`MeshTree`](super::MeshTree): float32, in the tree's space, with bounds for all rounding.
+//! A ray made ready for a [`MeshTree`](super::super::MeshTree): float32, in the tree's space, with bounds for all rounding.
 //!
-//! Lengths along the ray are *depths*: coordinates along the axis on which the direction is longest, counted
-//! from the ray's start forwards. So the direction's components are at most 1 and nothing leaves the range
-//! of float32. A ray that starts far away is first moved, in float64, to where the tree is near.
-//!
-//! Bounds are in units of `u = 2^-24`, half of `f32::EPSILON`, and of `reach`, which no difference of a
-//! coordinate of the tree and one of the ray's start exceeds. It is at least 1, so that products of what is
-//! smaller than float32 can hold are far below every bound.
+//! A length along the ray is a *depth*: a coordinate along the axis on which the direction is longest, counted from the ray's
+//! start forwards. So the direction's other components are at most 1 for a depth of 1, and nothing leaves the range of float32.
+//! The error bounds are shares of the reach (see `bounds.rs`). That is at least 1, so products too small for float32 do no harm.
 
 use crate::accel::node::Node;
 use crate::simd::Lanes;
