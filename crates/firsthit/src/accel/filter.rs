@@ -31,7 +31,10 @@
 //! all 2 E X + 8.1 u X^2. (Beams and tiles have a simpler bound: where each side is off by B, the mean is off by B / sum
 //! times what each corner's depth is from it, 2 B spread / sum.)
 
-use super::bounds::{MARGIN, U};
+use super::bounds::{
+    BLURS, BOX_MARGIN, DEPTH, EXTENT_ACROSS, MEAN, MEAN_BY_SIZE, SIDE_BY_ERROR, SIDE_BY_SIZE,
+    VERTEX,
+};
 use super::edges::{Sides, depths};
 use super::meshlet::Meshlet;
 use super::rays::tree_ray::TreeRay;
@@ -71,13 +74,21 @@ pub(super) fn filter<L: Lanes>(
     let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
     let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
     let deep = l.max(l.abs(nearest), l.abs(farthest));
-    let blur = l.splat(3.0 * ray.blur);
+    let blur = l.splat(BLURS * ray.blur);
     macro_rules! bound {
         ($extent:expr, $more:expr) => {{
-            let fixed = l.splat(6.5 * U * $extent + 3.0 * ray.blur);
-            let error = l.mul_add(deep, l.splat(6.5 * U), fixed);
-            let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * $extent + $more));
-            let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
+            let fixed = l.splat(VERTEX * $extent + BLURS * ray.blur);
+            let error = l.mul_add(deep, l.splat(VERTEX), fixed);
+            let size = l.mul_add(
+                error,
+                l.splat(2.1),
+                l.splat(EXTENT_ACROSS * $extent + $more),
+            );
+            let share = l.mul_add(
+                error,
+                l.splat(SIDE_BY_ERROR),
+                l.mul(size, l.splat(SIDE_BY_SIZE)),
+            );
             (l.mul(share, size), error, size)
         }};
     }
@@ -87,7 +98,7 @@ pub(super) fn filter<L: Lanes>(
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
     let sides = Sides::new(l, [ax, ay], [bx, by], [cx, cy]);
     let outside = sides.outside(l, bound);
-    let slack = l.mul_add(deep, l.splat(24.0 * U), blur);
+    let slack = l.mul_add(deep, l.splat(DEPTH), blur);
     let spread = l.sub(farthest, nearest);
     let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
     let between = l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
@@ -95,10 +106,10 @@ pub(super) fn filter<L: Lanes>(
     if possible == 0 {
         return None;
     }
-    let (sure, ..) = bound!(leaf.extent, 2.0 * MARGIN);
+    let (sure, ..) = bound!(leaf.extent, 2.0 * BOX_MARGIN);
     let certain = sides.inside(l, sure);
     let [depth, over] = sides.depth(l, [az, bz, cz]);
-    let share = l.mul_add(error, l.splat(2.1), l.mul(size, l.splat(9.0 * U)));
+    let share = l.mul_add(error, l.splat(MEAN), l.mul(size, l.splat(MEAN_BY_SIZE)));
     let mean_error = l.mul(l.mul(share, size), l.mul(spread, over));
     let error = l.add(mean_error, slack);
     let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);

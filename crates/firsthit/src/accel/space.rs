@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::bounds::DISTANT;
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::shape::{Mesh, Positions};
-
-/// From here on rays are distant, in units of the tree: a last digit of float64 is less than one of float32 at 1 up to here.
-pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
 
 /// How many points one task converts.
 const CHUNK: usize = 65_536;

@@ -10,7 +10,7 @@
 
 use super::packet::{Packet, RAYS, of, of_mut};
 use super::prepare::Rounding;
-use crate::accel::bounds::U;
+use crate::accel::bounds::{BLURS, DEPTH, ROUNDED_DEPTH};
 use crate::simd::Lanes;
 
 /// What a ray's `t_min` and `t_max` come to in depths.
@@ -30,8 +30,8 @@ impl Packet {
     /// What `t_min` and `t_max` come to in depths.
     #[inline(always)]
     pub(super) fn set_limits<L: Lanes>(&mut self, l: L, half: usize, rounding: &Rounding<L>) {
-        let blur = l.mul64(l.splat64(3.0), rounding.blur);
-        let error = l.add64(rounding.share(l, 24.0 * U), blur);
+        let blur = l.mul64(l.splat64(f64::from(BLURS)), rounding.blur);
+        let error = l.add64(rounding.share(l, DEPTH), blur);
         l.store_narrowed(error, of_mut(&mut self.depth_error, half));
         let zero = l.splat64(0.0);
         // The depth at a parameter: less what it may be off, and more.
@@ -39,7 +39,7 @@ impl Packet {
             ($t:expr) => {{
                 let depth = l.mul64($t, l.load64(of(&self.depth_per_t, half)));
                 let depth = l.sub64(depth, l.load64(of(&self.moved, half)));
-                let share = l.mul64(l.abs64(depth), l.splat64(f64::from(4.0 * U)));
+                let share = l.mul64(l.abs64(depth), l.splat64(f64::from(ROUNDED_DEPTH)));
                 let slack = l.add64(share, error);
                 // Infinity less a part of infinity is NaN.
                 let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
@@ -79,14 +79,14 @@ impl Packet {
     #[inline(always)]
     pub(in crate::accel) fn depth_above(&self, lane: usize, t: f64) -> f32 {
         let depth = self.depth(lane, t);
-        depth + depth.abs() * (4.0 * U) + self.depth_error[lane % RAYS]
+        depth + depth.abs() * ROUNDED_DEPTH + self.depth_error[lane % RAYS]
     }
 
     /// A depth at or before that of `t`, and of any hit there. `t` is finite.
     #[inline(always)]
     pub(in crate::accel) fn depth_below(&self, lane: usize, t: f64) -> f32 {
         let depth = self.depth(lane, t);
-        depth - depth.abs() * (4.0 * U) - self.depth_error[lane % RAYS]
+        depth - depth.abs() * ROUNDED_DEPTH - self.depth_error[lane % RAYS]
     }
 
     #[inline(always)]

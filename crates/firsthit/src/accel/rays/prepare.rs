@@ -25,9 +25,8 @@
 )]
 
 use super::packet::{Packet, RAYS, largest_of, of_mut, vector};
-use crate::accel::bounds::{FAR, U};
+use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR, U};
 use crate::accel::mesh_tree::MeshTree;
-use crate::accel::space::DISTANT;
 use crate::simd::{Lanes, WIDE};
 
 /// Between the axes of space and those of each ray, `TreeRay::axes`.
@@ -144,7 +143,7 @@ impl Packet {
         }
         let mut largest = largest_of(l, &start);
         let size = l.mul64(largest_of(l, &origin), scale);
-        let mut blur = l.fused_mul_add64(number(1e-15), l.add64(size, number(100.0)), number(off));
+        let mut blur = l.fused_mul_add64(number(BLUR), l.add64(size, number(100.0)), number(off));
         if !tree.is_exact {
             blur = l.add64(blur, number(U.into()));
         }
@@ -200,7 +199,7 @@ impl Packet {
     ) {
         let zero = l.splat64(0.0);
         let blur = l.add64(rounding.blur, rounding.blur);
-        let margin = l.add64(rounding.share(l, 12.0 * U), blur);
+        let margin = l.add64(rounding.share(l, BOX), blur);
         for axis in 0..3 {
             let back = l.lt64(direction[axis], zero);
             let over = reciprocal(l, direction[axis], back);
@@ -245,7 +244,7 @@ fn nearer<L: Lanes>(
     let moved = l.max64(l.sub64(nearest, l.splat64(2.0)), zero);
     let moved = l.select64(far, moved, zero);
     let way = l.add64(largest_of(l, start), moved);
-    let blur = l.select64(far, l.add64(blur, l.mul64(l.splat64(1e-15), way)), blur);
+    let blur = l.select64(far, l.add64(blur, l.mul64(l.splat64(BLUR), way)), blur);
     let mut out = *start;
     for axis in 0..3 {
         let sum = l.add64(start[axis], l.mul64(moved, direction[axis]));

@@ -1,5 +1,6 @@
 //! The edge test of `edges.rs` for a tile's samples: where the sides of a triangle's edges are linear.
 
+use crate::accel::bounds::MEAN;
 use crate::accel::edges::{Sides, depths};
 use crate::simd::Lanes;
 
@@ -70,7 +71,7 @@ impl<L: Lanes> EdgeTest<L> {
         let certain = sides.inside(l, bound);
         let [depth, over] = sides.depth(l, corners);
         let spread = l.sub(farthest, nearest);
-        let weights = l.mul(l.mul(l.mul(l.splat(2.1), bound), spread), over);
+        let weights = l.mul(l.mul(l.mul(l.splat(MEAN), bound), spread), over);
         let error = l.add(weights, l.splat(depth_error));
         let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);
         Some(Self {

@@ -20,7 +20,10 @@
 //! is counted from the eye, and off by the same 7 e, by 4 units of `u reach`, and by three roundings of no more than
 //! 4 reaches each.
 
-use crate::accel::bounds::U;
+use crate::accel::bounds::{
+    BLUR, TILE_DEPTH, TILE_MOVED, TILE_PIXEL, TILE_PLANES, TILE_SIDE_BY_ERROR, TILE_SIDE_BY_SIZE,
+    TILE_SIDE_BY_SKEW, TILE_SIDEWAYS, TILE_VERTEX, U,
+};
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::Node;
@@ -126,7 +129,7 @@ impl TileFrustum {
         };
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
-        let blur = 4e-15 * (bundle.largest * space.scale + far + reach);
+        let blur = 4.0 * BLUR * (bundle.largest * space.scale + far + reach);
         // What rays are off: at the largest depth of the tree; of parallel ones in any direction, depth included.
         let [x, y, depth] = rows.map(unsheared);
         let (off, off_along) = if bundle.is_perspective {
@@ -141,15 +144,15 @@ impl TileFrustum {
         let rounding = across_both * (units * u + 2.0 * blur);
         let pixels = columns[0].abs() + columns[1].abs();
         let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
-        let share = 45.0 * u * skewness;
+        let share = TILE_PIXEL * skewness;
         let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
         // With an extent of 2, vertices' depths, of up to 2 reaches, are off by 30 units. Those between a triangle's corners
         // are rounded seven times more (`sides.rs`), and once with what they may be off: 16.
-        let along = 60.0 * u * reach + 4.0 * blur + off_along;
-        let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
+        let along = TILE_DEPTH * reach + 4.0 * blur + off_along;
+        let depth_error = sum(rows[2]) * along + TILE_MOVED * slid.abs();
         // What a wrong depth of a vertex moves on the picture.
         let sideways = if bundle.is_perspective {
-            sum(rows[2]) * (16.0 * u * reach + 4.0 * blur)
+            sum(rows[2]) * (TILE_SIDEWAYS * reach + 4.0 * blur)
         } else {
             0.0
         };
@@ -192,7 +195,7 @@ impl TileFrustum {
             } else {
                 reach_of_pixels
             };
-            let box_error = sum(normal) * (8.0 * u * reach + 2.0 * blur);
+            let box_error = sum(normal) * (TILE_PLANES * reach + 2.0 * blur);
             let slack = box_error + error + across_both * 4.0 * u + 8.0 * sideways;
             (
                 normal.to_array().map(|x| x as f32),
@@ -211,15 +214,15 @@ impl TileFrustum {
             start_depth: bundle.start_depth as f32,
             slid: slid as f32,
             error: error as f32,
-            error_per_extent: (7.2 * u * (across_both + lever * sum(rows[2]))) as f32,
+            error_per_extent: (TILE_VERTEX * (across_both + lever * sum(rows[2]))) as f32,
             depth_error: depth_error as f32,
             share: share as f32,
             // A side is a difference of two products, so it is off by what a coordinate is twice for each of X and Y, and
             // a little for what is quadratic in that.
-            absolute: (2.15 * (error + lever * sideways)) as f32,
+            absolute: (TILE_SIDE_BY_ERROR * (error + lever * sideways)) as f32,
             // A quarter of what it is in squares of half the size: 26 roundings, and what the matrix' and those of what
             // is sheared come to.
-            relative: ((8.0 + 12.0 * skew) * u) as f32,
+            relative: (TILE_SIDE_BY_SIZE + TILE_SIDE_BY_SKEW * skew) as f32,
         })
     }
 
@@ -271,8 +274,12 @@ impl TileFrustum {
 
     /// The first part of what a leaf's sides are off; see [`Self::relative`].
     #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a constant, for float32 too"
+    )]
     pub(super) fn absolute(&self, leaf: &Meshlet) -> f32 {
-        self.absolute + 2.15 * self.error_per_extent * leaf.extent
+        self.absolute + TILE_SIDE_BY_ERROR as f32 * self.error_per_extent * leaf.extent
     }
 
     /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.

@@ -14,7 +14,7 @@ mod small;
 use super::edge_test::all_beside;
 use super::frustum::{HALF, TileFrustum};
 use super::visibility::{ExactTest, TriangleId, VisibilityBuffer, pixel};
-use crate::accel::bounds::U;
+use crate::accel::bounds::ROUNDED_DEPTH;
 use crate::accel::meshlet::Meshlet;
 use crate::simd::{LANES, Lanes, set_bits};
 use large::EDGE;
@@ -227,7 +227,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
             reason = "the rounding is allowed for"
         )]
         let depth = depth as f32;
-        let error = self.frustum.depth_error + depth.abs() * (4.0 * U);
+        let error = self.frustum.depth_error + depth.abs() * ROUNDED_DEPTH;
         self.buffer
             .set(block, lane, triangle, depth - error, depth + error);
         self.changed |= 1 << block;

@@ -21,7 +21,9 @@
 //! the 160 that are allowed. Slopes are off by 9 in all, where the spread has 16.
 
 use super::mesh_packet::{FEWEST, MeshPacket};
-use crate::accel::bounds::U;
+use crate::accel::bounds::{
+    BLURS, DEPTH, PACKET_NORMAL, PACKET_PLANES, PACKET_SPREAD, PACKET_START,
+};
 use crate::accel::node::Node;
 use crate::accel::rays::packet::RAYS;
 use crate::simd::{Aligned, Lanes};
@@ -92,7 +94,7 @@ impl PacketFrustum {
         let reference = [x[0][first], y[0][first], forwards * rear];
         let [_, largest] = ends!(l.max(l.max(l.abs(zx), l.abs(zy)), l.abs(zz)));
         let [_, blur] = ends!(l.load(&packet.blur));
-        let margin = 40.0 * U * (1.0 + largest) + 4.0 * blur;
+        let margin = PACKET_PLANES * (1.0 + largest) + 4.0 * blur;
         // Written so that a NaN fails.
         let is_fine = margin < 1e-2;
         if !is_fine {
@@ -136,12 +138,12 @@ impl PacketFrustum {
             start,
             behind: Aligned([0.0; RAYS]),
             margin,
-            error: 20.0 * U * width + 3.0 * blur,
-            depth_error: 24.0 * U * width + 3.0 * blur,
+            error: PACKET_START * width + BLURS * blur,
+            depth_error: DEPTH * width + BLURS * blur,
             normal,
             tilt,
-            between: wider(between, 4.0 * margin),
-            spread: 0.5 * (high - low) + 16.0 * U,
+            between: wider(between, PACKET_NORMAL * margin),
+            spread: 0.5 * (high - low) + PACKET_SPREAD,
         };
         l.store(behind, &mut out.behind.0);
         Some(out)

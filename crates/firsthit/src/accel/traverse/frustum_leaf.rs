@@ -5,7 +5,9 @@
 use super::frustum::PacketFrustum;
 use super::mesh_packet::MeshPacket;
 use super::query::MeshQuery;
-use crate::accel::bounds::U;
+use crate::accel::bounds::{
+    DEPTH, MEAN, PACKET_EXTENT, PACKET_VERTEX, SIDE_BY_ERROR, SIDE_BY_SIZE,
+};
 use crate::accel::edges::{Sides, depths};
 use crate::accel::meshlet::Meshlet;
 use crate::accel::rays::packet::RAYS;
@@ -117,10 +119,14 @@ impl PacketFrustum {
         macro_rules! bound {
             ($size:expr) => {{
                 let size = $size;
-                let fixed = l.mul_add(size, l.splat(3.5 * U), l.splat(self.error));
-                let error = l.mul_add(deep, l.splat(5.5 * U), fixed);
+                let fixed = l.mul_add(size, l.splat(PACKET_EXTENT), l.splat(self.error));
+                let error = l.mul_add(deep, l.splat(PACKET_VERTEX), fixed);
                 let size = l.mul_add(error, l.splat(4.2), l.mul(size, l.splat(1.01)));
-                let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
+                let share = l.mul_add(
+                    error,
+                    l.splat(SIDE_BY_ERROR),
+                    l.mul(size, l.splat(SIDE_BY_SIZE)),
+                );
                 l.mul(share, size)
             }};
         }
@@ -164,8 +170,8 @@ impl PacketFrustum {
         let limit = l.load(limits);
         let behind = l.load(&self.behind.0);
         let (nearest, farthest) = (view.nearest[triangle], view.farthest[triangle]);
-        let slack = nearest.abs().max(farthest.abs()) * (24.0 * U) + self.depth_error;
-        let spread = 2.1 * (farthest - nearest);
+        let slack = nearest.abs().max(farthest.abs()) * DEPTH + self.depth_error;
+        let spread = MEAN * (farthest - nearest);
         let nearest = l.sub(l.splat(nearest - slack), behind);
         let farthest = l.sub(l.splat(farthest + slack), behind);
         let certain = sides.inside(l, l.splat(view.sure[triangle]));

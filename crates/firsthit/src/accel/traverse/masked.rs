@@ -17,7 +17,7 @@ use super::deferred::finish_packet;
 use super::mesh_packet::{FEWEST, MeshPacket};
 use super::query::{MeshQuery, Sink};
 use super::stack::Stack;
-use crate::accel::bounds::{FAR, U};
+use crate::accel::bounds::{FAR, SEGMENT};
 use crate::accel::filter::filter;
 use crate::accel::node::{LEAF, Node};
 use crate::accel::rays::packet::{Packet, RAYS};
@@ -148,7 +148,7 @@ impl Around {
             let margin = l.mul(l.sub(last, first), direction);
             // What is rounded here, in units of `u FARTHEST`: the start 5, the slope at the end 2, product and sum 3, and the
             // last difference 2; and the margin itself.
-            let margin = l.mul_add(l.abs(margin), half, l.splat(16.0 * U * FARTHEST));
+            let margin = l.mul_add(l.abs(margin), half, l.splat(SEGMENT * FARTHEST));
             let end = l.mul_add(direction, limit, start);
             let low = l.sub(l.min(start, end), margin);
             let high = l.add(l.max(start, end), margin);
