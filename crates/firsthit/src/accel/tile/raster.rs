@@ -1,12 +1,13 @@
-//! A tile and one leaf of a tree: which of its triangles are met by which pixels?
+//! The triangles of a leaf into a tile's visibility buffer: which pixels meet which triangles, and where are these nearest?
 //!
-//! 1. Set up the sides of all sixteen triangles' edges at once, a triangle in each lane. Sides are linear in the pixel's
-//!    place, so a sample costs an addition for each.
-//! 2. Triangles whose bounding boxes hold up to 2 x 2 samples: test these, still a triangle in each lane.
-//! 3. Larger ones: test block by block of 4 x 4 pixels, a pixel in each lane.
+//! 1. Bring the leaf's vertices into the tile's coordinates (`frustum.rs`), and find the samples in each triangle's bounding box.
+//! 2. Set up the sides of all sixteen triangles' edges, a triangle in each lane. A side is linear in the sample's place.
+//! 3. Test the samples of triangles that have up to 2 x 2 of them, still a triangle in each lane (`raster/small.rs`).
+//! 4. Test larger triangles block by block of 4 x 4 pixels, a pixel in each lane (`raster/large.rs`).
+//! 5. Where the edge test and the depths leave open which triangle a pixel meets first, ask the [`ExactTest`].
 //!
-//! Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997. It departs in
-//! that every number has an error bound (see `frustum.rs`), and the exact test decides what lies within it.
+//! Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997. It departs in that
+//! every number has an error bound (see `frustum.rs`), and the exact test decides what lies within it.
 
 mod large;
 mod small;
@@ -45,7 +46,7 @@ struct Edges {
     down: [[f32; LANES]; 3],
 }
 
-/// What else is known of the triangles, in arrays to take single ones from. Only what a leaf has written is its own.
+/// The leaf's triangles in arrays, to take single ones from. What a leaf has not written is left from another.
 #[repr(C, align(64))]
 #[derive(Debug, Default)]
 pub(super) struct RasterScratch {
@@ -62,7 +63,7 @@ pub(super) struct RasterScratch {
 }
 
 impl<A: ExactTest> LeafRaster<'_, A> {
-    /// All of the leaf is at depths from `entry` on.
+    /// Puts the leaf's triangles into the buffer where they are nearest. All of the leaf is at depths from `entry` on.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
@@ -108,7 +109,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         if alive == 0 {
             return;
         }
-        // The index of the nearest triangle is read in the end.
+        // The answer needs the triangle's index in the mesh.
         if let Some(first) = self.first {
             l.prefetch(first);
         }
@@ -134,7 +135,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
         let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
         let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
-        // What sides are off at samples so many pixels from the triangle's first one.
+        // What sides may be off at samples up to so many pixels from the triangle's first one.
         macro_rules! bound_within {
             ($across:expr, $down:expr) => {{
                 let size = l.mul_add(l.add($across, $down), h, l.add(x, y));
@@ -213,7 +214,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         }
     }
 
-    /// Decides about a pixel, that of a lane in a block, by the exact test.
+    /// Step 5, for the pixel of a lane in a block.
     #[cold]
     #[inline(never)]
     fn decide<L: Lanes>(&mut self, l: L, (block, lane): (usize, usize), new: TriangleId) {

@@ -23,7 +23,7 @@ static DOWN: Aligned<[f32; LANES]> = Aligned([
 ]);
 
 impl<A: ExactTest> LeafRaster<'_, A> {
-    /// One triangle, block by block: a lane for each pixel.
+    /// Tests the triangle in a lane, block by block.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,

@@ -19,7 +19,7 @@ pub(super) struct Parts<L: Lanes> {
 }
 
 impl<A: ExactTest> LeafRaster<'_, A> {
-    /// Triangles that hold up to two by two samples: a lane for each triangle.
+    /// Tests the samples of the triangles in the lanes `small`.
     #[inline(always)]
     pub(super) fn small<L: Lanes>(&mut self, l: L, parts: &Parts<L>, small: u16) {
         for down in 0..2_u8 {
@@ -72,7 +72,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         }
     }
 
-    /// A candidate for one pixel, that of a lane in a block.
+    /// Puts a triangle into the buffer where it is nearest, for the pixel of a lane in a block.
     #[inline(always)]
     fn meet<L: Lanes>(
         &mut self,
