@@ -1,7 +1,8 @@
 //! Sixteen rays from the world into the space of an object, eight at a time.
 //!
 //! 1. Test that each ray is an ordinary one: valid, ahead of its origin, and with a direction that can be squared.
-//! 2. Transform its origin and its direction, operation for operation as [`Transform::ray_in_object`] does: to the same bits.
+//! 2. Transform its origin and its direction, operation for operation as [`Transform::ray_in_object`] does: to the same
+//!    bits.
 //! 3. Test the same of what comes out.
 
 #![expect(
@@ -14,8 +15,8 @@ use crate::geometry::{DMat3, Ray, Transform};
 use crate::simd::Lanes;
 
 impl Packet {
-    /// Takes world rays into an object's space, and says which of them are as nearly all are: valid in both, ahead of their
-    /// origins, and with a direction that can be squared. What becomes of others is of no use.
+    /// Takes world rays into an object's space, and says which of them are as nearly all are: valid in both, ahead of
+    /// their origins, and with a direction that can be squared. What becomes of others is of no use.
     #[inline(always)]
     pub(crate) fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u16 {
         u16::from_le_bytes([

@@ -1,7 +1,8 @@
 //! Where a packet's rays begin and end, as depths in float32.
 //!
-//! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was moved by, both in float64.
-//! [`Limits`] are that depth less and more what it, and the depth of a hit at `t`, may be off: so each errs on its safe side.
+//! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was moved by, both in
+//! float64. [`Limits`] are that depth less and more what it, and the depth of a hit at `t`, may be off: so each errs on
+//! its safe side.
 //!
 //! # Error bounds
 //!

@@ -1,7 +1,7 @@
 //! Sixteen rays in lanes: as they are, and as the tree of a mesh sees them.
 //!
-//! `enter.rs` takes them into the space of an object, `prepare.rs` makes them ready for its tree, and `limits.rs` says where they
-//! begin and end. [`TreeRay`] has the meaning of what they are made ready with.
+//! `enter.rs` takes them into the space of an object, `prepare.rs` makes them ready for its tree, and `limits.rs` says
+//! where they begin and end. [`TreeRay`] has the meaning of what they are made ready with.
 
 use super::tree_ray::TreeRay;
 use crate::geometry::{DVec3, Ray};

@@ -1,10 +1,12 @@
-//! Makes sixteen rays ready for the tree of a mesh, eight at a time: see [`TreeRay`](super::tree_ray::TreeRay) for what comes out.
+//! Makes sixteen rays ready for the tree of a mesh, eight at a time: see [`TreeRay`](super::tree_ray::TreeRay) for what
+//! comes out.
 //!
 //! 1. Find the axis along which the direction is longest. The others come first, so that slopes are at most 1.
-//! 2. Bring the start into the tree's space. If it is farther away than `FAR`, move it along the ray, in float64, to two units before the
-//!    point that is nearest to the tree's middle.
+//! 2. Bring the start into the tree's space. If it is farther away than `FAR`, move it along the ray, in float64, to
+//!    two units before the point that is nearest to the tree's middle.
 //! 3. Compute how far rounding can put the ray off: the reach and the blur (see `bounds.rs`).
-//! 4. Compute what the test of a node takes: one over the direction, and the start over the direction, moved by the margin.
+//! 4. Compute what the test of a node takes: one over the direction, and the start over the direction, moved by the
+//!    margin.
 //! 5. Split the start into two float32, the second of which is what the first leaves out.
 //! 6. Bound the depths at which the ray begins and ends (`limits.rs`).
 //!
@@ -253,8 +255,8 @@ fn nearer<L: Lanes>(
     (out, moved, blur)
 }
 
-/// One over a component of the direction, but finite. Where the component is so small that the ray moves by less than every
-/// margin, a huge number of its sign still tells inside from outside.
+/// One over a component of the direction, but finite. Where the component is so small that the ray moves by less than
+/// every margin, a huge number of its sign still tells inside from outside.
 #[inline(always)]
 fn reciprocal<L: Lanes>(l: L, x: L::Doubles, back: u8) -> L::Doubles {
     const SMALLEST: f64 = 1e-30;

@@ -1,8 +1,10 @@
-//! A ray made ready for a [`MeshTree`](super::super::MeshTree): float32, in the tree's space, with bounds for all rounding.
+//! A ray made ready for a [`MeshTree`](super::super::MeshTree): float32, in the tree's space, with bounds for all
+//! rounding.
 //!
-//! A length along the ray is a *depth*: a coordinate along the axis on which the direction is longest, counted from the ray's
-//! start forwards. So the direction's other components are at most 1 for a depth of 1, and nothing leaves the range of float32.
-//! The error bounds are shares of the reach (see `bounds.rs`). That is at least 1, so products too small for float32 do no harm.
+//! A length along the ray is a *depth*: a coordinate along the axis on which the direction is longest, counted from the
+//! ray's start forwards. So the direction's other components are at most 1 for a depth of 1, and nothing leaves the
+//! range of float32. The error bounds are shares of the reach (see `bounds.rs`). That is at least 1, so products too
+//! small for float32 do no harm.
 
 use crate::accel::node::Node;
 use crate::simd::Lanes;

@@ -5,9 +5,10 @@
 //! 3. At a leaf, test its sixteen triangles against the planes, then each one that is left against the sixteen rays.
 //! 4. Give up when that comes to more work than the rays alone would be.
 //!
-//! Boulos, Wald and Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", technical report UUCS-06-010,
-//! University of Utah, 2006; Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on
-//! Graphics 24(3), 2005. It departs in step 4: there the caller knows which rays are coherent, here trying finds out.
+//! Boulos, Wald and Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", technical report
+//! UUCS-06-010, University of Utah, 2006; Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM
+//! Transactions on Graphics 24(3), 2005. It departs in step 4: there the caller knows which rays are coherent, here
+//! trying finds out.
 
 use super::deferred::finish_packet;
 use super::frustum::PacketFrustum;

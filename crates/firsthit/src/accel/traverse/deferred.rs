@@ -1,7 +1,7 @@
 //! Rays whose triangle is known, intersected eight at a time.
 //!
-//! 1. A first hit mostly ends with a triangle that is certain to be met, of which only `t` and the weights are missing. Gather such rays,
-//!    of any packets.
+//! 1. A first hit mostly ends with a triangle that is certain to be met, of which only `t` and the weights are missing.
+//!    Gather such rays, of any packets.
 //! 2. When there are eight, or none is left to come, compute all in lanes ([`intersect8_at`]).
 //! 3. Compute the few that need more than float64 one by one.
 
@@ -104,8 +104,8 @@ impl<'a> Deferred<'a> {
     }
 }
 
-/// Puts the answers of `rays` into `sink` and closes these rays: of all of them if the traversal is `complete`, else of those whose
-/// query has ended.
+/// Puts the answers of `rays` into `sink` and closes these rays: of all of them if the traversal is `complete`, else of
+/// those whose query has ended.
 #[inline(always)]
 pub(super) fn finish_packet<L: Lanes, Q: MeshQuery>(
     l: L,

@@ -1,16 +1,19 @@
-//! Rays for which float64 has no depths near a tree: those that start very far away, and those that begin behind their origins.
+//! Rays for which float64 has no depths near a tree: those that start very far away, and those that begin behind their
+//! origins.
 //!
 //! 1. Bring the ray's start into the tree's space, in twice the digits.
-//! 2. Move it along the ray to the point nearest to the tree's middle. Each step is rounded, and the next makes up for that.
+//! 2. Move it along the ray to the point nearest to the tree's middle. Each step is rounded, and the next makes up for
+//!    that.
 //! 3. Where it does not come to rest, or rounding leaves the place open, give up: every triangle of the mesh is tested.
 //! 4. Drop the ray if that point is not in the sphere around the tree.
-//! 5. Else move it back to before the tree, and traverse the tree from there with a ray without an end. Every triangle that this ray
-//!    may meet is tested with the ray as it was, as no depth can be compared with its `t`.
+//! 5. Else move it back to before the tree, and traverse the tree from there with a ray without an end. Every triangle
+//!    that this ray may meet is tested with the ray as it was, as no depth can be compared with its `t`.
 //!
 //! # Error bounds
 //!
-//! A sum of two numbers of twice the digits is off by a share of 2^-100 (`SHARE`) of what is added up: they have 106 bits, six of
-//! which are for the up to 24 sums. What that comes to across the ray is the blur of the ray that is traversed.
+//! A sum of two numbers of twice the digits is off by a share of 2^-100 (`SHARE`) of what is added up: they have 106
+//! bits, six of which are for the up to 24 sums. What that comes to across the ray is the blur of the ray that is
+//! traversed.
 
 use crate::accel::space::Space;
 use crate::geometry::arithmetic::Scalar;
@@ -80,7 +83,8 @@ impl Approach {
             return Self::Somewhere;
         }
         let direction = d / d.abs().max_element();
-        // An error along the ray does no harm, since the place stays on the ray and near the tree. Only what it comes to across counts.
+        // An error along the ray does no harm, since the place stays on the ray and near the tree. Only what it comes
+        // to across counts.
         let main = (0..3).find(|&k| direction[k].abs() == 1.0);
         let along = main.map_or(f64::INFINITY, |main| error[main]);
         let across = (0..3).filter(|&k| Some(k) != main);

@@ -1,8 +1,8 @@
 //! The first hit: the smallest `t`, and at the same `t` the lowest triangle.
 //!
 //! 1. Drop a candidate that is beyond the best so far, by its depths.
-//! 2. A candidate that is certain to be met, and certainly nearer than the best so far, becomes the best. Where it is met is computed
-//!    only if it is still the best when the traversal ends.
+//! 2. A candidate that is certain to be met, and certainly nearer than the best so far, becomes the best. Where it is
+//!    met is computed only if it is still the best when the traversal ends.
 //! 3. For any other candidate the exact test decides, and compares it with the best so far.
 
 use super::mesh_packet::MeshRay;

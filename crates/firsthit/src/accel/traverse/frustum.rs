@@ -1,21 +1,24 @@
 //! The planes around the rays of a packet, and which boxes are within them.
 //!
-//! 1. Count points from a reference, which has x and y of the first ray's start, and the depth of the rearmost start. The depth is
-//!    along the axis on which all directions are longest. It is not negative where a ray may meet something.
-//! 2. Move every start along its ray to the depth 0. At a depth d a ray is then at `start + d * slope`, along x and along y.
+//! 1. Count points from a reference, which has x and y of the first ray's start, and the depth of the rearmost start.
+//!    The depth is along the axis on which all directions are longest. It is not negative where a ray may meet
+//!    something.
+//! 2. Move every start along its ray to the depth 0. At a depth d a ray is then at `start + d * slope`, along x and
+//!    along y.
 //! 3. Make four planes of the smallest and the largest start and slope along x and along y.
-//! 4. Make two more planes, nearly parallel, along a direction across which the rays are much the same. Neighbours often lie in a
-//!    plane: the pixels of a row, and what a row sees, seen from a light. The direction is taken from the first and the last ray.
+//! 4. Make two more planes, nearly parallel, along a direction across which the rays are much the same. Neighbours
+//!    often lie in a plane: the pixels of a row, and what a row sees, seen from a light. The direction is taken from
+//!    the first and the last ray.
 //! 5. Move all planes outwards by what rounding comes to.
 //! 6. A box is within the planes if its corner that is farthest towards the inside of each plane is.
 //!
-//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It departs in
-//! the planes of step 4.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It
+//! departs in the planes of step 4.
 //!
 //! # Error bounds
 //!
-//! In units of `U`, beside the blurs of the rays' starts (see `bounds.rs`). W is how far a start is from the reference at most, along x and
-//! y, once it is at the depth 0.
+//! In units of `U`, beside the blurs of the rays' starts (see `bounds.rs`). W is how far a start is from the reference
+//! at most, along x and y, once it is at the depth 0.
 //!
 //! **A start** is off by at most 13 W:
 //!
@@ -29,19 +32,20 @@
 //! - 2 D + X: the slope, its product and its difference;
 //! - 13 W: the start.
 //!
-//! P is at most X + W + D. Where a ray passes a triangle, X is at most the triangle's extent (sheared, along x or y). In all that is 5 D
-//! (`PACKET_VERTEX`), 3 X (`PACKET_EXTENT`) and 16 W (`PACKET_START`).
+//! P is at most X + W + D. Where a ray passes a triangle, X is at most the triangle's extent (sheared, along x or y).
+//! In all that is 5 D (`PACKET_VERTEX`), 3 X (`PACKET_EXTENT`) and 16 W (`PACKET_START`).
 //!
-//! **Against the four planes** all of this is in units of the reach: a start is off by 20 at most, as starts differ by less than twice
-//! the reach, and a vertex by 6. `PACKET_PLANES` allows 40.
+//! **Against the four planes** all of this is in units of the reach: a start is off by 20 at most, as starts differ by
+//! less than twice the reach, and a vertex by 6. `PACKET_PLANES` allows 40.
 //!
-//! **Against the two others** the parts along x and y add up. Rays are within `between` at the depth 0, and each end moves outwards
-//! by the `spread` for a depth of 1:
+//! **Against the two others** the parts along x and y add up. Rays are within `between` at the depth 0, and each end
+//! moves outwards by the `spread` for a depth of 1:
 //!
 //! - 40: a start, twice the 20 above; 12: its own rounding; 8: that of `between`;
 //! - 20: a vertex, by three differences, three products, two sums and a share of the spread.
 //!
-//! These are 80, of which `PACKET_NORMAL` allows twice as much. Slopes are off by 9 in all, of which `PACKET_SPREAD` allows 16.
+//! These are 80, of which `PACKET_NORMAL` allows twice as much. Slopes are off by 9 in all, of which `PACKET_SPREAD`
+//! allows 16.
 
 use super::mesh_packet::{FEWEST, MeshPacket};
 use crate::accel::bounds::{
@@ -76,8 +80,8 @@ pub(super) struct PacketFrustum {
     /// The normal of the two planes of step 4: its parts along x and y, at most 1, and minus its part along the depth.
     pub(super) normal: [f32; 2],
     pub(super) tilt: f32,
-    /// The smallest and the largest place of a ray along the normal at the depth 0, and how far that moves for a depth of 1, beside
-    /// the tilt, at most.
+    /// The smallest and the largest place of a ray along the normal at the depth 0, and how far that moves for a depth
+    /// of 1, beside the tilt, at most.
     pub(super) between: [f32; 2],
     pub(super) spread: f32,
 }
@@ -248,8 +252,8 @@ impl PacketFrustum {
     }
 }
 
-/// The normal across the depth of the plane that the rays are in, from the difference in start and in slope between the first and
-/// the last of them. One part is 1 or -1; both are 0 where there is no difference.
+/// The normal across the depth of the plane that the rays are in, from the difference in start and in slope between the
+/// first and the last of them. One part is 1 or -1; both are 0 where there is no difference.
 #[inline(always)]
 fn normal([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> [f32; 2] {
     let (size, change) = (x.abs().max(y.abs()), along_x.abs().max(along_y.abs()));

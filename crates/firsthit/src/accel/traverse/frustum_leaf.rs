@@ -7,8 +7,8 @@
 //!
 //! # Error bounds
 //!
-//! Those of `filter.rs`, with what `frustum.rs` says that a sheared coordinate is off. A triangle's extent across the rays is measured
-//! with the smallest and the largest slope, and that is the extent along any slope between.
+//! Those of `filter.rs`, with what `frustum.rs` says that a sheared coordinate is off. A triangle's extent across the
+//! rays is measured with the smallest and the largest slope, and that is the extent along any slope between.
 
 use super::frustum::PacketFrustum;
 use super::mesh_packet::MeshPacket;
@@ -28,7 +28,8 @@ pub(super) struct LeafView {
     x: [f32; LANES],
     y: [f32; LANES],
     depth: [f32; LANES],
-    // For each triangle: its nearest and farthest depth, and what a side may be off, for rays inside it and for all rays.
+    // For each triangle: its nearest and farthest depth, and what a side may be off, for rays inside it and for all
+    // rays.
     nearest: [f32; LANES],
     farthest: [f32; LANES],
     bound: [f32; LANES],

@@ -28,8 +28,8 @@ pub(crate) trait MeshQuery: Visitor {
     const NONE: Self::Found;
     /// The query before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).
     fn new(limits: Limits) -> Self;
-    /// Sees a single candidate: the triangle in a lane of a leaf, which is met between two depths, if at all; for sure if
-    /// `is_certain`.
+    /// Sees a single candidate: the triangle in a lane of a leaf, which is met between two depths, if at all; for sure
+    /// if `is_certain`.
     fn visit_one<L: Lanes>(
         &mut self,
         l: L,

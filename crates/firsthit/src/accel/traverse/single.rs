@@ -1,12 +1,13 @@
 //! One ray through the tree of a mesh.
 //!
-//! 1. At a node, test the ray against its sixteen boxes at once; go on with the nearest child, and put the others onto the
-//!    stack, in order.
+//! 1. At a node, test the ray against its sixteen boxes at once; go on with the nearest child, and put the others onto
+//!    the stack, in order.
 //! 2. At a leaf, test its sixteen triangles at once in float32 ([`filter`]); the query sees what is left.
 //! 3. Take the next child from the stack that is not beyond the query's limit.
 //!
-//! Wald, Benthin and Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", IEEE
-//! Symposium on Interactive Ray Tracing 2008. It departs in the leaves, where float32 only rules out and float64 decides.
+//! Wald, Benthin and Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs",
+//! IEEE Symposium on Interactive Ray Tracing 2008. It departs in the leaves, where float32 only rules out and float64
+//! decides.
 
 use super::distant::Approach;
 use super::mesh_packet::MeshRay;
@@ -66,8 +67,8 @@ pub(crate) fn ask<L: Lanes, Q: MeshQuery>(
 /// What ends a traversal, in place of a `t_max`.
 pub(crate) const END: f64 = f64::NEG_INFINITY;
 
-/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, in any order, and
-/// perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
+/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, in any
+/// order, and perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! The stack of a traversal.
 
-/// Nodes and leaves still to be visited. An entry has the index in its lower half, and in its upper half the bits of the depth, or a
-/// mask of a packet's rays.
+/// Nodes and leaves still to be visited. An entry has the index in its lower half, and in its upper half the bits of
+/// the depth, or a mask of a packet's rays.
 #[derive(Debug)]
 pub(in crate::accel) struct Stack {
     entries: Box<[u64; STACK]>,
@@ -55,7 +55,8 @@ impl Stack {
         &self.entries[base.min(STACK)..self.height.min(STACK)]
     }
 
-    /// Takes any entry: the last but two, since its memory was prefetched earlier than that of the last; in a high stack the last.
+    /// Takes any entry: the last but two, since its memory was prefetched earlier than that of the last; in a high
+    /// stack the last.
     #[inline(always)]
     pub(in crate::accel) fn pop_any(&mut self) -> Option<u64> {
         let last = self.height.checked_sub(1)?;
