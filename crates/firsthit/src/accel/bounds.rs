@@ -1,9 +1,9 @@
 //! The glossary of the error bounds: what float32 may be off, in the space of a tree.
 //!
-//! Float32 may rule out a box or a triangle, or call a triangle certain, only where no rounding could make that wrong. So every
-//! number that decides has a bound for its error. This file has the words and the constants; where a constant comes from is
-//! derived under `# Error bounds` in the file that uses it. All bounds are first-order sums of roundings, each constant rounded
-//! up to cover the terms of higher orders.
+//! Float32 may rule out a box or a triangle, or call a triangle certain, only where no rounding could make that wrong.
+//! So every number that decides has a bound for its error. This file has the words and the constants; where a constant
+//! comes from is derived under `# Error bounds` in the file that uses it. All bounds are first-order sums of roundings,
+//! each constant rounded up to cover the terms of higher orders.
 //!
 //! # Words
 //!
@@ -20,9 +20,10 @@
 //!
 //! # Tests
 //!
-//! A bound that is too small loses a hit or takes a miss for one. `tests/kernels` compares every kernel with brute force, bit by
-//! bit. The last line of each constant says which of its tests fails when the constant is made smaller, and from which factor on.
-//! Where it names none, the tests do not come near the worst case; the derivation alone stands for it.
+//! A bound that is too small loses a hit or takes a miss for one. `tests/kernels` compares every kernel with brute
+//! force, bit by bit. The last line of each constant says which of its tests fails when the constant is made smaller,
+//! and from which factor on. Where it names none, the tests do not come near the worst case; the derivation alone
+//! stands for it.
 //!
 //! # Bounds elsewhere
 //!
@@ -37,13 +38,14 @@ pub(super) const U: f32 = f32::EPSILON / 2.0;
 
 // Distances. The tree is in the cube from -1 to 1.
 
-/// A ray's start that is farther away than this, along an axis, is moved towards the tree in float64. So the reach is 9 at most.
+/// A ray's start that is farther away than this, along an axis, is moved towards the tree in float64. So the reach is 9
+/// at most.
 ///
 /// Used in `rays/prepare.rs`.
 pub(super) const FAR: f64 = 8.0;
 
-/// A ray's start that is farther away than this is moved in twice the digits: up to here, the last digit of a float64 is less
-/// than the last of a float32 at 1.
+/// A ray's start that is farther away than this is moved in twice the digits: up to here, the last digit of a float64
+/// is less than the last of a float32 at 1.
 ///
 /// Used in `rays/prepare.rs` and `space.rs`.
 pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
@@ -65,8 +67,8 @@ pub(super) const BLURS: f32 = 3.0;
 /// Used in `rays/prepare.rs`.
 pub(super) const BOX: f32 = 12.0 * U;
 
-/// How far from a box a ray may pass that the box lets through, beside its blurs: [`BOX`] and the rounding of the test, at the
-/// largest reach.
+/// How far from a box a ray may pass that the box lets through, beside its blurs: [`BOX`] and the rounding of the test,
+/// at the largest reach.
 ///
 /// Used in `filter.rs`.
 pub(super) const BOX_MARGIN: f32 = 150.0 * U;
@@ -92,8 +94,8 @@ pub(super) const SIDE_BY_ERROR: f32 = 4.3;
 /// Used in `filter.rs` and `traverse/frustum_leaf.rs`.
 pub(super) const SIDE_BY_SIZE: f32 = 9.2 * U;
 
-/// What the depth between a triangle's corners may be off, as a multiple of what a side may be off (in `filter.rs`: of what its
-/// coordinates may), times the spread of the corners' depths over the sum of the sides.
+/// What the depth between a triangle's corners may be off, as a multiple of what a side may be off (in `filter.rs`: of
+/// what its coordinates may), times the spread of the corners' depths over the sum of the sides.
 ///
 /// Used in `filter.rs`, `traverse/frustum_leaf.rs` and `tile/edge_test.rs`.
 pub(super) const MEAN: f32 = 2.1;
@@ -159,7 +161,8 @@ pub(super) const SEGMENT: f32 = 16.0 * U;
 /// Used in `tile/frustum.rs`.
 pub(super) const TILE_VERTEX: f64 = 7.2 * U as f64;
 
-/// What X and Y of a vertex may be off, as a share of Z (of parallel rays, in pixels), times the skewness of the pixels.
+/// What X and Y of a vertex may be off, as a share of Z (of parallel rays, in pixels), times the skewness of the
+/// pixels.
 ///
 /// Used in `tile/frustum.rs`.
 pub(super) const TILE_PIXEL: f64 = 45.0 * U as f64;
@@ -189,8 +192,8 @@ pub(super) const TILE_PLANES: f64 = 8.0 * U as f64;
 /// Used in `tile/frustum.rs`.
 pub(super) const TILE_SIDE_BY_ERROR: f64 = 2.15;
 
-/// What a side may be off by rounding, as a multiple of the square of the triangle's size: this, and for each unit that the matrix is
-/// skew, [`TILE_SIDE_BY_SKEW`].
+/// What a side may be off by rounding, as a multiple of the square of the triangle's size: this, and for each unit that
+/// the matrix is skew, [`TILE_SIDE_BY_SKEW`].
 ///
 /// Used in `tile/frustum.rs`.
 pub(super) const TILE_SIDE_BY_SIZE: f64 = 8.0 * U as f64;

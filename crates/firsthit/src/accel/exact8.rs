@@ -1,7 +1,9 @@
 //! Where eight rays cross eight triangles that they are known to meet, in float64 lanes.
 //!
-//! 1. Gather the triangles' corners from the leaves of the tree, or where float32 does not hold them from the mesh ([`Corners`]).
-//! 2. Compute `t` and the weights in lanes, by the code of `shape/triangle/place.rs`: the bits are those of the exact test.
+//! 1. Gather the triangles' corners from the leaves of the tree, or where float32 does not hold them from the mesh
+//!    ([`Corners`]).
+//! 2. Compute `t` and the weights in lanes, by the code of `shape/triangle/place.rs`: the bits are those of the exact
+//!    test.
 //! 3. Where that says that float64 is not enough for a lane, compute it in twice the digits, in lanes too.
 //! 4. Leave the lanes for which that is not enough to the caller, who takes `shape/triangle.rs`.
 //!
@@ -41,8 +43,8 @@ pub(crate) enum Corners {
 type Box3<T> = Aligned<[[T; 3]; 3]>;
 
 impl Corners {
-    /// The corners of the triangles in `leaf_lanes` (as bits), in the lanes `wanted`; anything in the others. The triangles' indices (as
-    /// bits) go into the same lanes of `triangles`.
+    /// The corners of the triangles in `leaf_lanes` (as bits), in the lanes `wanted`; anything in the others. The
+    /// triangles' indices (as bits) go into the same lanes of `triangles`.
     #[inline(always)]
     pub(crate) fn new<L: Lanes>(
         l: L,
@@ -156,8 +158,8 @@ impl Corners {
     }
 }
 
-/// `t` and the weights of the corners 1 and 2, and the lanes in which they are those of the exact test. In the others, which are few, the
-/// exact test itself is needed.
+/// `t` and the weights of the corners 1 and 2, and the lanes in which they are those of the exact test. In the others,
+/// which are few, the exact test itself is needed.
 #[inline(always)]
 pub(crate) fn intersect8<L: Lanes>(
     l: L,

@@ -1,7 +1,7 @@
 //! The tree over a mesh's triangles: 16-wide nodes over meshlets, in float32.
 //!
-//! It has a [space](Space) of its own, in which no coordinate is larger than 1. So float32 is enough for a mesh of any size at any place,
-//! and constants bound its rounding (`bounds.rs`).
+//! It has a [space](Space) of its own, in which no coordinate is larger than 1. So float32 is enough for a mesh of any
+//! size at any place, and constants bound its rounding (`bounds.rs`).
 
 use super::meshlet::Meshlet;
 use super::node::Node;
@@ -14,7 +14,8 @@ use crate::simd::{LANES, Lanes};
 #[derive(Debug, Clone)]
 pub struct MeshTree {
     pub(super) space: Space,
-    /// Whether the leaves hold the coordinates of the mesh without rounding, so that the exact test can take them from there.
+    /// Whether the leaves hold the coordinates of the mesh without rounding, so that the exact test can take them from
+    /// there.
     pub(super) is_exact: bool,
     /// Whether vertices in the same place are one to a leaf; see `build/weld.rs`.
     pub(super) is_welded: bool,
@@ -23,8 +24,8 @@ pub struct MeshTree {
     pub(super) leaves: Vec<Meshlet>,
     /// The triangles' indices, those of a leaf side by side.
     pub(super) order: Vec<u32>,
-    /// Pairs of the lowest of some triangles with the same corners, and another of them; sorted. Only the lowest is in a leaf, since it wins
-    /// every tie.
+    /// Pairs of the lowest of some triangles with the same corners, and another of them; sorted. Only the lowest is in
+    /// a leaf, since it wins every tie.
     pub(super) copies: Vec<[u32; 2]>,
     /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
     pub(super) cost: f64,

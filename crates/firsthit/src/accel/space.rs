@@ -13,8 +13,8 @@ const CHUNK: usize = 65_536;
 /// How the tree's space lies in the mesh's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Space {
-    /// The mesh's place of the tree's origin. Minus zero along each axis where it is the mesh's own: to add that changes no zero's
-    /// sign.
+    /// The mesh's place of the tree's origin. Minus zero along each axis where it is the mesh's own: to add that
+    /// changes no zero's sign.
     pub(super) origin: DVec3,
     /// Units of the tree in a unit of the mesh: a power of two.
     pub(super) scale: f64,
@@ -22,7 +22,8 @@ pub(super) struct Space {
     pub(super) unscale: f64,
 }
 
-/// Coordinates up to this, and sizes down to its reciprocal, are scaled: products of three of them stay in float64's range.
+/// Coordinates up to this, and sizes down to its reciprocal, are scaled: products of three of them stay in float64's
+/// range.
 const LARGEST: f64 = 1e90;
 
 impl Space {

@@ -4,8 +4,8 @@ use crate::accel::bounds::MEAN;
 use crate::accel::edges::{Sides, depths};
 use crate::simd::Lanes;
 
-/// The triangles that have all samples of their bounding boxes outside. A linear side is largest and smallest at corners of
-/// the box.
+/// The triangles that have all samples of their bounding boxes outside. A linear side is largest and smallest at
+/// corners of the box.
 #[inline(always)]
 pub(super) fn all_beside<L: Lanes>(
     l: L,
@@ -26,8 +26,9 @@ pub(super) fn all_beside<L: Lanes>(
     beside(l, most, least, bound)
 }
 
-/// The ranges of samples that are outside their triangles for certain: one side is below `-bound` everywhere in the range, and
-/// another above `bound`. `most` and `least` are the largest and the smallest that each side is in the range.
+/// The ranges of samples that are outside their triangles for certain: one side is below `-bound` everywhere in the
+/// range, and another above `bound`. `most` and `least` are the largest and the smallest that each side is in the
+/// range.
 #[inline(always)]
 pub(super) fn beside<L: Lanes>(
     l: L,
@@ -52,8 +53,8 @@ pub(super) struct EdgeTest<L: Lanes> {
 }
 
 impl<L: Lanes> EdgeTest<L> {
-    /// From the sides and their bound, and from the depths of the corners, the nearest and the farthest. `None` when no pair of
-    /// `here` may meet.
+    /// From the sides and their bound, and from the depths of the corners, the nearest and the farthest. `None` when no
+    /// pair of `here` may meet.
     #[inline(always)]
     pub(super) fn new(
         l: L,

@@ -1,22 +1,23 @@
 //! A tile's rays as seen from a tree: the planes around them, and where a point of the tree lies in the tile's picture.
 //!
-//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where x and y are pixels counted from the tile's middle;
-//! parallel ones are `eye + x * across + y * down + depth * centre`. So a point of the tree has coordinates (X, Y, Z): it is on the
-//! ray x = X / Z, y = Y / Z (parallel: x = X, y = Y), at the depth Z. The matrix that gives them is the inverse of the one
-//! with the columns `across`, `down` and `centre`.
+//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where x and y are pixels counted from the
+//! tile's middle; parallel ones are `eye + x * across + y * down + depth * centre`. So a point of the tree has
+//! coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z (parallel: x = X, y = Y), at the depth Z. The matrix
+//! that gives them is the inverse of the one with the columns `across`, `down` and `centre`.
 //!
 //! 1. Bring the eye and the columns into the tree's space. Move the eye of parallel rays along them, to the tree.
-//! 2. Shear space along the axis that the tile looks along, so that the rays of the tile run nearly along it. Coordinates across
-//!    are then small where the tile is, and float32 resolves them.
+//! 2. Shear space along the axis that the tile looks along, so that the rays of the tile run nearly along it.
+//!    Coordinates across are then small where the tile is, and float32 resolves them.
 //! 3. Invert the matrix, in float64.
 //! 4. Bound what X, Y and Z may be off in float32. Give up where that is too much of a pixel.
 //! 5. Make four planes around the tile from the matrix' rows, and move them outwards by that.
-//! 6. For each leaf: place its first vertex in float64 and the others from there in float32, so that rounding depends on the
-//!    leaf's extent, neither on the tree's nor on the eye's distance ([`transformed`](TileFrustum::transformed)).
+//! 6. For each leaf: place its first vertex in float64 and the others from there in float32, so that rounding depends
+//!    on the leaf's extent, neither on the tree's nor on the eye's distance
+//!    ([`transformed`](TileFrustum::transformed)).
 //!
-//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005, for the
-//! planes; Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997, for the
-//! coordinates. It departs in the shear, which is that of `shape/triangle.rs`, and in the bounds.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005, for
+//! the planes; Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997,
+//! for the coordinates. It departs in the shear, which is that of `shape/triangle.rs`, and in the bounds.
 //!
 //! # Error bounds
 //!
@@ -32,24 +33,26 @@
 //!
 //! In all 7 e (`TILE_VERTEX`) and two shares of x.
 //!
-//! **X and Y** have four shares more, of the matrix' entry, the products and the sums; where pixels are skew, of numbers larger
-//! than X and Y (`skewness`). A side counts from a sample, and its part of the six shares is in `relative`. But X and Y count
-//! from the tile's middle, which is up to 7.5 pixels from a sample: 6 times 7.5 shares (`TILE_PIXEL`).
+//! **X and Y** have four shares more, of the matrix' entry, the products and the sums; where pixels are skew, of
+//! numbers larger than X and Y (`skewness`). A side counts from a sample, and its part of the six shares is in
+//! `relative`. But X and Y count from the tile's middle, which is up to 7.5 pixels from a sample: 6 times 7.5 shares
+//! (`TILE_PIXEL`).
 //!
 //! **Z** counts from the eye. It is off by the sum of these:
 //!
 //! - 7 e, as above;
 //! - 4 reaches, and three roundings of up to 4 reaches each: 16 reaches (`TILE_SIDEWAYS`);
-//! - between the corners of a triangle, seven roundings more and one of the error itself, of up to 2 reaches: 16 reaches.
+//! - between the corners of a triangle, seven roundings more and one of the error itself, of up to 2 reaches: 16
+//!   reaches.
 //!
 //! With an e of 2, that is 46 reaches at most (`TILE_DEPTH`).
 //!
-//! **A wrong Z** moves a vertex on the picture, in perspective: by its share of Z for each pixel from the tile's middle, where it
-//! moves nothing. For the 7.5 pixels of a sample the `lever` has 12. The `6 * skewness` beside it replace the 45 shares above:
-//! Z is at most two reaches, so 6 times 16 reaches are 48 shares of Z.
+//! **A wrong Z** moves a vertex on the picture, in perspective: by its share of Z for each pixel from the tile's
+//! middle, where it moves nothing. For the 7.5 pixels of a sample the `lever` has 12. The `6 * skewness` beside it
+//! replace the 45 shares above: Z is at most two reaches, so 6 times 16 reaches are 48 shares of Z.
 //!
-//! **A side** is a difference of two products of X and Y. Its `size` is how far the corners are from the sample along X and Y, both
-//! together. It is off by the sum of these:
+//! **A side** is a difference of two products of X and Y. Its `size` is how far the corners are from the sample along X
+//! and Y, both together. It is off by the sum of these:
 //!
 //! - twice the size times what X and Y are off, and a little for what is quadratic in that (`TILE_SIDE_BY_ERROR`);
 //! - 26 roundings of a product of X and Y, each a quarter of the size's square at most (`TILE_SIDE_BY_SIZE`);
@@ -96,7 +99,8 @@ pub(crate) struct TileFrustum {
     slope: [f32; 2],
     /// From sheared coordinates to X, Y and Z.
     rows: [[f32; 3]; 3],
-    /// The planes around the tile: normals along the axes of space, towards the inside, and the least that a point inside comes to.
+    /// The planes around the tile: normals along the axes of space, towards the inside, and the least that a point
+    /// inside comes to.
     planes: [([f32; 3], f32); 4],
     /// The gradient of the depth.
     depth: [f32; 3],
@@ -113,8 +117,8 @@ pub(crate) struct TileFrustum {
     pub(super) share: f32,
     /// What depths may be off.
     pub(super) depth_error: f32,
-    /// A side may be off by `(absolute + relative * size) * size`. A leaf adds its part to `absolute`. The size is how far the
-    /// corners are from a sample along X and Y at most, both together, times Z.
+    /// A side may be off by `(absolute + relative * size) * size`. A leaf adds its part to `absolute`. The size is how
+    /// far the corners are from a sample along X and Y at most, both together, times Z.
     absolute: f32,
     pub(super) relative: f32,
 }
@@ -163,8 +167,8 @@ impl TileFrustum {
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
         let blur = 4.0 * BLUR * (bundle.largest * space.scale + far + reach);
-        // What the rays themselves are off: in perspective at the tree's largest depth; if parallel in any direction, and so along
-        // the depth too.
+        // What the rays themselves are off: in perspective at the tree's largest depth; if parallel in any direction,
+        // and so along the depth too.
         let [x, y, depth] = rows.map(unsheared);
         let (off, off_along) = if bundle.is_perspective {
             let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
@@ -195,7 +199,8 @@ impl TileFrustum {
         };
         let skew = across_both * (sum(columns[0]) + sum(columns[1]));
         let fine = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
-        // Give up where X and Y may be off by a fifth of a pixel even at the tree's far side: most samples would be undecided.
+        // Give up where X and Y may be off by a fifth of a pixel even at the tree's far side: most samples would be
+        // undecided.
         let far_depth = if bundle.is_perspective {
             0.1 * sum(rows[2])
         } else {

@@ -1,13 +1,16 @@
-//! The triangles of a leaf into a tile's visibility buffer: which pixels meet which triangles, and where are these nearest?
+//! The triangles of a leaf into a tile's visibility buffer: which pixels meet which triangles, and where are these
+//! nearest?
 //!
-//! 1. Bring the leaf's vertices into the tile's coordinates (`frustum.rs`), and find the samples in each triangle's bounding box.
-//! 2. Set up the sides of all sixteen triangles' edges, a triangle in each lane. A side is linear in the sample's place.
+//! 1. Bring the leaf's vertices into the tile's coordinates (`frustum.rs`), and find the samples in each triangle's
+//!    bounding box.
+//! 2. Set up the sides of all sixteen triangles' edges, a triangle in each lane. A side is linear in the sample's
+//!    place.
 //! 3. Test the samples of triangles that have up to 2 x 2 of them, still a triangle in each lane (`raster/small.rs`).
 //! 4. Test larger triangles block by block of 4 x 4 pixels, a pixel in each lane (`raster/large.rs`).
 //! 5. Where the edge test and the depths leave open which triangle a pixel meets first, ask the [`ExactTest`].
 //!
-//! Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997. It departs in that
-//! every number has an error bound (see `frustum.rs`), and the exact test decides what lies within it.
+//! Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997. It departs in
+//! that every number has an error bound (see `frustum.rs`), and the exact test decides what lies within it.
 
 mod large;
 mod small;

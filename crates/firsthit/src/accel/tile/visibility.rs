@@ -11,8 +11,8 @@ use crate::simd::{LANES, Lanes};
 /// Pixels across and down a tile.
 pub(crate) const TILE: usize = BLOCK * BLOCK;
 
-/// Pixels across and down a block, and blocks across and down a tile. The blocks of a tile have a lane each, and so have the pixels of a
-/// block: row by row, from the left to the right.
+/// Pixels across and down a block, and blocks across and down a tile. The blocks of a tile have a lane each, and so
+/// have the pixels of a block: row by row, from the left to the right.
 pub(crate) const BLOCK: usize = 4;
 
 const _: () = assert!(BLOCK * BLOCK == LANES);

@@ -1,7 +1,8 @@
 //! Triangles whose bounding boxes hold more samples: block by block of 4 x 4 pixels, a pixel in each lane.
 //!
 //! 1. Take the blocks in which the bounding box has samples, and that have a pixel which is not nearer.
-//! 2. Leave out those that are beyond one of the edges, a block in each lane: a linear side is largest and smallest at corners.
+//! 2. Leave out those that are beyond one of the edges, a block in each lane: a linear side is largest and smallest at
+//!    corners.
 //! 3. Test the sixteen pixels of each block that is left, and put the triangle in where it is nearer.
 
 use super::{LeafRaster, RasterScratch};
