@@ -124,8 +124,8 @@ fn hits_lie_on_the_surface_and_in_the_bounds() {
     }
 }
 
-/// Seen from far away along `direction`, the distance to a shape is the distance to its supporting plane: the error falls off
-/// with the distance, and rounding grows with it.
+/// Seen from far away along `direction`, the distance to a shape is the distance to its supporting plane: the error
+/// falls off with the distance, and rounding grows with it.
 #[test]
 fn the_distance_from_far_away_is_that_to_the_supporting_plane() {
     const AWAY: f64 = 1e7;

@@ -1,17 +1,18 @@
-//! The exact test: does this ray meet this triangle, and where? It decides as exact arithmetic on the float64 numbers would.
+//! The exact test: does this ray meet this triangle, and where? It decides as exact arithmetic on the float64 numbers
+//! would.
 //!
-//! 1. Shear space so that the ray runs along one axis from the origin, and compute the sides of the three edges: twice the area that
-//!    the origin and an edge span.
+//! 1. Shear space so that the ray runs along one axis from the origin, and compute the sides of the three edges: twice
+//!    the area that the origin and an edge span.
 //! 2. Where two sides have different signs and both are larger than their rounding, the ray passes the triangle.
 //! 3. Where all sides have one sign and are larger than their rounding, it meets the triangle.
-//! 4. Elsewhere take the sign of each side from a determinant without rounding (`geometry/exact.rs`). The ray meets the triangle where no
-//!    two signs differ, and not all are zero.
+//! 4. Elsewhere take the sign of each side from a determinant without rounding (`geometry/exact.rs`). The ray meets the
+//!    triangle where no two signs differ, and not all are zero.
 //! 5. Compute where (`triangle/place.rs`).
 //!
 //! Edges and corners are part of a triangle, and neighbours agree about their edge. So no ray passes between them.
 //!
-//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013. It
-//! departs in step 4: there float64 decides for float32, and the sheared corners are rounded.
+//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013.
+//! It departs in step 4: there float64 decides for float32, and the sheared corners are rounded.
 //!
 //! # Error bounds
 //!
@@ -101,7 +102,8 @@ impl Shear {
         }
     }
 
-    /// The vertex relative to the ray: its coordinates across the ray, and the largest coordinate that they are computed from.
+    /// The vertex relative to the ray: its coordinates across the ray, and the largest coordinate that they are
+    /// computed from.
     #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {
         let relative = vertex - self.origin;
@@ -165,8 +167,8 @@ pub(crate) fn locate(
     }
 }
 
-/// Whether two `t` are so close that they do not tell which of the exact ones is smaller: each is within a unit in the last place of
-/// its exact one.
+/// Whether two `t` are so close that they do not tell which of the exact ones is smaller: each is within a unit in the
+/// last place of its exact one.
 #[inline(always)]
 pub(crate) fn are_close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().min(b.abs())
@@ -235,7 +237,8 @@ impl Doubtful {
     }
 }
 
-/// The corners across a ray along an axis, if float64 has them without rounding. Such rays are frequent: they are those of grids.
+/// The corners across a ray along an axis, if float64 has them without rounding. Such rays are frequent: they are those
+/// of grids.
 #[inline(always)]
 fn along_axis(d: &DoubleVector<f64>, corners: &[DoubleVector<f64>; 3]) -> Option<[DVec2; 3]> {
     let zeros = d.map(|part| part.high == 0.0);
@@ -273,8 +276,9 @@ fn side(p: DVec2, q: DVec2) -> f64 {
     }
 }
 
-/// [`side`] where both products round to the same number. What rounding took from each then decides, and a fused multiply-add gives that
-/// exactly. (Products that differ after rounding differ in the same way before it, since rounding is monotonic.)
+/// [`side`] where both products round to the same number. What rounding took from each then decides, and a fused
+/// multiply-add gives that exactly. (Products that differ after rounding differ in the same way before it, since
+/// rounding is monotonic.)
 #[cold]
 fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
     // What rounding took from a product this small may itself be too small for float64.

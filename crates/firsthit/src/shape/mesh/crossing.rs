@@ -10,8 +10,8 @@ impl Mesh {
         shear.intersect(self.corners(triangle))
     }
 
-    /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller nearest `t`, of
-    /// equal ones the lower triangle.
+    /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller
+    /// nearest `t`, of equal ones the lower triangle.
     #[inline]
     pub(crate) fn precedes(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
         if are_close(new.t, old.t) {

@@ -7,8 +7,8 @@
 //! 2. Where a bound says that this is not enough, [`Plane`] computes it in twice the digits.
 //! 3. Where that is not enough either, [`Meeting::exact`] computes `n.R` and `n.d` without rounding.
 //!
-//! In each step the weights come from the point at `t`, relative to corner 0 (`weights.rs`). `t` is the float64 nearest to the
-//! exact crossing, or one next to that.
+//! In each step the weights come from the point at `t`, relative to corner 0 (`weights.rs`). `t` is the float64 nearest
+//! to the exact crossing, or one next to that.
 
 #![allow(
     clippy::inline_always,
@@ -133,9 +133,9 @@ impl Meeting<f64> {
         let plane = Plane::new(Scalar, &self.corners);
         let (of_start, start) = plane.seen_from(Scalar, &self.origin);
         let (of_slope, t) = plane.t(Scalar, &start, &self.direction);
-        // `n.R` and `n.d` are off by 2^-57 of themselves (see `SURE`), so `t` is off by an eighth of a unit in the last place at
-        // most. `t.high` is the nearest where `t.low` is farther than that from half a unit. It is, by a sixth of a unit, where
-        // 1.5 times it still rounds to nothing.
+        // `n.R` and `n.d` are off by 2^-57 of themselves (see `SURE`), so `t` is off by an eighth of a unit in the last
+        // place at most. `t.high` is the nearest where `t.low` is farther than that from half a unit. It is, by a sixth
+        // of a unit, where 1.5 times it still rounds to nothing.
         let is_nearest = t.high + 1.5 * t.low == t.high;
         if of_start && of_slope && is_nearest {
             return t.high;

@@ -1,15 +1,15 @@
 //! A crossing in twice the digits of float64.
 //!
 //! 1. Compute `n = E x F`, `n.R` and `n.d` in twice the digits (`geometry/double.rs`).
-//! 2. Give up where one of the dot products is so small beside the vectors that too few digits are left (`SURE`), or where a
-//!    product would leave the range of float64.
+//! 2. Give up where one of the dot products is so small beside the vectors that too few digits are left (`SURE`), or
+//!    where a product would leave the range of float64.
 //! 3. Divide, in twice the digits: `t = n.R / n.d`.
 //! 4. Take the weights from `t d - R`, rounded to float64 (`weights.rs`).
 //!
 //! # Error bounds
 //!
-//! A dot product is off by less than 2^-98 of the product of the lengths. Where it is more than 2^-41 of that, it is off by less
-//! than 2^-57 of itself, and `t` by less than an eighth of a unit in float64's last place.
+//! A dot product is off by less than 2^-98 of the product of the lengths. Where it is more than 2^-41 of that, it is
+//! off by less than 2^-57 of itself, and `t` by less than an eighth of a unit in float64's last place.
 
 use super::weights::Edges;
 use super::{Place, Vector, high, plain_dot, power, splat, splat_double};
@@ -127,7 +127,8 @@ impl Start<f64> {
     }
 }
 
-/// The square of what a dot product must be at least, as a share of the product of the lengths; see the error bounds above.
+/// The square of what a dot product must be at least, as a share of the product of the lengths; see the error bounds
+/// above.
 const SURE: f64 = power(-82);
 
 /// Where a square is neither so large nor so small that products of these vectors leave the range of float64.
