@@ -1,6 +1,6 @@
 //! What every shape must do, by being in the list: a shape that is registered is tested here.
 //!
-//! The independent judge is the distance to the surface, written in another way than the intersection;
+//! The independent reference is the distance to the surface, written in another way than the intersection;
 //! walking along a ray by that distance (Hart, "Sphere Tracing", The Visual Computer 12, 1996) finds the
 //! first crossing without solving anything.
 
@@ -62,7 +62,7 @@ fn rays(shape: &Shape) -> Vec<Ray> {
     rays
 }
 
-/// What walking along a ray comes to.
+/// The end of a walk along a ray.
 enum Walk {
     Surface(f64),
     Nothing,
@@ -70,7 +70,7 @@ enum Walk {
     TooCloseToCall,
 }
 
-/// How far anybody walks.
+/// Where a walk along a ray ends.
 const FAR: f64 = 1e3;
 
 fn walk(shape: &Shape, ray: &Ray) -> Walk {

@@ -1,3 +1,5 @@
+//! What a kernel can do with lanes: the operations that every instruction set has.
+
 use bytemuck::Pod;
 
 use super::Kernel;

@@ -2,13 +2,13 @@
 
 use firsthit::{Camera, DAffine3, DVec3, Object, Ray, Scene, Sphere, Transform};
 
+use super::checked;
 use super::generators::{PLACES, placed, soup};
-use super::judged;
 use super::pixels::cameras;
 use super::support::{Numbers, mesh};
 
 /// A camera's rays in an array, as others make them: rounded, of any length, of a part of the picture, bent, and with
-/// rays among them that are nobody's pixel.
+/// rays among them that belong to no pixel.
 fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {
     let columns = if kind == 3 {
         16..camera.columns()
@@ -74,7 +74,7 @@ fn arrays_of_a_cameras_rays() {
         let middle = placed(&[DVec3::ZERO], scale, offset)[0];
         for (k, camera) in cameras(middle, scale, &mut numbers).iter().enumerate() {
             let rays = pixels(camera, (k + round as usize) % 8, &mut numbers);
-            hits += judged(&scene, &rays);
+            hits += checked(&scene, &rays);
         }
     }
     assert!(hits > 20_000, "{hits}");
@@ -103,12 +103,13 @@ fn arrays_of_grazing_parallel_rays() {
             let z = if k % 2 == 0 { jitter } else { -jitter };
             rays.push(Ray::new(DVec3::new(i, j, z), DVec3::new(1.0, 0.0, -slope)));
         }
-        hits += judged(&scene, &rays);
+        hits += checked(&scene, &rays);
     }
     assert!(hits > 3_000, "{hits}");
 }
 
-/// Rays that go a long way, a little aslant their grid: where an object is seen is not where it would be straight ahead.
+/// Rays that go a long way, a little aslant their grid: where an object is seen is not where it would be straight
+/// ahead.
 #[test]
 fn arrays_a_little_aslant() {
     let points = [[-1.0, 70.0, 0.0], [12.0, -5.0, 0.0], [12.0, 70.0, 0.0]].map(DVec3::from);
@@ -118,5 +119,5 @@ fn arrays_a_little_aslant() {
         Ray::new(start, DVec3::new(-5e-7, 0.0, -1.0))
     };
     let all: Vec<Ray> = (0..64 * 64).map(ray).collect();
-    assert!(judged(&scene, &all) > 100);
+    assert!(checked(&scene, &all) > 100);
 }

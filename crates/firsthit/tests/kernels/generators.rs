@@ -68,8 +68,9 @@ pub(super) fn rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Num
         .collect()
 }
 
-/// Short rays in all directions, many from a small place at a time, as ambient occlusion asks for: from just off corners
-/// and edges, to corners nearby and just short of them, along the axes. In some places there is one without an end.
+/// Short rays in all directions, many from a small place at a time, as ambient occlusion asks for: from just off
+/// corners and edges, to corners nearby and just short of them, along the axes. In some places there is one without an
+/// end.
 pub(super) fn short_rays(
     points: &[DVec3],
     scale: f64,

@@ -33,9 +33,9 @@ fn sets() -> impl Iterator<Item = InstructionSet> {
         .filter(|set| set.is_available())
 }
 
-/// Shoots `rays` with every instruction set and compares with the judge; returns how many hit. Then some of them once
+/// Shoots `rays` with every instruction set and compares with brute force; returns how many hit. Then some of them once
 /// more, which begin where they hit, just before, or anywhere.
-fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
+fn checked<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
     let hits = compared(scene, rays);
     let later = |(k, t): (usize, f64)| {
         let begin = [t, t.next_down(), 0.5 * t, 1.5 * t, -t, 1e30][k / 3 % 6];
@@ -48,31 +48,36 @@ fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
     hits.iter().filter(|hit| !hit.is_miss()).count()
 }
 
-/// The judge's hits, which are those of every instruction set.
+/// The hits of brute force, which are those of every instruction set.
 fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
-    let judge: Vec<Hit> = (0..rays.len())
+    let expected: Vec<Hit> = (0..rays.len())
         .map(|k| BruteForce.first_hit(scene, &rays.ray(k)))
         .collect();
-    let judged_counts = trace_with(&BruteForce, scene, rays, Count, &()).unwrap();
+    let expected_counts = trace_with(&BruteForce, scene, rays, Count, &()).unwrap();
     for set in sets() {
         let engine = Cpu::with(set);
         let hits = trace_with(&engine, scene, rays, First, &()).unwrap();
         let any = trace_with(&engine, scene, rays, Any, &()).unwrap();
         let counts = trace_with(&engine, scene, rays, Count, &()).unwrap();
-        for (k, judge) in judge.iter().enumerate() {
+        for (k, expected) in expected.iter().enumerate() {
             let (ray, hit) = (rays.ray(k), hits.get(k));
-            let what = || format!("{set:?} {k} {ray:?}: {hit:?}, the judge says {judge:?}");
-            assert_eq!(bits(&hit), bits(judge), "{}", what());
-            assert_eq!(any[k], !judge.is_miss(), "any hit: {}", what());
-            assert_eq!(counts[k], judged_counts[k], "count: {}", what());
+            let what = || format!("{set:?} {k} {ray:?}: {hit:?}, brute force says {expected:?}");
+            assert_eq!(bits(&hit), bits(expected), "{}", what());
+            assert_eq!(any[k], !expected.is_miss(), "any hit: {}", what());
+            assert_eq!(counts[k], expected_counts[k], "count: {}", what());
             if k % 64 == 0 {
-                assert_eq!(engine.any_hit(scene, &ray), !judge.is_miss(), "{}", what());
+                assert_eq!(
+                    engine.any_hit(scene, &ray),
+                    !expected.is_miss(),
+                    "{}",
+                    what()
+                );
                 let alone = engine.first_hit(scene, &ray);
-                assert_eq!(bits(&alone), bits(judge), "alone: {}", what());
+                assert_eq!(bits(&alone), bits(expected), "alone: {}", what());
             }
         }
     }
-    judge
+    expected
 }
 
 /// Rounds of soups of every scale at every place; `rays_each` rays for each, and half as many short ones.
@@ -103,9 +108,9 @@ fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
         }
         let scene = Scene::new(vec![object]).unwrap();
         let rays = rays(&points, scale, rays_each, &mut numbers);
-        judged(&scene, &rays);
+        checked(&scene, &rays);
         let short = short_rays(&points, scale, rays_each / 2 - 5, &mut numbers);
-        judged(&scene, &short);
+        checked(&scene, &short);
         shot += rays.len() + short.len();
     }
     shot
@@ -131,7 +136,7 @@ fn short_rays_from_neighbours() {
         let mesh = mesh(&points, triangles);
         let one = Scene::new(vec![Object::new(mesh.clone())]).unwrap();
         let rays = short_rays(&points, scale, 3990, &mut numbers);
-        let met = judged(&one, &rays);
+        let met = checked(&one, &rays);
         assert!(met > rays.len() / 8 && met < rays.len(), "{met}");
         if round < 3 {
             let turn = DAffine3::from_rotation_z(0.4);
@@ -139,7 +144,7 @@ fn short_rays_from_neighbours() {
             let placed = Transform::new(aside).unwrap();
             let objects = vec![Object::new(mesh.clone()), Object::new(mesh).placed(placed)];
             let rays = &rays[..1000];
-            judged(&Scene::new(objects).unwrap(), rays);
+            checked(&Scene::new(objects).unwrap(), rays);
         }
     }
 }
@@ -170,7 +175,7 @@ fn sheets_seen_almost_along_them() {
                 Ray::new(place - (0.5 + numbers.unit()) * direction, direction)
             })
             .collect();
-        hits += judged(&Scene::new(objects).unwrap(), &rays);
+        hits += checked(&Scene::new(objects).unwrap(), &rays);
     }
     assert!(hits > 70_000, "{hits}");
 }
@@ -193,7 +198,7 @@ fn soak() {
     }
 }
 
-/// So far away that float64 cannot bring the ray near, yet the judge says it hits.
+/// So far away that float64 cannot bring the ray near, yet exact arithmetic says it hits.
 #[test]
 fn rays_from_very_far_away() {
     let points = [
@@ -226,7 +231,7 @@ fn rays_from_very_far_away() {
         rays.push(Ray::new(points[0] - way, way));
         rays.push(Ray::new(0.3 * points[1] - way, way.normalize()).up_to(way.length() * 2.0));
     }
-    assert!(judged(&scene, &rays) > 0);
+    assert!(checked(&scene, &rays) > 0);
 }
 
 fn hash(hits: &Hits) -> u64 {
@@ -293,7 +298,7 @@ fn points_are_not_met() {
                 Ray::new(origin, numbers.point() - origin)
             }));
         }
-        judged(&scene, &all);
+        checked(&scene, &all);
     }
 }
 
@@ -333,9 +338,9 @@ fn of_copies_in_one_place_the_lowest_is_met() {
         ball,
     ];
     let scene = Scene::new(objects).unwrap();
-    let mut hits = judged(&scene, &rays(&points, 1.0, 400, &mut numbers));
+    let mut hits = checked(&scene, &rays(&points, 1.0, 400, &mut numbers));
     for camera in &pixels::cameras(DVec3::ZERO, 1.5, &mut numbers)[..3] {
-        hits += judged(&scene, camera);
+        hits += checked(&scene, camera);
     }
     assert!(hits > 1_000, "{hits}");
 }

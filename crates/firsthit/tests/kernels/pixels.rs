@@ -10,7 +10,7 @@ use firsthit::{
 
 use super::generators::{PLACES, placed, rays, soup};
 use super::support::{Numbers, bits, bumpy_sphere, mesh};
-use super::{judged, sets};
+use super::{checked, sets};
 
 pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
     let mut cameras = Vec::new();
@@ -71,7 +71,7 @@ fn cameras_on_soups() {
             scale,
             &mut numbers,
         ) {
-            hits += judged(&scene, &camera);
+            hits += checked(&scene, &camera);
         }
     }
     assert!(hits > 20_000, "{hits}");
@@ -113,7 +113,7 @@ fn cameras_whose_directions_have_tiny_parts() {
                     ..view
                 })
                 .unwrap();
-                hits += judged(&scene, &camera);
+                hits += checked(&scene, &camera);
             }
         }
     }
@@ -141,11 +141,11 @@ fn cameras_on_instances_transforms_and_other_shapes() {
     let meshes = Scene::new(objects[1..26].to_vec()).unwrap();
     let mut hits = 0;
     for camera in cameras(DVec3::ZERO, 1.5, &mut numbers) {
-        hits += judged(&mixed, &camera) + judged(&meshes, &camera);
+        hits += checked(&mixed, &camera) + checked(&meshes, &camera);
     }
     let one = Scene::new(vec![objects[1].clone()]).unwrap();
     let rays = rays(&points, 1.0, 3000, &mut numbers);
-    hits += judged(&mixed, &rays) + judged(&meshes, &rays) + judged(&one, &rays);
+    hits += checked(&mixed, &rays) + checked(&meshes, &rays) + checked(&one, &rays);
     assert!(hits > 5_000, "{hits}");
 }
 
@@ -179,7 +179,7 @@ fn a_grid_looked_at_through_its_corners() {
         ..View::default()
     };
     let camera = Camera::new(view).unwrap();
-    assert_eq!(judged(&scene, &camera), camera.pixels());
+    assert_eq!(checked(&scene, &camera), camera.pixels());
     let perspective = View {
         lens: Lens::Flat(Viewplane {
             parallel: false,
@@ -188,11 +188,11 @@ fn a_grid_looked_at_through_its_corners() {
         ..view
     };
     let camera = Camera::new(perspective).unwrap();
-    assert_eq!(judged(&scene, &camera), camera.pixels());
+    assert_eq!(checked(&scene, &camera), camera.pixels());
 }
 
-/// A small part of a large mesh through a long lens: what float32 takes from a coordinate is seen there, be the rest of the
-/// mesh in other leaves of the tree or in the same one.
+/// A small part of a large mesh through a long lens: what float32 takes from a coordinate is seen there, be the rest of
+/// the mesh in other leaves of the tree or in the same one.
 #[test]
 fn small_triangles_of_a_large_mesh() {
     const CELL: f64 = 0.24;
@@ -237,7 +237,7 @@ fn small_triangles_of_a_large_mesh() {
                 ray_start: RayStart::Eye,
             }),
         };
-        hits += judged(&scene, &Camera::new(view).unwrap());
+        hits += checked(&scene, &Camera::new(view).unwrap());
     }
     assert!(hits > 60_000, "{hits}");
 }
@@ -290,7 +290,7 @@ fn a_hit_that_was_missed() {
     };
     let points = points.map(DVec3::from);
     let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
-    assert_eq!(judged(&scene, &Camera::new(view).unwrap()), 1);
+    assert_eq!(checked(&scene, &Camera::new(view).unwrap()), 1);
 }
 
 /// Such pixels, whose ray all but meets an edge.
@@ -323,7 +323,7 @@ fn triangles_smaller_than_a_pixel() {
         let ray = Camera::new(view).unwrap().ray(row, column);
         view.position += edge - (ray.origin + 30.0 * ray.direction);
         let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
-        hits += judged(&scene, &Camera::new(view).unwrap());
+        hits += checked(&scene, &Camera::new(view).unwrap());
     }
     assert!(hits > 150, "{hits}");
 }
@@ -360,7 +360,7 @@ fn meshes_with_other_orders_side_by_side() {
         let rays: Vec<Ray> = (0..columns * columns / 2)
             .map(|k| camera.ray(k / columns, k % columns))
             .collect();
-        hits += judged(&scene, &camera) + judged(&scene, &rays);
+        hits += checked(&scene, &camera) + checked(&scene, &rays);
     }
     assert!(hits > 5_000, "{hits}");
 }
