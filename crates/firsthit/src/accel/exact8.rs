@@ -7,11 +7,12 @@
 //! 3. Where that says that float64 is not enough for a lane, compute it in twice the digits, in lanes too.
 //! 4. Leave the lanes for which that is not enough to the caller, who takes `shape/triangle.rs`.
 //!
-//! Where many rays meet one triangle ([`SharedTriangle`]), what depends on the triangle alone is computed once.
+//! Where many rays meet one triangle ([`SharedTriangle`]), the numbers that depend on the triangle alone are computed
+//! once.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "of chains of iterators over registers the compiler makes copies in memory"
+    reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
 use super::mesh_tree::MeshTree;

@@ -10,8 +10,8 @@
 //!    certain, else from its nearest to its farthest corner.
 //!
 //! The test is the exact one's: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer
-//! Graphics Techniques 2(1), 2013. It departs in that every number has an error bound, and what a bound leaves open is
-//! for `shape/triangle.rs`.
+//! Graphics Techniques 2(1), 2013. It departs in that every number has an error bound. Where a bound leaves the answer
+//! open, `shape/triangle.rs` decides.
 //!
 //! # Error bounds
 //!

@@ -37,7 +37,7 @@ pub(super) struct Binary {
     pub(super) order: Vec<u32>,
 }
 
-/// What the builder has to know about the items.
+/// The properties of the items that the builder needs.
 pub(super) trait Kind: Sync {
     /// How many items a ray tests at once.
     fn block(&self) -> Block;

@@ -168,7 +168,7 @@ impl Bin {
         }
     }
 
-    /// What a ray that meets the parent is expected to cost here, but for a factor that all bins share.
+    /// The expected cost of a ray that meets the parent, but for a factor that all bins share.
     #[inline(always)]
     fn cost(self, Block(bits): Block) -> f64 {
         if self.count == 0 {

@@ -1,6 +1,6 @@
-//! Makes a tree of 16-wide nodes of a binary tree, so that the surfaces of all wide nodes come to the least.
+//! Makes a tree of 16-wide nodes of a binary tree: the one with the smallest sum of the surfaces of all wide nodes.
 //!
-//! The sum of the surfaces, as shares of the root's, is how many nodes a ray visits on average.
+//! As a multiple of the root's surface, that sum is how many nodes a ray visits on average.
 //!
 //! 1. From the leaves up: for each binary node and each number of places from 1 to 16, find what its subtree costs at
 //!    least if it takes up that many places among the children of a wide node (dynamic programming). With one place it

@@ -1,13 +1,13 @@
 //! Sixteen rays from the world into the space of an object, eight at a time.
 //!
 //! 1. Test that each ray is an ordinary one: valid, ahead of its origin, and with a direction that can be squared.
-//! 2. Transform its origin and its direction, operation for operation as [`Transform::ray_in_object`] does: to the same
-//!    bits.
-//! 3. Test the same of what comes out.
+//! 2. Transform its origin and its direction, operation for operation as [`Transform::ray_in_object`] does, so that the
+//!    bits are the same.
+//! 3. Test the transformed rays in the same way.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "of chains of iterators over registers the compiler makes copies in memory"
+    reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
 use super::packet::{Packet, largest_of, of, of_mut, vector};
@@ -15,8 +15,8 @@ use crate::geometry::{DMat3, Ray, Transform};
 use crate::simd::Lanes;
 
 impl Packet {
-    /// Takes world rays into an object's space, and says which of them are as nearly all are: valid in both, ahead of
-    /// their origins, and with a direction that can be squared. What becomes of others is of no use.
+    /// Takes world rays into an object's space. Returns the ordinary ones: valid in both spaces, ahead of their
+    /// origins, and with a direction that can be squared. The others are undefined afterwards.
     #[inline(always)]
     pub(crate) fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u16 {
         u16::from_le_bytes([

@@ -1,7 +1,7 @@
 //! Where a packet's rays begin and end, as depths in float32.
 //!
 //! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was moved by, both in
-//! float64. [`Limits`] are that depth less and more what it, and the depth of a hit at `t`, may be off: so each errs on
+//! float64. [`Limits`] are that depth, less or plus its error and that of the depth of a hit at `t`. So each errs on
 //! its safe side.
 //!
 //! # Error bounds
@@ -35,7 +35,7 @@ impl Packet {
         let error = l.add64(rounding.share(l, DEPTH), blur);
         l.store_narrowed(error, of_mut(&mut self.depth_error, half));
         let zero = l.splat64(0.0);
-        // The depth at a parameter: less what it may be off, and more.
+        // The depth at a parameter, less its error and plus its error.
         macro_rules! ends {
             ($t:expr) => {{
                 let depth = l.mul64($t, l.load64(of(&self.depth_per_t, half)));

@@ -1,7 +1,7 @@
 //! Sixteen rays in lanes: as they are, and as the tree of a mesh sees them.
 //!
 //! `enter.rs` takes them into the space of an object, `prepare.rs` makes them ready for its tree, and `limits.rs` says
-//! where they begin and end. [`TreeRay`] has the meaning of what they are made ready with.
+//! where they begin and end. [`TreeRay`] is one of them, with the meaning of its numbers.
 
 use super::tree_ray::TreeRay;
 use crate::geometry::{DVec3, Ray};
@@ -31,7 +31,7 @@ pub(crate) struct Packet {
     pub(in crate::accel) inverse: [[f32; RAYS]; 3],
     pub(in crate::accel) ends: [[[f32; RAYS]; 2]; 3],
 
-    /// What the depth of a hit may be off in float32, whatever the depth.
+    /// The error of the depth of a hit in float32, at any depth.
     pub(super) depth_error: [f32; RAYS],
     /// [`Limits::last`](super::limits::Limits::last).
     pub(in crate::accel) limit: [f32; RAYS],

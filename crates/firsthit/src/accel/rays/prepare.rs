@@ -1,5 +1,5 @@
-//! Makes sixteen rays ready for the tree of a mesh, eight at a time: see [`TreeRay`](super::tree_ray::TreeRay) for what
-//! comes out.
+//! Makes sixteen rays ready for the tree of a mesh, eight at a time: [`TreeRay`](super::tree_ray::TreeRay) says what
+//! the numbers mean.
 //!
 //! 1. Find the axis along which the direction is longest. The others come first, so that slopes are at most 1.
 //! 2. Bring the start into the tree's space. If it is farther away than `FAR`, move it along the ray, in float64, to
@@ -19,11 +19,11 @@
 //! - 1: the product of a plane with that, and 1: the difference of both;
 //! - 1: the vertices, rounded to float32 when the tree is made.
 //!
-//! These are 6, of which `BOX` is twice as much.
+//! These are 6; `BOX` allows 12.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "of chains of iterators over registers the compiler makes copies in memory"
+    reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
 use super::packet::{Packet, RAYS, largest_of, of_mut, vector};

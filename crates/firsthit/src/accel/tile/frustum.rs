@@ -86,7 +86,7 @@ pub(crate) struct TileCamera {
     pub(crate) start_depth: f64,
     /// The largest of the numbers that these were computed from, for their rounding.
     pub(crate) largest: f64,
-    /// What the rays may be off, in pixels.
+    /// The largest error of a ray, in pixels.
     pub(crate) off: f64,
 }
 
@@ -110,15 +110,15 @@ pub(crate) struct TileFrustum {
     pub(super) start_depth: f32,
     /// The depth that the eye of parallel rays was moved by.
     slid: f32,
-    /// What X and Y may be off, and how much more for each unit of a leaf's extent; a wrong Z included.
+    /// The error of X and Y, and its increase for each unit of a leaf's extent; that by a wrong Z is included.
     error: f32,
     error_per_extent: f32,
-    /// What they may be off as a share of Z, in perspective.
+    /// Their error as a share of Z, in perspective.
     pub(super) share: f32,
-    /// What depths may be off.
+    /// The error of a depth.
     pub(super) depth_error: f32,
-    /// A side may be off by `(absolute + relative * size) * size`. A leaf adds its part to `absolute`. The size is how
-    /// far the corners are from a sample along X and Y at most, both together, times Z.
+    /// The error of a side is `(absolute + relative * size) * size`. A leaf adds its part to `absolute`. The size is
+    /// how far the corners are from a sample along X and Y at most, both together, times Z.
     absolute: f32,
     pub(super) relative: f32,
 }
@@ -167,8 +167,8 @@ impl TileFrustum {
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
         let blur = 4.0 * BLUR * (bundle.largest * space.scale + far + reach);
-        // What the rays themselves are off: in perspective at the tree's largest depth; if parallel in any direction,
-        // and so along the depth too.
+        // The error of the rays themselves. In perspective it is largest at the tree's largest depth. Of parallel rays
+        // it has any direction, so it counts along the depth too.
         let [x, y, depth] = rows.map(unsheared);
         let (off, off_along) = if bundle.is_perspective {
             let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
@@ -297,13 +297,13 @@ impl TileFrustum {
         [row(0), row(1), l.add(row(2), l.splat(self.slid))]
     }
 
-    /// What X and Y of a leaf's vertices may be off.
+    /// The error of X and Y of a leaf's vertices.
     #[inline(always)]
     pub(super) fn error(&self, leaf: &Meshlet) -> f32 {
         self.error + self.error_per_extent * leaf.extent
     }
 
-    /// The first part of what the sides of a leaf's triangles may be off; see [`Self::relative`].
+    /// The first part of the error of a side of a leaf's triangles; see [`Self::relative`].
     #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,

@@ -49,7 +49,8 @@ struct Edges {
     down: [[f32; LANES]; 3],
 }
 
-/// The leaf's triangles in arrays, to take single ones from. What a leaf has not written is left from another.
+/// The leaf's triangles in arrays, to take single ones from. Entries that a leaf does not write are those of an earlier
+/// leaf.
 #[repr(C, align(64))]
 #[derive(Debug, Default)]
 pub(super) struct RasterScratch {
@@ -138,7 +139,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
         let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
         let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
-        // What sides may be off at samples up to so many pixels from the triangle's first one.
+        // The bound of the sides at samples up to so many pixels from the triangle's first sample.
         macro_rules! bound_within {
             ($across:expr, $down:expr) => {{
                 let size = l.mul_add(l.add($across, $down), h, l.add(x, y));

@@ -11,16 +11,15 @@
 //!
 //! # Error bounds
 //!
-//! A sum of two numbers of twice the digits is off by a share of 2^-100 (`SHARE`) of what is added up: they have 106
-//! bits, six of which are for the up to 24 sums. What that comes to across the ray is the blur of the ray that is
-//! traversed.
+//! A sum of two numbers of twice the digits is off by a share of 2^-100 (`SHARE`) of its terms: they have 106 bits, six
+//! of which are for the up to 24 sums. The part of that error across the ray is the blur of the ray that is traversed.
 
 use crate::accel::space::Space;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, between, product, sum};
 use crate::geometry::{DVec3, Ray};
 
-/// What a sum in twice the digits may be off, as a share of what is added up.
+/// The error of a sum in twice the digits, as a share of its terms.
 const SHARE: f64 = f64::from_bits((1023 - 100) << 52);
 
 /// How many steps lead to the tree at most: each shortens the rest by 50 bits, and the start is at most 2^1000 away.
@@ -30,7 +29,7 @@ const STEPS: usize = 24;
 pub(super) enum Approach {
     /// It passes the tree.
     Past,
-    /// As a ray that begins near the tree, and what that is off across its direction, in units of the tree.
+    /// As a ray that begins near the tree, with its error across its direction, in units of the tree.
     Near(Ray, f64),
     /// At a place that rounding leaves open.
     Somewhere,
@@ -83,8 +82,8 @@ impl Approach {
             return Self::Somewhere;
         }
         let direction = d / d.abs().max_element();
-        // An error along the ray does no harm, since the place stays on the ray and near the tree. Only what it comes
-        // to across counts.
+        // An error along the ray does no harm: the place stays on the ray, and near the tree. Only its part across
+        // counts.
         let main = (0..3).find(|&k| direction[k].abs() == 1.0);
         let along = main.map_or(f64::INFINITY, |main| error[main]);
         let across = (0..3).filter(|&k| Some(k) != main);

@@ -9,8 +9,8 @@
 //! 4. Make two more planes, nearly parallel, along a direction across which the rays are much the same. Neighbours
 //!    often lie in a plane: the pixels of a row, and what a row sees, seen from a light. The direction is taken from
 //!    the first and the last ray.
-//! 5. Move all planes outwards by what rounding comes to.
-//! 6. A box is within the planes if its corner that is farthest towards the inside of each plane is.
+//! 5. Move all planes outwards by a margin for rounding.
+//! 6. Keep a box if for each plane the corner that is farthest inside is inside.
 //!
 //! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It
 //! departs in the planes of step 4.
@@ -44,8 +44,7 @@
 //! - 40: a start, twice the 20 above; 12: its own rounding; 8: that of `between`;
 //! - 20: a vertex, by three differences, three products, two sums and a share of the spread.
 //!
-//! These are 80, of which `PACKET_NORMAL` allows twice as much. Slopes are off by 9 in all, of which `PACKET_SPREAD`
-//! allows 16.
+//! These are 80; `PACKET_NORMAL` allows 160. Slopes are off by 9 in all; `PACKET_SPREAD` allows 16.
 
 use super::mesh_packet::{FEWEST, MeshPacket};
 use crate::accel::bounds::{
@@ -73,9 +72,9 @@ pub(super) struct PacketFrustum {
     pub(super) behind: Aligned<[f32; RAYS]>,
     /// How far the planes are moved outwards.
     pub(super) margin: f32,
-    /// What a sheared coordinate may be off, whatever its depth.
+    /// The error of a sheared coordinate, at any depth.
     pub(super) error: f32,
-    /// What a depth may be off, whatever it is.
+    /// The error of a depth, at any depth.
     pub(super) depth_error: f32,
     /// The normal of the two planes of step 4: its parts along x and y, at most 1, and minus its part along the depth.
     pub(super) normal: [f32; 2],

@@ -1,7 +1,7 @@
 //! A leaf and a packet's frustum: which of the leaf's triangles may the rays meet, and which ray meets which of them?
 //!
 //! 1. Test the leaf's sixteen triangles against the planes of the frustum, a triangle in each lane.
-//! 2. Bound what the sides of their edges may be off, for rays inside each triangle and for all rays.
+//! 2. Bound the error of the sides of their edges, for rays inside each triangle and for all rays.
 //! 3. Test each triangle that is left against the sixteen rays, a ray in each lane (`edges.rs`).
 //! 4. Show each triangle that a ray may meet to the query of the ray.
 //!
@@ -28,7 +28,7 @@ pub(super) struct LeafView {
     x: [f32; LANES],
     y: [f32; LANES],
     depth: [f32; LANES],
-    // For each triangle: its nearest and farthest depth, and what a side may be off, for rays inside it and for all
+    // For each triangle: its nearest and farthest depth, and the bound of its sides, for rays inside it and for all
     // rays.
     nearest: [f32; LANES],
     farthest: [f32; LANES],

@@ -47,7 +47,7 @@ impl InFlight {
     }
 }
 
-/// What a ray has still to visit.
+/// The nodes and leaves that a ray has still to visit.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 struct WorkList {

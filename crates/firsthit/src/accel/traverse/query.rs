@@ -1,4 +1,4 @@
-//! What a traversal of one mesh is asked for, and where the answers go.
+//! The queries that a traversal of one mesh answers, and the sink for the answers.
 //!
 //! A traversal finds leaves; [`filter`](crate::accel::filter) says which triangles of a leaf a ray may meet, and
 //! between which depths. A [`Visitor`] sees these candidates and narrows the ray. A [`MeshQuery`] is a visitor with an

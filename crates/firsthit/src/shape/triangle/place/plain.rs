@@ -4,7 +4,7 @@
 //!    origin compared with its size.
 //! 2. Compute `r = t d - R`, which leads from corner 0 to the point at `t`. The point is in the triangle, so `r` is no
 //!    longer than the triangle's longer edge, however far away the origin is: its error is small.
-//! 3. In the plane `n.r` is zero. Subtract `n.r / n.d`, what it is instead, from `t`.
+//! 3. In the plane `n.r` would be zero. Subtract `n.r / n.d` from `t`, and correct `r` likewise.
 //! 4. Take the weights from `r` (`weights.rs`).
 //!
 //! This is one step of iterative refinement: Wilkinson, "Rounding Errors in Algebraic Processes", Her Majesty's

@@ -8,7 +8,7 @@
 use super::{Vector, minus, plain_cross, plain_dot, splat};
 use crate::geometry::arithmetic::Arithmetic;
 
-/// What the weights of a point in a triangle are computed from.
+/// The numbers of a triangle that weights are computed from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edges<N> {
     /// `E` and `F`.
