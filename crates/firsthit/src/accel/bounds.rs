@@ -21,9 +21,10 @@
 //! # Tests
 //!
 //! A bound that is too small loses a hit, or takes a miss for one. `tests/kernels` compares every kernel with brute
-//! force, bit by bit. "Too small" names its tests that fail when the constant is multiplied by 3/4, 1/2, 1/4, 1/10 or
-//! 0, and the largest such factor. The bounds are for the worst case, which random rays hardly come near: mostly it is
-//! 0. Where no test fails, others make up for the constant or only its derivation stands for it.
+//! force, bit by bit, and a test in `filter.rs` compares that with the exact test. "Too small" names the tests that
+//! fail when the constant is multiplied by 3/4, 1/2, 1/4, 1/10 or 0, and the largest such factor. The bounds are for
+//! the worst case, which random rays hardly come near: mostly it is 0. Where no test fails, others make up for the
+//! constant, or only its derivation stands for it.
 //!
 //! # Bounds elsewhere
 //!
@@ -116,7 +117,7 @@ pub(super) const MEAN_BY_SIZE: f32 = 9.0 * U;
 /// The error of a corner's depth, as a share of that; of the depths of `t_min` and `t_max`, as a share of the reach.
 ///
 /// Used in `filter.rs`, `rays/limits.rs`, `traverse/frustum.rs` and `traverse/frustum_leaf.rs`.
-/// Too small: no test, not even at 0.
+/// Too small: `the_filter_agrees_with_the_exact_test`, at 0.
 pub(super) const DEPTH: f32 = 24.0 * U;
 
 /// The error of a depth that is rounded from float64, as a share of it.

@@ -150,3 +150,104 @@ pub(super) fn filter<L: Lanes>(
         high,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::mesh_tree::MeshTree;
+    use crate::accel::rays::packet::Packet;
+    use crate::geometry::{DVec3, Ray};
+    use crate::shape::triangle::Shear;
+    use crate::shape::{Mesh, Positions};
+    use crate::simd::{self, InstructionSet, Kernel, LANES};
+
+    /// A ray that starts near a tree.
+    struct Checked<'a>(&'a MeshTree, &'a Mesh, Ray);
+
+    impl Kernel for Checked<'_> {
+        type Output = usize;
+
+        /// Compares the filter with the exact test, and returns how many triangles the ray meets.
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> usize {
+            let Self(tree, mesh, ray) = self;
+            let mut packet = Packet::default();
+            packet.put(0, &ray);
+            packet.prepare(l, tree, 1);
+            let tree_ray = packet.tree_ray(0);
+            let depth_per_t = ray.direction.abs().max_element() * tree.space.scale;
+            let mut met = 0;
+            for leaf in &tree.leaves {
+                let found = filter(l, &tree_ray, leaf, f32::INFINITY);
+                let [mut lows, mut highs] = [[0.0; LANES]; 2];
+                let [mut possible, mut certain] = [0; 2];
+                if let Some(found) = found {
+                    l.store(found.low, &mut lows);
+                    l.store(found.high, &mut highs);
+                    (possible, certain) = (found.possible, found.certain);
+                }
+                for lane in 0..leaf.filled.count_ones() as usize {
+                    let triangle = tree.triangle(leaf, lane) as usize;
+                    let hit = mesh.intersect_triangle(triangle, &Shear::new(&ray));
+                    let [is_possible, is_certain] = [possible, certain].map(|m| m >> lane & 1 == 1);
+                    let Some(hit) = hit.filter(|hit| hit.t > 0.0) else {
+                        let is_wrong = is_possible && is_certain && lows[lane] > 0.0;
+                        assert!(!is_wrong, "certain, and not met: {ray:?} {triangle}");
+                        continue;
+                    };
+                    met += 1;
+                    assert!(is_possible, "met, and left out: {ray:?} {triangle}");
+                    let depth = hit.t * depth_per_t;
+                    let (low, high) = (f64::from(lows[lane]), f64::from(highs[lane]));
+                    let is_between = low <= depth && depth <= high;
+                    assert!(is_between, "{low} {depth} {high}: {ray:?} {triangle}");
+                }
+            }
+            met
+        }
+    }
+
+    /// Rays aimed at edges and off them by a few roundings of float32, at triangles of all slopes and sizes.
+    #[test]
+    fn the_filter_agrees_with_the_exact_test() {
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut point = || DVec3::new(unit(), unit(), unit());
+        let mut met = [0; 3];
+        for round in 0..200 {
+            let corners: Vec<DVec3> = (0..16)
+                .flat_map(|k| {
+                    let (middle, size) = (point(), [1.0, 0.2, 0.01, 1e-4][k % 4]);
+                    [middle, middle + size * point(), middle + size * point()]
+                })
+                .collect();
+            let positions = corners.iter().map(|p| p.as_vec3().as_dvec3().to_array());
+            let triangles = (0..16).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            let mesh = Mesh::new(Positions::compact(positions.collect()), triangles).unwrap();
+            let tree = MeshTree::build(&mesh);
+            for k in 0..160 {
+                let [a, b, c] = mesh.corners(k % 16);
+                let share = 0.5 + 0.5 * point().x;
+                let off = [0.0, 1e-8, 1e-7, 1e-6][round % 4] * point();
+                let aim = a.lerp(b, share).lerp(c, [0.0, 0.0, 0.3][k % 3]) + off;
+                let mut origin = [1.0, 3.0, 8.0][k / 3 % 3] * point();
+                if k % 5 == 0 {
+                    // Nearly in the triangle's plane.
+                    origin = c.lerp(a, 3.0) + 1e-2 * point();
+                }
+                let ray = Ray::new(origin, aim - origin);
+                for (set, met) in InstructionSet::ALL.into_iter().zip(&mut met) {
+                    if set.is_available() {
+                        *met += simd::run(set, Checked(&tree, &mesh, ray));
+                    }
+                }
+            }
+        }
+        assert!(met[0] > 20_000, "{met:?}");
+    }
+}
