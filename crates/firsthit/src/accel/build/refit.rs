@@ -30,7 +30,8 @@ type Ends = [[f32; 2]; 3];
 
 impl MeshTree {
     /// The tree of `mesh`, which has the triangles of this tree's mesh, with their vertices elsewhere. `None` where the
-    /// tree must be built anew: see [the module](self), and where it left out triangles that were in one place.
+    /// tree must be built anew: where a ray would cost half as much again as when it was built, where vertices of a leaf
+    /// have parted and are too many for it, and where the tree left out triangles that were in one place.
     pub fn refit(&self, mesh: &Mesh) -> Option<Self> {
         // Where triangles were in one place, only the first of them is in the tree.
         let known = self.leaves.iter().map(|leaf| leaf.filled.count_ones());
