@@ -7,11 +7,8 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
-mod support;
-
 use firsthit::camera::Equirectangular;
-use firsthit::{Bounds, Camera, DVec2, DVec3, Lens, RayStart, View, Viewplane};
-use support::seen;
+use firsthit::{Camera, DVec2, DVec3, Lens, RayStart, View, Viewplane};
 
 fn close(a: DVec3, b: DVec3) -> bool {
     (a - b).length() < 1e-14 * (1.0 + a.length())
@@ -226,83 +223,6 @@ fn look_at_has_its_field_of_view_between_the_edges() {
     assert_eq!(camera.aim(), DVec3::NEG_Z);
 }
 
-/// The support function of a box.
-fn support_of(bounds: Bounds) -> impl Fn(DVec3) -> f64 {
-    move |direction| {
-        let along = bounds.corners().map(|corner| corner.dot(direction));
-        along.into_iter().fold(f64::NEG_INFINITY, f64::max)
-    }
-}
-
-#[test]
-fn framing_touches_the_margin_on_opposite_sides_and_centres_the_rest() {
-    let bounds = Bounds::of([DVec3::new(-3.0, 10.0, 2.0), DVec3::new(5.0, 11.0, 8.0)]);
-    let aims = [
-        DVec3::new(0.3, -1.0, 0.4),
-        DVec3::new(1.0, 0.2, -0.1),
-        DVec3::Y,
-        DVec3::new(-3.0, 0.01, 0.02),
-    ];
-    for parallel in [false, true] {
-        for aim in aims {
-            for (rows, columns) in [(480, 640), (100, 1000), (900, 300)] {
-                let view = View {
-                    aim,
-                    up: DVec3::Z,
-                    rows,
-                    columns,
-                    lens: Lens::Flat(Viewplane {
-                        parallel,
-                        ..Viewplane::with_vertical_fov(45.0, rows, columns).unwrap()
-                    }),
-                    ..View::default()
-                };
-                let camera = Camera::framing(view, support_of(bounds)).unwrap();
-                let corners = bounds.corners().map(|corner| seen(&camera, corner));
-                let low = corners.into_iter().fold(DVec2::INFINITY, DVec2::min);
-                let high = corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
-                let told = format!("{parallel} {aim} {columns} x {rows}: {low} {high}");
-                assert!((high.max_element() - 1.0 / 1.05).abs() < 1e-9, "{told}");
-                assert!((low.min_element() + 1.0 / 1.05).abs() < 1e-9, "{told}");
-                // False position stops where nobody sees the rest.
-                assert!((low + high).abs().max_element() < 0.01, "{told}");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_point_and_a_line_along_the_aim_are_framed_too() {
-    for parallel in [false, true] {
-        for (low, high) in [(5.0, 5.0), (-4.0, 9.0)] {
-            let view = View {
-                lens: Lens::Flat(Viewplane {
-                    parallel,
-                    ..Viewplane::default()
-                }),
-                ..View::default()
-            };
-            let ends = [low, high].map(|z| DVec3::new(1.0, 2.0, z));
-            let camera = Camera::framing(view, support_of(Bounds::of(ends))).unwrap();
-            for end in ends {
-                assert!(seen(&camera, end).abs().max_element() < 1.0, "{camera:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn what_reaches_nowhere_or_everywhere_is_not_framed() {
-    for support in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
-        let error = Camera::framing(View::default(), |_| support).unwrap_err();
-        let message = error.to_string();
-        assert!(
-            message.starts_with("support must be finite, to be framed, got "),
-            "{message}"
-        );
-    }
-}
-
 fn viewplane(view: &mut View) -> &mut Viewplane {
     match &mut view.lens {
         Lens::Flat(viewplane) => viewplane,
@@ -435,26 +355,6 @@ fn the_frame_is_orthonormal_however_close_up_is_to_aim() {
         }
     }
     assert!(accepted > 600, "{accepted}");
-}
-
-#[test]
-fn framing_does_not_depend_on_where_the_model_is() {
-    let view = View {
-        aim: DVec3::new(-1.0, -2.0, -3.0),
-        ..View::default()
-    };
-    let distance = |far: f64| {
-        let place = DVec3::splat(far);
-        let bounds = Bounds {
-            low: place - DVec3::ONE,
-            high: place + DVec3::ONE,
-        };
-        let camera = Camera::framing(view, support_of(bounds)).unwrap();
-        (camera.position() - place).length()
-    };
-    for far in [1e5, 1e7, 1e9] {
-        assert!((distance(far) - distance(0.0)).abs() < 1e-6, "{far}");
-    }
 }
 
 #[test]

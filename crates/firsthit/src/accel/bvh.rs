@@ -1,9 +1,33 @@
+//! The top-level tree: a binary tree over boxes, and one ray through it.
+//!
+//! 1. Compute where the ray enters the boxes of both children of a node; the ray is as wide as all rounding together
+//!    ([`Slab`]).
+//! 2. Go on with the nearer child, and put the other onto the stack.
+//! 3. At a leaf, give out its boxes' indices one by one; the caller may shorten the ray between two of them.
+//!
+//! Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs in that it widens
+//! the boxes by a share of the coordinates and not of the distances along the ray, which would be nothing near the
+//! local origin.
+//!
+//! # Error bounds
+//!
+//! Three roundings must not lose a candidate. Each is a share of the coordinates relative to the ray's start, which are
+//! at most `R = |o| + extent`:
+//!
+//! - the slab test: 2 `EPSILON` R at each end;
+//! - the shape's test, which may accept a ray that passes the shape at a distance of its rounding;
+//! - the `t` of the shape's test, which is compared with where the ray enters a box.
+//!
+//! [`Bvh::OBJECTS`] is more than all three. A box that is wider by `margin = slack * R` makes up for them, as it is
+//! also entered earlier: by at least `margin / |d|` along the axis of the largest `d`. The margin costs no time: it is
+//! added to the origin.
+
 use crate::geometry::{DVec3, Ray};
 
 /// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
 ///
-/// The boxes are rounded outwards, and the ray is given a width that covers all rounding on the way
-/// (see `Slab` below), so nothing that the float64 test would accept is ever left out.
+/// The boxes are rounded outwards, and the ray has a width that covers all other rounding. So nothing that the float64
+/// test would accept is left out.
 #[derive(Debug, Clone)]
 pub struct Bvh {
     /// The middle of everything: far from the world's origin, float32 still resolves the boxes.
@@ -40,7 +64,7 @@ pub(super) struct Node {
 }
 
 impl Bvh {
-    /// What objects need at least as `slack`, see `Slab` below. Transforms can ask for more.
+    /// The least `slack` for objects. Transforms can need more.
     pub const OBJECTS: f64 = f64::EPSILON * 4096.0;
 
     /// See [`Bvh::build`].
@@ -84,8 +108,8 @@ impl Bvh {
 }
 
 impl Walk<'_> {
-    /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest first;
-    /// `t_max` is not larger than the time before, and `stack` the same.
+    /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest first. `t_max` is not
+    /// larger than in the call before, and `stack` is the same.
     pub(crate) fn next(&mut self, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
         loop {
             if let Some((&index, rest)) = self.leaf.split_first() {
@@ -121,18 +145,9 @@ impl Walk<'_> {
     }
 }
 
-/// A ray made ready for boxes, as wide as all rounding together.
-///
-/// Three roundings must never lose a candidate: that of the slab test, that of the shape's test (which may accept a ray that passes
-/// at the distance of its rounding), and that of the `t` it gives (which the tree compares with the box's). All
-/// are shares of the coordinates relative to the ray's start, which are at most `R = |o| + extent`. The slab test
-/// rounds by 2 `EPSILON * R` at each end, shapes by up to what [`Bvh::OBJECTS`] says. Widening every box by `margin = slack * R`
-/// covers them; it also moves each entry forwards by `margin / |d|` along the axis of the largest `d`, at
-/// least, so no box is entered after the `t` of a hit in it.
-/// The margin costs nothing: it is in the two origins. (Ize, "Robust BVH Ray Traversal", Journal of
-/// Computer Graphics Techniques 2(2), 2013, widens by relative amounts; that fails at the local origin.)
+/// A ray made ready for boxes, as wide as all rounding together; see the error bounds above.
 struct Slab {
-    /// The origin moved so far forwards, or backwards, that the boxes seem wider.
+    /// The origin, moved by the margin so that low ends of boxes are lower, and high ends higher.
     low_origin: DVec3,
     high_origin: DVec3,
     inverse: DVec3,
@@ -152,10 +167,11 @@ impl Slab {
         }
     }
 
-    /// The smallest `t` of the ray, or from its origin on, in the box; NaN, which no comparison lets through, when the ray passes it.
+    /// The smallest `t` in the box, of the ray or of all that is ahead of its origin; NaN, which fails every
+    /// comparison, when the ray passes the box.
     ///
-    /// Along an axis with a zero direction the distances are infinite, or NaN when the origin is on the
-    /// border of the widened box, where nothing is: `min` and `max` then take the other, infinite one.
+    /// Along an axis with a zero direction the distances are infinite. One is NaN when the origin is on the border of
+    /// the widened box, where nothing is: `min` and `max` then take the other, infinite one.
     #[inline]
     fn entry(&self, node: &Node) -> f64 {
         let low = (DVec3::from(node.low.map(f64::from)) - self.low_origin) * self.inverse;

@@ -1,11 +1,18 @@
-//! The exact test's numbers for eight rays at once, each with a triangle that it is known to meet.
+//! Where eight rays cross eight triangles that they are known to meet, in float64 lanes.
 //!
-//! It is the code of `shape/triangle/place.rs`, in lanes, so the bits are the same. What is special (triangles seen
-//! edge-on, numbers of extreme sizes) is left to a single lane of `shape/triangle.rs`.
+//! 1. Gather the triangles' corners from the leaves of the tree, or where float32 does not hold them from the mesh
+//!    ([`Corners`]).
+//! 2. Compute `t` and the weights in lanes, by the code of `shape/triangle/place.rs`: the bits are those of the exact
+//!    test.
+//! 3. Where that says that float64 is not enough for a lane, compute it in twice the digits, in lanes too.
+//! 4. Leave the lanes for which that is not enough to the caller, who takes `shape/triangle.rs`.
+//!
+//! Where many rays meet one triangle ([`SharedTriangle`]), the numbers that depend on the triangle alone are computed
+//! once.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "of chains of iterators over registers the compiler makes copies in memory"
+    reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
 use super::mesh_tree::MeshTree;
@@ -27,10 +34,9 @@ pub(crate) struct RayBundle<L: Lanes> {
     reason = "it lives for a block, on the stack"
 )]
 pub(crate) enum Corners {
-    /// In units of the tree's space: what they are multiplied with, and where the tree's origin is, if not in that of
-    /// the mesh.
+    /// In the tree's space: with the unit of that space, and its origin where that is not the mesh's.
     Scaled(Box3<[f32; LANES]>, f64, Option<[f64; 3]>),
-    /// As they are, in two halves.
+    /// In the mesh's space, in two halves.
     Whole(Box3<[[f64; WIDE]; 2]>),
 }
 
@@ -38,8 +44,8 @@ pub(crate) enum Corners {
 type Box3<T> = Aligned<[[T; 3]; 3]>;
 
 impl Corners {
-    /// Those of the triangles in `leaf_lanes` (as bits), in the lanes of `wanted`; of others anything. The triangles' indices
-    /// (as bits) go into the same lanes of `triangles`.
+    /// The corners of the triangles in `leaf_lanes` (as bits), in the lanes `wanted`; anything in the others. The
+    /// triangles' indices (as bits) go into the same lanes of `triangles`.
     #[inline(always)]
     pub(crate) fn new<L: Lanes>(
         l: L,
@@ -54,7 +60,7 @@ impl Corners {
         }
     }
 
-    /// From the leaves, which are in the cache: what neighbours meet is mostly in the same one or two.
+    /// From the leaves, which are in the cache. Neighbours mostly meet triangles of the same one or two leaves.
     #[inline(always)]
     fn scaled<L: Lanes>(
         l: L,
@@ -68,7 +74,7 @@ impl Corners {
         let mut left = wanted;
         while left != 0 {
             let leaf_lane = leaf_lanes[left.trailing_zeros() as usize % LANES];
-            // Other lanes may be those of another tree, with the same number.
+            // Lanes that are not wanted may have the same number in another tree.
             let here = wanted & l.same_sixteen(all, l.splat(leaf_lane));
             left &= !here;
             let leaf = &tree.leaves[leaf_lane.to_bits() as usize / LANES];
@@ -153,8 +159,8 @@ impl Corners {
     }
 }
 
-/// `t` and the weights of corners 1 and 2, and in which of the lanes `wanted` they are the exact test's: those where nothing is
-/// special.
+/// `t` and the weights of the corners 1 and 2, and the lanes in which they are those of the exact test. In the others,
+/// which are few, the exact test itself is needed.
 #[inline(always)]
 pub(crate) fn intersect8<L: Lanes>(
     l: L,
@@ -213,7 +219,7 @@ fn in_double<L: Lanes>(
     (sound | more, out)
 }
 
-/// Places in twice the digits; in a function of its own, which is rarely called.
+/// Steps 3 and 4, in a function of its own, which is rarely called.
 struct InDouble<'a>(&'a [[f64; WIDE]; 15]);
 
 impl Kernel for InDouble<'_> {
@@ -246,7 +252,7 @@ pub(crate) struct SharedTriangle {
     triangle: u32,
     plain: Plain<f64>,
     plane: Plane<f64>,
-    /// Where the first of the rays starts, as most others do.
+    /// Where the first of the rays starts. Most others start there too.
     origin: [f64; 3],
     /// The triangle from there, and whether plain float64 is enough.
     plain_start: (bool, PlainStart<f64>),
@@ -327,7 +333,7 @@ impl SharedTriangle {
         };
         let (of_place, place) = plane.place(a, &start, &rays.direction);
         let sound = of_start & of_place & ahead(l, place[0]);
-        // In some lanes the exact test takes plain float64.
+        // Where float64 is enough for some lanes, the exact test's bits there are those of float64.
         (if enough == 0 { sound } else { 0 }, place)
     }
 }

@@ -1,43 +1,75 @@
-//! Which triangles of a leaf may a ray meet? Decided in float32 where that is certain, and only there.
+//! Which triangles of a leaf may a ray meet? The test in float32 that comes before the exact one, a triangle in each
+//! lane.
 //!
-//! The test is the exact one's (`shape/triangle.rs`): on which sides of the sheared triangle's edges the ray passes. Let `E`
-//! bound what a sheared coordinate is off, and `X` the coordinates themselves. Then each side, a difference of two products, is off by at most `B = (4.2 E + 9 u X) X`: 4 E X from the
-//! coordinates (and the 0.2 for what is quadratic in E), 4 u X^2 from rounding, and as much again. So
+//! 1. Count the leaf's vertices from the ray's start, and shear them so that the ray runs along the axis of the depth.
+//! 2. Compute the [`Sides`] of each triangle's edges. Reject a triangle when two sides have different signs, for
+//!    certain.
+//! 3. Reject a triangle when all its depths are before the ray's start or beyond the limit.
+//! 4. Mark a triangle as certain when all sides have the same sign, for certain.
+//! 5. Say between which depths each triangle is met: around the corners' mean with the sides as weights where it is
+//!    certain, else from its nearest to its farthest corner.
 //!
-//! - where one side is below -B and another above B, the exact test finds the same signs and rejects;
-//! - where all are beyond B on the same side, the exact test finds the same signs and accepts.
+//! The test is the exact one's: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer
+//! Graphics Techniques 2(1), 2013. It departs in that every number has an error bound. Where a bound leaves the answer
+//! open, `shape/triangle.rs` decides.
 //!
-//! The first needs a `B` for rays that are inside the triangle: there no coordinate is larger than the
-//! triangle's extent across the ray, which is at most its extent along an axis twice, and E. The second needs one for
-//! any ray: what looks like a tiny inside may be the rounding of a triangle without any, far from the ray. But the ray
-//! passes the leaf's box, so no coordinate is larger than the leaf's extent along an axis twice, and what the test
-//! of the box allows for.
+//! # Error bounds
 //!
-//! `E`, in units of u, of a vertex at the depth D that is P from the start across the axis of the depth: two differences
-//! 2 P; two along the ray, times a slope of at most 1, 2 D; the slope itself D; product and difference, where they are not
-//! fused, D + X. As P is at most X + D, and X twice an extent, that is 6 D and 6 extents. To that comes the
-//! ray's `blur`, three times, in which is what float64 rounds when it makes the ray ready. The exact test adds nothing.
+//! In units of `U` (see `bounds.rs`). D is the depth of a vertex, X the largest of a triangle's sheared coordinates, e
+//! its extent along an axis.
 //!
-//! Where the ray meets the inside for certain, its depth is the corners' mean with the sides as weights. Two things are off:
-//! - The corners' places, by E along x and y. Then the plane through them passes the ray at a depth that is off by
-//!   the plane's slopes times E, and a slope is at most the triangle's extent across times its spread in depth, over the sum
-//!   of the sides (a triangle in a rectangle has half its area at most): 2 E X spread / sum.
-//! - The sides' own rounding, 3 u X^2 each (two products, and a difference that inside is no more than X^2). It comes to
-//!   that over the sum times what each corner's depth is from the mean, which is twice the spread for all three:
-//!   6 u X^2 spread / sum.
+//! **A sheared coordinate** is off by at most E. For a vertex that is P from the ray's start across the axis of the
+//! depth, E is the sum of these:
 //!
-//! That sum is the one computed. The exact one of the first is smaller by 9 u X^2 at most: as each side is above
-//! the bound, 4.3 E X + 9.2 u X^2, it is two thirds of that at least, and the difference comes to 2.1 u X^2 spread / sum: in
-//! all 2 E X + 8.1 u X^2. (Beams and tiles have a simpler bound: where each side is off by B, the mean is off by B / sum
-//! times what each corner's depth is from it, 2 B spread / sum.)
+//! - 2 P: two differences across, as the start has two parts;
+//! - 2 D: two differences along, times a slope of at most 1;
+//! - D: the slope;
+//! - D + X: the product and the difference, where they are not fused;
+//! - three blurs (`BLURS`), which hold what float64 rounded when it made the ray ready.
+//!
+//! P is at most X + D, and X at most 2 e. So E is 6 D + 6 e (`VERTEX`) and three blurs. The exact test adds nothing to
+//! that.
+//!
+//! **A side** is a difference of two products of coordinates. It is off by at most B:
+//!
+//! - 4 E X: the coordinates, and 0.2 E X for what is quadratic in E (`SIDE_BY_ERROR`);
+//! - 4 X^2: rounding, and as much again to spare (`SIDE_BY_SIZE`).
+//!
+//! Where one side is below -B and another above B, the exact test finds the same signs and rejects the triangle. Where
+//! all are beyond B on the same side, it finds the same signs and accepts it.
+//!
+//! **X** is different in the two cases:
+//!
+//! - To reject, B must hold for rays inside the triangle. There X is at most the triangle's extent across the ray,
+//!   which is at most 2 e (`EXTENT_ACROSS`), and E.
+//! - To accept, B must hold for any ray: far from the ray, the rounding of a triangle without area may look like a tiny
+//!   inside. But the ray passes the leaf's box, so X is at most twice the leaf's extent and what the test of the box
+//!   lets through (`BOX_MARGIN`).
+//!
+//! **The depth** of a certain triangle is a mean of the corners' depths. It is off by the corners' slack (`DEPTH` and
+//! three blurs), and by these, each times the spread of the corners' depths over the sum of the sides:
+//!
+//! - 2 E X: the corners' places. The triangle's plane passes the ray at a depth that is off by the plane's slopes times
+//!   E, for x and for y. A slope is at most X times the spread over the sum, as a triangle in a rectangle has half its
+//!   area at most.
+//! - 6 X^2: the sides' own rounding, 3 X^2 each, times how far each corner is from the mean: twice the spread for all
+//!   three.
+//! - 2.1 X^2: the sum that is computed is larger than the exact one by at most 9 X^2. As each side is above 4.3 E X +
+//!   9.2 X^2, the exact sum is two thirds of that at least.
+//!
+//! In all 2 E X (`MEAN`) and 8.1 X^2 (`MEAN_BY_SIZE`). Frusta have a simpler bound: with each side off by B, the mean
+//! is off by 2 B spread / sum.
 
-use super::bounds::{MARGIN, U};
+use super::bounds::{
+    BLURS, BOX_MARGIN, DEPTH, EXTENT_ACROSS, MEAN, MEAN_BY_SIZE, SIDE_BY_ERROR, SIDE_BY_SIZE,
+    VERTEX,
+};
 use super::edges::{Sides, depths};
 use super::meshlet::Meshlet;
 use super::rays::tree_ray::TreeRay;
 use crate::simd::Lanes;
 
-/// What float32 knows about a leaf's triangles.
+/// The triangles of a leaf that a ray may meet.
 pub(crate) struct Candidates<L: Lanes> {
     /// Those the ray may meet.
     pub(super) possible: u16,
@@ -71,13 +103,21 @@ pub(super) fn filter<L: Lanes>(
     let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
     let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
     let deep = l.max(l.abs(nearest), l.abs(farthest));
-    let blur = l.splat(3.0 * ray.blur);
+    let blur = l.splat(BLURS * ray.blur);
     macro_rules! bound {
         ($extent:expr, $more:expr) => {{
-            let fixed = l.splat(6.5 * U * $extent + 3.0 * ray.blur);
-            let error = l.mul_add(deep, l.splat(6.5 * U), fixed);
-            let size = l.mul_add(error, l.splat(2.1), l.splat(2.02 * $extent + $more));
-            let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
+            let fixed = l.splat(VERTEX * $extent + BLURS * ray.blur);
+            let error = l.mul_add(deep, l.splat(VERTEX), fixed);
+            let size = l.mul_add(
+                error,
+                l.splat(2.1),
+                l.splat(EXTENT_ACROSS * $extent + $more),
+            );
+            let share = l.mul_add(
+                error,
+                l.splat(SIDE_BY_ERROR),
+                l.mul(size, l.splat(SIDE_BY_SIZE)),
+            );
             (l.mul(share, size), error, size)
         }};
     }
@@ -87,7 +127,7 @@ pub(super) fn filter<L: Lanes>(
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
     let sides = Sides::new(l, [ax, ay], [bx, by], [cx, cy]);
     let outside = sides.outside(l, bound);
-    let slack = l.mul_add(deep, l.splat(24.0 * U), blur);
+    let slack = l.mul_add(deep, l.splat(DEPTH), blur);
     let spread = l.sub(farthest, nearest);
     let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
     let between = l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
@@ -95,10 +135,10 @@ pub(super) fn filter<L: Lanes>(
     if possible == 0 {
         return None;
     }
-    let (sure, ..) = bound!(leaf.extent, 2.0 * MARGIN);
+    let (sure, ..) = bound!(leaf.extent, 2.0 * BOX_MARGIN);
     let certain = sides.inside(l, sure);
     let [depth, over] = sides.depth(l, [az, bz, cz]);
-    let share = l.mul_add(error, l.splat(2.1), l.mul(size, l.splat(9.0 * U)));
+    let share = l.mul_add(error, l.splat(MEAN), l.mul(size, l.splat(MEAN_BY_SIZE)));
     let mean_error = l.mul(l.mul(share, size), l.mul(spread, over));
     let error = l.add(mean_error, slack);
     let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);
@@ -109,4 +149,105 @@ pub(super) fn filter<L: Lanes>(
         low,
         high,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::mesh_tree::MeshTree;
+    use crate::accel::rays::packet::Packet;
+    use crate::geometry::{DVec3, Ray};
+    use crate::shape::triangle::Shear;
+    use crate::shape::{Mesh, Positions};
+    use crate::simd::{self, InstructionSet, Kernel, LANES};
+
+    /// A ray that starts near a tree.
+    struct Checked<'a>(&'a MeshTree, &'a Mesh, Ray);
+
+    impl Kernel for Checked<'_> {
+        type Output = usize;
+
+        /// Compares the filter with the exact test, and returns how many triangles the ray meets.
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> usize {
+            let Self(tree, mesh, ray) = self;
+            let mut packet = Packet::default();
+            packet.put(0, &ray);
+            packet.prepare(l, tree, 1);
+            let tree_ray = packet.tree_ray(0);
+            let depth_per_t = ray.direction.abs().max_element() * tree.space.scale;
+            let mut met = 0;
+            for leaf in &tree.leaves {
+                let found = filter(l, &tree_ray, leaf, f32::INFINITY);
+                let [mut lows, mut highs] = [[0.0; LANES]; 2];
+                let [mut possible, mut certain] = [0; 2];
+                if let Some(found) = found {
+                    l.store(found.low, &mut lows);
+                    l.store(found.high, &mut highs);
+                    (possible, certain) = (found.possible, found.certain);
+                }
+                for lane in 0..leaf.filled.count_ones() as usize {
+                    let triangle = tree.triangle(leaf, lane) as usize;
+                    let hit = mesh.intersect_triangle(triangle, &Shear::new(&ray));
+                    let [is_possible, is_certain] = [possible, certain].map(|m| m >> lane & 1 == 1);
+                    let Some(hit) = hit.filter(|hit| hit.t > 0.0) else {
+                        let is_wrong = is_possible && is_certain && lows[lane] > 0.0;
+                        assert!(!is_wrong, "certain, and not met: {ray:?} {triangle}");
+                        continue;
+                    };
+                    met += 1;
+                    assert!(is_possible, "met, and left out: {ray:?} {triangle}");
+                    let depth = hit.t * depth_per_t;
+                    let (low, high) = (f64::from(lows[lane]), f64::from(highs[lane]));
+                    let is_between = low <= depth && depth <= high;
+                    assert!(is_between, "{low} {depth} {high}: {ray:?} {triangle}");
+                }
+            }
+            met
+        }
+    }
+
+    /// Rays aimed at edges and off them by a few roundings of float32, at triangles of all slopes and sizes.
+    #[test]
+    fn the_filter_agrees_with_the_exact_test() {
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut point = || DVec3::new(unit(), unit(), unit());
+        let mut met = [0; 3];
+        for round in 0..200 {
+            let corners: Vec<DVec3> = (0..16)
+                .flat_map(|k| {
+                    let (middle, size) = (point(), [1.0, 0.2, 0.01, 1e-4][k % 4]);
+                    [middle, middle + size * point(), middle + size * point()]
+                })
+                .collect();
+            let positions = corners.iter().map(|p| p.as_vec3().as_dvec3().to_array());
+            let triangles = (0..16).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            let mesh = Mesh::new(Positions::compact(positions.collect()), triangles).unwrap();
+            let tree = MeshTree::build(&mesh);
+            for k in 0..160 {
+                let [a, b, c] = mesh.corners(k % 16);
+                let share = 0.5 + 0.5 * point().x;
+                let off = [0.0, 1e-8, 1e-7, 1e-6][round % 4] * point();
+                let aim = a.lerp(b, share).lerp(c, [0.0, 0.0, 0.3][k % 3]) + off;
+                let mut origin = [1.0, 3.0, 8.0][k / 3 % 3] * point();
+                if k % 5 == 0 {
+                    // Nearly in the triangle's plane.
+                    origin = c.lerp(a, 3.0) + 1e-2 * point();
+                }
+                let ray = Ray::new(origin, aim - origin);
+                for (set, met) in InstructionSet::ALL.into_iter().zip(&mut met) {
+                    if set.is_available() {
+                        *met += simd::run(set, Checked(&tree, &mesh, ray));
+                    }
+                }
+            }
+        }
+        assert!(met[0] > 20_000, "{met:?}");
+    }
 }

@@ -1,7 +1,7 @@
 //! The tree over a mesh's triangles: 16-wide nodes over meshlets, in float32.
 //!
-//! It lives in a [space](Space) of its own, in which no coordinate is larger than 1. So float32 serves a mesh of any size
-//! at any place, and its rounding is bounded by constants.
+//! It has a [space](Space) of its own, in which no coordinate is larger than 1. So float32 is enough for a mesh of any
+//! size at any place, and constants bound its rounding (`bounds.rs`).
 
 use super::meshlet::Meshlet;
 use super::node::Node;
@@ -14,16 +14,18 @@ use crate::simd::{LANES, Lanes};
 #[derive(Debug, Clone)]
 pub struct MeshTree {
     pub(super) space: Space,
-    /// Whether the leaves hold the very coordinates of the mesh, so that nobody need look there.
+    /// Whether the leaves hold the coordinates of the mesh without rounding, so that the exact test can take them from
+    /// there.
     pub(super) is_exact: bool,
     /// Whether vertices in the same place are one to a leaf; see `build/weld.rs`.
     pub(super) is_welded: bool,
-    /// The root first; none for a mesh that is not a matter for float32, or empty.
+    /// The root first. None for a mesh that is empty, or whose coordinates float32 cannot have.
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Meshlet>,
     /// The triangles' indices, those of a leaf side by side.
     pub(super) order: Vec<u32>,
-    /// Triangles that are in no leaf, each behind the lowest one with the same corners; sorted. That one wins every tie.
+    /// Pairs of the lowest of some triangles with the same corners, and another of them; sorted. Only the lowest is in
+    /// a leaf, since it wins every tie.
     pub(super) copies: Vec<[u32; 2]>,
     /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
     pub(super) cost: f64,
@@ -38,7 +40,7 @@ impl MeshTree {
             + self.copies.capacity() * size_of::<[u32; 2]>()
     }
 
-    /// The triangles that are in the same place as one of a leaf: each is the second of its pair.
+    /// The copies of a triangle of a leaf: the second of each pair.
     pub(super) fn copies_of(&self, triangle: u32) -> &[[u32; 2]] {
         let first = self.copies.partition_point(|&[of, _]| of < triangle);
         let count = self.copies[first..].partition_point(|&[of, _]| of == triangle);
@@ -64,7 +66,7 @@ impl MeshTree {
         )
     }
 
-    /// Its corners, as the mesh has them.
+    /// The corners of that triangle, as the mesh has them.
     pub(crate) fn corners_at(&self, mesh: &Mesh, leaf_lane: u32) -> [DVec3; 3] {
         self.corners(
             mesh,
@@ -88,7 +90,7 @@ impl MeshTree {
         }
     }
 
-    /// The triangles of a leaf by their indices in the mesh, as bits; in lanes that it has no triangles in, anything.
+    /// The indices in the mesh of a leaf's triangles, as bits; anything in lanes without a triangle.
     #[inline(always)]
     pub(super) fn triangles_of<L: Lanes>(&self, l: L, leaf: &Meshlet) -> L::Floats {
         let from = &self.order[leaf.first as usize..];

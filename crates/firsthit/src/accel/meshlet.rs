@@ -6,15 +6,15 @@ use crate::simd::LANES;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Meshlet {
-    /// The vertices, an array for each axis; what is not used repeats the first one.
+    /// The vertices, an array for each axis. Unused lanes repeat the first vertex.
     pub(super) vertices: [[f32; LANES]; 3],
     /// For each corner, the triangles' vertices.
     pub(super) corners: [[u8; LANES]; 3],
     /// Where the triangles stand in the tree's order.
     pub(super) first: u32,
-    /// How far a triangle extends along an axis at most.
+    /// The largest extent of a triangle along an axis.
     pub(super) size: f32,
-    /// How far all of them together do.
+    /// The largest extent of all of them together along an axis.
     pub(super) extent: f32,
     /// Which triangles there are, a bit each.
     pub(super) filled: u16,

@@ -34,7 +34,8 @@ pub use bvh::Bvh;
 pub(crate) use bvh::{Walk, WalkStack};
 pub(crate) use exact8::{Corners, InLanes, RayBundle, SharedTriangle, intersect8};
 pub use mesh_tree::MeshTree;
-pub(crate) use rays::packet::{Packet, RAYS, turned};
+pub(crate) use rays::enter::turned;
+pub(crate) use rays::packet::{Packet, RAYS};
 pub(crate) use tile::frustum::{TileCamera, TileFrustum};
 pub(crate) use tile::traverse::{TileScratch, fill};
 pub(crate) use tile::visibility::{

@@ -11,8 +11,8 @@ pub(super) const LEAF: u32 = 1 << 31;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// The boxes' ends: low x, high x, low y, high y, low z, high z. Of a child that is not there the low end
-    /// is at plus infinity and the high end at minus infinity, which no ray passes.
+    /// The boxes' ends: low x, high x, low y, high y, low z, high z. The box of a child that is not there begins at
+    /// plus infinity and ends at minus infinity, so no ray meets it.
     pub(super) planes: [[f32; WIDTH]; 6],
     /// The index of a node or, with [`LEAF`], of a leaf.
     pub(super) children: [u32; WIDTH],

@@ -1,13 +1,11 @@
-//! The space of a [`MeshTree`](super::MeshTree): the mesh, moved and scaled so that float32 serves it.
+//! The space of a [`MeshTree`](super::MeshTree): that of the mesh, moved and scaled into the cube from -1 to 1.
 
 use rayon::prelude::*;
 
+use super::bounds::DISTANT;
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::shape::{Mesh, Positions};
-
-/// From here on rays are distant, in units of the tree: a last digit of float64 is less than one of float32 at 1 up to here.
-pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
 
 /// How many points one task converts.
 const CHUNK: usize = 65_536;
@@ -15,7 +13,8 @@ const CHUNK: usize = 65_536;
 /// How the tree's space lies in the mesh's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Space {
-    /// Minus zero along each axis where it is the mesh's own: adding that changes no sign of a zero.
+    /// The mesh's place of the tree's origin. Minus zero along each axis where it is the mesh's own: to add that
+    /// changes no zero's sign.
     pub(super) origin: DVec3,
     /// Units of the tree in a unit of the mesh: a power of two.
     pub(super) scale: f64,
@@ -23,7 +22,8 @@ pub(super) struct Space {
     pub(super) unscale: f64,
 }
 
-/// Coordinates up to here, and sizes down to its reciprocal, are scaled; products of three stay in float64.
+/// Coordinates up to this, and sizes down to its reciprocal, are scaled: products of three of them stay in float64's
+/// range.
 const LARGEST: f64 = 1e90;
 
 impl Space {
@@ -31,7 +31,7 @@ impl Space {
         let bounds = mesh.bounds();
         let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
         let half = 0.5 * bounds.size().max_element();
-        // Float32 coordinates stay what they are around the mesh's own origin, if that is not far away.
+        // If the mesh's own origin is not far away, keep it: float32 coordinates then need no rounding.
         let is_near = largest <= 4.0 * half;
         let origin = match mesh.positions().as_ref() {
             _ if is_near => DVec3::splat(-0.0),
@@ -63,7 +63,7 @@ impl Space {
         points
     }
 
-    /// Whether `points` are the vertices of `mesh` to the last bit (which zero it is can show in a hit's weights).
+    /// Whether `points` are the vertices of `mesh` to the last bit, as the sign of a zero can show in a hit's weights.
     pub(super) fn is_exact(&self, mesh: &Mesh, points: &[[f32; 3]]) -> bool {
         let is_same = |(k, point): (usize, &[f32; 3])| {
             let position = mesh.positions().get(count(k));
@@ -82,7 +82,7 @@ impl Space {
         reason = "rounding is what this is for"
     )]
     fn point(&self, point: DVec3) -> [f32; 3] {
-        // Not even a difference with zero: it would change minus zero.
+        // No difference with zero: it would change the sign of minus zero.
         let moved = if self.origin == DVec3::ZERO {
             point
         } else {

@@ -1,3 +1,5 @@
+//! Attributes of a mesh: numbers at vertices or corners, interpolated over triangles.
+
 use std::fmt::{self, Debug, Formatter};
 
 use crate::error::{Error, Result};

@@ -1,3 +1,5 @@
+//! The cone: a round body whose radius changes evenly along its axis.
+
 use super::interval::Interval;
 use super::{Crossing, Surface, require_finite, sines};
 use crate::error::{Error, Result};
@@ -183,7 +185,7 @@ impl Surface for Cone {
             _ => {
                 let at = point - self.bottom;
                 let across = at - at.dot(self.axis) * self.axis;
-                // At the tip every direction is as good.
+                // The tip has no normal: any will do.
                 let outwards = if across == DVec3::ZERO {
                     self.axis.any_orthonormal_vector()
                 } else {

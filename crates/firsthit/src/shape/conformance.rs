@@ -1,6 +1,6 @@
 //! What every shape must do, by being in the list: a shape that is registered is tested here.
 //!
-//! The independent judge is the distance to the surface, written in another way than the intersection;
+//! The independent reference is the distance to the surface, written in another way than the intersection;
 //! walking along a ray by that distance (Hart, "Sphere Tracing", The Visual Computer 12, 1996) finds the
 //! first crossing without solving anything.
 
@@ -62,7 +62,7 @@ fn rays(shape: &Shape) -> Vec<Ray> {
     rays
 }
 
-/// What walking along a ray comes to.
+/// The end of a walk along a ray.
 enum Walk {
     Surface(f64),
     Nothing,
@@ -70,7 +70,7 @@ enum Walk {
     TooCloseToCall,
 }
 
-/// How far anybody walks.
+/// Where a walk along a ray ends.
 const FAR: f64 = 1e3;
 
 fn walk(shape: &Shape, ray: &Ray) -> Walk {
@@ -124,8 +124,8 @@ fn hits_lie_on_the_surface_and_in_the_bounds() {
     }
 }
 
-/// Seen from far away along `direction`, the distance to a shape is the distance to its supporting plane: the error falls off
-/// with the distance, and rounding grows with it.
+/// Seen from far away along `direction`, the distance to a shape is the distance to its supporting plane: the error
+/// falls off with the distance, and rounding grows with it.
 #[test]
 fn the_distance_from_far_away_is_that_to_the_supporting_plane() {
     const AWAY: f64 = 1e7;

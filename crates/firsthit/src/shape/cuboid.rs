@@ -1,3 +1,5 @@
+//! The box along the axes.
+
 use super::interval::Interval;
 use super::{Crossing, Surface, require_finite};
 use crate::error::{Error, Result};

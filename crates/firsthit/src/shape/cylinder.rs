@@ -1,3 +1,5 @@
+//! The cylinder: a cone that does not taper.
+
 use super::{Cone, Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]

@@ -1,3 +1,5 @@
+//! The disc: a plane within a circle.
+
 use super::plane::Plane;
 use super::{Crossing, Surface, require_positive, sines};
 use crate::error::Result;

@@ -1,3 +1,8 @@
+//! Triangles over shared vertices: the mesh itself. What else it knows is in `mesh/attributes.rs`, how rays meet it in
+//! `mesh/crossing.rs`.
+
+mod attributes;
+mod crossing;
 #[cfg(feature = "frame")]
 mod digest;
 mod surface;
@@ -6,10 +11,9 @@ use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use super::attribute::check_indices;
-use super::triangle::{Meeting, Shear, TriangleHit, are_close};
-use super::{Attribute, Crossing, Positions, Property, PropertyOf, PropertyValues};
+use super::{Attribute, Positions, Property};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec2, DVec3, Ray, moderation, unit};
+use crate::geometry::{Bounds, DVec3, moderation, unit};
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
 ///
@@ -76,54 +80,6 @@ impl Mesh {
             && (Arc::ptr_eq(&self.positions, &other.positions) || same_bits())
     }
 
-    /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller nearest `t`, of
-    /// equal ones the lower triangle.
-    #[inline]
-    pub(crate) fn precedes(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
-        if are_close(new.t, old.t) {
-            self.precedes_closely(ray, new, old)
-        } else {
-            new.t < old.t
-        }
-    }
-
-    #[cold]
-    fn precedes_closely(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
-        let key = |crossing: &Crossing| (self.nearest_t(ray, crossing), crossing.primitive);
-        key(new) < key(old)
-    }
-
-    /// The float64 nearest to the exact `t` of a crossing.
-    #[inline]
-    pub(crate) fn nearest_t(&self, ray: &Ray, crossing: &Crossing) -> f64 {
-        let corners = usize::try_from(crossing.primitive).map(|triangle| self.corners(triangle));
-        corners.map_or(crossing.t, |corners| {
-            Meeting::new(ray.origin, ray.direction, corners).nearest_t()
-        })
-    }
-
-    /// The first crossing of a ray that is ready for triangles, by brute force.
-    pub(crate) fn first_crossing(&self, ray: &Ray, shear: &Shear) -> Option<Crossing> {
-        let mut first: Option<Crossing> = None;
-        for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
-            if let Some(hit) = self.intersect_triangle(triangle, shear)
-                && ray.holds(hit.t)
-            {
-                let new = hit.crossing(primitive);
-                if first.is_none_or(|first| self.precedes(ray, &new, &first)) {
-                    first = Some(new);
-                }
-            }
-        }
-        first
-    }
-
-    /// Whether all of a triangle's points look alike as far as holes are concerned: of two triangles in one place
-    /// the first then hides the other.
-    pub(crate) fn has_plain_triangles(&self) -> bool {
-        self.uvs.is_none() && self.slots.is_none() && self.alphas.is_none()
-    }
-
     /// The mesh of `triangles`, which index `positions`; counter-clockwise is front. Several meshes may
     /// share their positions: surfaces that meet there have no cracks between them.
     ///
@@ -168,110 +124,6 @@ impl Mesh {
         })
     }
 
-    /// The same mesh, its triangles knowing which polygon of the file they were part of.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when there are not as many `faces` as triangles, or one is no identifier: 2^31 or more.
-    pub fn with_faces(mut self, faces: Vec<u32>) -> Result<Self> {
-        if faces.len() != self.triangles.len() {
-            return Err(Error::argument(
-                "faces",
-                "one for each triangle",
-                faces.len(),
-            ));
-        }
-        if let Some(&face) = faces.iter().find(|&&face| i32::try_from(face).is_err()) {
-            return Err(Error::argument("faces", "below 2^31", face));
-        }
-        self.faces = Some(faces);
-        Ok(self)
-    }
-
-    /// The same mesh with shading normals, in object space; they need not be of length one.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_normals(mut self, normals: Attribute<3>) -> Result<Self> {
-        normals.check("normals", self.positions.len(), &self.triangles)?;
-        self.normals = Some(normals);
-        Ok(self)
-    }
-
-    /// The same mesh with texture coordinates.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_uvs(mut self, uvs: Attribute<2>) -> Result<Self> {
-        uvs.check("uvs", self.positions.len(), &self.triangles)?;
-        self.uvs = Some(uvs);
-        Ok(self)
-    }
-
-    /// The same mesh with linear colours, which the object's own colour multiplies.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_colors(mut self, colors: Attribute<3>) -> Result<Self> {
-        colors.check("colors", self.positions.len(), &self.triangles)?;
-        self.colors = Some(colors);
-        Ok(self)
-    }
-
-    /// The same mesh with an alpha of its own, which a material's multiplies.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_alphas(mut self, alphas: Attribute<1>) -> Result<Self> {
-        alphas.check("alphas", self.positions.len(), &self.triangles)?;
-        self.alphas = Some(alphas);
-        Ok(self)
-    }
-
-    /// The same mesh, each triangle having a slot: which of its object's materials it takes.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when there are not as many `slots` as triangles.
-    pub fn with_slots(mut self, slots: Vec<u32>) -> Result<Self> {
-        if slots.len() != self.triangles.len() {
-            let expected = "one for each triangle";
-            return Err(Error::argument("slots", expected, slots.len()));
-        }
-        self.slots = Some(slots);
-        Ok(self)
-    }
-
-    /// The same mesh with numbers by name, in place of those it had.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they are not as many as what has them.
-    pub fn with_properties(mut self, properties: Vec<Property>) -> Result<Self> {
-        let last = (0..self.triangles.len()).map(|k| self.face(k) + 1).max();
-        for property in &properties {
-            property.check(self.positions.len(), last.unwrap_or(0))?;
-        }
-        self.properties = properties;
-        Ok(self)
-    }
-
-    /// The numbers that it has by name.
-    pub fn properties(&self) -> &[Property] {
-        &self.properties
-    }
-
-    /// The numbers of that name.
-    pub fn property(&self, of: PropertyOf, name: &str) -> Option<&PropertyValues> {
-        let mut properties = self.properties.iter();
-        let found = properties.find(|property| property.of == of && property.name == name);
-        found.map(|property| &property.values)
-    }
-
     /// The vertices, shared with other meshes perhaps: some may belong to no triangle of this one.
     pub fn positions(&self) -> &Arc<Positions> {
         &self.positions
@@ -280,36 +132,6 @@ impl Mesh {
     /// The triangles' vertex indices, in file order.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
-    }
-
-    /// Which polygon each triangle was part of, where the mesh knows.
-    pub fn faces(&self) -> Option<&[u32]> {
-        self.faces.as_deref()
-    }
-
-    /// The shading normals, in object space, not of length one.
-    pub fn normals(&self) -> Option<&Attribute<3>> {
-        self.normals.as_ref()
-    }
-
-    /// The texture coordinates.
-    pub fn uvs(&self) -> Option<&Attribute<2>> {
-        self.uvs.as_ref()
-    }
-
-    /// The linear colours.
-    pub fn colors(&self) -> Option<&Attribute<3>> {
-        self.colors.as_ref()
-    }
-
-    /// The alphas.
-    pub fn alphas(&self) -> Option<&Attribute<1>> {
-        self.alphas.as_ref()
-    }
-
-    /// Each triangle's slot, where the mesh has more than one.
-    pub fn slots(&self) -> Option<&[u32]> {
-        self.slots.as_deref()
     }
 
     /// The smallest box around all triangles.
@@ -322,74 +144,12 @@ impl Mesh {
         self.triangles[triangle].map(|vertex| self.positions.get(vertex))
     }
 
-    /// The polygon that a triangle was part of; without polygons, the triangle's own index.
-    pub fn face(&self, triangle: usize) -> usize {
-        self.faces
-            .as_ref()
-            .map_or(triangle, |faces| faces[triangle] as usize)
-    }
-
-    /// Where the ray of `shear` meets a triangle, wherever that is along the ray.
-    pub fn intersect_triangle(&self, triangle: usize, shear: &Shear) -> Option<TriangleHit> {
-        shear.intersect(self.corners(triangle))
-    }
-
     /// The triangle's own normal, counter-clockwise front, of length one; NaN if it has no area.
     pub fn normal(&self, triangle: usize) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
         // Not edges of length one: their rounding would give collinear corners an area.
         let [ab, ac] = [b - a, c - a].map(|edge| moderation(edge) * edge);
         unit(ab.cross(ac))
-    }
-
-    /// The shading normal in object space, not of length one; `None` where the mesh has none.
-    pub fn shading_normal(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
-        self.normals
-            .as_ref()
-            .map(|normals| DVec3::from(self.between(normals, triangle, barycentric)))
-    }
-
-    /// The texture coordinates; `None` where the mesh has none.
-    pub fn uv(&self, triangle: usize, barycentric: DVec2) -> Option<DVec2> {
-        self.uvs
-            .as_ref()
-            .map(|uvs| DVec2::from(self.between(uvs, triangle, barycentric)))
-    }
-
-    /// The linear colour; `None` where the mesh has none.
-    pub fn color(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
-        self.colors
-            .as_ref()
-            .map(|colors| DVec3::from(self.between(colors, triangle, barycentric)))
-    }
-
-    /// The alpha of its own; `None` where the mesh has none.
-    pub fn alpha(&self, triangle: usize, barycentric: DVec2) -> Option<f64> {
-        self.alphas.as_ref().map(|alphas| {
-            let [alpha] = self.between(alphas, triangle, barycentric);
-            alpha
-        })
-    }
-
-    /// Which of its object's materials a triangle takes.
-    pub fn slot(&self, triangle: usize) -> usize {
-        self.slots
-            .as_ref()
-            .map_or(0, |slots| slots[triangle] as usize)
-    }
-
-    fn between<const N: usize>(
-        &self,
-        attribute: &Attribute<N>,
-        triangle: usize,
-        barycentric: DVec2,
-    ) -> [f64; N] {
-        let weights = [
-            1.0 - barycentric.x - barycentric.y,
-            barycentric.x,
-            barycentric.y,
-        ];
-        attribute.interpolate(triangle, self.triangles[triangle], weights)
     }
 }
 
@@ -422,16 +182,6 @@ where
 mod tests {
     use super::*;
 
-    fn square() -> Mesh {
-        let points = vec![
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [1.0, 1.0, 0.0],
-            [0.0, 1.0, 0.0],
-        ];
-        Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 2, 3]]).unwrap()
-    }
-
     #[test]
     fn indices_without_a_vertex_are_refused() {
         let points = vec![[0.0; 3]; 3];
@@ -447,22 +197,6 @@ mod tests {
         let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f64::NAN; 3]];
         assert!(Mesh::new(Positions::compact(points.clone()), vec![[0, 1, 2]]).is_ok());
         assert!(Mesh::new(Positions::compact(points), vec![[0, 1, 3]]).is_err());
-    }
-
-    #[test]
-    fn attributes_are_weighted_by_the_corners() {
-        let colors = Attribute::per_vertex(vec![
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [1.0; 3],
-        ]);
-        let mesh = square().with_colors(colors).unwrap();
-        assert_eq!(
-            mesh.color(0, DVec2::new(0.5, 0.25)).unwrap(),
-            DVec3::new(0.25, 0.5, 0.25)
-        );
-        assert_eq!(mesh.color(1, DVec2::new(0.0, 1.0)).unwrap(), DVec3::ONE);
     }
 
     #[test]

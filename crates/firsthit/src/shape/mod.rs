@@ -60,8 +60,8 @@ pub trait Surface {
     /// A box around the shape; everything for an infinite one.
     fn bounds(&self) -> Bounds;
 
-    /// The support function: the largest dot product of `direction` with a point of the shape, for a direction of any length.
-    /// Infinite for an infinite shape, minus infinity for one without points.
+    /// The support function: the largest dot product of `direction` with a point of the shape, for a direction of any
+    /// length. Infinite for an infinite shape, minus infinity for one without points.
     fn support(&self, direction: DVec3) -> f64;
 
     /// The first crossing that [the ray holds](Ray::holds); at the same `t` the lower primitive. Surfaces are

@@ -1,3 +1,5 @@
+//! The infinite plane.
+
 use super::{Crossing, Surface, require_direction, require_finite};
 use crate::error::Result;
 #[cfg(feature = "frame")]

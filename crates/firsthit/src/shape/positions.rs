@@ -1,3 +1,5 @@
+//! A mesh's vertices, in float32 or float64.
+
 use std::fmt::{self, Debug, Formatter};
 
 use crate::geometry::DVec3;

@@ -1,3 +1,5 @@
+//! Numbers by name that a file gives the vertices or the faces of a mesh.
+
 use std::fmt::{self, Debug, Formatter};
 
 use crate::error::{Error, Result};
@@ -71,7 +73,7 @@ impl PropertyValues {
     /// Adds one; as float32 where that is what is kept.
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "whoever chose float32 knows that it holds them"
+        reason = "the caller chose float32 for them"
     )]
     pub(crate) fn push(&mut self, value: f64) {
         match self {

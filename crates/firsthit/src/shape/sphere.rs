@@ -1,3 +1,5 @@
+//! The sphere.
+
 use super::{Crossing, Surface, require_finite, require_positive};
 use crate::error::Result;
 #[cfg(feature = "frame")]

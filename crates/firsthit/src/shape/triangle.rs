@@ -1,11 +1,28 @@
-//! The exact test: does this ray meet this triangle, and where? As exact arithmetic on the float64 numbers would say.
+//! The exact test: does this ray meet this triangle, and where? It decides as exact arithmetic on the float64 numbers
+//! would.
 //!
-//! A ray meets a triangle where it has no two of the edges on different sides. The sides are first computed as Woop, Benthin and
-//! Wald do, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013: space is sheared so that the
-//! ray runs along one axis from the origin, and a side is the area that the origin and an edge span. Where that is not
-//! larger than its rounding may be, the side is the sign of a determinant without rounding (`geometry/exact.rs`).
+//! 1. Shear space so that the ray runs along one axis from the origin, and compute the sides of the three edges: twice
+//!    the area that the origin and an edge span.
+//! 2. Where two sides have different signs and both are larger than their rounding, the ray passes the triangle.
+//! 3. Where all sides have one sign and are larger than their rounding, it meets the triangle.
+//! 4. Elsewhere take the sign of each side from a determinant without rounding (`geometry/exact.rs`). The ray meets the
+//!    triangle where no two signs differ, and not all are zero.
+//! 5. Compute where (`triangle/place.rs`).
 //!
-//! So neighbours agree about their edge, and no ray passes between them. Edges and corners are part of a triangle.
+//! Edges and corners are part of a triangle, and neighbours agree about their edge. So no ray passes between them.
+//!
+//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013.
+//! It departs in step 4: there float64 decides for float32, and the sheared corners are rounded.
+//!
+//! # Error bounds
+//!
+//! In units of 2^-53. M is the largest coordinate before the shear, X the largest after it, which is at most 2 M.
+//!
+//! - A coordinate relative to the origin is off by M, and a slope by 1.
+//! - A coordinate across the ray is off by M + 3 M + X.
+//! - A side is off by 4 X times that, and by 4 X^2 of its own rounding: less than 32 M X.
+//!
+//! The test takes 40 M X.
 
 #![allow(
     clippy::inline_always,
@@ -85,7 +102,8 @@ impl Shear {
         }
     }
 
-    /// The vertex relative to the ray: its distances from the ray across, and the largest of what they are made from.
+    /// The vertex relative to the ray: its coordinates across the ray, and the largest coordinate that they are
+    /// computed from.
     #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {
         let relative = vertex - self.origin;
@@ -104,7 +122,7 @@ impl Shear {
         self.intersect_by(corners, Doubtful::settle)
     }
 
-    /// The same; a kernel has a way of its own to `settle` what is doubtful.
+    /// The same, where a kernel brings its own function to `settle` what float64 cannot decide.
     #[inline(always)]
     pub(crate) fn intersect_by(
         &self,
@@ -115,9 +133,7 @@ impl Shear {
         let (b, b_largest) = self.sheared(corners[1]);
         let (c, c_largest) = self.sheared(corners[2]);
         let (u, v, w) = (area(c, b), area(a, c), area(b, a));
-        // Of u = 2^-53 and the largest coordinate M, before the shear, and X, after it: a difference from the origin is off by u M,
-        // a slope by u, so a coordinate across by u (M + 3 M + X), and a side by 4 X times that and 4 u X^2. As X <= 2 M, that is
-        // less than 32 u M X.
+        // See the error bounds above; and more where products are subnormal.
         let largest = a_largest.max(b_largest).max(c_largest);
         let across = a.abs().max(b.abs()).max(c.abs()).max_element();
         let doubt = 20.0 * f64::EPSILON * largest * across + f64::MIN_POSITIVE;
@@ -151,14 +167,14 @@ pub(crate) fn locate(
     }
 }
 
-/// Whether two `t` are so close that which of them is exactly the smaller one cannot be told from them: each is at most a unit
-/// in the last place from the exact one.
+/// Whether two `t` are so close that they do not tell which of the exact ones is smaller: each is within a unit in the
+/// last place of its exact one.
 #[inline(always)]
 pub(crate) fn are_close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().min(b.abs())
 }
 
-/// A `t` that is larger than all that are close to this one.
+/// A `t` that is larger than every one that is close to this.
 #[inline(always)]
 pub(crate) fn clear_of(t: f64) -> f64 {
     t + 8.0 * f64::EPSILON * t.abs()
@@ -168,7 +184,7 @@ pub(crate) fn clear_of(t: f64) -> f64 {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Doubtful {
     meeting: Meeting<f64>,
-    /// Whether it is known that the ray meets the triangle, and that plain float64 does not say where.
+    /// Whether the ray is known to meet the triangle, and only where it does is left to be computed.
     is_met: bool,
 }
 
@@ -194,7 +210,7 @@ impl Doubtful {
             Some(place) => place,
             None => meeting.exact()?,
         };
-        // Numbers out of the range of float64.
+        // Not where numbers leave the range of float64.
         let is_fine = place[0].is_finite();
         is_fine.then(|| TriangleHit::new(place))
     }
@@ -221,7 +237,8 @@ impl Doubtful {
     }
 }
 
-/// The corners across a ray along an axis, if they are known without rounding: many are those of grids.
+/// The corners across a ray along an axis, if float64 has them without rounding. Such rays are frequent: they are those
+/// of grids.
 #[inline(always)]
 fn along_axis(d: &DoubleVector<f64>, corners: &[DoubleVector<f64>; 3]) -> Option<[DVec2; 3]> {
     let zeros = d.map(|part| part.high == 0.0);
@@ -259,9 +276,9 @@ fn side(p: DVec2, q: DVec2) -> f64 {
     }
 }
 
-/// Rounding is monotonic, so products that differ after rounding differ the same way before it. When
-/// they round to the same number, what rounding took away from each decides; a fused multiply-add
-/// gives that exactly.
+/// [`side`] where both products round to the same number. What rounding took from each then decides, and a fused
+/// multiply-add gives that exactly. (Products that differ after rounding differ in the same way before it, since
+/// rounding is monotonic.)
 #[cold]
 fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
     // What rounding took from a product this small may itself be too small for float64.

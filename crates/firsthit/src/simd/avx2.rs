@@ -45,6 +45,16 @@ macro_rules! x86 {
     };
 }
 
+/// An intrinsic for both registers of its arguments.
+macro_rules! both {
+    ($intrinsic:path, $($argument:expr),+) => {
+        x86!([$intrinsic($($argument[0]),+), $intrinsic($($argument[1]),+)])
+    };
+}
+
+// After the macros, which it uses.
+mod reduce;
+
 type F = [__m256; 2];
 type D = [__m256d; 2];
 
@@ -141,63 +151,51 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn add(self, a: F, b: F) -> F {
-        x86!([_mm256_add_ps(a[0], b[0]), _mm256_add_ps(a[1], b[1])])
+        both!(_mm256_add_ps, a, b)
     }
     #[inline(always)]
     fn sub(self, a: F, b: F) -> F {
-        x86!([_mm256_sub_ps(a[0], b[0]), _mm256_sub_ps(a[1], b[1])])
+        both!(_mm256_sub_ps, a, b)
     }
     #[inline(always)]
     fn mul(self, a: F, b: F) -> F {
-        x86!([_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])])
+        both!(_mm256_mul_ps, a, b)
     }
     #[inline(always)]
     fn div(self, a: F, b: F) -> F {
-        x86!([_mm256_div_ps(a[0], b[0]), _mm256_div_ps(a[1], b[1])])
+        both!(_mm256_div_ps, a, b)
     }
     #[inline(always)]
     fn min(self, a: F, b: F) -> F {
-        x86!([_mm256_min_ps(a[0], b[0]), _mm256_min_ps(a[1], b[1])])
+        both!(_mm256_min_ps, a, b)
     }
     #[inline(always)]
     fn max(self, a: F, b: F) -> F {
-        x86!([_mm256_max_ps(a[0], b[0]), _mm256_max_ps(a[1], b[1])])
+        both!(_mm256_max_ps, a, b)
     }
     #[inline(always)]
     fn abs(self, a: F) -> F {
-        [
-            x86!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a[0])),
-            x86!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a[1])),
-        ]
+        both!(_mm256_andnot_ps, self.splat(-0.0), a)
     }
     #[inline(always)]
     fn floor(self, a: F) -> F {
-        [x86!(_mm256_floor_ps(a[0])), x86!(_mm256_floor_ps(a[1]))]
+        both!(_mm256_floor_ps, a)
     }
     #[inline(always)]
     fn ceil(self, a: F) -> F {
-        [x86!(_mm256_ceil_ps(a[0])), x86!(_mm256_ceil_ps(a[1]))]
+        both!(_mm256_ceil_ps, a)
     }
     #[inline(always)]
     fn mul_add(self, a: F, b: F, c: F) -> F {
-        x86!([
-            _mm256_fmadd_ps(a[0], b[0], c[0]),
-            _mm256_fmadd_ps(a[1], b[1], c[1])
-        ])
+        both!(_mm256_fmadd_ps, a, b, c)
     }
     #[inline(always)]
     fn neg_mul_add(self, a: F, b: F, c: F) -> F {
-        x86!([
-            _mm256_fnmadd_ps(a[0], b[0], c[0]),
-            _mm256_fnmadd_ps(a[1], b[1], c[1])
-        ])
+        both!(_mm256_fnmadd_ps, a, b, c)
     }
     #[inline(always)]
     fn mul_sub(self, a: F, b: F, c: F) -> F {
-        x86!([
-            _mm256_fmsub_ps(a[0], b[0], c[0]),
-            _mm256_fmsub_ps(a[1], b[1], c[1])
-        ])
+        both!(_mm256_fmsub_ps, a, b, c)
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
@@ -216,17 +214,11 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn lt(self, a: F, b: F) -> u16 {
-        mask(x86!([
-            _mm256_cmp_ps::<_CMP_LT_OQ>(a[0], b[0]),
-            _mm256_cmp_ps::<_CMP_LT_OQ>(a[1], b[1])
-        ]))
+        mask(both!(_mm256_cmp_ps::<_CMP_LT_OQ>, a, b))
     }
     #[inline(always)]
     fn le(self, a: F, b: F) -> u16 {
-        mask(x86!([
-            _mm256_cmp_ps::<_CMP_LE_OQ>(a[0], b[0]),
-            _mm256_cmp_ps::<_CMP_LE_OQ>(a[1], b[1])
-        ]))
+        mask(both!(_mm256_cmp_ps::<_CMP_LE_OQ>, a, b))
     }
     #[inline(always)]
     fn same(self, a: F, b: F) -> u16 {
@@ -244,98 +236,25 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn same_sixteen(self, a: F, b: F) -> u16 {
         let bits = self.splat(f32::from_bits(!15));
-        x86!(self.same(
-            [_mm256_and_ps(a[0], bits[0]), _mm256_and_ps(a[1], bits[1])],
-            [_mm256_and_ps(b[0], bits[0]), _mm256_and_ps(b[1], bits[1])],
-        ))
+        self.same(both!(_mm256_and_ps, a, bits), both!(_mm256_and_ps, b, bits))
     }
     #[inline(always)]
     fn select(self, mask: u16, a: F, b: F) -> F {
         let [low, high] = mask.to_le_bytes();
-        x86!([
-            _mm256_blendv_ps(b[0], a[0], signs(low)),
-            _mm256_blendv_ps(b[1], a[1], signs(high))
-        ])
+        let signs = [signs(low), signs(high)];
+        both!(_mm256_blendv_ps, b, a, signs)
     }
     #[inline(always)]
     fn largest(self, a: F) -> f32 {
-        x86!({
-            let eight = _mm256_max_ps(a[0], a[1]);
-            let four = _mm_max_ps(
-                _mm256_castps256_ps128(eight),
-                _mm256_extractf128_ps::<1>(eight),
-            );
-            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
-            _mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two)))
-        })
+        reduce::largest(a)
     }
     #[inline(always)]
     fn smallest(self, a: F) -> f32 {
-        x86!({
-            let eight = _mm256_min_ps(a[0], a[1]);
-            let four = _mm_min_ps(
-                _mm256_castps256_ps128(eight),
-                _mm256_extractf128_ps::<1>(eight),
-            );
-            let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
-            _mm_cvtss_f32(_mm_min_ss(two, _mm_shuffle_ps::<1>(two, two)))
-        })
+        reduce::smallest(a)
     }
     #[inline(always)]
     fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
-        // As in `avx512.rs`.
-        x86!({
-            let first = _mm256_set_epi32(8, 9, 10, 11, 12, 13, 14, 15);
-            let second = _mm256_set_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            macro_rules! key {
-                ($of:expr, $behind:ident) => {
-                    _mm256_or_si256(
-                        _mm256_and_si256(
-                            _mm256_loadu_si256($of.as_ptr().cast()),
-                            _mm256_set1_epi32(!15),
-                        ),
-                        $behind,
-                    )
-                };
-            }
-            macro_rules! one {
-                ($k:literal) => {{
-                    let [low, high]: &[[f32; WIDE]; 2] = bytemuck::cast_ref(of[$k]);
-                    _mm256_min_epu32(key!(low, first), key!(high, second))
-                }};
-            }
-            macro_rules! two {
-                ($a:literal, $b:literal) => {{
-                    let (a, b) = (one!($a), one!($b));
-                    _mm256_min_epu32(
-                        _mm256_permute2x128_si256::<0x20>(a, b),
-                        _mm256_permute2x128_si256::<0x31>(a, b),
-                    )
-                }};
-            }
-            macro_rules! four {
-                ($a:literal, $b:literal, $c:literal, $d:literal) => {{
-                    let (a, b) = (two!($a, $b), two!($c, $d));
-                    _mm256_castsi256_ps(_mm256_min_epu32(
-                        _mm256_unpacklo_epi64(a, b),
-                        _mm256_unpackhi_epi64(a, b),
-                    ))
-                }};
-            }
-            macro_rules! eight {
-                ($a:expr, $b:expr) => {{
-                    let (a, b) = ($a, $b);
-                    _mm256_castsi256_ps(_mm256_min_epu32(
-                        _mm256_castps_si256(_mm256_shuffle_ps::<0x88>(a, b)),
-                        _mm256_castps_si256(_mm256_shuffle_ps::<0xdd>(a, b)),
-                    ))
-                }};
-            }
-            [
-                eight!(four!(0, 4, 1, 5), four!(2, 6, 3, 7)),
-                eight!(four!(8, 12, 9, 13), four!(10, 14, 11, 15)),
-            ]
-        })
+        reduce::smallest_of_each(of)
     }
     #[inline(always)]
     fn compress(self, mask: u16, a: F, to: &mut [f32; LANES]) {
@@ -374,77 +293,56 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn add64(self, a: D, b: D) -> D {
-        x86!([_mm256_add_pd(a[0], b[0]), _mm256_add_pd(a[1], b[1])])
+        both!(_mm256_add_pd, a, b)
     }
     #[inline(always)]
     fn sub64(self, a: D, b: D) -> D {
-        x86!([_mm256_sub_pd(a[0], b[0]), _mm256_sub_pd(a[1], b[1])])
+        both!(_mm256_sub_pd, a, b)
     }
     #[inline(always)]
     fn mul64(self, a: D, b: D) -> D {
-        x86!([_mm256_mul_pd(a[0], b[0]), _mm256_mul_pd(a[1], b[1])])
+        both!(_mm256_mul_pd, a, b)
     }
     #[inline(always)]
     fn div64(self, a: D, b: D) -> D {
-        x86!([_mm256_div_pd(a[0], b[0]), _mm256_div_pd(a[1], b[1])])
+        both!(_mm256_div_pd, a, b)
     }
     #[inline(always)]
     fn sqrt64(self, a: D) -> D {
-        [x86!(_mm256_sqrt_pd(a[0])), x86!(_mm256_sqrt_pd(a[1]))]
+        both!(_mm256_sqrt_pd, a)
     }
     #[inline(always)]
     fn abs64(self, a: D) -> D {
-        [
-            x86!(_mm256_andnot_pd(_mm256_set1_pd(-0.0), a[0])),
-            x86!(_mm256_andnot_pd(_mm256_set1_pd(-0.0), a[1])),
-        ]
+        both!(_mm256_andnot_pd, self.splat64(-0.0), a)
     }
     #[inline(always)]
     fn max64(self, a: D, b: D) -> D {
-        x86!([_mm256_max_pd(a[0], b[0]), _mm256_max_pd(a[1], b[1])])
+        both!(_mm256_max_pd, a, b)
     }
     #[inline(always)]
     fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
-        x86!([
-            _mm256_fmsub_pd(a[0], b[0], c[0]),
-            _mm256_fmsub_pd(a[1], b[1], c[1])
-        ])
+        both!(_mm256_fmsub_pd, a, b, c)
     }
     #[inline(always)]
     fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
-        x86!([
-            _mm256_fmadd_pd(a[0], b[0], c[0]),
-            _mm256_fmadd_pd(a[1], b[1], c[1])
-        ])
+        both!(_mm256_fmadd_pd, a, b, c)
     }
     #[inline(always)]
     fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
-        x86!([
-            _mm256_fnmadd_pd(a[0], b[0], c[0]),
-            _mm256_fnmadd_pd(a[1], b[1], c[1])
-        ])
+        both!(_mm256_fnmadd_pd, a, b, c)
     }
     #[inline(always)]
     fn lt64(self, a: D, b: D) -> u8 {
-        mask64(x86!([
-            _mm256_cmp_pd::<_CMP_LT_OQ>(a[0], b[0]),
-            _mm256_cmp_pd::<_CMP_LT_OQ>(a[1], b[1])
-        ]))
+        mask64(both!(_mm256_cmp_pd::<_CMP_LT_OQ>, a, b))
     }
     #[inline(always)]
     fn le64(self, a: D, b: D) -> u8 {
-        mask64(x86!([
-            _mm256_cmp_pd::<_CMP_LE_OQ>(a[0], b[0]),
-            _mm256_cmp_pd::<_CMP_LE_OQ>(a[1], b[1])
-        ]))
+        mask64(both!(_mm256_cmp_pd::<_CMP_LE_OQ>, a, b))
     }
     #[inline(always)]
     fn select64(self, mask: u8, a: D, b: D) -> D {
         let signs = widen_signs(signs(mask));
-        x86!([
-            _mm256_blendv_pd(b[0], a[0], signs[0]),
-            _mm256_blendv_pd(b[1], a[1], signs[1])
-        ])
+        both!(_mm256_blendv_pd, b, a, signs)
     }
     #[inline(always)]
     fn interleave64(self, a: D, b: D) -> [D; 2] {

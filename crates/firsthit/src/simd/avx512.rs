@@ -165,9 +165,9 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
-        // One of a pair and the other side by side, then what is left of two such pairs, and so on. Rows that are four
-        // apart go together first, since shuffles within quarters of a register, the last two, do the rest: what comes out
-        // is in order.
+        // Two shuffles put the halves of two rows into two registers, whose minimum holds what is left of both rows.
+        // The same for two such minima, and so on, until one number of each row is left. Rows four apart go together
+        // first: the last two shuffles work within quarters of a register, and so the result is in order.
         x86!({
             let behind = _mm512_set_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
             macro_rules! key {

@@ -1,3 +1,5 @@
+//! What a kernel can do with lanes: the operations that every instruction set has.
+
 use bytemuck::Pod;
 
 use super::Kernel;
@@ -22,7 +24,7 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     /// Eight float64.
     type Doubles: Copy;
 
-    /// Calls a kernel that several kernels share. It is not inlined: each copy would have to be compiled.
+    /// Calls a kernel that several kernels share. It is not inlined, so that it is compiled once.
     fn call<K: Kernel>(self, kernel: K) -> K::Output;
 
     fn splat(self, x: f32) -> Self::Floats;
@@ -50,7 +52,7 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn permute(self, table: Self::Floats, places: &[u8; LANES]) -> Self::Floats {
         self.permute_by(table, self.load_places(places))
     }
-    /// Lane k is the lane of `table` that the last four bits of lane k of `places` name.
+    /// Lane k is a lane of `table`: the one that the last four bits of lane k of `places` number.
     fn permute_by(self, table: Self::Floats, places: Self::Floats) -> Self::Floats;
     /// Places for [`Lanes::permute_by`].
     fn load_places(self, from: &[u8; LANES]) -> Self::Floats;
@@ -68,10 +70,11 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn largest(self, a: Self::Floats) -> f32;
     /// The smallest lane; none is NaN.
     fn smallest(self, a: Self::Floats) -> f32;
-    /// For each of sixteen times sixteen numbers, none of which is negative or NaN, the smallest and where it is: its bits
-    /// but for the last four, and in these how many are behind it. Of those that do not differ otherwise, the last.
+    /// Finds the smallest number of each of sixteen rows; none is negative or NaN. Lane k has the bits of row k's
+    /// smallest, with the last four replaced by 15 less its lane in the row. Numbers that differ only in those bits
+    /// tie, and the highest lane wins.
     fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> Self::Floats;
-    /// Writes the lanes where the mask is set side by side to the front of `to`; behind them may be anything.
+    /// Writes the lanes where the mask is set side by side to the front of `to`, and anything behind them.
     fn compress(self, mask: u16, a: Self::Floats, to: &mut [f32; LANES]);
 
     /// Eight float32 in float64.
@@ -114,14 +117,14 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     /// The lanes of both in turns: `a` 0, `b` 0, `a` 1, `b` 1 and so on.
     fn interleave64(self, a: Self::Doubles, b: Self::Doubles) -> [Self::Doubles; 2];
 
-    /// Asks for the memory of `what`, which is read soon.
+    /// Prefetches `what`, which is read soon.
     fn prefetch<T>(self, what: &T);
-    /// Asks for the memory of one of `whats`, or of one of `others`, without a branch: what is chosen between is hard
-    /// to foresee. An index that is not there does no harm.
+    /// Prefetches one of `whats`, or one of `others`, without a branch, which would be hard to predict. An index out of
+    /// range does no harm.
     fn prefetch_either<T, U>(self, is_other: bool, index: u32, whats: &[T], others: &[U]);
-    /// Copies as many numbers as there are to memory that nobody reads soon, past the caches. Before another
-    /// thread reads them: [`Lanes::end_streams`].
+    /// Copies numbers past the caches, to memory that is not read soon. Call [`Lanes::end_streams`] before another
+    /// thread reads them.
     fn stream<T: Pod>(self, from: &[T], to: &mut [T]);
-    /// Makes what was streamed visible.
+    /// Makes what was streamed visible to other threads.
     fn end_streams(self);
 }

@@ -33,15 +33,16 @@ pub(crate) use mask::set_bits;
 pub(crate) use pages::prefer_large_pages;
 pub use set::InstructionSet;
 
-/// Something to be computed with lanes.
+/// A computation with lanes.
 pub(crate) trait Kernel {
-    /// What comes out.
+    /// Its result.
     type Output;
-    /// Does it; `#[inline(always)]` in every implementation.
+    /// Computes it; `#[inline(always)]` in every implementation.
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs `kernel` with an instruction set, or with the portable one if this machine lacks it. 128 KiB of the caller's stack are enough.
+/// Runs `kernel` with an instruction set, or with the portable one if this machine lacks it. 128 KiB of the caller's
+/// stack are enough.
 #[inline]
 pub(crate) fn run<K>(set: InstructionSet, kernel: K) -> K::Output
 where

@@ -1,11 +1,11 @@
-//! Large pages: where arrays of megabytes are met at random, or for the first time, small ones cost more than
-//! the work itself.
+//! Large pages, for arrays of megabytes. Where these are read at random, or written for the first time, small pages cost
+//! more than the work itself.
 
-/// What is smaller is not worth the call.
+/// A smaller array is not worth the call.
 const LARGE: usize = 4 << 20;
 
-/// Asks the system to back the memory of `values` with large pages, best before anything is written there. Where it
-/// does not, nothing but time is lost.
+/// Asks the system to back the memory of `values` with large pages, best before anything is written there. Only time is
+/// lost where it does not.
 pub(crate) fn prefer_large_pages<T>(values: &[T]) {
     if size_of_val(values) < LARGE {
         return;
@@ -14,7 +14,7 @@ pub(crate) fn prefer_large_pages<T>(values: &[T]) {
     {
         let range = values.as_ptr_range();
         let page = rustix::param::page_size();
-        // Whole pages only: what shares one with others is theirs too.
+        // Whole pages only: the first and the last may hold other things too.
         let start = (range.start as usize).next_multiple_of(page);
         let end = range.end as usize / page * page;
         let pages = range.start.cast_mut().cast::<std::ffi::c_void>();

@@ -1,3 +1,5 @@
+//! The instruction sets, and which of them this machine has.
+
 use std::str::FromStr;
 use std::sync::OnceLock;
 

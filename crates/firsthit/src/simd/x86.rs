@@ -24,7 +24,8 @@ pub(super) fn prefetch_either<T, U>(is_other: bool, index: u32, whats: &[T], oth
     prefetch_lines(start, size, size_of::<T>().max(size_of::<U>()));
 }
 
-/// As many lines as `most` bytes have; behind the first `size` bytes, the first line again.
+/// Prefetches as many cache lines as `most` bytes have. Beyond `size` bytes it takes the first line again, so that the
+/// loop has a fixed length.
 #[inline(always)]
 fn prefetch_lines(start: *const i8, size: usize, most: usize) {
     for line in 0..most.div_ceil(64) {

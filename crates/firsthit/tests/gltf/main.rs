@@ -11,5 +11,6 @@ mod builder;
 mod geometry;
 mod hostile;
 mod looks;
+mod memory;
 mod packed;
 mod scene;

@@ -1,12 +1,14 @@
-//! Neighbours that are in a plane, or nearly, as the pixels of a row, and what they see from a light: these go together.
+//! Neighbours that are in a plane, or nearly, as the pixels of a row, and what they see from a light: these go
+//! together.
 
 use firsthit::{DVec3, Object, Ray, Scene};
 
+use super::checked;
+use super::generators::{PLACES, placed};
 use super::support::{Numbers, bumpy_sphere, mesh};
-use super::{PLACES, judged, placed};
 
-/// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point, side by side, from a bent line
-/// to one point, and apart from one another.
+/// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point, side by side, from a
+/// bent line to one point, and apart from one another.
 fn fan(kind: usize, [a, b]: [DVec3; 2], scale: f64, numbers: &mut Numbers) -> Vec<Ray> {
     let light = a + scale * (0.2 + numbers.unit()) * numbers.point();
     let way = light - a;
@@ -46,13 +48,13 @@ fn fans_over_edges() {
             rays.extend(fan(kind, ends, scale, &mut numbers));
         }
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
-        let met = judged(&scene, &rays);
+        let met = checked(&scene, &rays);
         assert!(met > rays.len() / 4 && met < rays.len(), "{met}");
     }
 }
 
-/// Rays side by side that start just above the edges between small triangles far from each other, with others just behind:
-/// what float32 takes from the starts is large beside the triangles.
+/// Rays side by side that start just above the edges between small triangles far from each other, with others just
+/// behind: what float32 takes from the starts is large beside the triangles.
 #[test]
 fn starts_far_apart_just_above_small_triangles() {
     for (round, (scale, offset)) in PLACES.into_iter().enumerate() {
@@ -83,6 +85,6 @@ fn starts_far_apart_just_above_small_triangles() {
         };
         let rays: Vec<Ray> = aims.iter().map(ray).collect();
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
-        assert_eq!(judged(&scene, &rays), rays.len());
+        assert_eq!(checked(&scene, &rays), rays.len());
     }
 }

@@ -7,7 +7,9 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+mod arrays;
 mod fans;
+mod generators;
 mod leaks;
 mod pixels;
 #[path = "../support/mod.rs"]
@@ -21,6 +23,7 @@ use firsthit::shoot::{Any, BruteForce, Count, Cpu, Engine, First, trace, trace_w
 use firsthit::{
     DAffine3, DVec3, Hit, Hits, InstructionSet, Material, Object, Ray, Rays, Scene, Transform,
 };
+use generators::{PLACES, cloud, placed, rays, short_rays, soup, unshared};
 use rayon::ThreadPoolBuilder;
 use support::{Numbers, bits, bumpy_sphere, mesh};
 
@@ -30,9 +33,9 @@ fn sets() -> impl Iterator<Item = InstructionSet> {
         .filter(|set| set.is_available())
 }
 
-/// Shoots `rays` with every instruction set and compares with the judge; returns how many hit. Then some of them once
+/// Shoots `rays` with every instruction set and compares with brute force; returns how many hit. Then some of them once
 /// more, which begin where they hit, just before, or anywhere.
-fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
+fn checked<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
     let hits = compared(scene, rays);
     let later = |(k, t): (usize, f64)| {
         let begin = [t, t.next_down(), 0.5 * t, 1.5 * t, -t, 1e30][k / 3 % 6];
@@ -45,137 +48,36 @@ fn judged<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
     hits.iter().filter(|hit| !hit.is_miss()).count()
 }
 
-/// The judge's hits, which are those of every instruction set.
+/// The hits of brute force, which are those of every instruction set.
 fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
-    let judge: Vec<Hit> = (0..rays.len())
+    let expected: Vec<Hit> = (0..rays.len())
         .map(|k| BruteForce.first_hit(scene, &rays.ray(k)))
         .collect();
-    let judged_counts = trace_with(&BruteForce, scene, rays, Count, &()).unwrap();
+    let expected_counts = trace_with(&BruteForce, scene, rays, Count, &()).unwrap();
     for set in sets() {
         let engine = Cpu::with(set);
         let hits = trace_with(&engine, scene, rays, First, &()).unwrap();
         let any = trace_with(&engine, scene, rays, Any, &()).unwrap();
         let counts = trace_with(&engine, scene, rays, Count, &()).unwrap();
-        for (k, judge) in judge.iter().enumerate() {
+        for (k, expected) in expected.iter().enumerate() {
             let (ray, hit) = (rays.ray(k), hits.get(k));
-            let what = || format!("{set:?} {k} {ray:?}: {hit:?}, the judge says {judge:?}");
-            assert_eq!(bits(&hit), bits(judge), "{}", what());
-            assert_eq!(any[k], !judge.is_miss(), "any hit: {}", what());
-            assert_eq!(counts[k], judged_counts[k], "count: {}", what());
+            let what = || format!("{set:?} {k} {ray:?}: {hit:?}, brute force says {expected:?}");
+            assert_eq!(bits(&hit), bits(expected), "{}", what());
+            assert_eq!(any[k], !expected.is_miss(), "any hit: {}", what());
+            assert_eq!(counts[k], expected_counts[k], "count: {}", what());
             if k % 64 == 0 {
-                assert_eq!(engine.any_hit(scene, &ray), !judge.is_miss(), "{}", what());
+                assert_eq!(
+                    engine.any_hit(scene, &ray),
+                    !expected.is_miss(),
+                    "{}",
+                    what()
+                );
                 let alone = engine.first_hit(scene, &ray);
-                assert_eq!(bits(&alone), bits(judge), "alone: {}", what());
+                assert_eq!(bits(&alone), bits(expected), "alone: {}", what());
             }
         }
     }
-    judge
-}
-
-/// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners and edges.
-fn soup(count: usize, numbers: &mut Numbers) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let mut points: Vec<DVec3> = (0..4).map(|_| numbers.point()).collect();
-    let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
-    for k in 0..count {
-        let first = points.len() as u32;
-        let centre = numbers.point();
-        let size = [1.0, 0.3, 0.05, 1e-3][k % 4];
-        points.extend((0..3).map(|_| centre + size * numbers.point()));
-        match k % 8 {
-            5 => points[first as usize + 2] = points[first as usize] * (1.0 + 1e-12),
-            6 => points[first as usize + 1] = points[first as usize],
-            7 => triangles.push(triangles[numbers.below(triangles.len())]),
-            _ => {}
-        }
-        let shared = numbers.below(points.len()) as u32;
-        triangles.push([first, first + 1, first + 2]);
-        triangles.push([first, first + 1, shared]);
-    }
-    (points, triangles)
-}
-
-/// Random rays, at corners and edges, along the axes through corners, in the planes of triangles, from corners,
-/// with ends, and some that make no sense.
-fn rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
-    let middle = points.iter().sum::<DVec3>() / points.len() as f64;
-    (0..count)
-        .map(|k| {
-            let [a, b, c] = [0; 3].map(|_| points[numbers.below(points.len())]);
-            let origin = middle + 3.0 * scale * numbers.point();
-            let axis = DVec3::AXES[k / 8 % 3] * [1.0, -1.0][k / 24 % 2];
-            match k % 8 {
-                0 => Ray::new(origin, numbers.point()),
-                1 => Ray::new(origin, a - origin),
-                2 => Ray::new(origin, a.lerp(b, numbers.unit()) - origin),
-                3 => Ray::new(a - 2.0 * scale * axis, axis),
-                4 => Ray::new(a, numbers.point()).up_to(scale * numbers.unit()),
-                5 => Ray::new(a.lerp(b, 3.0), b.lerp(c, numbers.unit()) - a),
-                6 => Ray::new(origin, 1e-30 * (a - origin) / scale).up_to(1e30 * scale),
-                _ if k % 80 == 7 => Ray::new(origin, DVec3::splat(f64::NAN)),
-                _ if k % 80 == 15 => Ray::new(origin * f64::INFINITY, axis),
-                _ if k % 80 == 23 => Ray::new(origin, DVec3::ZERO),
-                _ => Ray::new(
-                    middle + 1e6 * scale * numbers.point(),
-                    axis + 1e-9 * numbers.point(),
-                ),
-            }
-        })
-        .collect()
-}
-
-const PLACES: [(f64, f64); 8] = [
-    (1.0, 0.0),
-    (1e-6, 0.0),
-    (1e6, 0.0),
-    (1.0, 1e5),
-    (1.0, -1e7),
-    (1e-3, 1e2),
-    (1e8, 3.0),
-    (1e-4, 1e1),
-];
-
-/// Each triangle with vertices of its own, as in STL files.
-fn unshared(points: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let corners = triangles.iter().flatten();
-    let points = corners.map(|&vertex| points[vertex as usize]).collect();
-    let own = (0..triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
-    (points, own.collect())
-}
-
-fn placed(points: &[DVec3], scale: f64, offset: f64) -> Vec<DVec3> {
-    let place = |p: &DVec3| scale * *p + DVec3::new(offset, -offset, 0.5 * offset);
-    points.iter().map(place).collect()
-}
-
-/// Short rays in all directions, many from a small place at a time, as ambient occlusion asks for: from just off corners
-/// and edges, to corners nearby and just short of them, along the axes. In some places there is one without an end.
-fn short_rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
-    let mut rays = Vec::with_capacity(count);
-    while rays.len() < count {
-        let group = rays.len() / 16;
-        let [a, b] = [0; 2].map(|_| points[numbers.below(points.len())]);
-        let place = a.lerp(b, [0.0, 0.01, numbers.unit()][group % 3]);
-        let far = |p: &DVec3| (*p - place).length();
-        let nearby = points.iter().filter(|p| far(p) > 0.0);
-        let corner = *nearby.min_by(|p, q| far(p).total_cmp(&far(q))).unwrap();
-        let reach = scale * [0.5, 0.2, 0.03][numbers.below(3)];
-        let off = reach * [0.0, 1e-5, 1e-2, 0.3][numbers.below(4)];
-        for k in 0..16 {
-            let origin = place + off * numbers.point();
-            let axis = DVec3::AXES[k % 3] * [1.0, -1.0][k / 3 % 2];
-            rays.push(match (k + group) % 8 {
-                0 => Ray::new(origin, corner - origin).up_to(1.0),
-                1 => Ray::new(origin, corner - origin).up_to(1.0 - f64::EPSILON),
-                2 => Ray::new(origin, axis).up_to(reach),
-                3 => Ray::new(place, numbers.point().with_z(0.0)).up_to(reach),
-                4 if group % 4 == 0 => Ray::new(origin, numbers.point()),
-                5 => Ray::new(origin, numbers.point() * DVec3::new(1.0, 1e-12, 1e-35)).up_to(reach),
-                _ => Ray::new(origin, numbers.point()).up_to(reach * numbers.unit()),
-            });
-        }
-    }
-    rays.truncate(count);
-    rays
+    expected
 }
 
 /// Rounds of soups of every scale at every place; `rays_each` rays for each, and half as many short ones.
@@ -206,9 +108,9 @@ fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
         }
         let scene = Scene::new(vec![object]).unwrap();
         let rays = rays(&points, scale, rays_each, &mut numbers);
-        judged(&scene, &rays);
+        checked(&scene, &rays);
         let short = short_rays(&points, scale, rays_each / 2 - 5, &mut numbers);
-        judged(&scene, &short);
+        checked(&scene, &short);
         shot += rays.len() + short.len();
     }
     shot
@@ -234,7 +136,7 @@ fn short_rays_from_neighbours() {
         let mesh = mesh(&points, triangles);
         let one = Scene::new(vec![Object::new(mesh.clone())]).unwrap();
         let rays = short_rays(&points, scale, 3990, &mut numbers);
-        let met = judged(&one, &rays);
+        let met = checked(&one, &rays);
         assert!(met > rays.len() / 8 && met < rays.len(), "{met}");
         if round < 3 {
             let turn = DAffine3::from_rotation_z(0.4);
@@ -242,20 +144,9 @@ fn short_rays_from_neighbours() {
             let placed = Transform::new(aside).unwrap();
             let objects = vec![Object::new(mesh.clone()), Object::new(mesh).placed(placed)];
             let rays = &rays[..1000];
-            judged(&Scene::new(objects).unwrap(), rays);
+            checked(&Scene::new(objects).unwrap(), rays);
         }
     }
-}
-
-/// Small triangles all over the cube from -1 to 1.
-fn cloud(count: u32, numbers: &mut Numbers) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let mut points = Vec::new();
-    for _ in 0..count {
-        let place = numbers.point();
-        points.extend((0..3).map(|_| place + 0.06 * numbers.point()));
-    }
-    let triangles = (0..count).map(|k| [0, 1, 2].map(|corner| 3 * k + corner));
-    (points, triangles.collect())
 }
 
 /// Two sheets that go through one another, seen almost along them: which is first hangs on digits that float32 lacks.
@@ -284,7 +175,7 @@ fn sheets_seen_almost_along_them() {
                 Ray::new(place - (0.5 + numbers.unit()) * direction, direction)
             })
             .collect();
-        hits += judged(&Scene::new(objects).unwrap(), &rays);
+        hits += checked(&Scene::new(objects).unwrap(), &rays);
     }
     assert!(hits > 70_000, "{hits}");
 }
@@ -307,7 +198,7 @@ fn soak() {
     }
 }
 
-/// So far away that float64 cannot bring the ray near, yet the judge says it hits.
+/// So far away that float64 cannot bring the ray near, yet exact arithmetic says it hits.
 #[test]
 fn rays_from_very_far_away() {
     let points = [
@@ -340,7 +231,7 @@ fn rays_from_very_far_away() {
         rays.push(Ray::new(points[0] - way, way));
         rays.push(Ray::new(0.3 * points[1] - way, way.normalize()).up_to(way.length() * 2.0));
     }
-    assert!(judged(&scene, &rays) > 0);
+    assert!(checked(&scene, &rays) > 0);
 }
 
 fn hash(hits: &Hits) -> u64 {
@@ -407,7 +298,7 @@ fn points_are_not_met() {
                 Ray::new(origin, numbers.point() - origin)
             }));
         }
-        judged(&scene, &all);
+        checked(&scene, &all);
     }
 }
 
@@ -447,9 +338,9 @@ fn of_copies_in_one_place_the_lowest_is_met() {
         ball,
     ];
     let scene = Scene::new(objects).unwrap();
-    let mut hits = judged(&scene, &rays(&points, 1.0, 400, &mut numbers));
+    let mut hits = checked(&scene, &rays(&points, 1.0, 400, &mut numbers));
     for camera in &pixels::cameras(DVec3::ZERO, 1.5, &mut numbers)[..3] {
-        hits += judged(&scene, camera);
+        hits += checked(&scene, camera);
     }
     assert!(hits > 1_000, "{hits}");
 }

@@ -1,13 +1,19 @@
-//! The builder: binned surface area heuristic, top down, in parallel.
+//! The builder of binary trees: top down, by the surface area heuristic over bins, in parallel.
 //!
-//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive
-//! Ray Tracing 2007. Nothing depends on the number of threads: the bins are sums of integers and unions
-//! of boxes, whose order does not matter, and the forks follow the sizes alone.
+//! 1. Make a leaf of a range of boxes if it fits one.
+//! 2. Split the range where a ray's expected cost is least (`binned_sah.rs`).
+//! 3. Where no plane separates the boxes' middles, leave out items that are in the place of others, or halve the range.
+//! 4. Build both parts, large ones by two threads.
+//!
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
+//! 2007. It departs in step 3, and in that the tree does not depend on the number of threads: bins are counts and
+//! unions of boxes, whose order does not matter, and ranges are forked by their size alone.
 
 use super::binned_sah::{self, Block, Box32, Item, Split, around};
 use crate::memory;
 
-/// From this depth on ranges are halved: geometry can make the heuristic peel off one box at a time.
+/// From this depth on ranges are halved. The heuristic alone can split off one box at a time, and make a tree as deep
+/// as it has boxes.
 pub(super) const SAH_DEPTH: u32 = 64;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
@@ -23,22 +29,22 @@ pub(super) struct BinaryNode {
     pub(super) count: u32,
 }
 
-/// A binary tree: the root first, the children of a node side by side, after them all that is below the first, then all
-/// that is below the second.
+/// A binary tree: the root first. The children of a node stand side by side; after them comes all that is below the
+/// first, then all that is below the second.
 pub(super) struct Binary {
     pub(super) nodes: Vec<BinaryNode>,
     /// The items' indices, those of a leaf side by side.
     pub(super) order: Vec<u32>,
 }
 
-/// What a builder has to know about what it puts in order.
+/// The properties of the items that the builder needs.
 pub(super) trait Kind: Sync {
     /// How many items a ray tests at once.
     fn block(&self) -> Block;
     /// Whether items can be a leaf; one always can.
     fn is_leaf(&self, items: &[Item]) -> bool;
-    /// Puts those in front that are not in the place of others, which win over them, and says how many they are.
-    /// Asked only where no plane separates the middles.
+    /// Leaves out items that lose every tie to another in the same place: puts the others in front and returns their
+    /// number. Called only where no plane separates the middles.
     fn distinct(&self, items: &mut [Item]) -> usize {
         items.len()
     }
@@ -59,13 +65,13 @@ pub(super) fn binary(items: &mut [Item], kind: &impl Kind) -> Binary {
     }
 }
 
-/// A range's nodes: its root, and all others with `first` counted from their own start.
+/// The nodes of a range: its root, and all others, with `first` counted from the start of `nodes`.
 struct Subtree {
     root: BinaryNode,
     nodes: Vec<BinaryNode>,
 }
 
-/// The same node after its subtree moved by `offset`.
+/// The node after its subtree has moved by `offset`.
 fn shift(node: BinaryNode, offset: u32) -> BinaryNode {
     if node.count == 0 {
         BinaryNode {
@@ -125,7 +131,8 @@ fn join(
     }
 }
 
-/// Appends the nodes below a range's root; the recursion ends, because from [`SAH_DEPTH`] on it halves.
+/// Appends the nodes below a range's root, which it returns. The recursion ends, as ranges are halved from
+/// [`SAH_DEPTH`] on.
 fn append(
     items: &mut [Item],
     around: Box32,

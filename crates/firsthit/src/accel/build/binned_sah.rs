@@ -1,15 +1,24 @@
-//! The surface area heuristic over bins: where to split a range of boxes.
+//! Where to split a range of boxes: the surface area heuristic over bins.
+//!
+//! 1. Put the boxes into 16 bins along each axis by their middles (8 for small ranges); a bin keeps their count and
+//!    union.
+//! 2. For each plane between two bins, add up what both sides cost a ray: the surface of the box around a side, times
+//!    how many blocks of items it has. A block is as many items as are tested together.
+//! 3. Partition the range at the cheapest plane.
+//!
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
+//! 2007. It departs in the cost, which counts blocks in place of items.
 
 use rayon::prelude::*;
 
-/// Of small ranges fewer bins choose as well: there the work is in the bins, not in the boxes.
+/// In small ranges, where the work is in the bins and not in the boxes, fewer bins are enough.
 const MOST_BINS: usize = 16;
 const FEWER_BINS: usize = 8;
 const SMALL: usize = 128;
 /// How many boxes one task takes of a large range.
 const CHUNK: usize = 65_536;
 
-/// A float32 box. The fourth numbers make whole registers of the ends; they mean nothing.
+/// A float32 box. The fourth numbers fill a register; they are not part of the box.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(16))]
 pub(super) struct Box32 {
@@ -79,7 +88,7 @@ impl Box32 {
         }
     }
 
-    /// Half the surface; in float64, for the product of two coordinates of 1e30 is nothing that float32 holds.
+    /// Half the surface; in float64, as the product of two coordinates of 1e30 is too large for float32.
     #[inline(always)]
     pub(super) fn half_area(self) -> f64 {
         let [x, y, z]: [f64; 3] =
@@ -101,7 +110,7 @@ pub(super) struct Item(Box32);
 impl Item {
     #[inline(always)]
     pub(super) fn new(bounds: Box32, index: u32) -> Self {
-        // In the number that means nothing: half the memory, and two registers to move.
+        // In the unused number of the low end, so that an item is two registers.
         let mut bounds = bounds;
         bounds.low[3] = f32::from_bits(index);
         Self(bounds)
@@ -122,8 +131,8 @@ pub(super) fn around(items: &[Item]) -> Box32 {
     in_chunks(items, one, Box32::EMPTY, Box32::union)
 }
 
-/// A quantity of a range from those of its parts; large ranges by all threads. `combine` does not mind the
-/// order, so the result is the same for any number of them.
+/// A quantity of a range from those of its parts; of a large range by all threads. The order must not matter to
+/// `combine`, so that the result is the same for any number of threads.
 fn in_chunks<T: Copy + Send + Sync>(
     items: &[Item],
     one: impl Fn(&[Item]) -> T + Send + Sync,
@@ -159,7 +168,7 @@ impl Bin {
         }
     }
 
-    /// What a ray that meets the parent is expected to pay here, but for a common factor.
+    /// The expected cost of a ray that meets the parent, but for a factor that all bins share.
     #[inline(always)]
     fn cost(self, Block(bits): Block) -> f64 {
         if self.count == 0 {
@@ -170,7 +179,7 @@ impl Bin {
     }
 }
 
-/// How many boxes cost a ray as much as one, for they are tested together: two to the power of this.
+/// How many items are tested together, at the cost of one: two to the power of this.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block(pub(super) u32);
 

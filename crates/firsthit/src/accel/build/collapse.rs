@@ -1,10 +1,16 @@
-//! From a binary tree to one of 16-wide nodes.
+//! Makes a tree of 16-wide nodes of a binary tree: the one with the smallest sum of the surfaces of all wide nodes.
 //!
-//! Which of a subtree's nodes become children of a wide node, and which are left out between, is chosen so that the
-//! surfaces of all wide nodes come to the least, to float32's rounding: as shares of the root's they are how many a ray
-//! visits on average. (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
-//! BVHs", High Performance Graphics 2017. It departs in that leaves are what the builder made; so nothing they cost
-//! depends on a choice, and only nodes count.)
+//! As a multiple of the root's surface, that sum is how many nodes a ray visits on average.
+//!
+//! 1. From the leaves up: for each binary node and each number of places from 1 to 16, find what its subtree costs at
+//!    least if it takes up that many places among the children of a wide node (dynamic programming). With one place it
+//!    is a wide node itself.
+//! 2. Keep how many of the places go to the first part ([`Plan`]).
+//! 3. From the root down: follow the plans, and gather the children of each wide node.
+//!
+//! Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", High
+//! Performance Graphics 2017. It departs in that leaves are those of the binary tree: their cost depends on no choice,
+//! so only nodes count. Costs are float32, so a choice is the best but for their rounding.
 
 use super::binary::BinaryNode;
 use super::binned_sah::Box32;
@@ -53,17 +59,18 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
     Wide { nodes, ..wide }
 }
 
-/// What becomes of an inner node of a binary tree. At index `p - 1` is what it does where it may take up `p` places among the
-/// children of another: so many of them go to its first part and the others to its second, or, with 0, it is a wide node itself
-/// and takes one place. With one place it is one in any case; there, at index 0, is how many of its own sixteen go to its first
-/// part.
+/// What becomes of an inner node of a binary tree.
+///
+/// At index `p - 1`, for 2 to 16 places p among the children of a wide node: how many of them go to its first part (the
+/// others go to the second), or 0 if it becomes a wide node itself, which takes one place. With one place it always
+/// becomes one. So index 0 has something else: as a wide node, how many of its own sixteen places go to its first part.
 type Plan = [u8; WIDTH];
 
-/// What a subtree costs as the children of a node: the surfaces of its wide nodes.
+/// What a subtree costs among the children of a wide node: the surfaces of the wide nodes in it.
 struct Costs {
-    /// By the places it may take up, less one.
+    /// The cost by the number of places that it may take up, less one.
     by_places: [f32; WIDTH],
-    /// How many leaves it has, up to sixteen: with as many places it costs nothing.
+    /// How many leaves it has, or sixteen if more. With a place for each leaf it costs nothing.
     leaves: usize,
 }
 
@@ -102,11 +109,11 @@ fn weigh(binary: &[BinaryNode], node: u32, plan: &mut Plan, below: &mut [Plan]) 
     Costs::join(&left, &right, surface(bounds), plan)
 }
 
-/// What a node costs. A little more than its surface: of boxes that have none, few nodes are still better than many. (Beside
-/// larger ones that is rounded away, as it may.)
+/// What a wide node costs: its surface and a little more, so that of boxes without a surface fewer nodes are cheaper
+/// too.
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "any of two that cost nearly the same will do"
+    reason = "of two that cost nearly the same, either will do"
 )]
 fn surface(bounds: Box32) -> f32 {
     bounds.half_area() as f32 + 1e-30
@@ -118,7 +125,7 @@ impl Costs {
         leaves: 1,
     };
 
-    /// Those of a node with two parts, and how it goes on from there.
+    /// The costs of a node with two parts; its plan goes to `plan`.
     fn join(left: &Self, right: &Self, surface: f32, plan: &mut Plan) -> Self {
         let leaves = (left.leaves + right.leaves).min(WIDTH);
         let mut by_places = [0.0; WIDTH];
@@ -220,8 +227,8 @@ mod tests {
         }
     }
 
-    /// The least that the surfaces of wide nodes can come to: of all choices of inner nodes the cheapest of which none has
-    /// more children than there is room for.
+    /// The least that the surfaces of wide nodes can come to: of all choices of inner nodes the cheapest of which none
+    /// has more children than there is room for.
     fn least(binary: &[BinaryNode]) -> f64 {
         let inner: Vec<usize> = (1..binary.len())
             .filter(|&k| binary[k].count == 0)

@@ -1,4 +1,4 @@
-//! Triangles to a leaf.
+//! Makes a leaf of triangles: gives each vertex that they share a lane, and each corner the lane of its vertex.
 
 use super::weld::Sharing;
 use crate::accel::meshlet::Meshlet;
@@ -13,7 +13,7 @@ impl Meshlet {
             corners[corner][k] = lane;
             vertices[usize::from(lane)] = vertex;
         });
-        let count = count.expect("whoever makes a leaf has asked whether they fit");
+        let count = count.expect("the builder has asked whether they fit");
         let mut leaf = Self {
             vertices: [[0.0; LANES]; 3],
             corners,

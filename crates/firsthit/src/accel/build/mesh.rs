@@ -1,4 +1,12 @@
-//! A mesh to its tree: weld, split, collapse, fill the leaves.
+//! Makes the tree of a mesh.
+//!
+//! 1. Bring the vertices into the tree's space, as float32 (`space.rs`).
+//! 2. Decide whether vertices in one place are one to a leaf (`weld.rs`).
+//! 3. Build a binary tree over the triangles' boxes (`binary.rs`). A range is a leaf when it has at most sixteen
+//!    triangles over at most sixteen vertices.
+//! 4. Collapse it to nodes of sixteen children (`collapse.rs`).
+//! 5. Fill the leaves (`fill.rs`).
+//! 6. List the copies: triangles that are in no leaf, since a lower one has the same corners and wins every tie.
 
 use std::collections::HashMap;
 
@@ -17,7 +25,7 @@ use crate::memory;
 use crate::shape::Mesh;
 
 impl MeshTree {
-    /// Of a mesh that float32 does not serve, or that is empty.
+    /// The tree of a mesh that is empty, or whose coordinates float32 cannot have.
     fn without_nodes(mesh: &Mesh) -> Self {
         Self {
             space: Space {
@@ -99,8 +107,8 @@ struct Triangles<'a> {
 }
 
 impl Kind for Triangles<'_> {
-    /// As many as are over sixteen vertices: of a soup, where nobody shares any, only five are. (Vertices of nobody, or of
-    /// other meshes, make it fewer, which does no harm.)
+    /// As many triangles as there are over sixteen vertices: five where no vertices are shared. Vertices that no
+    /// triangle of the mesh has make it fewer, which costs a little time and nothing else.
     fn block(&self) -> Block {
         let triangles = self.sharing.triangles.len();
         let full = triangles.saturating_mul(WIDTH) / self.vertices.max(1);
@@ -118,7 +126,7 @@ impl Kind for Triangles<'_> {
         }
         let key = |item: &Item| corner_bits(mesh, item.index());
         items.sort_by_cached_key(|item| (key(item), item.index()));
-        // Of those that are alike the lowest wins, and comes first.
+        // Of equal ones the lowest comes first, and is kept: it wins every tie.
         let mut kept = 0;
         for k in 0..items.len() {
             if kept == 0 || key(&items[k]) != key(&items[kept - 1]) {
@@ -195,7 +203,8 @@ pub(super) mod tests {
         Mesh::new(Positions::compact(points), triangles).unwrap()
     }
 
-    /// The same with vertices for each triangle alone, a thousandth of which lie so far from where the next have theirs.
+    /// The same with vertices for each triangle alone, a thousandth of which lie so far from where the next have
+    /// theirs.
     pub(in super::super) fn apart(mesh: &Mesh, by: f64) -> Mesh {
         let triangles = count(mesh.triangles().len());
         let corners = (0..triangles).flat_map(|k| {

@@ -1,4 +1,4 @@
-//! Trees: the binary builder, and what it is used for.
+//! The builders: a binary tree, and the trees that are made from it.
 
 mod binary;
 mod binned_sah;

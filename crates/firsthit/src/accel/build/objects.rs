@@ -1,4 +1,4 @@
-//! Boxes to their tree.
+//! Makes the top-level tree over boxes, and fits it to boxes that move.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::geometry::{Bounds, DVec3};
 /// Leaves have up to this many boxes.
 const LEAF: usize = 4;
 
-/// Boxes of which nothing else is known.
+/// Boxes without anything in them that the builder must know.
 struct Boxes;
 
 impl Kind for Boxes {
@@ -24,9 +24,9 @@ impl Kind for Boxes {
 }
 
 impl Bvh {
-    /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left
-    /// out; each is asked for twice. `slack` is the rounding of the test that decides about the
-    /// candidates, as a share of the coordinates it works with.
+    /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left out. `bounds`
+    /// is called twice for each. `slack` is what the test of a candidate rounds, as a share of the coordinates it works
+    /// with.
     ///
     /// Built by all threads of the current rayon pool, and the same for any number of them.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
@@ -61,8 +61,8 @@ impl Bvh {
         }
     }
 
-    /// Fits the tree to a box that is elsewhere now, and finite: `bounds` as for [`Bvh::build`]. The boxes around it change, up to
-    /// the root.
+    /// Fits the tree to one box that has moved, to a finite place. `bounds` is as for [`Bvh::build`]. The boxes around
+    /// it change, from its leaf up to the root.
     pub(crate) fn refit(&mut self, moved: u32, bounds: impl Fn(u32) -> Bounds) {
         let places = self.places.take().unwrap_or_else(|| self.find_places());
         let new = bounds(moved);
@@ -115,8 +115,8 @@ impl Bvh {
     }
 }
 
-/// A box around `bounds`, relative to `origin`: a whole float32 step wider, which covers the difference's
-/// rounding too.
+/// A box around `bounds`, relative to `origin`. It is a float32 step wider on each side, which covers the rounding of
+/// the difference too.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "rounding is what this is for"

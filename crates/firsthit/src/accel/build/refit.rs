@@ -1,8 +1,15 @@
-//! The tree of a mesh whose vertices have moved.
+//! Fits the tree of a mesh to vertices that have moved.
 //!
-//! Which triangles are together stays, the boxes around them are new. (Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM:
-//! Interactive Ray Tracing of Dynamic Scenes using BVHs", IEEE Symposium on Interactive Ray Tracing 2006; they too
-//! build anew where the tree has become too bad.) Answers are the same with either tree.
+//! 1. Fill the leaves anew with the same triangles (`fill.rs`). Give up where vertices that were in one place have
+//!    parted, and are now too many for a leaf.
+//! 2. From the last node to the first, which stands before its children: take each box from what is below it.
+//! 3. Give up if a ray through the root now costs half as much again as when the tree was built.
+//!
+//! The caller then builds anew. Any tree gives the same answers.
+//!
+//! Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", IEEE
+//! Symposium on Interactive Ray Tracing 2006. It departs in the measure of step 3, which is the expected cost of the
+//! whole tree.
 
 use rayon::prelude::*;
 
@@ -22,11 +29,11 @@ const WORST: f64 = 1.5;
 type Ends = [[f32; 2]; 3];
 
 impl MeshTree {
-    /// The tree of `mesh`, which has the triangles of this tree's mesh with their vertices elsewhere. `None` where
-    /// building it anew is better, where this tree knows too little, and where vertices that were one to a leaf are no
-    /// longer in one place and too many for it.
+    /// The tree of `mesh`, which has the triangles of this tree's mesh, with their vertices elsewhere. `None` where the
+    /// tree must be built anew: where a ray would cost half as much again as when it was built, where vertices of a leaf
+    /// have parted and are too many for it, and where the tree left out triangles that were in one place.
     pub fn refit(&self, mesh: &Mesh) -> Option<Self> {
-        // Of triangles that were in one place, all but the first are not in the tree.
+        // Where triangles were in one place, only the first of them is in the tree.
         let known = self.leaves.iter().map(|leaf| leaf.filled.count_ones());
         if self.nodes.is_empty() || known.sum::<u32>() as usize != mesh.triangles().len() {
             return None;
@@ -42,7 +49,6 @@ impl MeshTree {
             let first = leaf.first as usize;
             &self.order[first..first + leaf.filled.count_ones() as usize]
         };
-        // Vertices that were in one place may no longer be, and then they may be too many for a leaf.
         let fits = |leaf: &Meshlet| sharing.fits(of_leaf(leaf).iter().copied());
         if !self.leaves.par_iter().with_min_len(1024).all(fits) {
             return None;
@@ -76,8 +82,8 @@ impl MeshTree {
         (tree.expected_cost() <= WORST * self.cost).then_some(tree)
     }
 
-    /// How many nodes and leaves a ray through the root's box meets on average: the surfaces of their boxes, as
-    /// shares of its own.
+    /// How many nodes and leaves a ray through the root's box meets on average: the sum of the surfaces of their boxes,
+    /// as shares of the root's.
     pub(super) fn expected_cost(&self) -> f64 {
         let Some(root) = self.nodes.first() else {
             return 0.0;
@@ -120,7 +126,7 @@ fn ends(nodes: &[Node], leaves: &[Meshlet], node: &Node, child: usize) -> Option
         let all = (0..LANES).filter(|&child| is_there(below, child));
         return all.map(|child| box_of(below, child)).reduce(union);
     }
-    // What is not used repeats a vertex.
+    // Unused lanes repeat a vertex.
     let leaf = &leaves[(index & !LEAF) as usize];
     let end = |values: &[f32; LANES]| {
         let first = values[0];

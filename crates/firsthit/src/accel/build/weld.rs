@@ -1,8 +1,13 @@
-//! Which vertices the triangles of a leaf share.
+//! Which vertices do the triangles of a leaf share?
 //!
-//! Those with the same index; and, where a file has a vertex for each corner (as all STL files do) or for each side of a
-//! seam, those in the same place of the tree (welding, without touching the mesh). A leaf is nothing but places, so no
-//! answer depends on it.
+//! Those with the same index. Where a file has a vertex for each corner (as all STL files have) or for each side of a
+//! seam, also those in the same place of the tree: they are welded, without touching the mesh.
+//!
+//! 1. Estimate in how many places the vertices are: count the distinct ones among those whose hash is below a power of
+//!    two.
+//! 2. If that is less than 7/8 of the vertices, compare vertices by place, else by index, which is faster.
+//!
+//! A leaf holds only places, so no answer depends on this.
 
 use rayon::prelude::*;
 
@@ -10,23 +15,23 @@ use super::binary::CHUNK;
 use crate::shape::Mesh;
 use crate::simd::LANES;
 
-/// A mesh's triangles and vertices, these in the tree's space, and when two of them are one to a leaf.
+/// The triangles of a mesh, its vertices in the tree's space, and when two of these are one to a leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sharing<'a> {
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) points: &'a [[f32; 3]],
-    /// Where they are in the same place; elsewhere only where they have the same index, which is faster to see.
+    /// Whether two vertices in the same place are one; else only two with the same index are.
     pub(super) is_welded: bool,
 }
 
-/// How many places are looked at, about, to guess how many there are.
+/// How many vertices, about, the estimate looks at.
 const SAMPLE: usize = 4096;
 
 impl<'a> Sharing<'a> {
-    /// The one that serves, and how many vertices it leaves, about.
+    /// Decides whether to weld, and estimates how many vertices that leaves.
     pub(super) fn new(mesh: &'a Mesh, points: &'a [[f32; 3]]) -> (Self, usize) {
         let places = count_places(points);
-        // Looking for less does not pay.
+        // To compare places for fewer does not pay.
         let is_welded = places < points.len() / 8 * 7;
         let sharing = Self {
             triangles: mesh.triangles(),
@@ -50,8 +55,9 @@ impl<'a> Sharing<'a> {
         self.lanes(triangles, |_, _, _| {}).is_some()
     }
 
-    /// Calls `visit` with the number of each triangle and of its corner, which vertex that is, and the lane this has in a leaf
-    /// of these triangles. Returns how many lanes are taken; `None` where there are not enough.
+    /// Gives each vertex a lane in a leaf of these triangles. Calls `visit` for each corner with the number of the
+    /// triangle and that of the corner, the vertex, and its lane. Returns how many lanes are taken; `None` where there
+    /// are not enough.
     #[inline]
     pub(super) fn lanes(
         &self,
@@ -60,7 +66,7 @@ impl<'a> Sharing<'a> {
     ) -> Option<usize> {
         let triangles = triangles.map(|index| self.triangles[index as usize]);
         if self.is_welded {
-            // To the last bit: which zero it is can show in a hit's weights.
+            // To the last bit: the sign of a zero can show in a hit's weights.
             let key = |vertex| self.points[vertex as usize].map(f32::to_bits);
             lanes(triangles, key, visit)
         } else {
@@ -69,7 +75,7 @@ impl<'a> Sharing<'a> {
     }
 }
 
-/// As [`Sharing::lanes`], with those one that have the same key.
+/// As [`Sharing::lanes`]: vertices with the same key are one.
 #[inline]
 fn lanes<K: Copy + Default + PartialEq>(
     triangles: impl Iterator<Item = [u32; 3]>,
@@ -93,8 +99,8 @@ fn lanes<K: Copy + Default + PartialEq>(
     Some(count)
 }
 
-/// In how many places `points` are, about: how many those have whose hash is below a power of two, and from that how many
-/// all have. The same for any number of threads.
+/// Estimates in how many places `points` are, from those whose hash is below a power of two. The same for any number of
+/// threads.
 fn count_places(points: &[[f32; 3]]) -> usize {
     let bits = (points.len() / SAMPLE).max(1).ilog2();
     let mut sample: Vec<u64> = points
@@ -112,7 +118,7 @@ fn count_places(points: &[[f32; 3]]) -> usize {
 /// Multiplicative hashing (Knuth, "The Art of Computer Programming" 3, 6.4), of one coordinate after the other.
 fn hash(point: [f32; 3]) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    // Not from 0 on: the origin, which files are full of, would be in every sample.
+    // Not from 0 on: the origin, which is frequent in files, would be in every sample.
     point.into_iter().fold(GOLDEN, |hash, coordinate| {
         (hash.rotate_left(32) ^ u64::from(coordinate.to_bits())).wrapping_mul(GOLDEN)
     })
@@ -122,7 +128,7 @@ fn hash(point: [f32; 3]) -> u64 {
 mod tests {
     use super::*;
 
-    /// Whatever stands there more often than anything else.
+    /// Also where one place is far more frequent than all others.
     #[test]
     fn places_are_counted_about() {
         let point = |k: u32| [k as f32, (k % 321) as f32, (k % 7) as f32];

@@ -1,19 +1,29 @@
-//! Where a packet's rays begin and end, as depths in float32, with bounds for all rounding; see `ray.rs`.
+//! Where a packet's rays begin and end, as depths in float32.
+//!
+//! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was moved by, both in
+//! float64. [`Limits`] are that depth, less or plus its error and that of the depth of a hit at `t`. So each errs on
+//! its safe side.
+//!
+//! # Error bounds
+//!
+//! - `DEPTH` times the reach, and three blurs: what `filter.rs` computes for the depth of a hit.
+//! - `ROUNDED_DEPTH` times the depth itself: the rounding of the product and the difference to float32.
 
-use super::packet::{Packet, RAYS, Rounding, of, of_mut};
-use crate::accel::bounds::U;
+use super::packet::{Packet, RAYS, of, of_mut};
+use super::prepare::Rounding;
+use crate::accel::bounds::{BLURS, DEPTH, ROUNDED_DEPTH};
 use crate::simd::Lanes;
 
 /// What a ray's `t_min` and `t_max` come to in depths.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
-    /// A hit before this does not count.
+    /// A candidate that ends before this is before `t_min`, for certain.
     pub(in crate::accel) before: f32,
-    /// A hit beyond this is beyond `t_min`, for certain.
+    /// A candidate that begins beyond this is beyond `t_min`, for certain.
     pub(in crate::accel) beyond: f32,
-    /// A hit up to this is within `t_max`, for certain.
+    /// A candidate that ends before this is within `t_max`, for certain.
     pub(in crate::accel) within: f32,
-    /// Behind this nothing matters.
+    /// A candidate that begins beyond this is beyond `t_max`, for certain.
     pub(in crate::accel) last: f32,
 }
 
@@ -21,16 +31,16 @@ impl Packet {
     /// What `t_min` and `t_max` come to in depths.
     #[inline(always)]
     pub(super) fn set_limits<L: Lanes>(&mut self, l: L, half: usize, rounding: &Rounding<L>) {
-        let blur = l.mul64(l.splat64(3.0), rounding.blur);
-        let error = l.add64(rounding.units(l, 24.0), blur);
+        let blur = l.mul64(l.splat64(f64::from(BLURS)), rounding.blur);
+        let error = l.add64(rounding.share(l, DEPTH), blur);
         l.store_narrowed(error, of_mut(&mut self.depth_error, half));
         let zero = l.splat64(0.0);
-        // The depth at a parameter, less and more what it and a hit there may be off.
+        // The depth at a parameter, less its error and plus its error.
         macro_rules! ends {
             ($t:expr) => {{
                 let depth = l.mul64($t, l.load64(of(&self.depth_per_t, half)));
                 let depth = l.sub64(depth, l.load64(of(&self.moved, half)));
-                let share = l.mul64(l.abs64(depth), l.splat64(f64::from(4.0 * U)));
+                let share = l.mul64(l.abs64(depth), l.splat64(f64::from(ROUNDED_DEPTH)));
                 let slack = l.add64(share, error);
                 // Infinity less a part of infinity is NaN.
                 let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
@@ -46,7 +56,7 @@ impl Packet {
         let (mut before, mut beyond) = (zero, zero);
         if begins != 0 {
             let (less, more) = ends!(t_min);
-            // What is ahead of the start, wherever that was moved, is ahead of the origin. Of a NaN nothing is certain.
+            // Wherever the start was moved, what is ahead of it is ahead of the origin. A NaN makes nothing certain.
             before = l.select64(begins, l.max64(less, zero), zero);
             beyond = l.select64(begins, l.max64(zero, more), zero);
         }
@@ -54,7 +64,7 @@ impl Packet {
         l.store_narrowed(beyond, of_mut(&mut self.beyond, half));
     }
 
-    /// Those of a ray.
+    /// The limits of a ray.
     #[inline(always)]
     pub(in crate::accel) fn limits(&self, lane: usize) -> Limits {
         let lane = lane % RAYS;
@@ -66,18 +76,18 @@ impl Packet {
         }
     }
 
-    /// A depth that is not smaller than that of `t`, nor is that of a hit there as the filter sees it.
+    /// A depth at or beyond that of `t`, and of any hit at `t` as the filter computes it.
     #[inline(always)]
     pub(in crate::accel) fn depth_above(&self, lane: usize, t: f64) -> f32 {
         let depth = self.depth(lane, t);
-        depth + depth.abs() * (4.0 * U) + self.depth_error[lane % RAYS]
+        depth + depth.abs() * ROUNDED_DEPTH + self.depth_error[lane % RAYS]
     }
 
-    /// A depth that is not larger than that of `t`, a finite one.
+    /// A depth at or before that of `t`, and of any hit there. `t` is finite.
     #[inline(always)]
     pub(in crate::accel) fn depth_below(&self, lane: usize, t: f64) -> f32 {
         let depth = self.depth(lane, t);
-        depth - depth.abs() * (4.0 * U) - self.depth_error[lane % RAYS]
+        depth - depth.abs() * ROUNDED_DEPTH - self.depth_error[lane % RAYS]
     }
 
     #[inline(always)]

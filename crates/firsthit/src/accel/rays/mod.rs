@@ -1,5 +1,7 @@
 //! Rays made ready for trees.
 
+pub(super) mod enter;
 pub(super) mod limits;
 pub(super) mod packet;
+mod prepare;
 pub(super) mod tree_ray;

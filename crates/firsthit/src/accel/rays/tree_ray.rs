@@ -1,12 +1,10 @@
-//! A ray made ready for a [`MeshTree`](super::MeshTree): float32, in the tree's space, with bounds for all rounding.
+//! A ray made ready for a [`MeshTree`](super::super::MeshTree): float32, in the tree's space, with bounds for all
+//! rounding.
 //!
-//! Lengths along the ray are *depths*: coordinates along the axis on which the direction is longest, counted
-//! from the ray's start forwards. So the direction's components are at most 1 and nothing leaves the range
-//! of float32. A ray that starts far away is first moved, in float64, to where the tree is near.
-//!
-//! Bounds are in units of `u = 2^-24`, half of `f32::EPSILON`, and of `reach`, which no difference of a
-//! coordinate of the tree and one of the ray's start exceeds. It is at least 1, so that products of what is
-//! smaller than float32 can hold are far below every bound.
+//! A length along the ray is a *depth*: a coordinate along the axis on which the direction is longest, counted from the
+//! ray's start forwards. So the direction's other components are at most 1 for a depth of 1, and nothing leaves the
+//! range of float32. The error bounds are shares of the reach (see `bounds.rs`). That is at least 1, so products too
+//! small for float32 do no harm.
 
 use crate::accel::node::Node;
 use crate::simd::Lanes;
@@ -18,25 +16,25 @@ pub(crate) struct TreeRay {
     pub(in crate::accel) axes: [usize; 3],
     /// The start in two parts, along those axes.
     pub(in crate::accel) start: [[f32; 2]; 3],
-    /// What the ray moves along the first two of them for a depth of 1.
+    /// How far the ray moves along the first two of them for a depth of 1.
     pub(in crate::accel) slope: [f32; 2],
     /// Which way it goes along the third: 1 or -1.
     pub(in crate::accel) forwards: f32,
-    /// What rounding comes to that does not shrink near the start: that of the start itself in float64, and
-    /// that of the vertices where float32 does not hold them.
+    /// The part of the error that does not shrink near the start: the rounding of the start in float64, and that of the
+    /// vertices where float32 does not hold them.
     pub(in crate::accel) blur: f32,
     /// One over the direction, along the axes of space; finite.
     pub(in crate::accel) inverse: [f32; 3],
-    /// Minus the start as a node's first and last planes see it, over the direction: moved so that boxes seem
-    /// wider, which makes up for all rounding.
+    /// Minus the start over the direction, for the first and for the last plane of a box that the ray meets along each
+    /// axis. Each is moved by the margin, so that boxes seem wider.
     pub(in crate::accel) ends: [[f32; 2]; 3],
 }
 
 impl TreeRay {
     /// Which of a node's boxes the ray may meet at a depth of at most `limit`, and at which depths.
     ///
-    /// Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013, widens by
-    /// relative amounts after the test; here the two ends carry a margin, which costs nothing.
+    /// Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs in the margin:
+    /// there distances are multiplied after the test, here the two ends have it already, which costs no time.
     #[inline(always)]
     pub(in crate::accel) fn boxes<L: Lanes>(
         &self,

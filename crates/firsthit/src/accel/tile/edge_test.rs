@@ -1,10 +1,11 @@
-//! The edge test of `edges.rs` for a tile's samples: where the sides of a triangle's edges are linear.
+//! The edge test of `edges.rs` for the samples of a tile, where sides are linear in the sample's place.
 
+use crate::accel::bounds::MEAN;
 use crate::accel::edges::{Sides, depths};
 use crate::simd::Lanes;
 
-/// Which triangles have all samples of their bounding boxes beyond one of their edges: a linear side is largest and
-/// smallest at corners of the box.
+/// The triangles that have all samples of their bounding boxes outside. A linear side is largest and smallest at
+/// corners of the box.
 #[inline(always)]
 pub(super) fn all_beside<L: Lanes>(
     l: L,
@@ -25,8 +26,9 @@ pub(super) fn all_beside<L: Lanes>(
     beside(l, most, least, bound)
 }
 
-/// Which ranges of samples are outside their triangles, from the largest and the smallest that each side is in the
-/// range: one side is below `-bound` everywhere, and one above `bound`.
+/// The ranges of samples that are outside their triangles for certain: one side is below `-bound` everywhere in the
+/// range, and another above `bound`. `most` and `least` are the largest and the smallest that each side is in the
+/// range.
 #[inline(always)]
 pub(super) fn beside<L: Lanes>(
     l: L,
@@ -39,19 +41,20 @@ pub(super) fn beside<L: Lanes>(
     l.lt(below, l.sub(l.splat(0.0), bound)) & l.lt(bound, above)
 }
 
-/// What the edge test says of sixteen pairs of a sample and a triangle.
+/// The edge test of sixteen pairs of a sample and a triangle.
 pub(super) struct EdgeTest<L: Lanes> {
     /// The pairs that may meet.
     pub(super) possible: u16,
-    /// Those of them, and perhaps others, that meet for certain.
+    /// Pairs that meet for certain, if they are possible.
     pub(super) certain: u16,
-    /// Depths between which they meet.
+    /// The depths between which they meet.
     pub(super) low: L::Floats,
     pub(super) high: L::Floats,
 }
 
 impl<L: Lanes> EdgeTest<L> {
-    /// From the sides, their bound, the corners' depths and the ends of these; `None` when no pair of `here` may meet.
+    /// From the sides and their bound, and from the depths of the corners, the nearest and the farthest. `None` when no
+    /// pair of `here` may meet.
     #[inline(always)]
     pub(super) fn new(
         l: L,
@@ -70,7 +73,7 @@ impl<L: Lanes> EdgeTest<L> {
         let certain = sides.inside(l, bound);
         let [depth, over] = sides.depth(l, corners);
         let spread = l.sub(farthest, nearest);
-        let weights = l.mul(l.mul(l.mul(l.splat(2.1), bound), spread), over);
+        let weights = l.mul(l.mul(l.mul(l.splat(MEAN), bound), spread), over);
         let error = l.add(weights, l.splat(depth_error));
         let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);
         Some(Self {

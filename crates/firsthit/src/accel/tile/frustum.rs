@@ -1,26 +1,67 @@
-//! A tile's rays as seen from a tree: where a point of the tree lies in the tile, in float32, with bounds.
+//! A tile's rays as seen from a tree: the planes around them, and where a point of the tree lies in the tile's picture.
 //!
-//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where `x` and `y` are pixels
-//! counted from the tile's middle; parallel ones `eye + x * across + y * down + depth * centre`. So each point
-//! of the tree has coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z (parallel ones: x = X, y = Y), at
-//! the depth Z. They come from the inverse of the matrix with the columns `across`, `down` and `centre`.
+//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where x and y are pixels counted from the
+//! tile's middle; parallel ones are `eye + x * across + y * down + depth * centre`. So a point of the tree has
+//! coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z (parallel: x = X, y = Y), at the depth Z. The matrix
+//! that gives them is the inverse of the one with the columns `across`, `down` and `centre`.
 //!
-//! In float32 the large part must not swallow the small one: as in Woop's test (`shape/triangle.rs`), points
-//! are first sheared along the axis that the tile looks along, with slopes that are float32 numbers, so that
-//! what is left is small where the tile is. And a leaf's vertices are counted from the first of them, whose own place
-//! from the eye, sheared, float64 knows: so rounding depends on how large the leaf is, neither on the tree nor on
-//! the eye. With the leaf's extent e, a sheared coordinate x is off by no more, in units of u (see `ray.rs`), than: the
-//! differences e for each of two axes, with a slope of at most 1; the product e and its difference 2 e; the first
-//! vertex' place, rounded, |x| + 2 e; and the sum |x|. In all 7 e and two shares of x. Where float32 does not hold
-//! the vertices, to that come 2 (no coordinate in the tree is larger than 1).
+//! 1. Bring the eye and the columns into the tree's space. Move the eye of parallel rays along them, to the tree.
+//! 2. Shear space along the axis that the tile looks along, so that the rays of the tile run nearly along it.
+//!    Coordinates across are then small where the tile is, and float32 resolves them.
+//! 3. Invert the matrix, in float64.
+//! 4. Bound what X, Y and Z may be off in float32. Give up where that is too much of a pixel.
+//! 5. Make four planes around the tile from the matrix' rows, and move them outwards by that.
+//! 6. For each leaf: place its first vertex in float64 and the others from there in float32, so that rounding depends
+//!    on the leaf's extent, neither on the tree's nor on the eye's distance
+//!    ([`transformed`](TileFrustum::transformed)).
 //!
-//! As it is multiplied with the matrix there come that of an entry and three of products and sums, which skew pixels
-//! make larger than X and Y. What is counted from a sample is covered by a share of that (`relative`); but X and Y are
-//! counted from the tile's middle, from where to a sample it is up to 7.5 pixels: 6 times 7.5 shares (`share`). The depth
-//! is counted from the eye, and off by the same 7 e, by 4 units of `u reach`, and by three roundings of no more than
-//! 4 reaches each.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005, for
+//! the planes; Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997,
+//! for the coordinates. It departs in the shear, which is that of `shape/triangle.rs`, and in the bounds.
+//!
+//! # Error bounds
+//!
+//! In units of `U` (see `bounds.rs`); e is the leaf's extent.
+//!
+//! **A sheared coordinate** x is off by at most the sum of these:
+//!
+//! - 2 e: the differences with the first vertex along two axes, with a slope of at most 1;
+//! - 3 e: the product, e, and its difference, 2 e;
+//! - |x| + 2 e: the first vertex' place, rounded;
+//! - |x|: the sum;
+//! - 2: the vertices, where float32 does not hold them, as no coordinate of the tree is larger than 1.
+//!
+//! In all 7 e (`TILE_VERTEX`) and two shares of x.
+//!
+//! **X and Y** have four shares more, of the matrix' entry, the products and the sums; where pixels are skew, of
+//! numbers larger than X and Y (`skewness`). A side counts from a sample, and its part of the six shares is in
+//! `relative`. But X and Y count from the tile's middle, which is up to 7.5 pixels from a sample: 6 times 7.5 shares
+//! (`TILE_PIXEL`).
+//!
+//! **Z** counts from the eye. It is off by the sum of these:
+//!
+//! - 7 e, as above;
+//! - 4 reaches, and three roundings of up to 4 reaches each: 16 reaches (`TILE_SIDEWAYS`);
+//! - between the corners of a triangle, seven roundings more and one of the error itself, of up to 2 reaches: 16
+//!   reaches.
+//!
+//! With an e of 2, that is 46 reaches at most (`TILE_DEPTH`).
+//!
+//! **A wrong Z** moves a vertex on the picture, in perspective: by its share of Z for each pixel from the tile's
+//! middle, where it moves nothing. For the 7.5 pixels of a sample the `lever` has 12. The `6 * skewness` beside it
+//! replace the 45 shares above: Z is at most two reaches, so 6 times 16 reaches are 48 shares of Z.
+//!
+//! **A side** is a difference of two products of X and Y. Its `size` is how far the corners are from the sample along X
+//! and Y, both together. It is off by the sum of these:
+//!
+//! - twice the size times what X and Y are off, and a little for what is quadratic in that (`TILE_SIDE_BY_ERROR`);
+//! - 26 roundings of a product of X and Y, each a quarter of the size's square at most (`TILE_SIDE_BY_SIZE`);
+//! - the shares of the matrix and of the shear, in the same way (`TILE_SIDE_BY_SKEW`).
 
-use crate::accel::bounds::U;
+use crate::accel::bounds::{
+    BLUR, TILE_DEPTH, TILE_MOVED, TILE_PIXEL, TILE_PLANES, TILE_SIDE_BY_ERROR, TILE_SIDE_BY_SIZE,
+    TILE_SIDE_BY_SKEW, TILE_SIDEWAYS, TILE_VERTEX, U,
+};
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::Node;
@@ -33,8 +74,7 @@ pub(super) const HALF: f32 = 7.5;
 /// The rays of a tile, in the space of a mesh.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TileCamera {
-    /// Where all rays start, or would where those at an angle meet; of parallel ones the start of that in the
-    /// tile's middle.
+    /// The point in which the rays meet; of parallel rays, the start of the one in the tile's middle.
     pub(crate) eye: DVec3,
     /// From there to the tile's middle on the viewplane.
     pub(crate) centre: DVec3,
@@ -44,9 +84,9 @@ pub(crate) struct TileCamera {
     pub(crate) is_perspective: bool,
     /// The depth at which hits begin: 1 on the viewplane, 0 at the eye.
     pub(crate) start_depth: f64,
-    /// How large the numbers were that all this is made from.
+    /// The largest of the numbers that these were computed from, for their rounding.
     pub(crate) largest: f64,
-    /// What the rays are off at most, in pixels.
+    /// The largest error of a ray, in pixels.
     pub(crate) off: f64,
 }
 
@@ -59,8 +99,8 @@ pub(crate) struct TileFrustum {
     slope: [f32; 2],
     /// From sheared coordinates to X, Y and Z.
     rows: [[f32; 3]; 3],
-    /// The planes around the tile: normals along the axes of space, towards the inside, and what a point inside
-    /// may be below zero.
+    /// The planes around the tile: normals along the axes of space, towards the inside, and the least that a point
+    /// inside comes to.
     planes: [([f32; 3], f32); 4],
     /// The gradient of the depth.
     depth: [f32; 3],
@@ -68,23 +108,23 @@ pub(crate) struct TileFrustum {
     start: [f32; 3],
     pub(super) is_perspective: bool,
     pub(super) start_depth: f32,
-    /// The depth that the eye was moved by.
+    /// The depth that the eye of parallel rays was moved by.
     slid: f32,
-    /// What X and Y are off, and by how much more for each unit that a leaf extends; with what a wrong depth moves.
+    /// The error of X and Y, and its increase for each unit of a leaf's extent; that by a wrong Z is included.
     error: f32,
     error_per_extent: f32,
-    /// What they are off as a share of Z, in perspective.
+    /// Their error as a share of Z, in perspective.
     pub(super) share: f32,
-    /// What depths are off.
+    /// The error of a depth.
     pub(super) depth_error: f32,
-    /// A side of an edge is off by `(absolute + relative * size) * size`, where `size` is how far the corners are from a
-    /// sample along X and Y at most, both together, times Z; to `absolute` a leaf adds its part.
+    /// The error of a side is `(absolute + relative * size) * size`. A leaf adds its part to `absolute`. The size is
+    /// how far the corners are from a sample along X and Y at most, both together, times Z.
     absolute: f32,
     pub(super) relative: f32,
 }
 
 impl TileFrustum {
-    /// `None` where float32 is of no use: rays one by one then are.
+    /// `None` where float32 resolves too little of a pixel; the tile's rays then go one by one.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "the rounding is allowed for"
@@ -116,7 +156,7 @@ impl TileFrustum {
         let columns = [across, down, centre].map(sheared);
         let inverse = DMat3::from_cols(columns[0], columns[1], columns[2]).inverse();
         let rows = [0, 1, 2].map(|k| inverse.row(k));
-        // For what is a plane in space: the same rows, not sheared.
+        // The same rows for coordinates that are not sheared, as planes have.
         let unsheared = |row: DVec3| {
             let mut out = DVec3::ZERO;
             out[axes[0]] = row.x;
@@ -126,8 +166,9 @@ impl TileFrustum {
         };
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
-        let blur = 4e-15 * (bundle.largest * space.scale + far + reach);
-        // What rays are off: at the largest depth of the tree; of parallel ones in any direction, depth included.
+        let blur = 4.0 * BLUR * (bundle.largest * space.scale + far + reach);
+        // The error of the rays themselves. In perspective it is largest at the tree's largest depth. Of parallel rays
+        // it has any direction, so it counts along the depth too.
         let [x, y, depth] = rows.map(unsheared);
         let (off, off_along) = if bundle.is_perspective {
             let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
@@ -141,20 +182,16 @@ impl TileFrustum {
         let rounding = across_both * (units * u + 2.0 * blur);
         let pixels = columns[0].abs() + columns[1].abs();
         let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
-        let share = 45.0 * u * skewness;
+        let share = TILE_PIXEL * skewness;
         let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
-        // With an extent of 2, vertices' depths, of up to 2 reaches, are off by 30 units. Those between a triangle's corners
-        // are rounded seven times more (`sides.rs`), and once with what they may be off: 16.
-        let along = 60.0 * u * reach + 4.0 * blur + off_along;
-        let depth_error = sum(rows[2]) * along + 16.0 * u * slid.abs();
-        // What a wrong depth of a vertex moves on the picture.
+        let along = TILE_DEPTH * reach + 4.0 * blur + off_along;
+        let depth_error = sum(rows[2]) * along + TILE_MOVED * slid.abs();
+        // By how much a wrong Z moves a vertex on the picture, for each pixel from the tile's middle.
         let sideways = if bundle.is_perspective {
-            sum(rows[2]) * (16.0 * u * reach + 4.0 * blur)
+            sum(rows[2]) * (TILE_SIDEWAYS * reach + 4.0 * blur)
         } else {
             0.0
         };
-        // A sample is up to 7.5 pixels from the tile's middle, where a wrong Z moves nothing; and 8 u Z, which
-        // `sideways` is no smaller than, six times are the share.
         let lever = if bundle.is_perspective {
             12.0 + 6.0 * skewness
         } else {
@@ -162,7 +199,8 @@ impl TileFrustum {
         };
         let skew = across_both * (sum(columns[0]) + sum(columns[1]));
         let fine = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
-        // Where a pixel is not seen sharply at the distance of the tree's far side, most would be undecided.
+        // Give up where X and Y may be off by a fifth of a pixel even at the tree's far side: most samples would be
+        // undecided.
         let far_depth = if bundle.is_perspective {
             0.1 * sum(rows[2])
         } else {
@@ -192,7 +230,7 @@ impl TileFrustum {
             } else {
                 reach_of_pixels
             };
-            let box_error = sum(normal) * (8.0 * u * reach + 2.0 * blur);
+            let box_error = sum(normal) * (TILE_PLANES * reach + 2.0 * blur);
             let slack = box_error + error + across_both * 4.0 * u + 8.0 * sideways;
             (
                 normal.to_array().map(|x| x as f32),
@@ -211,15 +249,11 @@ impl TileFrustum {
             start_depth: bundle.start_depth as f32,
             slid: slid as f32,
             error: error as f32,
-            error_per_extent: (7.2 * u * (across_both + lever * sum(rows[2]))) as f32,
+            error_per_extent: (TILE_VERTEX * (across_both + lever * sum(rows[2]))) as f32,
             depth_error: depth_error as f32,
             share: share as f32,
-            // A side is a difference of two products, so it is off by what a coordinate is twice for each of X and Y, and
-            // a little for what is quadratic in that.
-            absolute: (2.15 * (error + lever * sideways)) as f32,
-            // A quarter of what it is in squares of half the size: 26 roundings, and what the matrix' and those of what
-            // is sheared come to.
-            relative: ((8.0 + 12.0 * skew) * u) as f32,
+            absolute: (TILE_SIDE_BY_ERROR * (error + lever * sideways)) as f32,
+            relative: (TILE_SIDE_BY_SIZE + TILE_SIDE_BY_SKEW * skew) as f32,
         })
     }
 
@@ -263,16 +297,20 @@ impl TileFrustum {
         [row(0), row(1), l.add(row(2), l.splat(self.slid))]
     }
 
-    /// What X and Y of a leaf's vertices are off.
+    /// The error of X and Y of a leaf's vertices.
     #[inline(always)]
     pub(super) fn error(&self, leaf: &Meshlet) -> f32 {
         self.error + self.error_per_extent * leaf.extent
     }
 
-    /// The first part of what a leaf's sides are off; see [`Self::relative`].
+    /// The first part of the error of a side of a leaf's triangles; see [`Self::relative`].
     #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a constant, for float32 too"
+    )]
     pub(super) fn absolute(&self, leaf: &Meshlet) -> f32 {
-        self.absolute + 2.15 * self.error_per_extent * leaf.extent
+        self.absolute + TILE_SIDE_BY_ERROR as f32 * self.error_per_extent * leaf.extent
     }
 
     /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.

@@ -1,4 +1,4 @@
-//! A camera's rays, tile by tile.
+//! The rays of a camera, tile by tile.
 
 mod edge_test;
 pub(super) mod frustum;

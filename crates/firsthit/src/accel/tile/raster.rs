@@ -1,19 +1,28 @@
-//! A tile and one leaf of a tree: which of its triangles are met by which pixels?
+//! The triangles of a leaf into a tile's visibility buffer: which pixels meet which triangles, and where are these
+//! nearest?
 //!
-//! 1. Set up the sides of all sixteen triangles' edges at once, a triangle in each lane. Sides are linear in the pixel's
-//!    place, so a sample costs an addition for each.
-//! 2. Triangles whose bounding boxes hold up to 2 x 2 samples: test these, still a triangle in each lane.
-//! 3. Larger ones: test block by block of 4 x 4 pixels, a pixel in each lane.
+//! 1. Bring the leaf's vertices into the tile's coordinates (`frustum.rs`), and find the samples in each triangle's
+//!    bounding box.
+//! 2. Set up the sides of all sixteen triangles' edges, a triangle in each lane. A side is linear in the sample's
+//!    place.
+//! 3. Test the samples of triangles that have up to 2 x 2 of them, still a triangle in each lane (`raster/small.rs`).
+//! 4. Test larger triangles block by block of 4 x 4 pixels, a pixel in each lane (`raster/large.rs`).
+//! 5. Where the edge test and the depths leave open which triangle a pixel meets first, ask the [`ExactTest`].
 //!
 //! Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997. It departs in
 //! that every number has an error bound (see `frustum.rs`), and the exact test decides what lies within it.
 
-use super::edge_test::{EdgeTest, all_beside, beside};
+mod large;
+mod small;
+
+use super::edge_test::all_beside;
 use super::frustum::{HALF, TileFrustum};
-use super::visibility::{BLOCK, ExactTest, TILE, TriangleId, VisibilityBuffer, pixel, place};
-use crate::accel::bounds::U;
+use super::visibility::{ExactTest, TriangleId, VisibilityBuffer, pixel};
+use crate::accel::bounds::ROUNDED_DEPTH;
 use crate::accel::meshlet::Meshlet;
-use crate::simd::{Aligned, LANES, Lanes, set_bits};
+use crate::simd::{LANES, Lanes, set_bits};
+use large::EDGE;
+use small::Parts;
 
 /// A leaf and a tile.
 pub(super) struct LeafRaster<'a, A> {
@@ -40,7 +49,8 @@ struct Edges {
     down: [[f32; LANES]; 3],
 }
 
-/// What else is known of the triangles, in arrays to take single ones from. Only what a leaf has written is its own.
+/// The leaf's triangles in arrays, to take single ones from. Entries that a leaf does not write are those of an earlier
+/// leaf.
 #[repr(C, align(64))]
 #[derive(Debug, Default)]
 pub(super) struct RasterScratch {
@@ -57,7 +67,7 @@ pub(super) struct RasterScratch {
 }
 
 impl<A: ExactTest> LeafRaster<'_, A> {
-    /// All of the leaf is at depths from `entry` on.
+    /// Puts the leaf's triangles into the buffer where they are nearest. All of the leaf is at depths from `entry` on.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
@@ -103,7 +113,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         if alive == 0 {
             return;
         }
-        // The index of the nearest triangle is read in the end.
+        // The answer needs the triangle's index in the mesh.
         if let Some(first) = self.first {
             l.prefetch(first);
         }
@@ -129,7 +139,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
         let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
         let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
-        // What sides are off at samples so many pixels from the triangle's first one.
+        // The bound of the sides at samples up to so many pixels from the triangle's first sample.
         macro_rules! bound_within {
             ($across:expr, $down:expr) => {{
                 let size = l.mul_add(l.add($across, $down), h, l.add(x, y));
@@ -198,199 +208,6 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         }
     }
 
-    /// Triangles that hold up to two by two samples: a lane for each triangle.
-    #[inline(always)]
-    fn small<L: Lanes>(&mut self, l: L, parts: &Parts<L>, small: u16) {
-        for down in 0..2_u8 {
-            for across in 0..2_u8 {
-                let (row, column) = (l.splat(f32::from(down)), l.splat(f32::from(across)));
-                let here = small & l.le(column, parts.width) & l.le(row, parts.height);
-                if here == 0 {
-                    continue;
-                }
-                macro_rules! side {
-                    ($k:literal) => {{
-                        let along = l.mul_add(parts.across[$k], column, parts.constants[$k]);
-                        l.mul_add(parts.down[$k], row, along)
-                    }};
-                }
-                let test = EdgeTest::new(
-                    l,
-                    [side!(0), side!(1), side!(2)],
-                    parts.bound,
-                    parts.depths,
-                    [parts.nearest, parts.farthest],
-                    self.frustum.depth_error,
-                    here,
-                );
-                let Some(test) = test else {
-                    continue;
-                };
-                let mut lows = Aligned([0.0; LANES]);
-                let mut highs = lows;
-                l.store(test.low, &mut lows.0);
-                l.store(test.high, &mut highs.0);
-                let mut possible = test.possible;
-                while possible != 0 {
-                    let lane = possible.trailing_zeros() as usize;
-                    possible &= possible - 1;
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "small whole numbers"
-                    )]
-                    let place = place(
-                        (self.scratch.first_row[lane] as usize + usize::from(down)) % TILE,
-                        (self.scratch.first_column[lane] as usize + usize::from(across)) % TILE,
-                    );
-                    let is_certain = test.certain >> lane & 1 == 1;
-                    let depths = (lows.0[lane], highs.0[lane]);
-                    self.meet(l, place, lane, depths, is_certain);
-                }
-            }
-        }
-    }
-
-    /// One triangle, block by block: a lane for each pixel.
-    #[inline(always)]
-    #[expect(
-        clippy::too_many_lines,
-        reason = "straight-line lane code; functions would hand on twenty registers"
-    )]
-    fn large<L: Lanes>(&mut self, l: L, lane: usize) {
-        let scratch = &*self.scratch;
-        let nearest = scratch.nearest[lane];
-        let mut blocks =
-            scratch.blocks(lane) & l.le(l.splat(nearest), l.load(&self.buffer.farthest));
-        if blocks == 0 {
-            return;
-        }
-        // The sides at the blocks' first pixels, a lane for each block, and what is to be added for the others, a lane
-        // for each pixel.
-        let edges = &scratch.edges;
-        let (x, y) = (l.load(&ACROSS.0), l.load(&DOWN.0));
-        let four = l.splat(BLOCK as f32);
-        let block_x = l.mul_sub(four, x, l.splat(scratch.first_column[lane]));
-        let block_y = l.mul_sub(four, y, l.splat(scratch.first_row[lane]));
-        macro_rules! first {
-            ($k:literal) => {{
-                let along = l.mul_add(
-                    l.splat(edges.down[$k][lane]),
-                    block_y,
-                    l.splat(edges.constant[$k][lane]),
-                );
-                l.mul_add(l.splat(edges.across[$k][lane]), block_x, along)
-            }};
-        }
-        macro_rules! inside {
-            ($k:literal) => {{
-                let along = l.mul(l.splat(edges.down[$k][lane]), y);
-                l.mul_add(l.splat(edges.across[$k][lane]), x, along)
-            }};
-        }
-        macro_rules! end {
-            ($k:literal, $choose:ident) => {{
-                let end = edges.down[$k][lane].$choose(0.0) + edges.across[$k][lane].$choose(0.0);
-                l.splat(EDGE * end)
-            }};
-        }
-        let first = [first!(0), first!(1), first!(2)];
-        let bound = l.splat(scratch.bound[lane]);
-        let most = [
-            l.add(first[0], end!(0, max)),
-            l.add(first[1], end!(1, max)),
-            l.add(first[2], end!(2, max)),
-        ];
-        let least = [
-            l.add(first[0], end!(0, min)),
-            l.add(first[1], end!(1, min)),
-            l.add(first[2], end!(2, min)),
-        ];
-        blocks &= !beside(l, most, least, bound);
-        let inside = [inside!(0), inside!(1), inside!(2)];
-        let mut firsts = Aligned([[0.0; LANES]; 3]);
-        l.store(first[0], &mut firsts.0[0]);
-        l.store(first[1], &mut firsts.0[1]);
-        l.store(first[2], &mut firsts.0[2]);
-        let depths = [
-            l.splat(scratch.depths[0][lane]),
-            l.splat(scratch.depths[1][lane]),
-            l.splat(scratch.depths[2][lane]),
-        ];
-        let ends = [l.splat(nearest), l.splat(scratch.farthest[lane])];
-        for block in set_bits(blocks) {
-            let sides = [
-                l.add(inside[0], l.splat(firsts.0[0][block])),
-                l.add(inside[1], l.splat(firsts.0[1][block])),
-                l.add(inside[2], l.splat(firsts.0[2][block])),
-            ];
-            let error = self.frustum.depth_error;
-            let test = EdgeTest::new(l, sides, bound, depths, ends, error, u16::MAX);
-            if let Some(test) = test {
-                self.meet_block(l, block, lane, &test);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn meet_block<L: Lanes>(&mut self, l: L, block: usize, lane: usize, test: &EdgeTest<L>) {
-        let (low, high) = (
-            l.load(&self.buffer.low[block]),
-            l.load(&self.buffer.high[block]),
-        );
-        let possible = test.possible
-            & l.le(test.low, high)
-            & l.le(l.splat(self.frustum.start_depth), test.high);
-        if possible == 0 {
-            return;
-        }
-        let wins = possible
-            & test.certain
-            & l.lt(test.high, low)
-            & l.lt(l.splat(self.frustum.start_depth), test.low);
-        let triangle = self.triangle(lane);
-        if wins != 0 {
-            l.store(l.select(wins, test.low, low), &mut self.buffer.low[block]);
-            l.store(
-                l.select(wins, test.high, high),
-                &mut self.buffer.high[block],
-            );
-            let slots = &mut self.buffer.leaf_lanes[block];
-            let slot = l.splat(f32::from_bits(triangle.leaf_lane));
-            l.store(l.select(wins, slot, l.load(slots)), slots);
-            let objects = &mut self.buffer.objects[block];
-            let object = l.splat(f32::from_bits(triangle.object));
-            l.store(l.select(wins, object, l.load(objects)), objects);
-            self.changed |= 1 << block;
-        }
-        for pixel in set_bits(possible & !wins) {
-            self.decide(l, (block, pixel), triangle);
-        }
-    }
-
-    /// A candidate for one pixel, that of a lane in a block.
-    #[inline(always)]
-    fn meet<L: Lanes>(
-        &mut self,
-        l: L,
-        (block, pixel): (usize, usize),
-        lane: usize,
-        (low, high): (f32, f32),
-        is_certain: bool,
-    ) {
-        let start = self.frustum.start_depth;
-        if low > self.buffer.high[block][pixel] || high < start {
-            return;
-        }
-        let triangle = self.triangle(lane);
-        if is_certain && high < self.buffer.low[block][pixel] && low > start {
-            self.buffer.set(block, pixel, triangle, low, high);
-            self.changed |= 1 << block;
-        } else {
-            self.decide(l, (block, pixel), triangle);
-        }
-    }
-
     #[inline(always)]
     fn triangle(&self, lane: usize) -> TriangleId {
         #[expect(clippy::cast_possible_truncation, reason = "one of sixteen")]
@@ -401,7 +218,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         }
     }
 
-    /// Decides about a pixel, that of a lane in a block, by the exact test.
+    /// Step 5, for the pixel of a lane in a block.
     #[cold]
     #[inline(never)]
     fn decide<L: Lanes>(&mut self, l: L, (block, lane): (usize, usize), new: TriangleId) {
@@ -415,53 +232,9 @@ impl<A: ExactTest> LeafRaster<'_, A> {
             reason = "the rounding is allowed for"
         )]
         let depth = depth as f32;
-        let error = self.frustum.depth_error + depth.abs() * (4.0 * U);
+        let error = self.frustum.depth_error + depth.abs() * ROUNDED_DEPTH;
         self.buffer
             .set(block, lane, triangle, depth - error, depth + error);
         self.changed |= 1 << block;
     }
-}
-
-impl RasterScratch {
-    /// The blocks in which a triangle's bounding box has samples.
-    #[inline(always)]
-    fn blocks(&self, lane: usize) -> u16 {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "small whole numbers"
-        )]
-        let block = |x: f32| x as usize / BLOCK % BLOCK;
-        let below = |first: usize| u16::MAX << first;
-        let [left, right] = [self.first_column[lane], self.last_column[lane]].map(block);
-        let [top, bottom] = [self.first_row[lane], self.last_row[lane]].map(block);
-        let columns = (below(left) & !below(right + 1) & 0b1111) * 0b0001_0001_0001_0001;
-        columns & below(BLOCK * top) & (u16::MAX >> (BLOCK * (BLOCK - 1 - bottom)))
-    }
-}
-
-/// From a block's first pixel to its last, along a row.
-const EDGE: f32 = BLOCK as f32 - 1.0;
-
-/// The columns of a block's pixels, and of a tile's blocks.
-static ACROSS: Aligned<[f32; LANES]> = Aligned([
-    0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0,
-]);
-
-/// The rows.
-static DOWN: Aligned<[f32; LANES]> = Aligned([
-    0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0,
-]);
-
-/// A leaf's triangles in lanes.
-struct Parts<L: Lanes> {
-    constants: [L::Floats; 3],
-    across: [L::Floats; 3],
-    down: [L::Floats; 3],
-    bound: L::Floats,
-    depths: [L::Floats; 3],
-    nearest: L::Floats,
-    farthest: L::Floats,
-    width: L::Floats,
-    height: L::Floats,
 }

@@ -1,11 +1,12 @@
-//! A camera's tile, 16 by 16 pixels, through the tree of a mesh: what its rays have in common is done once.
+//! The rays of a camera's tile, 16 by 16 pixels, together through the tree of a mesh.
 //!
 //! 1. Put planes around the tile's rays ([`TileFrustum`]).
 //! 2. At a node, test its sixteen boxes against the planes, and go on with the nearest one that is left.
 //! 3. At a leaf, rasterise its triangles into the tile's [`VisibilityBuffer`] (`raster.rs`).
 //! 4. Where float32 cannot tell which triangle of a pixel is nearer, ask the [`ExactTest`].
 //!
-//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005, for the frustum through the tree.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It
+//! departs in the leaves, where triangles are rasterised, and no ray is traversed alone.
 
 use super::frustum::TileFrustum;
 use super::raster::{LeafRaster, RasterScratch};

@@ -1,16 +1,18 @@
 //! The visibility buffer of a tile: for each pixel the triangle that is nearest so far, and between which depths.
 //!
+//! It has a pixel's triangle, and not where or how it is met: that is computed once, when the tile is complete
+//! (`shoot/tiles/resolve.rs`).
+//!
 //! Burns and Hunt, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading", Journal of Computer Graphics
-//! Techniques 2(2), 2013: what is stored is which triangle, not what it looks like; the rest is computed once, when the
-//! tile is complete. It departs in that a depth is an interval.
+//! Techniques 2(2), 2013. It departs in that a depth is an interval.
 
 use crate::simd::{LANES, Lanes};
 
 /// Pixels across and down a tile.
 pub(crate) const TILE: usize = BLOCK * BLOCK;
 
-/// Pixels across and down a block, of which a tile has as many across and down: blocks of a tile and pixels of a block
-/// have a lane each, from the left to the right and then down.
+/// Pixels across and down a block, and blocks across and down a tile. The blocks of a tile have a lane each, and so
+/// have the pixels of a block: row by row, from the left to the right.
 pub(crate) const BLOCK: usize = 4;
 
 const _: () = assert!(BLOCK * BLOCK == LANES);
@@ -57,7 +59,7 @@ pub(crate) const fn pixel(block: usize, lane: usize) -> (usize, usize) {
     (row % TILE, (block % BLOCK * BLOCK + lane % BLOCK) % TILE)
 }
 
-/// See [the module](self). Block by block; depths are in units of the viewplane's.
+/// See [the module](self). Block by block; a depth of 1 is on the viewplane.
 #[repr(C, align(64))]
 pub(crate) struct VisibilityBuffer {
     /// Depths between which the nearest hit is; infinite where there is none yet.
@@ -90,7 +92,7 @@ impl VisibilityBuffer {
         buffer
     }
 
-    /// What is outside the picture is in front of everything.
+    /// Puts pixels outside the picture in front of everything.
     fn cut(&mut self) {
         for (block, high) in self.high.iter_mut().enumerate() {
             for (lane, high) in high.iter_mut().enumerate() {

@@ -1,5 +1,8 @@
-//! Whether a ray meets anything. A candidate that is certain to be met ends the traversal at once; for any other the
-//! exact test decides.
+//! Any hit: does a ray meet anything?
+//!
+//! 1. Drop a candidate that is before `t_min`, by its depths.
+//! 2. A candidate that is certain to be met, and certainly between `t_min` and `t_max`, ends the traversal.
+//! 3. For any other candidate the exact test decides.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
@@ -8,7 +11,7 @@ use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
 use crate::simd::{Lanes, set_bits};
 
-/// See [the module](self).
+/// The state of an any-hit query: see [the module](self).
 pub(crate) struct Any {
     is_found: bool,
     limit: f32,

@@ -5,9 +5,10 @@
 //! 3. At a leaf, test its sixteen triangles against the planes, then each one that is left against the sixteen rays.
 //! 4. Give up when that comes to more work than the rays alone would be.
 //!
-//! Boulos, Wald and Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006; Reshetov,
-//! Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", 2005. It departs from both in that neither is told which
-//! rays are coherent: step 4 finds out.
+//! Boulos, Wald and Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", technical report
+//! UUCS-06-010, University of Utah, 2006; Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM
+//! Transactions on Graphics 24(3), 2005. It departs in step 4: there the caller knows which rays are coherent, here
+//! trying finds out.
 
 use super::deferred::finish_packet;
 use super::frustum::PacketFrustum;
@@ -19,10 +20,10 @@ use crate::accel::node::{LEAF, Node};
 use crate::accel::rays::packet::RAYS;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
-/// What a packet may cost for each of its rays, in units of a node; see [`PacketFrustum::run`].
+/// What a packet may cost for each of its rays, in units of a node: a leaf is 3, and a triangle that is tested 1.
 const BUDGET: u32 = 16;
 
-/// Answers the open rays of a packet; `false` when it gave up, and some may be open still.
+/// Answers the open rays of a packet. Returns `false` when it gave up; some rays may then be open still.
 #[inline(always)]
 pub(super) fn coherent<L: Lanes, Q: MeshQuery>(
     l: L,

@@ -1,4 +1,10 @@
-//! How many triangles a ray meets. Those in the same place count each, so the copies that are not in the tree are added.
+//! The count: how many triangles does a ray meet?
+//!
+//! 1. Drop a candidate that is before `t_min`, by its depths.
+//! 2. Count a candidate that is certain to be met, and certainly between `t_min` and `t_max`.
+//! 3. For any other candidate the exact test decides.
+//!
+//! A triangle counts once for itself and once for each copy in its place, which the tree leaves out.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
@@ -7,7 +13,7 @@ use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
-/// See [the module](self).
+/// The state of a counting query: see [the module](self).
 pub(crate) struct Count {
     count: u32,
     limits: Limits,

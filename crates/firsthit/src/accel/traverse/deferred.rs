@@ -1,7 +1,9 @@
 //! Rays whose triangle is known, intersected eight at a time.
 //!
-//! Most first hits end with a triangle that is certain to be met, and only `t` and the weights missing. Such rays of
-//! any packets are gathered here; when there are eight, [`intersect8_at`] computes them in lanes.
+//! 1. A first hit mostly ends with a triangle that is certain to be met, of which only `t` and the weights are missing.
+//!    Gather such rays, of any packets.
+//! 2. When there are eight, or none is left to come, compute all in lanes ([`intersect8_at`]).
+//! 3. Compute the few that need more than float64 one by one.
 
 use super::mesh_packet::{MeshPacket, MeshRay};
 use super::query::{MeshQuery, Sink};
@@ -102,7 +104,8 @@ impl<'a> Deferred<'a> {
     }
 }
 
-/// Puts the answers of those of `rays` that are `complete` into `sink`, or have ended by themselves, and closes them.
+/// Puts the answers of `rays` into `sink` and closes these rays: of all of them if the traversal is `complete`, else of
+/// those whose query has ended.
 #[inline(always)]
 pub(super) fn finish_packet<L: Lanes, Q: MeshQuery>(
     l: L,

@@ -1,10 +1,10 @@
-//! Many rays through the trees of meshes, packet by packet, each by the traversal that suits it.
+//! Many rays through the trees of meshes: chooses a traversal for each packet.
 //!
-//! 1. [`coherent`]: the rays of a packet go nearly the same way. It gives up when they do not.
-//! 2. [`masked`]: short rays from a small place in all directions, where any hit will do. It gives up likewise.
-//! 3. [`interleaved`]: all rays that are left.
+//! 1. Try [`coherent`], for rays that go nearly the same way. It gives up when they do not.
+//! 2. If the query needs no order, try [`masked`], for short rays from a small place. It gives up likewise.
+//! 3. Put all rays that are left, of all packets, through [`interleaved`].
 //!
-//! Where one packet after the other gives up, some are not tried.
+//! Where packet after packet gives up, some of the next are not tried.
 
 use super::coherent::coherent;
 use super::interleaved::{InFlight, interleaved};

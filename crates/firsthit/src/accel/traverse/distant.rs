@@ -1,37 +1,47 @@
-//! Rays that start so far away from a tree that float64 has no digits left for depths near it, and rays that begin behind their
+//! Rays for which float64 has no depths near a tree: those that start very far away, and those that begin behind their
 //! origins.
 //!
-//! Such a ray is moved in twice the digits to where it is ahead of the tree, and meets boxes from there. What it meets is decided
-//! by the ray as it is; as that has no depths to compare before, every triangle on its way is asked.
+//! 1. Bring the ray's start into the tree's space, in twice the digits.
+//! 2. Move it along the ray to the point nearest to the tree's middle. Each step is rounded, and the next makes up for
+//!    that.
+//! 3. Where it does not come to rest, or rounding leaves the place open, give up: every triangle of the mesh is tested.
+//! 4. Drop the ray if that point is not in the sphere around the tree.
+//! 5. Else move it back to before the tree, and traverse the tree from there with a ray without an end. Every triangle
+//!    that this ray may meet is tested with the ray as it was, as no depth can be compared with its `t`.
+//!
+//! # Error bounds
+//!
+//! A sum of two numbers of twice the digits is off by a share of 2^-100 (`SHARE`) of its terms: they have 106 bits, six
+//! of which are for the up to 24 sums. The part of that error across the ray is the blur of the ray that is traversed.
 
 use crate::accel::space::Space;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, between, product, sum};
 use crate::geometry::{DVec3, Ray};
 
-/// What a sum of doubles is off, as a share of what is added up: they have 106 bits, six of which are for the sums.
+/// The error of a sum in twice the digits, as a share of its terms.
 const SHARE: f64 = f64::from_bits((1023 - 100) << 52);
 
-/// How many steps lead to the tree at most: each but the last takes 50 bits off the way, which is at most 2^1000 long.
+/// How many steps lead to the tree at most: each shortens the rest by 50 bits, and the start is at most 2^1000 away.
 const STEPS: usize = 24;
 
 /// How a distant ray comes to a tree.
 pub(super) enum Approach {
-    /// It does not.
+    /// It passes the tree.
     Past,
-    /// As a ray that begins near it, off by so much across its way, in units of the tree.
+    /// As a ray that begins near the tree, with its error across its direction, in units of the tree.
     Near(Ray, f64),
-    /// Too inexactly to say where.
+    /// At a place that rounding leaves open.
     Somewhere,
 }
 
-/// The largest power of two that is not above a positive number; of tiny ones another.
+/// The largest power of two that is not above a positive number; for a subnormal number the smallest normal one.
 fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
 }
 
 impl Approach {
-    /// That of a ray as it is, or of the line that it is on where it begins behind its origin.
+    /// Of a ray; of the whole line that it is on, where it begins behind its origin.
     pub(super) fn new(space: &Space, ray: &Ray) -> Self {
         let start = between(Scalar, &ray.origin.to_array(), &space.origin.to_array());
         let mut place = start.map(|x| Double {
@@ -45,7 +55,6 @@ impl Approach {
         let mut error = place.map(|x| SHARE * x.high.abs());
         let high = |place: &[Double<f64>; 3]| DVec3::from(place.map(|x| x.high));
         let mut total = 0.0;
-        // Each step is off by its rounding, which the next one makes up for.
         let mut is_there = false;
         for _ in 0..STEPS {
             let step = -(high(&place).dot(d) / squared);
@@ -73,7 +82,8 @@ impl Approach {
             return Self::Somewhere;
         }
         let direction = d / d.abs().max_element();
-        // What it is off along its way does no harm: the place is near the tree, though it may be another one than it should be.
+        // An error along the ray does no harm: the place stays on the ray, and near the tree. Only its part across
+        // counts.
         let main = (0..3).find(|&k| direction[k].abs() == 1.0);
         let along = main.map_or(f64::INFINITY, |main| error[main]);
         let across = (0..3).filter(|&k| Some(k) != main);

@@ -1,9 +1,9 @@
-//! The first hit: the smallest `t`, at the same `t` the lowest triangle.
+//! The first hit: the smallest `t`, and at the same `t` the lowest triangle.
 //!
-//! 1. A candidate that is beyond the best so far is dropped by its depths.
-//! 2. A candidate that is certain to be met, and certainly nearer than the best so far, becomes the best one; where it
-//!    is met is computed only when the traversal ends.
-//! 3. Between any other candidate and the best so far the exact test decides.
+//! 1. Drop a candidate that is beyond the best so far, by its depths.
+//! 2. A candidate that is certain to be met, and certainly nearer than the best so far, becomes the best. Where it is
+//!    met is computed only if it is still the best when the traversal ends.
+//! 3. For any other candidate the exact test decides, and compares it with the best so far.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
@@ -41,7 +41,7 @@ impl Best {
     }
 }
 
-/// See [the module](self).
+/// The state of a first-hit query: see [the module](self).
 pub(crate) struct First {
     best: Best,
     limit: f32,
@@ -142,7 +142,7 @@ impl Visitor for First {
         l.store(candidates.high, &mut highs.0);
         let first = ray.tree.leaves[leaf as usize].first as usize;
         for lane in set_bits(candidates.possible) {
-            // The index of the nearest triangle is read in the end.
+            // The answer needs the triangle's index in the mesh.
             if let Some(index) = ray.tree.order.get(first + lane) {
                 l.prefetch(index);
             }

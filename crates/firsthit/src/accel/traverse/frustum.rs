@@ -1,27 +1,55 @@
 //! The planes around the rays of a packet, and which boxes are within them.
 //!
-//! Points are counted from the packet's reference, the planes from there on along its axis z: at a depth d all rays
-//! are between `start low + d * slope low` and `start high + d * slope high`, along x and along y. The reference
-//! is as far back as the rearmost ray, so d is not negative where a ray may meet something.
+//! 1. Count points from a reference, which has x and y of the first ray's start, and the depth of the rearmost start.
+//!    The depth is along the axis on which all directions are longest. It is not negative where a ray may meet
+//!    something.
+//! 2. Move every start along its ray to the depth 0. At a depth d a ray is then at `start + d * slope`, along x and
+//!    along y.
+//! 3. Make four planes of the smallest and the largest start and slope along x and along y.
+//! 4. Make two more planes, nearly parallel, along a direction across which the rays are much the same. Neighbours
+//!    often lie in a plane: the pixels of a row, and what a row sees, seen from a light. The direction is taken from
+//!    the first and the last ray.
+//! 5. Move all planes outwards by a margin for rounding.
+//! 6. Keep a box if for each plane the corner that is farthest inside is inside.
 //!
-//! What rounding comes to, in units of u (see `bounds.rs`), beside the blurs of the rays' starts. Let W be how far a start
-//! is from the reference at most, along x and y sheared to the reference's depth. A start then is off by 13 W: two
-//! differences along each of two axes 6, a slope of at most 1 with what its product and difference round 7. A sheared
-//! coordinate X of a vertex at the depth D that is P from the reference: the differences with the reference P and D, that
-//! with the start P + W, slope, product and difference 2 D + X, and the start. P is at most X + W + D, and where a ray
-//! passes a triangle, X is at most the size of that (sheared, along x or y): in all 5 D + 3 X + 16 W.
-//! Against planes all of this is in units of the reach, with which 40 covers it: the starts' differences are below
-//! twice the reach each, so a start is off by 20 at most, and a vertex by 6.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It
+//! departs in the planes of step 4.
 //!
-//! Neighbours often lie in a plane, or nearly: pixels of a row, and what a row sees, seen from a light. So there are two
-//! more planes, almost parallel, at whatever angle to x and y. Along their common normal, whose parts along x and y are
-//! `normal` and whose part along the depth is minus the `tilt`, all rays are within `between` at the depth 0, and each end
-//! moves outwards by the `spread` for a depth of 1. A ray's start along the normal is off by twice the 20, by 12 of its own
-//! rounding and 8 of the bounds'; a place by 20 (three differences, three products, two sums, and the spread's share): 80 of
-//! the 160 that are allowed. Slopes are off by 9 in all, where the spread has 16.
+//! # Error bounds
+//!
+//! In units of `U`, beside the blurs of the rays' starts (see `bounds.rs`). W is how far a start is from the reference
+//! at most, along x and y, once it is at the depth 0.
+//!
+//! **A start** is off by at most 13 W:
+//!
+//! - 6 W: two differences along each of two axes;
+//! - 7 W: the slope, which is at most 1, its product and its difference.
+//!
+//! **A sheared coordinate** X of a vertex at the depth D that is P from the reference is off by the sum of these:
+//!
+//! - P + D: the differences with the reference;
+//! - P + W: the difference with the start;
+//! - 2 D + X: the slope, its product and its difference;
+//! - 13 W: the start.
+//!
+//! P is at most X + W + D. Where a ray passes a triangle, X is at most the triangle's extent (sheared, along x or y).
+//! In all that is 5 D (`PACKET_VERTEX`), 3 X (`PACKET_EXTENT`) and 16 W (`PACKET_START`).
+//!
+//! **Against the four planes** all of this is in units of the reach: a start is off by 20 at most, as starts differ by
+//! less than twice the reach, and a vertex by 6. `PACKET_PLANES` allows 40.
+//!
+//! **Against the two others** the parts along x and y add up. Rays are within `between` at the depth 0, and each end
+//! moves outwards by the `spread` for a depth of 1:
+//!
+//! - 40: a start, twice the 20 above; 12: its own rounding; 8: that of `between`;
+//! - 20: a vertex, by three differences, three products, two sums and a share of the spread.
+//!
+//! These are 80; `PACKET_NORMAL` allows 160. Slopes are off by 9 in all; `PACKET_SPREAD` allows 16.
 
 use super::mesh_packet::{FEWEST, MeshPacket};
-use crate::accel::bounds::U;
+use crate::accel::bounds::{
+    BLURS, DEPTH, PACKET_NORMAL, PACKET_PLANES, PACKET_SPREAD, PACKET_START,
+};
 use crate::accel::node::Node;
 use crate::accel::rays::packet::RAYS;
 use crate::simd::{Aligned, Lanes};
@@ -38,26 +66,27 @@ pub(super) struct PacketFrustum {
     /// The smallest and the largest start, less and more for rounding, and slope, along x and along y.
     pub(super) starts: [[f32; 2]; 2],
     pub(super) slopes: [[f32; 2]; 2],
-    /// Where each ray is at the reference's depth.
+    /// Where each ray is at the depth 0.
     pub(super) start: [Aligned<[f32; RAYS]>; 2],
-    /// The depth at which it starts.
+    /// The depth at which each ray starts.
     pub(super) behind: Aligned<[f32; RAYS]>,
-    /// What a box may be off the planes.
+    /// How far the planes are moved outwards.
     pub(super) margin: f32,
-    /// What a sheared coordinate is off whatever the depth.
+    /// The error of a sheared coordinate, at any depth.
     pub(super) error: f32,
-    /// What a depth is off whatever it is.
+    /// The error of a depth, at any depth.
     pub(super) depth_error: f32,
-    /// A direction along which rays are much the same: its parts along x and y, at most 1, and minus that along the depth.
+    /// The normal of the two planes of step 4: its parts along x and y, at most 1, and minus its part along the depth.
     pub(super) normal: [f32; 2],
     pub(super) tilt: f32,
-    /// What rays are along it where their depth is 0, and by how much, beside the tilt, that changes with the depth at most.
+    /// The smallest and the largest place of a ray along the normal at the depth 0, and how far that moves for a depth
+    /// of 1, beside the tilt, at most.
     pub(super) between: [f32; 2],
     pub(super) spread: f32,
 }
 
 impl PacketFrustum {
-    /// `None` when the rays do not go the same way at all.
+    /// `None` when the directions of the rays are not longest along one axis, with one sign, or rounding is too large.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
@@ -92,7 +121,7 @@ impl PacketFrustum {
         let reference = [x[0][first], y[0][first], forwards * rear];
         let [_, largest] = ends!(l.max(l.max(l.abs(zx), l.abs(zy)), l.abs(zz)));
         let [_, blur] = ends!(l.load(&packet.blur));
-        let margin = 40.0 * U * (1.0 + largest) + 4.0 * blur;
+        let margin = PACKET_PLANES * (1.0 + largest) + 4.0 * blur;
         // Written so that a NaN fails.
         let is_fine = margin < 1e-2;
         if !is_fine {
@@ -136,18 +165,18 @@ impl PacketFrustum {
             start,
             behind: Aligned([0.0; RAYS]),
             margin,
-            error: 20.0 * U * width + 3.0 * blur,
-            depth_error: 24.0 * U * width + 3.0 * blur,
+            error: PACKET_START * width + BLURS * blur,
+            depth_error: DEPTH * width + BLURS * blur,
             normal,
             tilt,
-            between: wider(between, 4.0 * margin),
-            spread: 0.5 * (high - low) + 16.0 * U,
+            between: wider(between, PACKET_NORMAL * margin),
+            spread: 0.5 * (high - low) + PACKET_SPREAD,
         };
         l.store(behind, &mut out.behind.0);
         Some(out)
     }
 
-    /// The depth beyond which nothing matters to any ray.
+    /// The depth from the reference beyond which nothing matters to any ray.
     #[inline(always)]
     pub(super) fn limit<L: Lanes>(&self, l: L, limits: &[f32; RAYS]) -> f32 {
         let limits = l.load(limits);
@@ -173,7 +202,7 @@ impl PacketFrustum {
         let near = l.mul(plane!(z, 2, is_back), sign);
         let far = l.mul(plane!(z, 2, 1 - is_back), sign);
         let mut met = l.le(near, l.splat(limit)) & l.le(l.splat(-self.margin), far);
-        // Only where rays are, and where anything matters.
+        // Only the part of each box that is between the rearmost start and the limit.
         let near = l.max(near, l.splat(-self.margin));
         let far = l.min(far, l.splat(limit));
         let (low_x, high_x) = (plane!(x, 0, 0), plane!(x, 0, 1));
@@ -222,8 +251,8 @@ impl PacketFrustum {
     }
 }
 
-/// The normal of the plane that rays are in, across the depth, from what is between the first and the last of them in start
-/// and in slope. One part is 1 or -1, or both are 0 where there is nothing between.
+/// The normal across the depth of the plane that the rays are in, from the difference in start and in slope between the
+/// first and the last of them. One part is 1 or -1; both are 0 where there is no difference.
 #[inline(always)]
 fn normal([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> [f32; 2] {
     let (size, change) = (x.abs().max(y.abs()), along_x.abs().max(along_y.abs()));

@@ -1,24 +1,35 @@
 //! A leaf and a packet's frustum: which of the leaf's triangles may the rays meet, and which ray meets which of them?
 //!
-//! The edge test is that of `filter.rs`, with rays in the lanes.
+//! 1. Test the leaf's sixteen triangles against the planes of the frustum, a triangle in each lane.
+//! 2. Bound the error of the sides of their edges, for rays inside each triangle and for all rays.
+//! 3. Test each triangle that is left against the sixteen rays, a ray in each lane (`edges.rs`).
+//! 4. Show each triangle that a ray may meet to the query of the ray.
+//!
+//! # Error bounds
+//!
+//! Those of `filter.rs`, with what `frustum.rs` says that a sheared coordinate is off. A triangle's extent across the
+//! rays is measured with the smallest and the largest slope, and that is the extent along any slope between.
 
 use super::frustum::PacketFrustum;
 use super::mesh_packet::MeshPacket;
 use super::query::MeshQuery;
-use crate::accel::bounds::U;
+use crate::accel::bounds::{
+    DEPTH, MEAN, PACKET_EXTENT, PACKET_VERTEX, SIDE_BY_ERROR, SIDE_BY_SIZE,
+};
 use crate::accel::edges::{Sides, depths};
 use crate::accel::meshlet::Meshlet;
 use crate::accel::rays::packet::RAYS;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
-/// A leaf from the reference.
+/// A leaf as it is seen from the reference.
 #[repr(C, align(64))]
 pub(super) struct LeafView {
     // For each vertex.
     x: [f32; LANES],
     y: [f32; LANES],
     depth: [f32; LANES],
-    // For each triangle: its depths, and what a side of its edges is off for rays inside it, and for all.
+    // For each triangle: its nearest and farthest depth, and the bound of its sides, for rays inside it and for all
+    // rays.
     nearest: [f32; LANES],
     farthest: [f32; LANES],
     bound: [f32; LANES],
@@ -92,7 +103,7 @@ impl PacketFrustum {
                 (size, l.max(left, right))
             }};
         }
-        // How far the triangles extend, sheared along any of the slopes, and how far a corner is from any ray.
+        // How far the triangles extend across any of the rays, and how far their corners are from any ray.
         let ((size_x, away_x), (size_y, away_y)) = (inside!(0, x), inside!(1, y));
         let [normal_x, normal_y] = self.normal;
         let along = l.neg_mul_add(
@@ -112,15 +123,18 @@ impl PacketFrustum {
         l.store(depth, &mut view.depth);
         l.store(nearest, &mut view.nearest);
         l.store(farthest, &mut view.farthest);
-        // As in `filter.rs`.
         let deep = l.max(l.abs(nearest), l.abs(farthest));
         macro_rules! bound {
             ($size:expr) => {{
                 let size = $size;
-                let fixed = l.mul_add(size, l.splat(3.5 * U), l.splat(self.error));
-                let error = l.mul_add(deep, l.splat(5.5 * U), fixed);
+                let fixed = l.mul_add(size, l.splat(PACKET_EXTENT), l.splat(self.error));
+                let error = l.mul_add(deep, l.splat(PACKET_VERTEX), fixed);
                 let size = l.mul_add(error, l.splat(4.2), l.mul(size, l.splat(1.01)));
-                let share = l.mul_add(error, l.splat(4.3), l.mul(size, l.splat(9.2 * U)));
+                let share = l.mul_add(
+                    error,
+                    l.splat(SIDE_BY_ERROR),
+                    l.mul(size, l.splat(SIDE_BY_SIZE)),
+                );
                 l.mul(share, size)
             }};
         }
@@ -129,7 +143,7 @@ impl PacketFrustum {
         met
     }
 
-    /// A triangle and all rays; whether a limit has changed.
+    /// Tests a triangle against all rays; returns whether a ray's limit has changed.
     #[inline(always)]
     pub(super) fn visit<L: Lanes, Q: MeshQuery>(
         &self,
@@ -164,8 +178,8 @@ impl PacketFrustum {
         let limit = l.load(limits);
         let behind = l.load(&self.behind.0);
         let (nearest, farthest) = (view.nearest[triangle], view.farthest[triangle]);
-        let slack = nearest.abs().max(farthest.abs()) * (24.0 * U) + self.depth_error;
-        let spread = 2.1 * (farthest - nearest);
+        let slack = nearest.abs().max(farthest.abs()) * DEPTH + self.depth_error;
+        let spread = MEAN * (farthest - nearest);
         let nearest = l.sub(l.splat(nearest - slack), behind);
         let farthest = l.sub(l.splat(farthest + slack), behind);
         let certain = sides.inside(l, l.splat(view.sure[triangle]));

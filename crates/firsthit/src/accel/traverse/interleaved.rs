@@ -3,17 +3,19 @@
 //! 1. Fill the free slots with the next rays.
 //! 2. For each ray at a node: test its sixteen boxes, append those that are met to the ray's work list.
 //! 3. For each ray at a leaf: test its sixteen triangles; the ray's query sees what is left.
-//! 4. For all sixteen at once: take from each work list the nearest of the last sixteen entries, and ask memory for it. A
-//!    ray whose list is empty, or holds only what is too far, is finished, and its slot is free.
+//! 4. For all sixteen at once: take from each work list the nearest of the last sixteen entries, and ask memory for it.
+//!    A ray whose list is empty, or holds only what is too far, is finished, and its slot is free.
 //!
-//! A single ray waits: for the next node from memory, for its boxes, for a branch that is hard to predict. Here all steps
-//! of a kind come one after the other, without a branch between them that depends on what was met, so while one ray
-//! waits the others are at work. The rays need have nothing in common, unlike those of packets, and unlike those of Boulos,
-//! Wald and Benthin, "Adaptive Ray Packet Reordering", 2008, which are gathered where they are at the same node.
+//! A single ray waits: for the next node from memory, for the test of its boxes, for a branch that is hard to predict.
+//! Here the same step of all rays comes in one loop, without branches that depend on what was met, so the processor
+//! works on other rays while one waits. The rays need have nothing in common. Boulos, Wald and Benthin, "Adaptive Ray
+//! Packet Reordering", IEEE Symposium on Interactive Ray Tracing 2008, keep many rays in flight too, and gather those
+//! that are at the same node.
 //!
-//! A work list is two arrays, depths and children, and never sorted: where the nearest of the last sixteen is too far, so
-//! are all sixteen. To look in sixteen lists at once takes two shuffles and a comparison for each ray; one list after the
-//! other would take as many steps for each, every one waiting for that before.
+//! A work list is two arrays, depths and children, and is never sorted: where the nearest of the last sixteen is too
+//! far, all sixteen are. To look for the nearest in sixteen lists at once takes two shuffles and a comparison for each
+//! ray ([`Lanes::smallest_of_each`]). In one list it takes as many steps as for all sixteen, each of which waits for
+//! the one before.
 
 use std::array::from_fn;
 
@@ -45,7 +47,7 @@ impl InFlight {
     }
 }
 
-/// What a ray has still to visit.
+/// The nodes and leaves that a ray has still to visit.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 struct WorkList {
@@ -55,9 +57,9 @@ struct WorkList {
     children: [f32; CAPACITY + LANES],
 }
 
-/// How many there can be.
+/// How many entries a work list holds.
 const CAPACITY: usize = 256;
-/// From here on the last one is the next, so that hardly anything comes to more.
+/// In a longer list the last entry is the next, so that hardly any list outgrows its capacity.
 const LAST_FIRST: usize = CAPACITY / 2;
 
 impl WorkList {
@@ -101,8 +103,8 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
     let mut nodes = 0_u16;
     let mut leaves = 0_u16;
     let mut free = u16::MAX;
-    // Renewed after a leaf, which moves a ray's limit. So does starting again, but that leaves an empty list, and what
-    // is below its first entry is beyond all limits.
+    // Renewed after a leaf, which moves a ray's limit. Starting again moves it too, but leaves an empty list, and what
+    // is below the first entry of a list is beyond all limits.
     let mut limits = Aligned([-1.0; LANES]);
     loop {
         while free != 0 {
@@ -177,7 +179,7 @@ impl Next {
         next
     }
 
-    /// By arithmetic, for a branch here would be hard to predict.
+    /// Adds a ray. By arithmetic: a branch would be hard to predict.
     #[inline(always)]
     fn put<Q>(&mut self, k: usize, slot: &Slot<'_, Q>, goes_on: bool) {
         let (goes_on, is_leaf) = (u16::from(goes_on), u16::from(slot.next & LEAF != 0));
@@ -187,8 +189,8 @@ impl Next {
     }
 }
 
-/// For each ray what is nearest of the last sixteen in its work list, see [`Lanes::smallest_of_each`], and which rays are
-/// to go on there: those for which it is not too far, and whose lists are not so long that the last comes first.
+/// The nearest of the last sixteen entries in each ray's work list, as [`Lanes::smallest_of_each`] has it, and the rays
+/// that go on there: those for which it is not too far, and whose list is shorter than [`LAST_FIRST`].
 #[inline(always)]
 fn nearest<L: Lanes, Q: MeshQuery>(
     l: L,
@@ -282,8 +284,8 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
         }
     }
 
-    /// Takes what is to be visited next; `false` when there is nothing any more. Where the order matters, this is for long
-    /// lists and those whose last sixteen are all too far: for others see [`nearest`].
+    /// Takes what is to be visited next; `false` when nothing is left. Where the order matters, this is for long lists,
+    /// and for those whose last sixteen entries are all too far; for the others see [`nearest`].
     #[inline(always)]
     fn step<L: Lanes>(&mut self, l: L, list: &mut WorkList) -> bool {
         let limit = self.query.limit();
@@ -299,7 +301,7 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
                     self.height = self.height.saturating_sub(LANES);
                     continue;
                 }
-                // Of equal ones the last that was put there, as a stack would have it.
+                // Of equal ones the last, as a stack would have it.
                 behind = l.le(depths, l.splat(nearest)).leading_zeros() as usize % LANES;
             }
             self.take(l, list, behind);
@@ -307,7 +309,7 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
         }
     }
 
-    /// Takes the one that so many are behind of in the work list, and puts the last there.
+    /// Takes the entry that is `behind` entries before the last, and puts the last in its place.
     #[inline(always)]
     fn take<L: Lanes>(&mut self, l: L, list: &mut WorkList, behind: usize) {
         let last = LANES - 1 + self.height;
@@ -323,8 +325,8 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
         l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
     }
 
-    /// The largest key of a depth that still matters, see [`Lanes::smallest_of_each`]; below the keys of those that are
-    /// nobody's.
+    /// The largest key of a depth that still matters, see [`Lanes::smallest_of_each`]; below the keys of unused
+    /// entries.
     #[inline(always)]
     fn last_key(&self) -> f32 {
         let limit = self.query.limit().min(f32::MAX);

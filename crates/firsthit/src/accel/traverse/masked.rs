@@ -1,15 +1,15 @@
-//! Sixteen rays together through the tree of a mesh: short ones in all directions from a small place, as ambient occlusion
-//! shoots them. It serves queries that do not ask for an order.
+//! Sixteen short rays from a small place, in all directions, together through the tree of a mesh: ambient occlusion
+//! shoots them. For queries that need no order.
 //!
 //! 1. Put a box around the segments of all rays; give up when it is as wide as half the mesh.
-//! 2. At a node, test its sixteen boxes against that box, then each one that is left against the sixteen rays; a child goes
-//!    onto the stack with a mask of the rays that meet it.
+//! 2. At a node, test its sixteen boxes against that box, then each one that is left against the sixteen rays; a child
+//!    goes onto the stack with a mask of the rays that meet it.
 //! 3. At a leaf, or at a node that only one ray meets, go on ray by ray.
 //! 4. Give up when nodes have few rays in common.
 //!
-//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum 20(3),
-//! 2001, for the masks. It departs in step 1, which rules out most children of a wide node for all rays at once, whatever
-//! their directions.
+//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum
+//! 20(3), 2001, for the masks. It departs in step 1, which rules out most children of a wide node for all rays at once,
+//! whatever their directions.
 
 use std::array::from_fn;
 
@@ -17,22 +17,22 @@ use super::deferred::finish_packet;
 use super::mesh_packet::{FEWEST, MeshPacket};
 use super::query::{MeshQuery, Sink};
 use super::stack::Stack;
-use crate::accel::bounds::{FAR, U};
+use crate::accel::bounds::{FAR, SEGMENT};
 use crate::accel::filter::filter;
 use crate::accel::node::{LEAF, Node};
 use crate::accel::rays::packet::{Packet, RAYS};
 use crate::simd::{Lanes, set_bits};
 
-/// After each this many nodes and leaves, it is looked whether rays have them in common.
+/// How many nodes and leaves are visited between two looks at whether rays have them in common.
 const TRIAL: u32 = 32;
-/// How many rays a node or leaf must have had so far, on average.
+/// How many rays a node or a leaf must have had on average, not to give up.
 const COMMON: u32 = 3;
 /// At this depth a ray has left the tree, which is in the cube from -1 to 1.
 const FARTHEST: f32 = 10.0;
 const _: () = assert!(FAR + 2.0 <= FARTHEST as f64);
 
-/// Answers the open rays of a packet, but for those whose start float32 does not resolve; `false` when it gave up, and any
-/// may be open still.
+/// Answers the open rays of a packet, but for those whose start float32 does not resolve. Returns `false` when it gave
+/// up; any ray may then be open still.
 #[inline(always)]
 pub(super) fn masked<L: Lanes, Q: MeshQuery>(
     l: L,
@@ -143,12 +143,12 @@ impl Around {
             let [first, last] = &packet.ends[axis];
             let (first, last) = (l.load(first), l.load(last));
             let direction = l.div(one, inverse);
-            // Each of the ends is minus the start over the direction, one less and one more for rounding.
+            // Each end is minus the start over the direction, one moved forwards and one backwards by the margin.
             let start = l.mul(l.mul(l.add(first, last), half), l.sub(zero, direction));
             let margin = l.mul(l.sub(last, first), direction);
-            // What is rounded here, in units of `u FARTHEST`: the start 5, the slope at the end 2, product and sum 3, and the
-            // last difference 2; and the margin itself.
-            let margin = l.mul_add(l.abs(margin), half, l.splat(16.0 * U * FARTHEST));
+            // Rounding in units of `U FARTHEST`: the start 5, the slope at the end 2, product and sum 3, the last
+            // difference 2. `SEGMENT` allows 16.
+            let margin = l.mul_add(l.abs(margin), half, l.splat(SEGMENT * FARTHEST));
             let end = l.mul_add(direction, limit, start);
             let low = l.sub(l.min(start, end), margin);
             let high = l.add(l.max(start, end), margin);

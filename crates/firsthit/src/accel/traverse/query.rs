@@ -1,4 +1,4 @@
-//! What a traversal of one mesh is asked for, and where the answers go.
+//! The queries that a traversal of one mesh answers, and the sink for the answers.
 //!
 //! A traversal finds leaves; [`filter`](crate::accel::filter) says which triangles of a leaf a ray may meet, and
 //! between which depths. A [`Visitor`] sees these candidates and narrows the ray. A [`MeshQuery`] is a visitor with an
@@ -26,9 +26,10 @@ pub(crate) trait MeshQuery: Visitor {
     type Found: Copy;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;
-    /// Before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).
+    /// The query before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).
     fn new(limits: Limits) -> Self;
-    /// Sees a single candidate: the triangle in a lane of a leaf, met between two depths, or `is_certain` to be met.
+    /// Sees a single candidate: the triangle in a lane of a leaf, which is met between two depths, if at all; for sure
+    /// if `is_certain`.
     fn visit_one<L: Lanes>(
         &mut self,
         l: L,
@@ -37,7 +38,7 @@ pub(crate) trait MeshQuery: Visitor {
         depths: (f32, f32),
         is_certain: bool,
     );
-    /// The triangle that is the answer, if where it is met has still to be computed: a leaf and a lane of it.
+    /// The triangle that is the answer, as a leaf and a lane of it, if where it is met is not computed yet.
     fn deferred(&self) -> Option<(u32, usize)>;
     /// The answer, after the last leaf.
     fn finish<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Self::Found;

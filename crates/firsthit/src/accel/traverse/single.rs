@@ -1,12 +1,13 @@
 //! One ray through the tree of a mesh.
 //!
-//! 1. At a node, test the ray against its sixteen boxes at once; go on with the nearest child, and put the others onto the
-//!    stack, in order.
+//! 1. At a node, test the ray against its sixteen boxes at once; go on with the nearest child, and put the others onto
+//!    the stack, in order.
 //! 2. At a leaf, test its sixteen triangles at once in float32 ([`filter`]); the query sees what is left.
 //! 3. Take the next child from the stack that is not beyond the query's limit.
 //!
-//! Wald, Benthin and Boulos, "Getting Rid of Packets", 2008. It departs in the leaves, where float32 only rules out, and
-//! float64 decides.
+//! Wald, Benthin and Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs",
+//! IEEE Symposium on Interactive Ray Tracing 2008. It departs in the leaves, where float32 only rules out and float64
+//! decides.
 
 use super::distant::Approach;
 use super::mesh_packet::MeshRay;
@@ -66,9 +67,10 @@ pub(crate) fn ask<L: Lanes, Q: MeshQuery>(
 /// What ends a traversal, in place of a `t_max`.
 pub(crate) const END: f64 = f64::NEG_INFINITY;
 
-/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, and perhaps
-/// with others, in any order; with those in the place of a lower one only `with_copies`, or perhaps. `visit` returns the
-/// `t_max` to go on with, not larger than before, or [`END`].
+/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, in any
+/// order, and perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
+///
+/// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
 #[inline(always)]
 pub(crate) fn each<L: Lanes>(
     l: L,
@@ -84,7 +86,7 @@ pub(crate) fn each<L: Lanes>(
     } else if ray.t_min >= 0.0 {
         return each_ahead(l, scratch, (tree, mesh), (ray, 0.0, with_copies), visit);
     } else {
-        // From a little earlier, as where that is has been rounded: the product, and the sum.
+        // Begin a little earlier: the place at `t_min` is rounded twice, by a product and a sum.
         let size = ray.origin.abs() + ray.at(ray.t_min).abs();
         let rounding = f64::EPSILON * size.max_element();
         let earlier = 2.0 * rounding / ray.direction.abs().max_element();
@@ -126,7 +128,7 @@ pub(crate) fn each<L: Lanes>(
     }
 }
 
-/// [`each`] for a ray that is not distant, and off by so much.
+/// [`each`] for a ray that is not distant, and may be `off` across its direction, in units of the tree.
 #[inline(always)]
 fn each_ahead<L: Lanes>(
     l: L,
@@ -155,7 +157,7 @@ fn each_ahead<L: Lanes>(
     }
 }
 
-/// See [the module](self).
+/// Shows the leaves that a ray may meet to a visitor; see [the module](self).
 #[inline(always)]
 pub(super) fn traverse<L: Lanes, V: Visitor>(
     l: L,
@@ -172,7 +174,7 @@ pub(super) fn traverse<L: Lanes, V: Visitor>(
             let node = &tree.nodes[index as usize];
             let (mut met, entry) = tree_ray.boxes(l, node, visitor.limit());
             if met.is_power_of_two() || (met != 0 && !V::ORDERED) {
-                // The next one is known, without a way through memory.
+                // The next one is known: the entry depths need not be stored and sorted.
                 index = node.children[met.trailing_zeros() as usize % LANES];
                 met &= met - 1;
                 for child in set_bits(met) {

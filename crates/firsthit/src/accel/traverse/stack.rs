@@ -1,6 +1,7 @@
 //! The stack of a traversal.
 
-/// Nodes and leaves still to be visited: the index, and above it the depth's bits, or the rays of a packet.
+/// Nodes and leaves still to be visited. An entry has the index in its lower half, and in its upper half the bits of
+/// the depth, or a mask of a packet's rays.
 #[derive(Debug)]
 pub(in crate::accel) struct Stack {
     entries: Box<[u64; STACK]>,
@@ -11,7 +12,7 @@ pub(in crate::accel) struct Stack {
 const LEVELS: usize = 97;
 /// A power of two: each level leaves up to 15 behind.
 const STACK: usize = 2048;
-/// From here on [`Stack::pop_any`] takes the last, and what is above is that of one way down.
+/// In a higher stack [`Stack::pop_any`] takes the last entry, so what is above this belongs to one way down the tree.
 const MANY: usize = 256;
 const _: () = assert!(MANY + 15 * LEVELS < STACK);
 
@@ -54,7 +55,8 @@ impl Stack {
         &self.entries[base.min(STACK)..self.height.min(STACK)]
     }
 
-    /// Any one: the last but two, whose memory was asked for longer ago than the last; of many, the last.
+    /// Takes any entry: the last but two, since its memory was prefetched earlier than that of the last; in a high
+    /// stack the last.
     #[inline(always)]
     pub(in crate::accel) fn pop_any(&mut self) -> Option<u64> {
         let last = self.height.checked_sub(1)?;
@@ -112,7 +114,7 @@ mod tests {
         let mut stack = Stack::new();
         stack.push(0);
         let mut highest = 0;
-        // Not all of it, which nobody could: what comes first is what piles up.
+        // Only the start of an endless traversal: the stack is highest early on.
         for _ in 0..200_000 {
             let level = stack.pop_any().unwrap();
             if level < LEVELS as u64 {

@@ -1,4 +1,4 @@
-//! Every candidate, by a function of the caller's.
+//! The visitor that shows every candidate to a function.
 
 use super::mesh_packet::MeshRay;
 use super::query::Visitor;

@@ -1,3 +1,5 @@
+//! The digest of a mesh: all the numbers that it is made from.
+
 use std::ops::Range;
 
 use rayon::prelude::*;

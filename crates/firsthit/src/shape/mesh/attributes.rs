@@ -1,0 +1,236 @@
+//! What a mesh knows beside its triangles: attributes of vertices and corners, faces, slots, numbers by name.
+
+use crate::error::{Error, Result};
+use crate::geometry::{DVec2, DVec3};
+use crate::shape::{Attribute, Mesh, Property, PropertyOf, PropertyValues};
+
+impl Mesh {
+    /// The same mesh, its triangles knowing which polygon of the file they were part of.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when there are not as many `faces` as triangles, or one is no identifier: 2^31 or more.
+    pub fn with_faces(mut self, faces: Vec<u32>) -> Result<Self> {
+        if faces.len() != self.triangles.len() {
+            return Err(Error::argument(
+                "faces",
+                "one for each triangle",
+                faces.len(),
+            ));
+        }
+        if let Some(&face) = faces.iter().find(|&&face| i32::try_from(face).is_err()) {
+            return Err(Error::argument("faces", "below 2^31", face));
+        }
+        self.faces = Some(faces);
+        Ok(self)
+    }
+
+    /// The same mesh with shading normals, in object space; they need not be of length one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_normals(mut self, normals: Attribute<3>) -> Result<Self> {
+        normals.check("normals", self.positions.len(), &self.triangles)?;
+        self.normals = Some(normals);
+        Ok(self)
+    }
+
+    /// The same mesh with texture coordinates.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_uvs(mut self, uvs: Attribute<2>) -> Result<Self> {
+        uvs.check("uvs", self.positions.len(), &self.triangles)?;
+        self.uvs = Some(uvs);
+        Ok(self)
+    }
+
+    /// The same mesh with linear colours, which the object's own colour multiplies.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_colors(mut self, colors: Attribute<3>) -> Result<Self> {
+        colors.check("colors", self.positions.len(), &self.triangles)?;
+        self.colors = Some(colors);
+        Ok(self)
+    }
+
+    /// The same mesh with an alpha of its own, which a material's multiplies.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_alphas(mut self, alphas: Attribute<1>) -> Result<Self> {
+        alphas.check("alphas", self.positions.len(), &self.triangles)?;
+        self.alphas = Some(alphas);
+        Ok(self)
+    }
+
+    /// The same mesh, each triangle having a slot: which of its object's materials it takes.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when there are not as many `slots` as triangles.
+    pub fn with_slots(mut self, slots: Vec<u32>) -> Result<Self> {
+        if slots.len() != self.triangles.len() {
+            let expected = "one for each triangle";
+            return Err(Error::argument("slots", expected, slots.len()));
+        }
+        self.slots = Some(slots);
+        Ok(self)
+    }
+
+    /// The same mesh with numbers by name, in place of those it had.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they are not as many as what has them.
+    pub fn with_properties(mut self, properties: Vec<Property>) -> Result<Self> {
+        let last = (0..self.triangles.len()).map(|k| self.face(k) + 1).max();
+        for property in &properties {
+            property.check(self.positions.len(), last.unwrap_or(0))?;
+        }
+        self.properties = properties;
+        Ok(self)
+    }
+
+    /// The numbers that it has by name.
+    pub fn properties(&self) -> &[Property] {
+        &self.properties
+    }
+
+    /// The numbers of that name.
+    pub fn property(&self, of: PropertyOf, name: &str) -> Option<&PropertyValues> {
+        let mut properties = self.properties.iter();
+        let found = properties.find(|property| property.of == of && property.name == name);
+        found.map(|property| &property.values)
+    }
+
+    /// Which polygon each triangle was part of, where the mesh knows.
+    pub fn faces(&self) -> Option<&[u32]> {
+        self.faces.as_deref()
+    }
+
+    /// The shading normals, in object space, not of length one.
+    pub fn normals(&self) -> Option<&Attribute<3>> {
+        self.normals.as_ref()
+    }
+
+    /// The texture coordinates.
+    pub fn uvs(&self) -> Option<&Attribute<2>> {
+        self.uvs.as_ref()
+    }
+
+    /// The linear colours.
+    pub fn colors(&self) -> Option<&Attribute<3>> {
+        self.colors.as_ref()
+    }
+
+    /// The alphas.
+    pub fn alphas(&self) -> Option<&Attribute<1>> {
+        self.alphas.as_ref()
+    }
+
+    /// Each triangle's slot, where the mesh has more than one.
+    pub fn slots(&self) -> Option<&[u32]> {
+        self.slots.as_deref()
+    }
+
+    /// The polygon that a triangle was part of; without polygons, the triangle's own index.
+    pub fn face(&self, triangle: usize) -> usize {
+        self.faces
+            .as_ref()
+            .map_or(triangle, |faces| faces[triangle] as usize)
+    }
+
+    /// The shading normal in object space, not of length one; `None` where the mesh has none.
+    pub fn shading_normal(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
+        self.normals
+            .as_ref()
+            .map(|normals| DVec3::from(self.between(normals, triangle, barycentric)))
+    }
+
+    /// The texture coordinates; `None` where the mesh has none.
+    pub fn uv(&self, triangle: usize, barycentric: DVec2) -> Option<DVec2> {
+        self.uvs
+            .as_ref()
+            .map(|uvs| DVec2::from(self.between(uvs, triangle, barycentric)))
+    }
+
+    /// The linear colour; `None` where the mesh has none.
+    pub fn color(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
+        self.colors
+            .as_ref()
+            .map(|colors| DVec3::from(self.between(colors, triangle, barycentric)))
+    }
+
+    /// The alpha of its own; `None` where the mesh has none.
+    pub fn alpha(&self, triangle: usize, barycentric: DVec2) -> Option<f64> {
+        self.alphas.as_ref().map(|alphas| {
+            let [alpha] = self.between(alphas, triangle, barycentric);
+            alpha
+        })
+    }
+
+    /// Which of its object's materials a triangle takes.
+    pub fn slot(&self, triangle: usize) -> usize {
+        self.slots
+            .as_ref()
+            .map_or(0, |slots| slots[triangle] as usize)
+    }
+
+    /// Whether all of a triangle's points look alike as far as holes are concerned: of two triangles in one place
+    /// the first then hides the other.
+    pub(crate) fn has_plain_triangles(&self) -> bool {
+        self.uvs.is_none() && self.slots.is_none() && self.alphas.is_none()
+    }
+
+    fn between<const N: usize>(
+        &self,
+        attribute: &Attribute<N>,
+        triangle: usize,
+        barycentric: DVec2,
+    ) -> [f64; N] {
+        let weights = [
+            1.0 - barycentric.x - barycentric.y,
+            barycentric.x,
+            barycentric.y,
+        ];
+        attribute.interpolate(triangle, self.triangles[triangle], weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::Positions;
+
+    fn square() -> Mesh {
+        let points = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ];
+        Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+    }
+
+    #[test]
+    fn attributes_are_weighted_by_the_corners() {
+        let colors = Attribute::per_vertex(vec![
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0; 3],
+        ]);
+        let mesh = square().with_colors(colors).unwrap();
+        assert_eq!(
+            mesh.color(0, DVec2::new(0.5, 0.25)).unwrap(),
+            DVec3::new(0.25, 0.5, 0.25)
+        );
+        assert_eq!(mesh.color(1, DVec2::new(0.0, 1.0)).unwrap(), DVec3::ONE);
+    }
+}

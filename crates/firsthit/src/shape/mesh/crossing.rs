@@ -1,0 +1,54 @@
+//! A ray and the triangles of a mesh: where they meet, and which of two crossings is first.
+
+use crate::geometry::Ray;
+use crate::shape::triangle::{Meeting, Shear, TriangleHit, are_close};
+use crate::shape::{Crossing, Mesh};
+
+impl Mesh {
+    /// Where the ray of `shear` meets a triangle, wherever that is along the ray.
+    pub fn intersect_triangle(&self, triangle: usize, shear: &Shear) -> Option<TriangleHit> {
+        shear.intersect(self.corners(triangle))
+    }
+
+    /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller
+    /// nearest `t`, of equal ones the lower triangle.
+    #[inline]
+    pub(crate) fn precedes(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
+        if are_close(new.t, old.t) {
+            self.precedes_closely(ray, new, old)
+        } else {
+            new.t < old.t
+        }
+    }
+
+    #[cold]
+    fn precedes_closely(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
+        let key = |crossing: &Crossing| (self.nearest_t(ray, crossing), crossing.primitive);
+        key(new) < key(old)
+    }
+
+    /// The float64 nearest to the exact `t` of a crossing.
+    #[inline]
+    pub(crate) fn nearest_t(&self, ray: &Ray, crossing: &Crossing) -> f64 {
+        let corners = usize::try_from(crossing.primitive).map(|triangle| self.corners(triangle));
+        corners.map_or(crossing.t, |corners| {
+            Meeting::new(ray.origin, ray.direction, corners).nearest_t()
+        })
+    }
+
+    /// The first crossing of a ray that is ready for triangles, by brute force.
+    pub(crate) fn first_crossing(&self, ray: &Ray, shear: &Shear) -> Option<Crossing> {
+        let mut first: Option<Crossing> = None;
+        for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
+            if let Some(hit) = self.intersect_triangle(triangle, shear)
+                && ray.holds(hit.t)
+            {
+                let new = hit.crossing(primitive);
+                if first.is_none_or(|first| self.precedes(ray, &new, &first)) {
+                    first = Some(new);
+                }
+            }
+        }
+        first
+    }
+}

@@ -1,0 +1,157 @@
+//! A crossing in twice the digits of float64.
+//!
+//! 1. Compute `n = E x F`, `n.R` and `n.d` in twice the digits (`geometry/double.rs`).
+//! 2. Give up where one of the dot products is so small beside the vectors that too few digits are left (`SURE`), or
+//!    where a product would leave the range of float64.
+//! 3. Divide, in twice the digits: `t = n.R / n.d`.
+//! 4. Take the weights from `t d - R`, rounded to float64 (`weights.rs`).
+//!
+//! # Error bounds
+//!
+//! A dot product is off by less than 2^-98 of the product of the lengths. Where it is more than 2^-41 of that, it is
+//! off by less than 2^-57 of itself, and `t` by less than an eighth of a unit in float64's last place.
+
+use super::weights::Edges;
+use super::{Place, Vector, high, plain_dot, power, splat, splat_double};
+use crate::geometry::arithmetic::Arithmetic;
+use crate::geometry::double::{Double, DoubleVector, between, cross, dot, dot_plain, quotient};
+
+/// A triangle's plane, in twice the digits.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane<N> {
+    first: Vector<N>,
+    edges: Edges<N>,
+    normal: DoubleVector<N>,
+    /// The edges' squares.
+    squares: [N; 2],
+}
+
+impl<N: Copy> Plane<N> {
+    #[inline(always)]
+    pub(crate) fn new<A: Arithmetic<Number = N>>(a: A, corners: &[Vector<N>; 3]) -> Self {
+        let [first, second, third] = corners;
+        let (e, f) = (between(a, second, first), between(a, third, first));
+        let normal = cross(a, &e, &f);
+        let (edges, squares) = Edges::new(a, [high(&e), high(&f)], high(&normal));
+        Self {
+            first: *first,
+            edges,
+            normal,
+            squares,
+        }
+    }
+
+    /// The plane as it is seen from an origin, and where that is enough.
+    #[inline(always)]
+    pub(crate) fn seen_from<A: Arithmetic<Number = N>>(
+        &self,
+        a: A,
+        origin: &Vector<N>,
+    ) -> (A::Mask, Start<N>) {
+        let start = between(a, &self.first, origin);
+        let above = dot(a, &self.normal, &start);
+        let reach = plain_dot(a, &high(&start), &high(&start));
+        let [e, f] = self.squares;
+        let bound = a.mul(a.mul(a.mul(e, f), a.number(SURE)), reach);
+        let is_enough = a.lt(bound, a.mul(above.high, above.high))
+            & in_range(a, e)
+            & in_range(a, f)
+            & in_range(a, reach);
+        (is_enough, Start { start, above })
+    }
+
+    /// The place along a direction, and where that is enough.
+    #[inline(always)]
+    pub(crate) fn place<A: Arithmetic<Number = N>>(
+        &self,
+        a: A,
+        from: &Start<N>,
+        d: &Vector<N>,
+    ) -> (A::Mask, Place<N>) {
+        let (is_enough, t) = self.t(a, from, d);
+        let r = left_over(a, t, d, &from.start);
+        let [v, w] = self.edges.weights(a, &r);
+        (is_enough, [t.high, v, w])
+    }
+
+    #[inline(always)]
+    pub(super) fn t<A: Arithmetic<Number = N>>(
+        &self,
+        a: A,
+        from: &Start<N>,
+        d: &Vector<N>,
+    ) -> (A::Mask, Double<N>) {
+        let slope = dot_plain(a, &self.normal, d);
+        let t = quotient(a, from.above, slope);
+        let length = plain_dot(a, d, d);
+        let [e, f] = self.squares;
+        let bound = a.mul(a.mul(a.mul(e, f), a.number(SURE)), length);
+        let is_enough = a.lt(bound, a.mul(slope.high, slope.high)) & in_range(a, length);
+        (is_enough, t)
+    }
+}
+
+/// Where a plane is from an origin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Start<N> {
+    /// From the origin to corner 0.
+    start: DoubleVector<N>,
+    /// The origin's distance from the plane times the length of the normal: `n.R`.
+    above: Double<N>,
+}
+
+impl Plane<f64> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Plane<A::Number> {
+        Plane {
+            first: splat(a, &self.first),
+            edges: self.edges.splat(a),
+            normal: splat_double(a, &self.normal),
+            squares: [a.number(self.squares[0]), a.number(self.squares[1])],
+        }
+    }
+}
+
+impl Start<f64> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Start<A::Number> {
+        Start {
+            start: splat_double(a, &self.start),
+            above: Double {
+                high: a.number(self.above.high),
+                low: a.number(self.above.low),
+            },
+        }
+    }
+}
+
+/// The square of what a dot product must be at least, as a share of the product of the lengths; see the error bounds
+/// above.
+const SURE: f64 = power(-82);
+
+/// Where a square is neither so large nor so small that products of these vectors leave the range of float64.
+#[inline(always)]
+fn in_range<A: Arithmetic>(a: A, squared: A::Number) -> A::Mask {
+    a.lt(a.number(1e-40), squared) & a.lt(squared, a.number(1e40))
+}
+
+/// `t d - start`.
+#[inline(always)]
+pub(super) fn left_over<A: Arithmetic>(
+    a: A,
+    t: Double<A::Number>,
+    d: &Vector<A::Number>,
+    start: &DoubleVector<A::Number>,
+) -> Vector<A::Number> {
+    macro_rules! along {
+        ($k:literal) => {
+            a.add(
+                a.fused_mul_sub(t.high, d[$k], start[$k].high),
+                a.fused_mul_sub(t.low, d[$k], start[$k].low),
+            )
+        };
+    }
+    [along!(0), along!(1), along!(2)]
+}
