@@ -111,15 +111,17 @@ pub(super) fn integer(value: &DeValue<'_>) -> Option<i64> {
     i64::from_str_radix(digits.as_str(), digits.radix()).ok()
 }
 
+/// `N` things in an array.
+pub(super) fn array<T, const N: usize>(
+    value: &DeValue<'_>,
+    read: impl Fn(&DeValue<'_>) -> Option<T>,
+) -> Option<[T; N]> {
+    let items = value.as_array()?.iter();
+    let found: Option<Vec<T>> = items.map(|item| read(item.get_ref())).collect();
+    found?.try_into().ok()
+}
+
 /// `N` numbers in an array.
 pub(super) fn numbers<const N: usize>(value: &DeValue<'_>) -> Option<[f64; N]> {
-    let items = value.as_array()?;
-    let mut found = [0.0; N];
-    if items.len() != N {
-        return None;
-    }
-    for (slot, item) in found.iter_mut().zip(items.iter()) {
-        *slot = number(item.get_ref())?;
-    }
-    Some(found)
+    array(value, number)
 }

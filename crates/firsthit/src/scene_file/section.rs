@@ -1,12 +1,12 @@
 //! One table of a scene file, checked against the list of its keys.
 
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::document::{Text, Value, integer, named, number, numbers};
 use super::form::color;
 use super::suggest::suggestion;
-use super::table::Form;
-use super::table::{Key, Pick, Record, Rule, Variant};
+use super::table::{Form, Key, Pick, Record, Rule, Variant};
 use super::variant::pick;
 use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{Color, DVec3};
@@ -131,7 +131,7 @@ impl<'v, 't> Section<'v, 't> {
     }
 
     pub(super) fn raw(&self, name: &str) -> Option<&'v DeValue<'t>> {
-        self.get(name).map(toml::Spanned::get_ref)
+        self.get(name).map(Spanned::get_ref)
     }
 
     pub(super) fn number(&self, name: &str) -> Option<f64> {
@@ -150,14 +150,13 @@ impl<'v, 't> Section<'v, 't> {
         self.raw(name)?.as_str()
     }
 
-    pub(super) fn texts(&self, name: &str) -> Vec<&'v str> {
+    /// The items of an array; none where it is not there.
+    pub(super) fn items(&self, name: &str) -> impl Iterator<Item = &'v DeValue<'t>> + use<'v, 't> {
         let items = self.raw(name).and_then(DeValue::as_array);
-        let items = items.map(|items| items.iter());
         items
             .into_iter()
-            .flatten()
-            .filter_map(|item| item.get_ref().as_str())
-            .collect()
+            .flat_map(|items| items.iter())
+            .map(Spanned::get_ref)
     }
 
     pub(super) fn vector(&self, name: &str) -> Option<DVec3> {
@@ -168,23 +167,13 @@ impl<'v, 't> Section<'v, 't> {
         color(self.raw(name)?)
     }
 
-    /// A vector that the tables require.
-    pub(super) fn need_vector(&self, name: &str) -> Checked<DVec3> {
-        self.vector(name).ok_or_else(|| self.missing(name))
-    }
-
-    /// A number that the tables require.
-    pub(super) fn need_number(&self, name: &str) -> Checked<f64> {
-        self.number(name).ok_or_else(|| self.missing(name))
-    }
-
-    /// A text that the tables require.
-    pub(super) fn need_text(&self, name: &str) -> Checked<&'v str> {
-        self.text(name).ok_or_else(|| self.missing(name))
-    }
-
-    fn missing(&self, name: &str) -> Fault {
-        self.fault(format!("{} needs `{name}`", self.title()))
+    /// A value that the tables require.
+    pub(super) fn need<T>(
+        &self,
+        name: &str,
+        get: impl FnOnce(&Self, &str) -> Option<T>,
+    ) -> Checked<T> {
+        get(self, name).ok_or_else(|| self.fault(format!("{} needs `{name}`", self.title())))
     }
 
     /// The table under a key, if it is there.
@@ -251,8 +240,7 @@ impl<'v, 't> Section<'v, 't> {
 
     /// A fault of the value of a key.
     pub(super) fn fault_at(&self, name: &str, what: impl Into<String>) -> Fault {
-        let at = self.get(name).map_or(self.at, |value| value.span().start);
-        self.text.fault(at, what)
+        Fault::at(self.place(name), what)
     }
 
     /// A fault of an item of the array under a key.

@@ -55,15 +55,11 @@ pub(super) fn pick(
 /// What to say where the key that tells the variants apart is missing; it may be only misspelt.
 fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &[&str]) -> String {
     let mut known = vec![key];
-    known.extend(
-        record
-            .variants
-            .iter()
-            .filter_map(|variant| match variant.pick {
-                Pick::Has(key) => Some(key),
-                _ => None,
-            }),
-    );
+    for variant in record.variants {
+        if let Pick::Has(key) = variant.pick {
+            known.push(key);
+        }
+    }
     let of_variants: Vec<&str> = (record.variants.iter())
         .flat_map(Variant::keys)
         .map(|key| key.name)
