@@ -1,9 +1,9 @@
 use super::interval::Interval;
-use super::{Crossing, Surface, require_finite, sines};
-use crate::error::{Error, Result};
+use super::{Crossing, Surface, sines};
+use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec3, Ray, require, require_finite, unit};
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
 /// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
@@ -31,30 +31,19 @@ impl Cone {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a `top` at the `bottom`, a negative radius, two radii of zero, and numbers
+    /// [`Error::Argument`](crate::Error::Argument) for a `top` at the `bottom`, a negative radius, two radii of zero, and numbers
     /// that are not finite.
     pub fn new(bottom: DVec3, top: DVec3, bottom_radius: f64, top_radius: f64) -> Result<Self> {
         require_finite("bottom", bottom)?;
         require_finite("top", top)?;
         for (name, radius) in [("bottom_radius", bottom_radius), ("top_radius", top_radius)] {
-            if !(radius >= 0.0 && radius.is_finite()) {
-                return Err(Error::argument(
-                    name,
-                    "zero or positive, and finite",
-                    radius,
-                ));
-            }
+            let fine = radius >= 0.0 && radius.is_finite();
+            require(name, "zero or positive, and finite", fine, radius)?;
         }
-        if bottom_radius == 0.0 && top_radius == 0.0 {
-            return Err(Error::argument(
-                "bottom_radius",
-                "positive where top_radius is zero",
-                bottom_radius,
-            ));
-        }
-        if top == bottom {
-            return Err(Error::argument("top", "another point than bottom", top));
-        }
+        let is_wide = bottom_radius != 0.0 || top_radius != 0.0;
+        let expected = "positive where top_radius is zero";
+        require("bottom_radius", expected, is_wide, bottom_radius)?;
+        require("top", "another point than bottom", top != bottom, top)?;
         let axis = unit(top - bottom);
         Ok(Self {
             bottom,

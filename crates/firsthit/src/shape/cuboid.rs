@@ -1,9 +1,9 @@
 use super::interval::Interval;
-use super::{Crossing, Surface, require_finite};
-use crate::error::{Error, Result};
+use super::{Crossing, Surface};
+use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Ray, require, require_finite};
 
 /// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
 ///
@@ -25,18 +25,18 @@ impl Cuboid {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] when `high` is not above `low` along every axis, and for numbers that are not
+    /// [`Error::Argument`](crate::Error::Argument) when `high` is not above `low` along every axis, and for numbers that are not
     /// finite.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self> {
         require_finite("low", low)?;
         require_finite("high", high)?;
-        if !low.cmplt(high).all() {
-            return Err(Error::argument(
-                "high",
-                "above low along every axis",
-                format!("{high} (low is {low})"),
-            ));
-        }
+        let both = format!("{high} (low is {low})");
+        require(
+            "high",
+            "above low along every axis",
+            low.cmplt(high).all(),
+            both,
+        )?;
         Ok(Self {
             bounds: Bounds { low, high },
         })
