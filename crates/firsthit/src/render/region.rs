@@ -58,9 +58,7 @@ impl Part<'_> {
         let row = self.region.rows.start + index / width;
         row * columns + self.region.columns.start + index % width
     }
-}
 
-impl Part<'_> {
     /// The numbers in the whole picture of the pixels from one on.
     pub(super) fn number(&self, first: usize, numbers: &mut [u64]) {
         let [_, columns] = self.sensor.shape();
@@ -87,15 +85,6 @@ impl Rays for Part<'_> {
 
     fn ray(&self, index: usize) -> Ray {
         self.sensor.ray_within(self.pixel(index), self.offset)
-    }
-
-    fn read(&self, first: usize, rays: &mut [Ray]) {
-        if let Some(grid) = self.grid() {
-            return grid.read(first, rays);
-        }
-        for (index, ray) in (first..).zip(rays) {
-            *ray = self.ray(index);
-        }
     }
 
     fn grid(&self) -> Option<PixelGrid> {
