@@ -1,11 +1,9 @@
 //! Cameras as people describe them: what they leave open, the scene decides.
 
 use super::framing::{MARGIN, smallest};
-use super::{
-    Camera, Equirectangular, Lens, Projection, RayStart, StandardView, View, Viewplane, require,
-};
+use super::{Camera, Equirectangular, Lens, Projection, RayStart, StandardView, View, Viewplane};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, unit};
+use crate::geometry::{Bounds, DVec3, require, unit};
 
 /// A camera in the words of the command line and of scene files, each of which may be missing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -6,6 +6,7 @@ mod equirectangular;
 mod framing;
 mod lens;
 mod matrices;
+mod named;
 mod pose;
 mod standard;
 mod viewplane;
@@ -16,8 +17,8 @@ pub use lens::{Lens, Projection};
 pub use standard::StandardView;
 pub use viewplane::{RayStart, Viewplane};
 
-use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, unit};
+use crate::error::Result;
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, require, unit};
 use pose::Pose;
 
 /// What a camera is made from. Directions need not be of length one.
@@ -97,7 +98,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an `aim` or `up` of length zero, an `up` parallel to `aim` to working
+    /// [`Error::Argument`](crate::Error::Argument) for an `aim` or `up` of length zero, an `up` parallel to `aim` to working
     /// precision, a `focal_length`, `width` or `height` that is not positive, `rows` or `columns` below
     /// one, and any NaN or infinity.
     pub fn new(view: View) -> Result<Self> {
@@ -108,7 +109,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
+    /// [`Error::Argument`](crate::Error::Argument) for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
     pub fn again(view: View) -> Result<Self> {
         let is_unit = (view.aim.length() - 1.0).abs() < 1e-12;
         require("aim", "of length one", is_unit, view.aim)?;
@@ -221,19 +222,6 @@ impl Camera {
     }
 }
 
-fn require(
-    name: &'static str,
-    expected: &'static str,
-    fine: bool,
-    got: impl std::fmt::Display,
-) -> Result<()> {
-    if fine {
-        Ok(())
-    } else {
-        Err(Error::argument(name, expected, got))
-    }
-}
-
 /// The rays through the pixels' centres, row by row from the top.
 impl Rays for Camera {
     fn len(&self) -> usize {
@@ -242,15 +230,6 @@ impl Rays for Camera {
 
     fn ray(&self, index: usize) -> Ray {
         Camera::ray(self, index / self.columns(), index % self.columns())
-    }
-
-    fn read(&self, first: usize, rays: &mut [Ray]) {
-        if let Some(grid) = self.grid() {
-            return grid.read(first, rays);
-        }
-        for (index, ray) in (first..).zip(rays) {
-            *ray = Rays::ray(self, index);
-        }
     }
 
     fn grid(&self) -> Option<PixelGrid> {
