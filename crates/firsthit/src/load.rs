@@ -60,7 +60,8 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
 /// Those of [`load`], but for [`Error::Read`](crate::Error::Read).
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Loaded> {
     let format = format_of(name, formats())?;
-    let mut report = Report::new(name, *settings).in_memory();
+    let mut report = Report::new(name, *settings);
+    report.source.in_memory = true;
     format.load(bytes.into(), &mut report)
 }
 

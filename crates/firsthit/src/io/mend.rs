@@ -2,6 +2,7 @@
 
 use super::report::Report;
 use crate::error::Place;
+use crate::geometry::srgb_decode;
 
 /// The meaning of the numbers of vertices or faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,6 +55,17 @@ impl Kind {
                 "0 is taken for negative levels, 1 for the others",
             ),
         }
+    }
+}
+
+/// The linear value of a level that is encoded as sRGB.
+#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
+pub(super) fn linear(encoded: f64) -> f32 {
+    if encoded.is_finite() && encoded >= 0.0 {
+        srgb_decode(encoded) as f32
+    } else {
+        // Not a colour: told, and replaced, where all are there.
+        encoded as f32
     }
 }
 

@@ -1,7 +1,7 @@
 //! Objects of a scene file: shapes, and the objects of other files.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::document::numbers;
@@ -13,7 +13,7 @@ use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{DAffine3, Transform};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::OBJECT_BYTES;
-use crate::io::{Report, TOO_FAR, load_part, read, without_gz};
+use crate::io::{Report, TOO_FAR, has_extension, load_part, read};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 
@@ -220,12 +220,6 @@ fn name_of(section: &Section<'_, '_>, object: &Object, is_one_of_several: bool) 
 /// The extensions of scene files.
 pub(super) const EXTENSIONS: &[&str] = &["toml"];
 
-fn is_scene_file(path: &Path) -> bool {
-    let unpacked = without_gz(path);
-    let extension = unpacked.extension();
-    extension.is_some_and(|extension| EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e)))
-}
-
 /// The files that were read: each once, however often it is named.
 #[derive(Debug, Default)]
 struct Files(HashMap<PathBuf, Arc<[Object]>>);
@@ -245,7 +239,7 @@ impl Files {
         if let Some(objects) = self.0.get(&path) {
             return Ok(Arc::clone(objects));
         }
-        if is_scene_file(&path) {
+        if has_extension(&path, EXTENSIONS) {
             return Err(refused("a scene file holds no other scene files"));
         }
         let world = match load_part(&path, report) {

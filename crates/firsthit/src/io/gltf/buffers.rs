@@ -48,7 +48,7 @@ impl<'a> Buffers<'a> {
             )?;
             let bytes = meshopt::unpack(source.get(), packed, report)
                 .map_err(|problem| problem.at(entry.at(place)))?;
-            let bytes = Bytes::owned(bytes);
+            let bytes = Bytes::new(bytes);
             if bytes.get().len() < view.byte_length.0 {
                 let (got, length) = (bytes.get().len(), view.byte_length.0);
                 let what = format!("the view has {length} bytes, {got} are unpacked");
@@ -100,7 +100,7 @@ impl<'a> Buffers<'a> {
             (Some(uri), _) => {
                 resource(uri, report).map_err(|problem| problem.at(entry.at("uri")))?
             }
-            (None, Some(binary)) if index == 0 => Bytes::borrowed(binary),
+            (None, Some(binary)) if index == 0 => Bytes::new(binary),
             (None, _) => {
                 let what = "there is neither a uri nor a binary chunk for this buffer";
                 return Err(Fault::at(entry.place(), what));

@@ -2,7 +2,7 @@
 
 use super::super::fault::{Checked, Fault};
 use super::super::report::Report;
-use super::super::source::without_gz;
+use super::super::source::has_extension;
 use crate::error::Place;
 
 const MAGIC: &[u8] = b"glTF";
@@ -23,10 +23,7 @@ pub(super) fn open<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Containe
     if bytes.starts_with(MAGIC) {
         return chunks(bytes, report);
     }
-    let is_called_glb = without_gz(report.source.path())
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
-    if is_called_glb {
+    if has_extension(report.source.path(), &["glb"]) {
         return Err(byte(
             0,
             "not a GLB file: the first four bytes must be 'glTF'",

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Place;
+use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
 use crate::io::report::Report;
 use crate::io::text::{Lines, Words, next_number, number, shown, unended_line};
@@ -26,6 +26,17 @@ pub(super) struct Map {
     pub(super) offset: [f64; 2],
     pub(super) scale: [f64; 2],
     pub(super) wrap: Wrap,
+}
+
+impl Map {
+    /// Warns that its picture cannot be read.
+    pub(super) fn warn(&self, reason: &str, report: &mut Report) {
+        let place = Place::Line(self.line);
+        report.warnings.add(&self.library, "texture", &place, || {
+            let name = escape_controls(&self.name);
+            format!("texture '{name}' is not read: {reason}")
+        });
+    }
 }
 
 /// Why the library seems to be truncated, if it does: its last line has no line break and makes no sense as the last.

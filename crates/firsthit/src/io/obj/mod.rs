@@ -10,6 +10,7 @@ mod values;
 use std::collections::HashMap;
 
 use super::fault::{Checked, Fault};
+use super::mend::linear;
 use super::mtl::Library;
 use super::report::Report;
 use super::surface::Vertices;
@@ -19,7 +20,7 @@ use crate::shape::Positions;
 use crate::world::World;
 use index::{Indices, NONE};
 use object::{Face, Gather, Object};
-use statement::{CURVES, HARMLESS, is_continued, is_known, joined, linear, name_of, numbers};
+use statement::{CURVES, HARMLESS, is_continued, is_known, joined, name_of, numbers};
 use values::{Materials, Values};
 
 /// The memory is charged after this many lines.
@@ -181,7 +182,7 @@ impl<'a> Reader<'a> {
             None => {}
             Some(b"v") => self.vertex(words, number)?,
             Some(b"vt") => self.uv(words, number)?,
-            Some(b"vn") => self.normal(words, number)?,
+            Some(b"vn") => self.push_normal(numbers(&mut words, number)?, number)?,
             Some(b"f" | b"fo") => self.face(words, number)?,
             Some(b"o" | b"g") => self.begin_object(name_of(line)),
             Some(b"usemtl") => self.material = Some(self.materials.number(name_of(line))),
@@ -243,11 +244,6 @@ impl<'a> Reader<'a> {
         self.values.uvs.push(uv.map(|x| x as f32));
         let [_, uvs, _] = &mut self.indices;
         uvs.add(line)
-    }
-
-    fn normal(&mut self, mut words: Words, line: u64) -> Checked<()> {
-        let normal = numbers(&mut words, line)?;
-        self.push_normal(normal, line)
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]

@@ -18,7 +18,7 @@ use super::surface::{Surface, Vertices, face_attribute};
 use super::text::shown;
 use crate::error::{Place, escape_controls};
 use crate::scene::{MapRole, Maps, Material, Object, TextureMap};
-use crate::shape::Attribute;
+use crate::shape::{Attribute, Positions};
 use crate::world::World;
 use body::{Ascii, Binary, Rows, skip};
 use faces::Faces;
@@ -118,7 +118,10 @@ fn model(
     } = faces;
     let mut properties = vertices.named.into_properties();
     properties.extend(named.into_properties());
-    let shared = Vertices::new(vertices.points.into_positions());
+    let shared = Vertices::new(match vertices.points {
+        Positions::Double(points) => Positions::compact(points),
+        single => single,
+    });
     warn_if_empty(&surface, &shared, report);
     let count = surface.face_count();
     let (mut mesh, _) = surface.finish(&shared, &name, report)?;

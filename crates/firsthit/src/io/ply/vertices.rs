@@ -30,25 +30,11 @@ pub(super) struct VertexRows {
     /// All other numbers.
     pub(super) named: NamedRows,
     levels: Levels,
-    pub(super) points: Points,
+    /// In float64, if they are to be, not yet compact.
+    pub(super) points: Positions,
     pub(super) normals: Option<Vec<[f32; 3]>>,
     pub(super) uvs: Option<Vec<[f32; 2]>>,
     pub(super) colors: Option<Vec<[f32; 3]>>,
-}
-
-/// Positions in the making.
-pub(super) enum Points {
-    Single(Vec<[f32; 3]>),
-    Double(Vec<[f64; 3]>),
-}
-
-impl Points {
-    pub(super) fn into_positions(self) -> Positions {
-        match self {
-            Self::Single(points) => Positions::Single(points),
-            Self::Double(points) => Positions::compact(points),
-        }
-    }
 }
 
 impl VertexRows {
@@ -78,9 +64,9 @@ impl VertexRows {
             slots,
             levels: Levels::new(r.map_or(Type::Uint8, |(_, kind)| kind)),
             points: if single {
-                Points::Single(Vec::new())
+                Positions::Single(Vec::new())
             } else {
-                Points::Double(Vec::new())
+                Positions::Double(Vec::new())
             },
             normals: (nx.is_some() && ny.is_some() && nz.is_some()).then(Vec::new),
             uvs: (u.is_some() && v.is_some()).then(Vec::new),
@@ -122,8 +108,8 @@ impl VertexRows {
     /// What a vertex takes in memory.
     fn row_bytes(&self) -> usize {
         let position = match self.points {
-            Points::Single(_) => size_of::<[f32; 3]>(),
-            Points::Double(_) => size_of::<[f64; 3]>(),
+            Positions::Single(_) => size_of::<[f32; 3]>(),
+            Positions::Double(_) => size_of::<[f64; 3]>(),
         };
         let normal = self.normals.as_ref().map_or(0, |_| size_of::<[f32; 3]>());
         let uv = self.uvs.as_ref().map_or(0, |_| size_of::<[f32; 2]>());
@@ -150,14 +136,14 @@ impl VertexRows {
         self.named.read_table(element, table);
         let [x, y, z, nx, ny, nz, u, v, r, g, b] = columns;
         match &mut self.points {
-            Points::Single(points) => {
+            Positions::Single(points) => {
                 points.extend(
                     table
                         .columns([x, y, z])
                         .map(|point| point.map(|x| x as f32)),
                 );
             }
-            Points::Double(points) => points.extend(table.columns([x, y, z])),
+            Positions::Double(points) => points.extend(table.columns([x, y, z])),
         }
         if let Some(normals) = &mut self.normals {
             normals.extend(
@@ -182,8 +168,8 @@ impl VertexRows {
     fn reserve(&mut self, count: usize) {
         self.named.reserve(count);
         match &mut self.points {
-            Points::Single(points) => points.reserve_exact(count),
-            Points::Double(points) => points.reserve_exact(count),
+            Positions::Single(points) => points.reserve_exact(count),
+            Positions::Double(points) => points.reserve_exact(count),
         }
         if let Some(normals) = &mut self.normals {
             normals.reserve_exact(count);
@@ -202,8 +188,8 @@ impl VertexRows {
     )]
     fn push(&mut self, [x, y, z, nx, ny, nz, u, v, r, g, b]: [f64; NAMES.len()]) {
         match &mut self.points {
-            Points::Single(points) => points.push([x as f32, y as f32, z as f32]),
-            Points::Double(points) => points.push([x, y, z]),
+            Positions::Single(points) => points.push([x as f32, y as f32, z as f32]),
+            Positions::Double(points) => points.push([x, y, z]),
         }
         if let Some(normals) = &mut self.normals {
             normals.push([nx as f32, ny as f32, nz as f32]);

@@ -150,9 +150,5 @@ pub(super) fn decode(
             push_index(index, stride, bytes);
         }
     }
-    if data.rest.is_empty() {
-        Ok(())
-    } else {
-        Err("there are more packed bytes than the count asks for")
-    }
+    data.finish()
 }
