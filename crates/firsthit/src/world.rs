@@ -3,7 +3,7 @@
 use std::fmt::{self, Debug, Formatter};
 use std::path::PathBuf;
 
-use crate::camera::{Aim, Description, Opening, View};
+use crate::camera::{Description, Opening, View};
 use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::geometry::summary::Few;
@@ -69,17 +69,20 @@ impl World {
     /// # Errors
     ///
     /// Those of [`Scene::new`].
-    pub fn into_scene(self) -> Result<Scene> {
-        let (up, up_is_guessed) = (self.up, self.up_is_guessed);
-        let scene = Scene::new(self.objects)?.with_lights(self.lights);
-        let up = up_in(&scene, up, up_is_guessed);
-        Ok(scene.with_up(up))
+    pub fn into_scene(mut self) -> Result<Scene> {
+        let scene = Scene::new(std::mem::take(&mut self.objects))?;
+        let up = self.up_in(&scene);
+        Ok(scene.with_lights(self.lights).with_up(up))
     }
 
     /// Which way is up in `scene`, the scene of the objects: as the file says, or as [`Scene::likely_up`] guesses if it
     /// does not say.
     pub fn up_in(&self, scene: &Scene) -> DVec3 {
-        up_in(scene, self.up, self.up_is_guessed)
+        if self.up_is_guessed {
+            scene.likely_up(self.up)
+        } else {
+            self.up
+        }
     }
 
     pub(crate) fn of(objects: Vec<Object>) -> Self {
@@ -88,10 +91,6 @@ impl World {
             ..Self::default()
         }
     }
-}
-
-fn up_in(scene: &Scene, up: DVec3, is_guessed: bool) -> DVec3 {
-    if is_guessed { scene.likely_up(up) } else { up }
 }
 
 /// An output that a scene file asks for.
@@ -125,23 +124,8 @@ impl NamedCamera {
     /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and its
     /// width follows from square pixels.
     pub fn described(&self, size: Option<(usize, usize)>) -> Description {
-        let view = self.view;
-        let viewplane = view.lens.viewplane();
-        let whole = Description {
-            position: Some(view.position),
-            aim: Some(Aim::Along(view.aim)),
-            up: Some(view.up),
-            opening: viewplane.map(|viewplane| Opening::Viewplane {
-                width: viewplane.width,
-                height: viewplane.height,
-                focal_length: Some(viewplane.focal_length),
-            }),
-            projection: Some(view.lens.projection()),
-            ray_start: viewplane.map(|viewplane| viewplane.ray_start),
-            columns: None,
-            rows: None,
-        };
-        let mut described = self.description.unwrap_or(whole);
+        let whole = || Description::of(&self.view);
+        let mut described = self.description.unwrap_or_else(whole);
         if let Some((columns, rows)) = size {
             (described.columns, described.rows) = (Some(columns), Some(rows));
         }

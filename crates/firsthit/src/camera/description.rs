@@ -111,6 +111,25 @@ impl Description {
         Ok(camera.starting_at(self.ray_start.unwrap_or(viewplane.ray_start)))
     }
 
+    /// The camera of a view, at as many pixels as its viewplane's shape asks.
+    pub(crate) fn of(view: &View) -> Self {
+        let viewplane = view.lens.viewplane();
+        Self {
+            position: Some(view.position),
+            aim: Some(Aim::Along(view.aim)),
+            up: Some(view.up),
+            opening: viewplane.map(|viewplane| Opening::Viewplane {
+                width: viewplane.width,
+                height: viewplane.height,
+                focal_length: Some(viewplane.focal_length),
+            }),
+            projection: Some(view.lens.projection()),
+            ray_start: viewplane.map(|viewplane| viewplane.ray_start),
+            columns: None,
+            rows: None,
+        }
+    }
+
     /// Columns and rows of pixels.
     pub fn size(&self) -> (usize, usize) {
         let aspect = match self.opening {
