@@ -30,6 +30,7 @@ pub use material::{AlphaMode, MapRole, Maps, Material};
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
+pub(crate) use duplicates::Duplicates;
 pub(crate) use top_tree::OnTheWay;
 use top_tree::TopTree;
 
@@ -257,14 +258,9 @@ impl Scene {
         self.objects.get(usize::try_from(hit.object).ok()?)
     }
 
-    /// Whether no ray meets an object first, because an earlier one is in its place.
-    pub(crate) fn is_duplicate(&self, object: u32) -> bool {
-        self.top.is_duplicate(object)
-    }
-
-    /// The objects in the place of one, which no tree has.
-    pub(crate) fn duplicates_of(&self, object: u32) -> &[u32] {
-        self.top.duplicates_of(object)
+    /// The objects that no ray meets first, because an earlier one is in their place: no tree has them.
+    pub(crate) fn duplicates(&self) -> &Duplicates {
+        &self.top.duplicates
     }
 
     /// The mesh and the tree of an object whose triangles are all there is to it.
