@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::error::{Error, Result};
-use crate::geometry::{DVec2, PixelGrid, Ray, Rays};
+use crate::error::Result;
+use crate::geometry::{DVec2, PixelGrid, Ray, Rays, require};
 use crate::image::CameraRecord;
 use crate::sensor::Sensor;
 
@@ -33,12 +33,14 @@ impl Region {
     /// Refuses a region that has no pixels, or others than a sensor of that shape.
     pub(super) fn check(&self, [rows, columns]: [usize; 2]) -> Result<()> {
         let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
-        if fits(&self.rows, rows) && fits(&self.columns, columns) {
-            return Ok(());
-        }
+        let is_part = fits(&self.rows, rows) && fits(&self.columns, columns);
         let got = format!("rows {:?} and columns {:?}", self.rows, self.columns);
-        let expected = "a part of the picture that is not empty";
-        Err(Error::argument("region", expected, got))
+        require(
+            "region",
+            "a part of the picture that is not empty",
+            is_part,
+            got,
+        )
     }
 }
 
