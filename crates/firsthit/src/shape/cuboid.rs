@@ -130,24 +130,15 @@ mod tests {
     #[test]
     fn a_ray_at_an_edge_meets_the_lower_face() {
         let cuboid = Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap();
-        let hit = cuboid
-            .intersect(&Ray::new(
-                DVec3::new(-2.0, -2.0, 0.5),
-                DVec3::new(1.0, 1.0, 0.0),
-            ))
-            .unwrap();
-        assert_eq!((hit.t, hit.primitive), (1.0, 0));
-        let corner = cuboid
-            .intersect(&Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE))
-            .unwrap();
-        assert_eq!((corner.t, corner.primitive), (2.0, 1));
-        // It enters through face 2 and leaves through face 1, at the same point.
-        let touch = cuboid
-            .intersect(&Ray::new(
-                DVec3::new(0.0, -2.0, 0.0),
-                DVec3::new(1.0, 1.0, 0.0),
-            ))
-            .unwrap();
-        assert_eq!((touch.t, touch.primitive), (1.0, 1));
+        for (origin, direction, expected) in [
+            ([-2.0, -2.0, 0.5], [1.0, 1.0, 0.0], (1.0, 0)),
+            ([3.0; 3], [-1.0; 3], (2.0, 1)),
+            // It enters through face 2 and leaves through face 1, at the same point.
+            ([0.0, -2.0, 0.0], [1.0, 1.0, 0.0], (1.0, 1)),
+        ] {
+            let ray = Ray::new(origin.into(), direction.into());
+            let hit = cuboid.intersect(&ray).unwrap();
+            assert_eq!((hit.t, hit.primitive), expected);
+        }
     }
 }

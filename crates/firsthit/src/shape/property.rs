@@ -1,6 +1,7 @@
 use std::fmt::{self, Debug, Formatter};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::geometry::require;
 use crate::geometry::summary::Count;
 
 /// Numbers that a file gives to a mesh by name, such as a scan's quality: one for each vertex or polygon. Rays do
@@ -88,10 +89,7 @@ impl Property {
             PropertyOf::Vertices => (self.values.len() == vertices, "as many as vertices"),
             PropertyOf::Faces => (self.values.len() >= faces, "one for each face"),
         };
-        if is_right {
-            return Ok(());
-        }
         let got = format!("{} of '{}'", self.values.len(), self.name);
-        Err(Error::argument("properties", expected, got))
+        require("properties", expected, is_right, got)
     }
 }
