@@ -1,6 +1,6 @@
 //! Cameras made from what they should show.
 
-use super::{Camera, Lens, RayStart, View, Viewplane};
+use super::{Camera, Lens, RayStart, StandardView, View, Viewplane};
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, require, unit};
 
@@ -104,6 +104,12 @@ impl Viewplane {
 }
 
 impl View {
+    /// The view in a standard direction, its own up being the world's.
+    pub(super) fn standard(self, standard: StandardView) -> Self {
+        let (aim, up) = standard.aim_and_up(self.up);
+        Self { aim, up, ..self }
+    }
+
     /// The same view, aimed at `target`.
     pub fn aimed_at(self, target: DVec3) -> Self {
         Self {

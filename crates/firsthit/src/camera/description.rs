@@ -214,17 +214,10 @@ impl Description {
     /// The camera in the middle of the scene, looking ahead unless it is told where.
     fn in_the_middle(&self, view: View, bounds: Bounds) -> Result<Camera> {
         let position = bounds.centre();
+        let view = View { position, ..view };
         let view = match self.aim {
-            None | Some(Aim::Centre) => {
-                let (aim, up) = StandardView::Front.aim_and_up(view.up);
-                View {
-                    position,
-                    aim,
-                    up,
-                    ..view
-                }
-            }
-            Some(_) => self.aimed(View { position, ..view }, bounds)?,
+            None | Some(Aim::Centre) => view.standard(StandardView::Front),
+            Some(_) => self.aimed(view, bounds)?,
         };
         Camera::new(self.upright(view))
     }
@@ -233,10 +226,7 @@ impl Description {
     fn aimed(&self, view: View, bounds: Bounds) -> Result<View> {
         let target = match self.aim {
             Some(Aim::Along(aim)) => return Ok(View { aim, ..view }),
-            Some(Aim::View(standard)) => {
-                let (aim, up) = standard.aim_and_up(view.up);
-                return Ok(View { aim, up, ..view });
-            }
+            Some(Aim::View(standard)) => return Ok(view.standard(standard)),
             Some(Aim::At(target)) => target,
             Some(Aim::Centre) | None => bounds.centre(),
         };
@@ -262,18 +252,14 @@ impl Description {
 
     /// The camera that the scene fills.
     fn framed(&self, view: View, support: &dyn Fn(DVec3) -> f64) -> Result<Camera> {
-        let as_in = |standard: StandardView| {
-            let (aim, up) = standard.aim_and_up(view.up);
-            View { aim, up, ..view }
-        };
         let view = match self.aim {
             Some(Aim::Along(aim)) => self.upright(View { aim, ..view }),
             Some(Aim::At(_)) => {
                 let expected = "given with a point to look at";
                 return Err(Error::argument("position", expected, "none"));
             }
-            Some(Aim::View(standard)) => as_in(standard),
-            Some(Aim::Centre) | None => as_in(StandardView::default()),
+            Some(Aim::View(standard)) => view.standard(standard),
+            Some(Aim::Centre) | None => view.standard(StandardView::default()),
         };
         let camera = Camera::framing(view, support)?;
         match self.opening {

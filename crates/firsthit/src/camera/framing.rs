@@ -150,10 +150,9 @@ impl Pose {
         viewplane: Viewplane,
         support: &impl Fn(DVec3) -> f64,
     ) -> Result<(DVec3, Viewplane)> {
-        let [wide, high, deep] = [self.right, self.upwards, self.aim];
-        let wide = Extent::of(wide, support)?;
-        let high = Extent::of(high, support)?;
-        let deep = Extent::of(deep, support)?;
+        let wide = Extent::of(self.right, support)?;
+        let high = Extent::of(self.upwards, support)?;
+        let deep = Extent::of(self.aim, support)?;
         let aspect = viewplane.width / viewplane.height;
         let farthest = [wide, high, deep].map(Extent::farthest);
         let smallest = smallest(farthest.into_iter().fold(0.0, f64::max));

@@ -51,20 +51,8 @@ macro_rules! lenses {
         }
 
         impl Lens {
-            pub(super) fn check(&self) -> Result<()> {
-                match self { $(Self::$variant(lens) => lens.check(),)* }
-            }
-
-            pub(super) fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray {
-                match self { $(Self::$variant(lens) => lens.ray(pose, size, pixel, offset),)* }
-            }
-
-            pub(super) fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach {
-                match self { $(Self::$variant(lens) => lens.reach(pose, size, pixel),)* }
-            }
-
-            pub(super) fn grid(&self, pose: &Pose, size: [usize; 2], offset: DVec2) -> Option<PixelGrid> {
-                match self { $(Self::$variant(lens) => lens.grid(pose, size, offset),)* }
+            pub(super) fn model(&self) -> &dyn Model {
+                match self { $(Self::$variant(lens) => lens,)* }
             }
         }
     };

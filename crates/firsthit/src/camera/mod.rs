@@ -118,7 +118,7 @@ impl Camera {
 
     fn aimed(view: View, unit_aim: impl Fn(DVec3) -> DVec3) -> Result<Self> {
         let pose = Pose::new(view.position, view.aim, view.up, unit_aim)?;
-        view.lens.check()?;
+        view.lens.model().check()?;
         require("rows", "at least 1", view.rows >= 1, view.rows)?;
         require("columns", "at least 1", view.columns >= 1, view.columns)?;
         let view = View {
@@ -196,13 +196,13 @@ impl Camera {
     /// The ray through a point of a pixel: `offset` runs from 0 to 1 rightwards and upwards, the
     /// centre being at (0.5, 0.5).
     pub fn ray_within(&self, row: usize, column: usize, offset: DVec2) -> Ray {
-        let pixel = [row, column];
-        self.view.lens.ray(&self.pose, self.size(), pixel, offset)
+        let lens = self.view.lens.model();
+        lens.ray(&self.pose, self.size(), [row, column], offset)
     }
 
     /// What the rays through that point of every pixel have in common, if they all go through a flat viewplane.
     pub fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
-        self.view.lens.grid(&self.pose, self.size(), offset)
+        self.view.lens.model().grid(&self.pose, self.size(), offset)
     }
 
     /// The distance from `position` along the pixel's ray to its parameter `t`.
@@ -216,7 +216,7 @@ impl Camera {
     }
 
     fn range_and_z(&self, pixel: [usize; 2], t: f64) -> [f64; 2] {
-        let reach = self.view.lens.reach(&self.pose, self.size(), pixel);
+        let reach = self.view.lens.model().reach(&self.pose, self.size(), pixel);
         let range = t + reach.offset;
         [range, range * reach.cosine]
     }
