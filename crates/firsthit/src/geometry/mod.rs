@@ -50,6 +50,13 @@ pub(crate) fn moderation(v: DVec3) -> f64 {
     }
 }
 
+/// The nearest float32.
+#[expect(clippy::cast_possible_truncation, reason = "it rounds")]
+#[inline]
+pub(crate) fn single(value: f64) -> f32 {
+    value as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -104,7 +104,7 @@ impl MemoryBudget {
     pub(crate) fn charge_texture(&mut self, bytes: u64) -> Checked<()> {
         let what = "the texture";
         self.take_room(&Place::File, bytes, bytes / TEXTURE_SHARE, what)?;
-        self.take_memory(Place::File, bytes, what)
+        self.charge_content(bytes, what)
     }
 
     /// Charges memory for the file's own content, unpacked or parsed. It does not count as described.

@@ -2,7 +2,7 @@
 
 use super::report::Report;
 use crate::error::Place;
-use crate::geometry::srgb_decode;
+use crate::geometry::{single, srgb_decode};
 
 /// The meaning of the numbers of vertices or faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,13 +59,12 @@ impl Kind {
 }
 
 /// The linear value of a level that is encoded as sRGB.
-#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
 pub(super) fn linear(encoded: f64) -> f32 {
     if encoded.is_finite() && encoded >= 0.0 {
-        srgb_decode(encoded) as f32
+        single(srgb_decode(encoded))
     } else {
         // Not a colour: told, and replaced, where all are there.
-        encoded as f32
+        single(encoded)
     }
 }
 

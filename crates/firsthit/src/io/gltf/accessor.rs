@@ -8,6 +8,7 @@ use super::index::Index;
 use super::place::Entry;
 use super::problem::Problem;
 use super::resource::Bytes;
+use crate::geometry::single;
 
 /// The type of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,14 +77,13 @@ impl Number for f64 {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "attributes are float32")]
 impl Number for f32 {
     fn from_single(value: f32) -> Self {
         value
     }
 
     fn from_whole(value: i64, largest: Option<f64>) -> Self {
-        f64::from_whole(value, largest) as Self
+        single(f64::from_whole(value, largest))
     }
 }
 
@@ -153,10 +153,8 @@ pub(super) fn declared<'a>(document: &'a Document<'a>, index: Index) -> Checked<
 pub(super) fn component(document: &Document<'_>, index: Index) -> Checked<Component> {
     let code = declared(document, index)?.component_type;
     let wrong = || {
-        let what = format!(
-            "must be one of 5120, 5121, 5122, 5123, 5125, 5126, got {}",
-            code.0
-        );
+        let Index(code) = code;
+        let what = format!("must be one of 5120, 5121, 5122, 5123, 5125, 5126, got {code}");
         entry(index).fault("componentType", what)
     };
     Component::of(code).ok_or_else(wrong)
@@ -254,11 +252,8 @@ impl<'a> Elements<'a> {
                 let needed = (sparse.count.0 as u64).saturating_mul(each);
                 let place = entry.at("sparse/count");
                 (report.budget).charge_at(place, needed, "a sparse accessor")?;
-                let indices = rising(
-                    &indices.read::<u32, 1>(kind, None, sparse.count.0),
-                    count,
-                    entry,
-                )?;
+                let indices = indices.read(kind, None, sparse.count.0);
+                let indices = rising(&indices, count, entry)?;
                 let extent = [
                     sparse.values.buffer_view,
                     sparse.values.byte_offset,

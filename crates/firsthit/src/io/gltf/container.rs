@@ -24,10 +24,8 @@ pub(super) fn open<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Containe
         return chunks(bytes, report);
     }
     if has_extension(report.source.path(), &["glb"]) {
-        return Err(byte(
-            0,
-            "not a GLB file: the first four bytes must be 'glTF'",
-        ));
+        let what = "not a GLB file: the first four bytes must be 'glTF'";
+        return Err(byte(0, what));
     }
     Ok(Container {
         json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
@@ -65,10 +63,8 @@ fn chunks<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Container<'a>> {
             .and_then(|size| start.checked_add(size));
         let chunk = end.and_then(|end| bytes.get(start..end)).ok_or_else(|| {
             let left = bytes.len() - start;
-            byte(
-                place,
-                format!("truncated: the chunk has {size} bytes, {left} are left"),
-            )
+            let what = format!("truncated: the chunk has {size} bytes, {left} are left");
+            byte(place, what)
         })?;
         match kind {
             JSON if json.is_none() => json = Some((chunk, start)),
@@ -96,16 +92,12 @@ fn within_length<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<&'a [u8]> 
     let stated = usize::try_from(length).unwrap_or(usize::MAX);
     let within = bytes.get(..stated).ok_or_else(|| {
         let size = bytes.len();
-        byte(
-            8,
-            format!("truncated: the length is {length}, the file has {size} bytes"),
-        )
+        let what = format!("truncated: the length is {length}, the file has {size} bytes");
+        byte(8, what)
     })?;
     if stated < HEADER + 8 {
-        return Err(byte(
-            8,
-            format!("the length {length} leaves no room for a document"),
-        ));
+        let what = format!("the length {length} leaves no room for a document");
+        return Err(byte(8, what));
     }
     if within.len() < bytes.len() {
         let trailing = bytes.len() - within.len();

@@ -11,7 +11,7 @@ use super::index::Index;
 use super::material::Look;
 use super::skin::{self, Palette};
 use super::values::Values;
-use crate::geometry::{DAffine3, DVec3};
+use crate::geometry::{DAffine3, DVec3, single};
 use crate::shape::{Attribute, Mesh, Positions};
 
 /// The deformation of a primitive's vertices: morph targets and joints.
@@ -242,7 +242,6 @@ fn indices(values: &mut Values<'_, '_>, index: Index, vertices: usize) -> Checke
     Err(Fault::at(entry.place(), what))
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "normals are float32")]
 fn with_normals(
     mesh: Mesh,
     values: &mut Values<'_, '_>,
@@ -270,7 +269,7 @@ fn with_normals(
     let is_moved = maps.is_some();
     let mut normals: Vec<[f32; 3]> = normals
         .iter()
-        .map(|normal| match normal.map(|x| x as f32) {
+        .map(|normal| match normal.map(single) {
             moved if is_moved && !moved.iter().all(|x| x.is_finite()) => [0.0; 3],
             normal => normal,
         })

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
 use crate::io::report::Report;
-use crate::io::text::{Lines, Words, next_number, number, shown, unended_line};
+use crate::io::text::{Lines, Words, next_number, number, shown, unended, unended_line};
 use crate::scene::Wrap;
 
 /// The statements about a material.
@@ -55,10 +55,7 @@ pub(super) fn cut(text: &[u8]) -> Option<String> {
         word if !KEYWORDS.contains(&word) && begins_one() => "this is no statement",
         _ => return None,
     };
-    Some(format!(
-        "its last line has no line break, and {why}: '{}'",
-        shown(line)
-    ))
+    Some(unended(line, why))
 }
 
 /// Whether a colour is written with all its numbers.

@@ -305,10 +305,8 @@ impl<'a> Ascii<'a> {
                 return Ok(());
             }
         }
-        Err(Fault::at(
-            self.place(),
-            "truncated: the file ends before the last row",
-        ))
+        let what = "truncated: the file ends before the last row";
+        Err(Fault::at(self.place(), what))
     }
 
     fn word(&mut self) -> Checked<&'a [u8]> {
@@ -317,10 +315,8 @@ impl<'a> Ascii<'a> {
                 return Ok(word);
             }
             if self.by_line {
-                return Err(Fault::at(
-                    self.place(),
-                    "the row has fewer values than it must",
-                ));
+                let what = "the row has fewer values than it must";
+                return Err(Fault::at(self.place(), what));
             }
             self.next_line()?;
         }

@@ -4,6 +4,7 @@ use super::body::{Rows, Table, scalar_at, skip_value};
 use super::header::{Element, Format, Header, Kind, Type};
 use super::levels::Levels;
 use super::named::NamedRows;
+use crate::geometry::single;
 use crate::io::fault::{Checked, Fault};
 use crate::io::report::Report;
 use crate::shape::{Positions, PropertyOf};
@@ -118,10 +119,6 @@ impl VertexRows {
     }
 
     /// Reads all rows column by column.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "kept as float32, as declared or by design"
-    )]
     fn read_table(&mut self, element: &Element, table: &Table) {
         // A property that is missing is never asked for: it has no column.
         let mut columns = [(usize::MAX, Type::Uint8); NAMES.len()];
@@ -137,31 +134,20 @@ impl VertexRows {
         let [x, y, z, nx, ny, nz, u, v, r, g, b] = columns;
         match &mut self.points {
             Positions::Single(points) => {
-                points.extend(
-                    table
-                        .columns([x, y, z])
-                        .map(|point| point.map(|x| x as f32)),
-                );
+                points.extend(table.columns([x, y, z]).map(|point| point.map(single)));
             }
             Positions::Double(points) => points.extend(table.columns([x, y, z])),
         }
         if let Some(normals) = &mut self.normals {
-            normals.extend(
-                table
-                    .columns([nx, ny, nz])
-                    .map(|normal| normal.map(|x| x as f32)),
-            );
+            normals.extend(table.columns([nx, ny, nz]).map(|normal| normal.map(single)));
         }
         if let Some(uvs) = &mut self.uvs {
-            uvs.extend(table.columns([u, v]).map(|uv| uv.map(|x| x as f32)));
+            uvs.extend(table.columns([u, v]).map(|uv| uv.map(single)));
         }
         if let Some(colors) = &mut self.colors {
             let levels = &self.levels;
-            colors.extend(
-                table
-                    .columns([r, g, b])
-                    .map(|color| color.map(|k| levels.linear(k))),
-            );
+            let linear = |color: [f64; 3]| color.map(|level| levels.linear(level));
+            colors.extend(table.columns([r, g, b]).map(linear));
         }
     }
 
@@ -171,31 +157,23 @@ impl VertexRows {
             Positions::Single(points) => points.reserve_exact(count),
             Positions::Double(points) => points.reserve_exact(count),
         }
-        if let Some(normals) = &mut self.normals {
-            normals.reserve_exact(count);
-        }
-        if let Some(uvs) = &mut self.uvs {
-            uvs.reserve_exact(count);
-        }
-        if let Some(colors) = &mut self.colors {
-            colors.reserve_exact(count);
-        }
+        let vectors = self.normals.iter_mut().chain(&mut self.colors);
+        vectors.for_each(|values| values.reserve_exact(count));
+        self.uvs
+            .iter_mut()
+            .for_each(|values| values.reserve_exact(count));
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "kept as float32, as declared or by design"
-    )]
     fn push(&mut self, [x, y, z, nx, ny, nz, u, v, r, g, b]: [f64; NAMES.len()]) {
         match &mut self.points {
-            Positions::Single(points) => points.push([x as f32, y as f32, z as f32]),
+            Positions::Single(points) => points.push([x, y, z].map(single)),
             Positions::Double(points) => points.push([x, y, z]),
         }
         if let Some(normals) = &mut self.normals {
-            normals.push([nx as f32, ny as f32, nz as f32]);
+            normals.push([nx, ny, nz].map(single));
         }
         if let Some(uvs) = &mut self.uvs {
-            uvs.push([u as f32, v as f32]);
+            uvs.push([u, v].map(single));
         }
         if let Some(colors) = &mut self.colors {
             colors.push([r, g, b].map(|level| self.levels.linear(level)));
