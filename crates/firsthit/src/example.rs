@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::camera::{Camera, Lens, RayStart, View, Viewplane};
 use crate::error::Result;
-use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform};
+use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform, single};
 use crate::scene::{Background, Light, Object, Scene};
 use crate::shape::{
     Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere,
@@ -179,10 +179,6 @@ fn knot(along: u32, around: u32) -> Result<Mesh> {
         .with_colors(Attribute::per_vertex(colors))
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "colours are stored as float32"
-)]
 fn rainbow(angle: f64) -> [f32; 3] {
-    [0.0, 2.1, 4.2].map(|shift| (0.45 + 0.35 * libm::cos(angle + shift)) as f32)
+    [0.0, 2.1, 4.2].map(|shift| single(0.45 + 0.35 * libm::cos(angle + shift)))
 }

@@ -10,6 +10,7 @@ pub use settings::{Look, Render};
 use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::Kind;
 use crate::error::Result;
+use crate::geometry::summary::summary;
 use crate::geometry::{Color, DVec3, Ray, require};
 use crate::image::{Channel, Frame, Origin};
 use crate::memory;
@@ -57,15 +58,9 @@ pub struct Picture<'a> {
     pub engine: &'a dyn Engine,
 }
 
-impl std::fmt::Debug for Picture<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Picture")
-            .field("sensor", &self.sensor)
-            .field("samples", &self.samples)
-            .field("region", &self.region)
-            .finish_non_exhaustive()
-    }
-}
+summary!(
+    Picture<'_>, "Picture", |picture| "sensor": picture.sensor, "samples": picture.samples, "region": picture.region
+);
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
 ///

@@ -1,12 +1,11 @@
 //! A scene as plain data, before anything is built from it: the type that loaders return.
 
-use std::fmt::{self, Debug, Formatter};
 use std::path::PathBuf;
 
 use crate::camera::{Description, Opening, View};
 use crate::error::Result;
 use crate::geometry::DVec3;
-use crate::geometry::summary::Few;
+use crate::geometry::summary::{Few, summary};
 use crate::scene::{Background, Light, Object, Scene};
 use crate::shade::Shader;
 
@@ -40,17 +39,11 @@ pub struct World {
     pub up_is_guessed: bool,
 }
 
-/// A summary: the first objects, and counts.
-impl Debug for World {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("World")
-            .field("objects", &Few(&self.objects))
-            .field("cameras", &self.cameras.len())
-            .field("lights", &self.lights.len())
-            .field("up", &self.up)
-            .finish_non_exhaustive()
-    }
-}
+// The first objects, and counts.
+summary!(
+    World, "World", |world| "objects": Few(&world.objects), "cameras": world.cameras.len(), "lights": world.lights.len(),
+    "up": world.up
+);
 
 impl World {
     /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as [`Scene::likely_up`] guesses
@@ -129,13 +122,11 @@ impl NamedCamera {
         if let Some((columns, rows)) = size {
             (described.columns, described.rows) = (Some(columns), Some(rows));
         }
-        if let (Some(Opening::Viewplane { width, height, .. }), false) =
-            (&mut described.opening, self.has_size)
+        if !self.has_size
+            && let Some(Opening::Viewplane { width, height, .. }) = &mut described.opening
+            && let (Some(columns), Some(rows)) = (described.columns, described.rows)
         {
-            let (columns, rows) = (described.columns, described.rows);
-            if let (Some(columns), Some(rows)) = (columns, rows) {
-                *width = *height * columns as f64 / rows.max(1) as f64;
-            }
+            *width = *height * columns as f64 / rows.max(1) as f64;
         }
         described
     }

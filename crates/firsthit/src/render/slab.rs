@@ -14,7 +14,7 @@ use super::Picture;
 use super::region::{Part, Region};
 use crate::channel::{self, Shots};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Ray, Rays};
+use crate::geometry::{Color, DVec3, Ray, Rays, single};
 use crate::image::{Channel, Data, Frame};
 use crate::memory::zeroed;
 use crate::sampling::offset;
@@ -153,12 +153,4 @@ impl<'a> Slab<'a> {
         });
         Ok(Data::Float32(means))
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "colours are stored as float32"
-)]
-fn single(value: f64) -> f32 {
-    value as f32
 }

@@ -18,7 +18,6 @@ mod texture;
 mod top_tree;
 
 use std::collections::HashMap;
-use std::fmt::{self, Debug, Formatter};
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -36,7 +35,7 @@ use top_tree::TopTree;
 
 use crate::accel::{InstructionSet, MeshTree};
 use crate::error::{Error, Result};
-use crate::geometry::summary::Few;
+use crate::geometry::summary::{Few, summary};
 use crate::geometry::{Bounds, DVec3, Hit, Transform};
 use crate::memory;
 use crate::shape::{Mesh, Shape};
@@ -72,17 +71,11 @@ pub struct Scene {
     fingerprint: OnceLock<String>,
 }
 
-/// A summary: the first objects, and how much there is.
-impl Debug for Scene {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Scene")
-            .field("objects", &Few(&self.objects))
-            .field("triangles", &self.triangles())
-            .field("bounds", &self.bounds())
-            .field("lights", &self.lights.len())
-            .finish_non_exhaustive()
-    }
-}
+// The first objects, and how much there is.
+summary!(
+    Scene, "Scene", |scene| "objects": Few(&scene.objects), "triangles": scene.triangles(), "bounds": scene.bounds(),
+    "lights": scene.lights.len()
+);
 
 impl Scene {
     /// The scene of `objects`; builds the trees with all threads of the current rayon pool.
@@ -116,11 +109,8 @@ impl Scene {
     fn build(objects: Vec<Object>, before: Option<&Self>) -> Result<Self> {
         if i32::try_from(objects.len()).is_err() {
             let (got, limit) = (objects.len().to_string(), i32::MAX.to_string());
-            return Err(Error::Limit {
-                what: "objects in a scene",
-                got,
-                limit,
-            });
+            let what = "objects in a scene";
+            return Err(Error::Limit { what, got, limit });
         }
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;

@@ -56,41 +56,31 @@ impl<'v, 't> Section<'v, 't> {
             };
             check_form(self.text, key, value)?;
         }
-        match self
-            .variant
-            .keys()
-            .find(|key| key.is_required && !self.has(key.name))
-        {
-            None => Ok(()),
-            Some(key) => Err(self.fault(format!(
-                "{} needs `{}`: {}",
-                self.title(),
-                key.name,
-                key.form.expected()
-            ))),
-        }
+        let mut keys = self.variant.keys();
+        let Some(missing) = keys.find(|key| key.is_required && !self.has(key.name)) else {
+            return Ok(());
+        };
+        let (title, expected) = (self.title(), missing.form.expected());
+        Err(self.fault(format!("{title} needs `{}`: {expected}", missing.name)))
     }
 
     fn check_rules(&self) -> Checked<()> {
         for rule in self.variant.rules {
-            match *rule {
+            let (at, what) = match *rule {
                 Rule::NotBoth(a, b) | Rule::OneOf(a, b) if self.has(a) && self.has(b) => {
                     // At the later one, which is the one too many.
                     let at = self.key_at(a).max(self.key_at(b));
-                    return Err(self
-                        .text
-                        .fault(at, format!("`{a}` and `{b}` exclude each other")));
+                    (at, format!("`{a}` and `{b}` exclude each other"))
                 }
                 Rule::OneOf(a, b) if !self.has(a) && !self.has(b) => {
-                    return Err(self.fault(format!("{} needs `{a}` or `{b}`", self.title())));
+                    (self.at, format!("{} needs `{a}` or `{b}`", self.title()))
                 }
                 Rule::Needs(a, b) if self.has(a) && !self.has(b) => {
-                    return Err(self
-                        .text
-                        .fault(self.key_at(a), format!("`{a}` needs `{b}` beside it")));
+                    (self.key_at(a), format!("`{a}` needs `{b}` beside it"))
                 }
-                _ => {}
-            }
+                _ => continue,
+            };
+            return Err(self.text.fault(at, what));
         }
         Ok(())
     }
@@ -101,11 +91,10 @@ impl<'v, 't> Section<'v, 't> {
         let shown = escape_controls(&word.chars().take(60).collect::<String>());
         match suggestion(word, &known) {
             Some(meant) => format!("unknown key `{shown}`, did you mean `{meant}`?"),
-            None => format!(
-                "unknown key `{shown}`; {} takes {}",
-                self.title(),
-                known.join(", ")
-            ),
+            None => {
+                let (title, known) = (self.title(), known.join(", "));
+                format!("unknown key `{shown}`; {title} takes {known}")
+            }
         }
     }
 
@@ -274,25 +263,17 @@ fn check_form(text: Text<'_>, key: &Key, value: &Value<'_>) -> Checked<()> {
     }
     let culprit = key.form.culprit(value).unwrap_or(value);
     let came = culprit.get_ref();
-    let words = key.form.words();
-    if let Some(meant) = came.as_str().and_then(|word| suggestion(word, &words)) {
-        let what = format!(
-            "unknown {} {}, did you mean \"{meant}\"?",
-            key.name,
-            named(came)
-        );
-        return Err(text.fault(culprit.span().start, what));
-    }
-    // Most often two brackets are missing.
-    let hint = match key.form {
-        Form::List(record) if came.is_table() => format!("; write [[{}s]]", record.name),
-        _ => String::new(),
+    let (name, got, words) = (key.name, named(came), key.form.words());
+    let what = if let Some(meant) = came.as_str().and_then(|word| suggestion(word, &words)) {
+        format!("unknown {name} {got}, did you mean \"{meant}\"?")
+    } else {
+        // Most often two brackets are missing.
+        let hint = match key.form {
+            Form::List(record) if came.is_table() => format!("; write [[{}s]]", record.name),
+            _ => String::new(),
+        };
+        let expected = key.form.expected();
+        format!("`{name}` must be {expected}, got {got}{hint}")
     };
-    let what = format!(
-        "`{}` must be {}, got {}{hint}",
-        key.name,
-        key.form.expected(),
-        named(came)
-    );
     Err(text.fault(culprit.span().start, what))
 }

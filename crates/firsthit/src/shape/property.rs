@@ -1,8 +1,8 @@
 use std::fmt::{self, Debug, Formatter};
 
 use crate::error::Result;
-use crate::geometry::require;
 use crate::geometry::summary::Count;
+use crate::geometry::{require, single};
 
 /// Numbers that a file gives to a mesh by name, such as a scan's quality: one for each vertex or polygon. Rays do
 /// not ask for them.
@@ -70,13 +70,9 @@ impl PropertyValues {
     }
 
     /// Adds one; as float32 where that is what is kept.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "whoever chose float32 knows that it holds them"
-    )]
     pub(crate) fn push(&mut self, value: f64) {
         match self {
-            Self::Single(values) => values.push(value as f32),
+            Self::Single(values) => values.push(single(value)),
             Self::Double(values) => values.push(value),
         }
     }
