@@ -114,12 +114,8 @@ mod tests {
         let mut normals = [[0.0, 0.0, 1.0], [0.0, f32::NAN, 1.0]];
         mend(&mut normals, Kind::Normals, &Place::File, &mut report);
         assert_eq!(normals, [[0.0, 0.0, 1.0], [0.0; 3]]);
-        mend(
-            &mut [[1e38, -3.0]],
-            Kind::Coordinates,
-            &Place::File,
-            &mut report,
-        );
+        let mut uvs = [[1e38, -3.0]];
+        mend(&mut uvs, Kind::Coordinates, &Place::File, &mut report);
         let lines = report.take_lines();
         assert_eq!(lines.len(), 2, "{lines:?}");
         assert!(lines[0].contains(": 2, the first at index 1;"), "{lines:?}");

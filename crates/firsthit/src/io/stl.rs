@@ -21,21 +21,18 @@ const FACET: usize = 50;
 const CHECK_EVERY: u64 = 1 << 16;
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
-    let (positions, name) = match binary_of(bytes)? {
-        Some((facets, rest)) => {
-            if !rest.is_empty() {
-                let place = Place::Byte((bytes.len() - rest.len()) as u64);
-                report.warn("trailing", &place, || {
-                    format!("{} bytes after the last facet are not read", rest.len())
-                });
-            }
-            report.budget.charge_growth(facets.len())?;
-            (Positions::Single(read_binary(facets)), None)
+    let (positions, name) = if let Some((facets, rest)) = binary_of(bytes)? {
+        if !rest.is_empty() {
+            let place = Place::Byte((bytes.len() - rest.len()) as u64);
+            report.warn("trailing", &place, || {
+                format!("{} bytes after the last facet are not read", rest.len())
+            });
         }
-        None => {
-            let (points, name) = read_text(&text::decode(bytes), report)?;
-            (Positions::compact(points), name)
-        }
+        report.budget.charge_growth(facets.len())?;
+        (Positions::Single(read_binary(facets)), None)
+    } else {
+        let (points, name) = read_text(&text::decode(bytes), report)?;
+        (Positions::compact(points), name)
     };
     let name = name.unwrap_or_else(|| report.source.stem());
     let count = u32::try_from(positions.len() / 3).map_err(|_| Fault::file("too many facets"))?;

@@ -71,8 +71,8 @@ impl Form {
             Self::Points => all(value, |item| numbers::<3>(item).is_some()),
             Self::Triples => all(value, |item| triple(item).is_some()),
             Self::Table(_) | Self::Named(_) => value.is_table(),
-            Self::TableOrList(_) => value.is_table() || all(value, |item| item.is_table()),
-            Self::List(_) => all(value, |item| item.is_table()),
+            Self::TableOrList(_) => value.is_table() || all(value, is_table),
+            Self::List(_) => all(value, is_table),
         }
     }
 
@@ -198,6 +198,10 @@ pub(super) fn quoted(words: &[&str]) -> String {
 }
 
 type Raw<'t> = toml::de::DeValue<'t>;
+
+fn is_table(value: &Raw<'_>) -> bool {
+    value.is_table()
+}
 
 fn is_one_of(value: &Raw<'_>, words: fn() -> Vec<&'static str>) -> bool {
     value.as_str().is_some_and(|text| words().contains(&text))

@@ -148,12 +148,11 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
         let placed = placement::read(&section)?;
         if section.has("file") {
             let of_file = files.read(&section, report)?;
-            if objects.len() + of_file.len() > MOST_OBJECTS {
-                return Err(Fault::Other(Error::Limit {
-                    what: "objects in a scene file",
-                    got: format!("at least {}", objects.len() + of_file.len()),
-                    limit: MOST_OBJECTS.to_string(),
-                }));
+            let count = objects.len() + of_file.len();
+            if count > MOST_OBJECTS {
+                let what = "objects in a scene file";
+                let (got, limit) = (format!("at least {count}"), MOST_OBJECTS.to_string());
+                return Err(Error::Limit { what, got, limit }.into());
             }
             // Their names too: the table's own may be long, and stands in each.
             let own_name = section.text("name").map_or(0, str::len) as u64;
@@ -164,20 +163,13 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
             let charged = (report.budget).charge(needed, "an object for each of the file's");
             // To count the lines up to here for each of many objects would take longer than all else.
             charged.map_err(|fault| match fault {
-                Fault::TooLarge { what, .. } => Fault::TooLarge {
-                    place: section.place("file"),
-                    what,
-                },
+                Fault::TooLarge { what, .. } => Fault::too_large(section.place("file"), what),
                 other => other,
             })?;
             for object in &*of_file {
                 let name = name_of(&section, object, of_file.len() > 1);
-                objects.push(finished(
-                    &section,
-                    object.clone().named(name),
-                    placed,
-                    "file",
-                )?);
+                let object = object.clone().named(name);
+                objects.push(finished(&section, object, placed, "file")?);
             }
         } else {
             let name = section.text("name").or(section.tag()).unwrap_or_default();

@@ -89,13 +89,11 @@ impl<'v, 't> Section<'v, 't> {
         let mut known: Vec<&str> = self.variant.keys().map(|key| key.name).collect();
         known.extend(self.variant.pick.tag().map(|(tag, _)| tag));
         let shown = escape_controls(&word.chars().take(60).collect::<String>());
-        match suggestion(word, &known) {
-            Some(meant) => format!("unknown key `{shown}`, did you mean `{meant}`?"),
-            None => {
-                let (title, known) = (self.title(), known.join(", "));
-                format!("unknown key `{shown}`; {title} takes {known}")
-            }
+        if let Some(meant) = suggestion(word, &known) {
+            return format!("unknown key `{shown}`, did you mean `{meant}`?");
         }
+        let (title, known) = (self.title(), known.join(", "));
+        format!("unknown key `{shown}`; {title} takes {known}")
     }
 
     /// What the table is, in a sentence.

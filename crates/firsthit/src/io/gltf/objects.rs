@@ -172,9 +172,8 @@ impl<'a, 'b> Objects<'a, 'b> {
         let each = OBJECT_BYTES + name.len() as u64;
         self.report.budget.charge(each, "an object")?;
         if self.made.len() == self.made.capacity() {
-            let room =
-                (2 * self.made.len()).saturating_mul(usize::try_from(each).unwrap_or(usize::MAX));
-            check_free(room)?;
+            let each = usize::try_from(each).unwrap_or(usize::MAX);
+            check_free((2 * self.made.len()).saturating_mul(each))?;
         }
         Ok(())
     }
@@ -265,9 +264,9 @@ impl<'a, 'b> Objects<'a, 'b> {
         let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;
         let instances = (0..count).map(|k| {
             affine(
-                at(&translations, k, [0.0; 3]),
-                at(&rotations, k, [0.0, 0.0, 0.0, 1.0]),
-                at(&scales, k, [1.0; 3]),
+                at(translations.as_ref(), k, [0.0; 3]),
+                at(rotations.as_ref(), k, [0.0, 0.0, 0.0, 1.0]),
+                at(scales.as_ref(), k, [1.0; 3]),
             )
         });
         Ok(instances.collect())
@@ -288,8 +287,7 @@ impl<'a, 'b> Objects<'a, 'b> {
 }
 
 /// One of some values, if there are any.
-fn at<T: Copy>(values: &Option<Vec<T>>, k: usize, missing: T) -> T {
-    let values = values.as_ref();
+fn at<T: Copy>(values: Option<&Vec<T>>, k: usize, missing: T) -> T {
     values
         .and_then(|values| values.get(k).copied())
         .unwrap_or(missing)

@@ -36,13 +36,11 @@ pub(super) fn palette<'a>(
     let entry = Entry::new("skins", skin);
     let skin = document.skins.get(skin);
     let skin = skin.ok_or_else(|| entry.fault("", "there is no such skin"))?;
-    let bind: Option<Vec<[f64; 16]>> = match skin.inverse_bind_matrices {
-        None => None,
-        Some(index) => {
-            let elements = Elements::new(document, index, &Shape::MAT4, buffers, report)?;
-            Some(elements.read(report)?)
-        }
-    };
+    let bind = skin.inverse_bind_matrices.map(|index| {
+        let elements = Elements::new(document, index, &Shape::MAT4, buffers, report)?;
+        elements.read::<f64, 16>(report)
+    });
+    let bind = bind.transpose()?;
     if let Some(bind) = &bind
         && bind.len() < skin.joints.len()
     {

@@ -110,7 +110,7 @@ fn model(
     properties.extend(faces.named.into_properties());
     let shared = Vertices::new(match vertices.points {
         Positions::Double(points) => Positions::compact(points),
-        single => single,
+        single @ Positions::Single(_) => single,
     });
     warn_if_empty(&surface, &shared, report);
     let count = surface.face_count();

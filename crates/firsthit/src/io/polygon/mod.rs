@@ -76,10 +76,9 @@ fn nearest_axis(normal: DVec3) -> usize {
     let size = normal.abs();
     if size.z >= size.x && size.z >= size.y {
         2
-    } else if size.x >= size.y {
-        0
     } else {
-        1
+        // Written so that a NaN leads to y.
+        1 - usize::from(size.x >= size.y)
     }
 }
 
