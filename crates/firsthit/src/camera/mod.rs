@@ -178,12 +178,11 @@ impl Camera {
     }
 
     /// The same camera with its rays starting elsewhere. Without a viewplane they start at the eye in any case.
-    pub fn starting_at(self, ray_start: RayStart) -> Self {
-        let mut camera = self;
-        if let Lens::Flat(viewplane) = &mut camera.view.lens {
+    pub fn starting_at(mut self, ray_start: RayStart) -> Self {
+        if let Lens::Flat(viewplane) = &mut self.view.lens {
             viewplane.ray_start = ray_start;
         }
-        camera
+        self
     }
 
     /// The ray through the centre of the pixel in array row `row` (0 is the top) and `column`, its

@@ -160,11 +160,9 @@ impl Scene {
     }
 
     /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.
-    pub fn with_up(self, up: DVec3) -> Self {
-        Self {
-            up: Some(up),
-            ..self
-        }
+    pub fn with_up(mut self, up: DVec3) -> Self {
+        self.up = Some(up);
+        self
     }
 
     /// Which way is up in the world, for default cameras: that of the file or of [`with_up`](Self::with_up), else +z.

@@ -109,9 +109,9 @@ shaders! {
     /// Lit by the scene's lights, with shadows.
     "lambert" => Lambert(Lambert), lambert::shade;
     /// The object's colour as it is.
-    "unlit" => Unlit(()), |_, _, hits, colors| each(hits, colors, SurfaceInteraction::color);
+    "unlit" => Unlit(()), |&(), _, hits, colors| each(hits, colors, SurfaceInteraction::color);
     /// The geometric normal as a colour: from -1..1 to 0..1 along each axis.
-    "normal" => Normal(()), |_, _, hits, colors| each(hits, colors, |hit| 0.5 * hit.normal() + 0.5);
+    "normal" => Normal(()), |&(), _, hits, colors| each(hits, colors, |hit| 0.5 * hit.normal() + 0.5);
 }
 
 /// Colours that each hit gives by itself.
