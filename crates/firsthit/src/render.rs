@@ -81,8 +81,8 @@ summary!(
 ///
 /// # Errors
 ///
-/// [`Error::Argument`](crate::Error::Argument) for no samples, [`Error::Limit`](crate::Error::Limit) when the picture does not fit into memory,
-/// [`Error::Interrupted`](crate::Error::Interrupted) when `watch` stops it.
+/// [`Error::Argument`](crate::Error::Argument) for no samples, [`Error::Limit`](crate::Error::Limit) when the picture does not
+/// fit into memory, [`Error::Interrupted`](crate::Error::Interrupted) when `watch` stops it.
 pub fn render(
     scene: &Scene,
     sensor: &dyn Sensor,
@@ -287,7 +287,8 @@ pub const BACKGROUND: Background = Background::NEUTRAL;
 ///
 /// # Errors
 ///
-/// [`Error::Argument`](crate::Error::Argument) for an `up` that is zero or not finite, for no rows or columns, and for a scene too far away to be framed.
+/// [`Error::Argument`](crate::Error::Argument) for an `up` that is zero or not finite, for no rows or columns, and for a scene
+/// too far away to be framed.
 pub fn framing_camera(
     scene: &Scene,
     up: DVec3,

@@ -32,8 +32,8 @@ impl Format {
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`](crate::Error::Parse) for wrong content, [`Error::TooLarge`](crate::Error::TooLarge) for more than the settings allow, and [`Error::Limit`](crate::Error::Limit)
-    /// for more than identifiers hold.
+    /// [`Error::Parse`](crate::Error::Parse) for wrong content, [`Error::TooLarge`](crate::Error::TooLarge) for more than the
+    /// settings allow, and [`Error::Limit`](crate::Error::Limit) for more than identifiers hold.
     pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Loaded> {
         let path = report.source.path().to_owned();
         let read = |report: &mut Report| {

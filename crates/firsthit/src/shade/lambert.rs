@@ -114,8 +114,8 @@ impl Lit {
     }
 }
 
-/// The ray towards a light, up to where it comes from, and what a white surface gets of it; `None` where the light is on the other
-/// side.
+/// The ray towards a light, up to where it comes from, and what a white surface gets of it. `None` where the light is on
+/// the other side.
 fn arriving_at(point: &Lit, source: &Light) -> Option<(Ray, Color)> {
     let (towards, distance, light) = match *source {
         Light::Directional { direction, color } => (-direction, f64::INFINITY, color),
