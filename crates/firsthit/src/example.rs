@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use crate::camera::{Camera, Lens, RayStart, View, Viewplane};
 use crate::error::Result;
-use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform};
+use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform, single};
 use crate::scene::{Background, Light, Object, Scene};
-use crate::shape::{Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Sphere};
+use crate::shape::{
+    Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere,
+};
 
 /// The example's scene, in metres, z upwards: a knot on a pedestal with every other shape around it.
 ///
@@ -17,24 +19,20 @@ pub fn scene() -> Result<Scene> {
     let knot = Arc::new(knot(360, 36)?);
     let mut objects = Vec::from(stage()?);
     objects.extend(solids()?);
+    let upright = placed(
+        DVec3::splat(0.62),
+        DQuat::from_rotation_z(0.5),
+        DVec3::new(0.0, 0.0, 1.08),
+    )?;
+    // The same triangles again: the colours run the other way round.
+    let mirrored = placed(
+        DVec3::new(-0.24, 0.24, 0.24),
+        DQuat::from_rotation_x(1.25),
+        DVec3::new(1.2, -1.45, 0.36),
+    )?;
     objects.extend([
-        Object::new(Arc::clone(&knot))
-            .named("knot")
-            .colored(Color::ONE)
-            .placed(placed(
-                DVec3::splat(0.62),
-                DQuat::from_rotation_z(0.5),
-                DVec3::new(0.0, 0.0, 1.08),
-            )?),
-        // The same triangles again, mirrored: the colours run the other way round.
-        Object::new(knot)
-            .named("mirrored knot")
-            .colored(Color::ONE)
-            .placed(placed(
-                DVec3::new(-0.24, 0.24, 0.24),
-                DQuat::from_rotation_x(1.25),
-                DVec3::new(1.2, -1.45, 0.36),
-            )?),
+        object("knot", Arc::clone(&knot), Color::ONE).placed(upright),
+        object("mirrored knot", knot, Color::ONE).placed(mirrored),
     ]);
     let sun = Light::Directional {
         direction: DVec3::new(0.6, 0.75, -0.8),
@@ -53,15 +51,9 @@ fn stage() -> Result<[Object; 3]> {
         1.45,
     )?;
     Ok([
-        Object::new(ground)
-            .named("ground")
-            .colored(Color::new(0.5, 0.47, 0.42)),
-        Object::new(pedestal)
-            .named("pedestal")
-            .colored(Color::new(0.7, 0.66, 0.58)),
-        Object::new(disc)
-            .named("disc")
-            .colored(Color::new(0.85, 0.28, 0.1)),
+        object("ground", ground, Color::new(0.5, 0.47, 0.42)),
+        object("pedestal", pedestal, Color::new(0.7, 0.66, 0.58)),
+        object("disc", disc, Color::new(0.85, 0.28, 0.1)),
     ])
 }
 
@@ -69,7 +61,7 @@ fn stage() -> Result<[Object; 3]> {
 fn solids() -> Result<Vec<Object>> {
     let ball = |x, y, radius, color| {
         let sphere = Sphere::new(DVec3::new(x, y, radius), radius)?;
-        Ok(Object::new(sphere).named("sphere").colored(color))
+        Ok(object("sphere", sphere, color))
     };
     let cuboid = Cuboid::new(DVec3::new(-0.5, -0.5, 0.0), DVec3::new(0.5, 0.5, 1.0))?;
     let turned = placed(
@@ -93,17 +85,14 @@ fn solids() -> Result<Vec<Object>> {
         ball(-2.0, -0.35, 0.6, Color::new(0.1, 0.35, 0.6))?,
         ball(-1.75, -1.35, 0.22, Color::new(0.75, 0.72, 0.65))?,
         ball(-0.1, -1.8, 0.16, Color::new(0.7, 0.12, 0.12))?,
-        Object::new(cuboid)
-            .named("box")
-            .placed(turned)
-            .colored(Color::new(0.07, 0.42, 0.4)),
-        Object::new(cone)
-            .named("cone")
-            .colored(Color::new(0.85, 0.55, 0.08)),
-        Object::new(cut)
-            .named("cone without a tip")
-            .colored(Color::new(0.75, 0.7, 0.6)),
+        object("box", cuboid, Color::new(0.07, 0.42, 0.4)).placed(turned),
+        object("cone", cone, Color::new(0.85, 0.55, 0.08)),
+        object("cone without a tip", cut, Color::new(0.75, 0.7, 0.6)),
     ])
+}
+
+fn object(name: &str, shape: impl Into<Shape>, color: Color) -> Object {
+    Object::new(shape).named(name).colored(color)
 }
 
 fn placed(scale: DVec3, turn: DQuat, offset: DVec3) -> Result<Transform> {
@@ -190,10 +179,6 @@ fn knot(along: u32, around: u32) -> Result<Mesh> {
         .with_colors(Attribute::per_vertex(colors))
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "colours are stored as float32"
-)]
 fn rainbow(angle: f64) -> [f32; 3] {
-    [0.0, 2.1, 4.2].map(|shift| (0.45 + 0.35 * libm::cos(angle + shift)) as f32)
+    [0.0, 2.1, 4.2].map(|shift| single(0.45 + 0.35 * libm::cos(angle + shift)))
 }

@@ -60,7 +60,8 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
 /// Those of [`load`], but for [`Error::Read`](crate::Error::Read).
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Loaded> {
     let format = format_of(name, formats())?;
-    let mut report = Report::new(name, *settings).in_memory();
+    let mut report = Report::new(name, *settings);
+    report.source.in_memory = true;
     format.load(bytes.into(), &mut report)
 }
 
@@ -76,21 +77,15 @@ mod tests {
 
     #[test]
     fn extensions_are_known_in_any_case() {
+        let of = |name: &str| format_of(Path::new(name), formats()).map(|format| format.name);
+        assert_eq!(of("a.b/C.StL").unwrap(), "STL");
         assert_eq!(
-            format_of(Path::new("a.b/C.StL"), formats()).unwrap().name,
-            "STL"
-        );
-        let error = format_of(Path::new("x.3ds"), formats())
-            .err()
-            .unwrap()
-            .to_string();
-        assert_eq!(
-            error,
+            of("x.3ds").unwrap_err().to_string(),
             "x.3ds: the extension names no known format; \
              it must be one of .gltf (glTF), .glb (glTF), .obj (OBJ), .ply (PLY), .stl (STL), \
              .toml (scene file)"
         );
-        assert!(format_of(Path::new("noextension"), formats()).is_err());
+        assert!(of("noextension").is_err());
     }
 
     #[test]

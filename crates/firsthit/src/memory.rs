@@ -20,18 +20,14 @@ pub(crate) fn check(what: &'static str, bytes: usize) -> Result<()> {
     // Without this the compiler may see that nobody uses what is reserved, and not reserve it.
     std::hint::black_box(&mut probe);
     if refused {
-        return Err(Error::Limit {
-            what,
-            got: format!("{bytes} bytes"),
-            limit: "the memory there is".into(),
-        });
+        return Err(short_of(what, format!("{bytes} bytes")));
     }
     Ok(())
 }
 
 /// A vector of `count` zeros, which cost nothing before they are written, or an error when memory is short.
 pub(crate) fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>> {
-    let vec = bytemuck::allocation::try_zeroed_vec(count).map_err(|()| short_of(count))?;
+    let vec = bytemuck::allocation::try_zeroed_vec(count).map_err(|()| no_room(count))?;
     simd::prefer_large_pages(&vec);
     Ok(vec)
 }
@@ -54,17 +50,18 @@ pub(crate) fn copy<T: Copy>(values: &[T]) -> Vec<T> {
 /// A vector of `count` times `value`, or an error instead of an abort when memory is short.
 pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
     let mut vec = Vec::new();
-    vec.try_reserve_exact(count).map_err(|_| short_of(count))?;
+    vec.try_reserve_exact(count).map_err(|_| no_room(count))?;
     vec.resize(count, value);
     Ok(vec)
 }
 
-fn short_of(count: usize) -> Error {
-    Error::Limit {
-        what: "elements of a result",
-        got: count.to_string(),
-        limit: "the memory there is".into(),
-    }
+fn no_room(count: usize) -> Error {
+    short_of("elements of a result", count.to_string())
+}
+
+fn short_of(what: &'static str, got: String) -> Error {
+    let limit = "the memory there is".into();
+    Error::Limit { what, got, limit }
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@ pub use settings::{Look, Render};
 
 use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::Kind;
-use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Ray};
+use crate::error::Result;
+use crate::geometry::summary::summary;
+use crate::geometry::{Color, DVec3, Ray, require};
 use crate::image::{Channel, Frame, Origin};
 use crate::memory;
 use crate::sampling::offset;
@@ -57,15 +58,9 @@ pub struct Picture<'a> {
     pub engine: &'a dyn Engine,
 }
 
-impl std::fmt::Debug for Picture<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Picture")
-            .field("sensor", &self.sensor)
-            .field("samples", &self.samples)
-            .field("region", &self.region)
-            .finish_non_exhaustive()
-    }
-}
+summary!(
+    Picture<'_>, "Picture", |picture| "sensor": picture.sensor, "samples": picture.samples, "region": picture.region
+);
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
 ///
@@ -86,8 +81,8 @@ impl std::fmt::Debug for Picture<'_> {
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for no samples, [`Error::Limit`] when the picture does not fit into memory,
-/// [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Argument`](crate::Error::Argument) for no samples, [`Error::Limit`](crate::Error::Limit) when the picture does not
+/// fit into memory, [`Error::Interrupted`](crate::Error::Interrupted) when `watch` stops it.
 pub fn render(
     scene: &Scene,
     sensor: &dyn Sensor,
@@ -132,7 +127,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render()`], and [`Error::Argument`] for a region that is no part of the picture.
+    /// Those of [`render()`], and [`Error::Argument`](crate::Error::Argument) for a region that is no part of the picture.
     pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
         let mut whole: Vec<Channel> = Vec::new();
         let [rows, columns] = self.checked()?.shape();
@@ -178,11 +173,7 @@ impl<'a> Picture<'a> {
             for _ in 0..samples {
                 slab.add_sample(watch)?;
             }
-            let mut frame = self.frame(slab.region().shape());
-            for channel in slab.take_channels()? {
-                frame.push(channel)?;
-            }
-            sink(frame)?;
+            sink(slab.into_frame()?)?;
         }
         Ok(())
     }
@@ -193,16 +184,12 @@ impl<'a> Picture<'a> {
     ///
     /// Those of [`Picture::render`].
     pub fn start(&'a self) -> Result<Progressive<'a>> {
-        Ok(Progressive {
-            picture: self,
-            slab: Slab::new(self, self.checked()?)?,
-        })
+        let slab = Slab::new(self, self.checked()?)?;
+        Ok(Progressive { slab })
     }
 
     fn checked(&self) -> Result<Region> {
-        if self.samples == 0 {
-            return Err(Error::argument("samples", "at least 1", self.samples));
-        }
+        require("samples", "at least 1", self.samples > 0, self.samples)?;
         let shape = self.sensor.shape();
         let region = self.region.clone().unwrap_or_else(|| Region::all(shape));
         region.check(shape)?;
@@ -220,11 +207,7 @@ impl<'a> Picture<'a> {
 
     /// An empty frame that says where it comes from.
     fn frame(&self, shape: [usize; 2]) -> Frame {
-        let origin = Origin {
-            scene: Some(self.scene.fingerprint().to_owned()),
-            camera: Some(self.sensor.record()),
-            samples: Some(self.samples),
-        };
+        let origin = origin(self.scene, Some(self.sensor), Some(self.samples));
         Frame::new(shape).from_origin(origin)
     }
 }
@@ -232,7 +215,6 @@ impl<'a> Picture<'a> {
 /// A picture on the way: the mean of the samples so far.
 #[expect(missing_debug_implementations, reason = "it is work on the way")]
 pub struct Progressive<'a> {
-    picture: &'a Picture<'a>,
     slab: Slab<'a>,
 }
 
@@ -250,17 +232,13 @@ impl Progressive<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] when it does not fit into memory.
+    /// [`Error::Limit`](crate::Error::Limit) when it does not fit into memory.
     ///
     /// # Panics
     ///
     /// Before the first sample.
     pub fn frame(&self) -> Result<Frame> {
-        let mut frame = self.picture.frame(self.slab.region().shape());
-        for channel in self.slab.channels()? {
-            frame.push(channel)?;
-        }
-        Ok(frame)
+        self.slab.frame()
     }
 }
 
@@ -309,7 +287,8 @@ pub const BACKGROUND: Background = Background::NEUTRAL;
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for an `up` that is zero or not finite, for no rows or columns, and for a scene too far away to be framed.
+/// [`Error::Argument`](crate::Error::Argument) for an `up` that is zero or not finite, for no rows or columns, and for a scene
+/// too far away to be framed.
 pub fn framing_camera(
     scene: &Scene,
     up: DVec3,

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use crate::camera::{Camera, View};
+use crate::camera::Camera;
 use crate::geometry::{DMat3, DVec2, PixelGrid, Ray, Rays};
 use crate::image::{CameraRecord, Intrinsics, Pose};
 
@@ -46,36 +46,29 @@ impl Sensor for Camera {
     }
 
     fn record(&self) -> CameraRecord {
-        let &View {
-            position,
-            aim,
-            up,
-            rows,
-            columns,
-            lens,
-        } = self.view();
+        let view = self.view();
         let row = |m: &DMat3, k: usize| m.row(k).to_array();
         let pose = self.world_from_camera();
         let pose_row = |k: usize| {
             let [x, y, z] = row(&pose.matrix3, k);
             [x, y, z, pose.translation[k]]
         };
-        let viewplane = lens.viewplane();
+        let viewplane = view.lens.viewplane();
         let intrinsics = |k: DMat3| Intrinsics {
             k: [0, 1, 2].map(|row_index| row(&k, row_index)),
             first_pixel_center: 0.5,
             axes: "right, down, forwards".to_owned(),
         };
         CameraRecord {
-            position: position.to_array(),
-            aim: aim.to_array(),
-            up: up.to_array(),
+            position: view.position.to_array(),
+            aim: view.aim.to_array(),
+            up: view.up.to_array(),
             focal_length: viewplane.map(|viewplane| viewplane.focal_length),
             width: viewplane.map(|viewplane| viewplane.width),
             height: viewplane.map(|viewplane| viewplane.height),
-            rows: rows as u64,
-            columns: columns as u64,
-            projection: lens.projection().name().to_owned(),
+            rows: view.rows as u64,
+            columns: view.columns as u64,
+            projection: view.lens.projection().name().to_owned(),
             ray_start: viewplane
                 .map_or("eye", |viewplane| viewplane.ray_start.name())
                 .to_owned(),

@@ -1,12 +1,11 @@
 //! A scene as plain data, before anything is built from it: the type that loaders return.
 
-use std::fmt::{self, Debug, Formatter};
 use std::path::PathBuf;
 
-use crate::camera::{Aim, Description, Opening, View};
+use crate::camera::{Description, Opening, View};
 use crate::error::Result;
 use crate::geometry::DVec3;
-use crate::geometry::summary::Few;
+use crate::geometry::summary::{Few, summary};
 use crate::scene::{Background, Light, Object, Scene};
 use crate::shade::Shader;
 
@@ -40,17 +39,11 @@ pub struct World {
     pub up_is_guessed: bool,
 }
 
-/// A summary: the first objects, and counts.
-impl Debug for World {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("World")
-            .field("objects", &Few(&self.objects))
-            .field("cameras", &self.cameras.len())
-            .field("lights", &self.lights.len())
-            .field("up", &self.up)
-            .finish_non_exhaustive()
-    }
-}
+// The first objects, and counts.
+summary!(
+    World, "World", |world| "objects": Few(&world.objects), "cameras": world.cameras.len(), "lights": world.lights.len(),
+    "up": world.up
+);
 
 impl World {
     /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as [`Scene::likely_up`] guesses
@@ -69,17 +62,20 @@ impl World {
     /// # Errors
     ///
     /// Those of [`Scene::new`].
-    pub fn into_scene(self) -> Result<Scene> {
-        let (up, up_is_guessed) = (self.up, self.up_is_guessed);
-        let scene = Scene::new(self.objects)?.with_lights(self.lights);
-        let up = up_in(&scene, up, up_is_guessed);
-        Ok(scene.with_up(up))
+    pub fn into_scene(mut self) -> Result<Scene> {
+        let scene = Scene::new(std::mem::take(&mut self.objects))?;
+        let up = self.up_in(&scene);
+        Ok(scene.with_lights(self.lights).with_up(up))
     }
 
     /// Which way is up in `scene`, the scene of the objects: as the file says, or as [`Scene::likely_up`] guesses if it
     /// does not say.
     pub fn up_in(&self, scene: &Scene) -> DVec3 {
-        up_in(scene, self.up, self.up_is_guessed)
+        if self.up_is_guessed {
+            scene.likely_up(self.up)
+        } else {
+            self.up
+        }
     }
 
     pub(crate) fn of(objects: Vec<Object>) -> Self {
@@ -88,10 +84,6 @@ impl World {
             ..Self::default()
         }
     }
-}
-
-fn up_in(scene: &Scene, up: DVec3, is_guessed: bool) -> DVec3 {
-    if is_guessed { scene.likely_up(up) } else { up }
 }
 
 /// An output that a scene file asks for.
@@ -125,33 +117,16 @@ impl NamedCamera {
     /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and its
     /// width follows from square pixels.
     pub fn described(&self, size: Option<(usize, usize)>) -> Description {
-        let view = self.view;
-        let viewplane = view.lens.viewplane();
-        let whole = Description {
-            position: Some(view.position),
-            aim: Some(Aim::Along(view.aim)),
-            up: Some(view.up),
-            opening: viewplane.map(|viewplane| Opening::Viewplane {
-                width: viewplane.width,
-                height: viewplane.height,
-                focal_length: Some(viewplane.focal_length),
-            }),
-            projection: Some(view.lens.projection()),
-            ray_start: viewplane.map(|viewplane| viewplane.ray_start),
-            columns: None,
-            rows: None,
-        };
-        let mut described = self.description.unwrap_or(whole);
+        let whole = || Description::of(&self.view);
+        let mut described = self.description.unwrap_or_else(whole);
         if let Some((columns, rows)) = size {
             (described.columns, described.rows) = (Some(columns), Some(rows));
         }
-        if let (Some(Opening::Viewplane { width, height, .. }), false) =
-            (&mut described.opening, self.has_size)
+        if !self.has_size
+            && let Some(Opening::Viewplane { width, height, .. }) = &mut described.opening
+            && let (Some(columns), Some(rows)) = (described.columns, described.rows)
         {
-            let (columns, rows) = (described.columns, described.rows);
-            if let (Some(columns), Some(rows)) = (columns, rows) {
-                *width = *height * columns as f64 / rows.max(1) as f64;
-            }
+            *width = *height * columns as f64 / rows.max(1) as f64;
         }
         described
     }

@@ -42,8 +42,8 @@ fn control_characters_in_names_do_not_reach_the_terminal() {
 #[test]
 fn an_output_of_no_known_kind_is_wrong_usage() {
     let lab = Lab::with_square();
-    for name in ["a.jpg", "a.tif", "a", ".png", "-", "a.csv", "square.ply"] {
-        let words = "must end in one of .png, .exr, .npy, .npz";
+    for name in ["a.jpg", "a.tif", "a", ".png", "-", "a.csv", "a.stl"] {
+        let words = "must end in one of .png, .exr, .npy, .npz, .ply, .pcd";
         lab.fails(&format!("render square.ply -o {name}"), 2, words);
     }
     lab.fails("render square.ply -o a.png -o ./a.png", 2, "named twice");

@@ -1,9 +1,8 @@
 //! Cameras made from what they should show.
 
-use super::framing::Axes;
-use super::{Camera, Lens, RayStart, View, Viewplane, require};
-use crate::error::Result;
-use crate::geometry::{DVec3, unit};
+use super::{Camera, Lens, RayStart, StandardView, View, Viewplane};
+use crate::error::{Error, Result};
+use crate::geometry::{DVec3, require, unit};
 
 impl Camera {
     /// A perspective camera at `position` with `target` in the middle of the picture, with square
@@ -22,12 +21,8 @@ impl Camera {
         rows: usize,
         columns: usize,
     ) -> Result<Self> {
-        require(
-            "target",
-            "another point than position",
-            target != position,
-            target,
-        )?;
+        let expected = "another point than position";
+        require("target", expected, target != position, target)?;
         let viewplane = Viewplane::with_vertical_fov(vertical_fov_degrees, rows, columns)?;
         Self::new(View {
             position,
@@ -66,23 +61,13 @@ impl Camera {
         let camera = Self::new(view)?.starting_at(RayStart::Eye);
         let name = view.lens.projection().name();
         let Some(&viewplane) = camera.lens().viewplane() else {
-            return require(
-                "projection",
-                "one with a viewplane, to be framed",
-                false,
-                name,
-            )
-            .map(|()| camera);
-        };
-        let axes = Axes {
-            right: camera.right(),
-            upwards: camera.upwards(),
-            aim: camera.aim(),
+            let expected = "one with a viewplane, to be framed";
+            return Err(Error::argument("projection", expected, name));
         };
         let (position, viewplane) = if viewplane.parallel {
-            axes.orthographic(viewplane, &support)?
+            camera.pose.orthographic(viewplane, &support)?
         } else {
-            (axes.perspective(&viewplane, &support)?, viewplane)
+            (camera.pose.perspective(&viewplane, &support)?, viewplane)
         };
         Self::new(View {
             position,
@@ -104,9 +89,13 @@ impl Viewplane {
         rows: usize,
         columns: usize,
     ) -> Result<Self> {
-        let height = 2.0 * half_height(vertical_fov_degrees)?;
+        let fine = vertical_fov_degrees > 0.0 && vertical_fov_degrees < 180.0;
+        let expected = "between 0 and 180 degrees";
+        require("vertical_fov_degrees", expected, fine, vertical_fov_degrees)?;
+        let height = 2.0 * libm::tan(vertical_fov_degrees.to_radians() / 2.0);
         Ok(Self {
-            width: width_of_square_pixels(height, rows, columns),
+            // No rows or columns count as one here: that they are refused is not the viewplane's fault.
+            width: height * columns.max(1) as f64 / rows.max(1) as f64,
             height,
             ray_start: RayStart::Eye,
             ..Self::default()
@@ -115,6 +104,12 @@ impl Viewplane {
 }
 
 impl View {
+    /// The view in a standard direction, its own up being the world's.
+    pub(super) fn standard(self, standard: StandardView) -> Self {
+        let (aim, up) = standard.aim_and_up(self.up);
+        Self { aim, up, ..self }
+    }
+
     /// The same view, aimed at `target`.
     pub fn aimed_at(self, target: DVec3) -> Self {
         Self {
@@ -122,17 +117,4 @@ impl View {
             ..self
         }
     }
-}
-
-/// Half the height of the viewplane at distance one.
-fn half_height(vertical_fov_degrees: f64) -> Result<f64> {
-    let fine = vertical_fov_degrees > 0.0 && vertical_fov_degrees < 180.0;
-    let expected = "between 0 and 180 degrees";
-    require("vertical_fov_degrees", expected, fine, vertical_fov_degrees)?;
-    Ok(libm::tan(vertical_fov_degrees.to_radians() / 2.0))
-}
-
-/// The viewplane's width. No rows or columns count as one here: that they are refused is not its fault.
-fn width_of_square_pixels(height: f64, rows: usize, columns: usize) -> f64 {
-    height * columns.max(1) as f64 / rows.max(1) as f64
 }

@@ -1,11 +1,9 @@
 //! Cameras as people describe them: what they leave open, the scene decides.
 
 use super::framing::{MARGIN, smallest};
-use super::{
-    Camera, Equirectangular, Lens, Projection, RayStart, StandardView, View, Viewplane, require,
-};
+use super::{Camera, Equirectangular, Lens, Projection, RayStart, StandardView, View, Viewplane};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, unit};
+use crate::geometry::{Bounds, DVec3, require, unit};
 
 /// A camera in the words of the command line and of scene files, each of which may be missing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -113,6 +111,25 @@ impl Description {
         Ok(camera.starting_at(self.ray_start.unwrap_or(viewplane.ray_start)))
     }
 
+    /// The camera of a view, at as many pixels as its viewplane's shape asks.
+    pub(crate) fn of(view: &View) -> Self {
+        let viewplane = view.lens.viewplane();
+        Self {
+            position: Some(view.position),
+            aim: Some(Aim::Along(view.aim)),
+            up: Some(view.up),
+            opening: viewplane.map(|viewplane| Opening::Viewplane {
+                width: viewplane.width,
+                height: viewplane.height,
+                focal_length: Some(viewplane.focal_length),
+            }),
+            projection: Some(view.lens.projection()),
+            ray_start: viewplane.map(|viewplane| viewplane.ray_start),
+            columns: None,
+            rows: None,
+        }
+    }
+
     /// Columns and rows of pixels.
     pub fn size(&self) -> (usize, usize) {
         let aspect = match self.opening {
@@ -197,17 +214,10 @@ impl Description {
     /// The camera in the middle of the scene, looking ahead unless it is told where.
     fn in_the_middle(&self, view: View, bounds: Bounds) -> Result<Camera> {
         let position = bounds.centre();
+        let view = View { position, ..view };
         let view = match self.aim {
-            None | Some(Aim::Centre) => {
-                let (aim, up) = StandardView::Front.aim_and_up(view.up);
-                View {
-                    position,
-                    aim,
-                    up,
-                    ..view
-                }
-            }
-            Some(_) => self.aimed(View { position, ..view }, bounds)?,
+            None | Some(Aim::Centre) => view.standard(StandardView::Front),
+            Some(_) => self.aimed(view, bounds)?,
         };
         Camera::new(self.upright(view))
     }
@@ -216,10 +226,7 @@ impl Description {
     fn aimed(&self, view: View, bounds: Bounds) -> Result<View> {
         let target = match self.aim {
             Some(Aim::Along(aim)) => return Ok(View { aim, ..view }),
-            Some(Aim::View(standard)) => {
-                let (aim, up) = standard.aim_and_up(view.up);
-                return Ok(View { aim, up, ..view });
-            }
+            Some(Aim::View(standard)) => return Ok(view.standard(standard)),
             Some(Aim::At(target)) => target,
             Some(Aim::Centre) | None => bounds.centre(),
         };
@@ -245,18 +252,14 @@ impl Description {
 
     /// The camera that the scene fills.
     fn framed(&self, view: View, support: &dyn Fn(DVec3) -> f64) -> Result<Camera> {
-        let as_in = |standard: StandardView| {
-            let (aim, up) = standard.aim_and_up(view.up);
-            View { aim, up, ..view }
-        };
         let view = match self.aim {
             Some(Aim::Along(aim)) => self.upright(View { aim, ..view }),
             Some(Aim::At(_)) => {
                 let expected = "given with a point to look at";
                 return Err(Error::argument("position", expected, "none"));
             }
-            Some(Aim::View(standard)) => as_in(standard),
-            Some(Aim::Centre) | None => as_in(StandardView::default()),
+            Some(Aim::View(standard)) => view.standard(standard),
+            Some(Aim::Centre) | None => view.standard(StandardView::default()),
         };
         let camera = Camera::framing(view, support)?;
         match self.opening {

@@ -7,7 +7,6 @@ use std::f64::consts::PI;
 
 use super::lens::{Model, Reach};
 use super::pose::Pose;
-use crate::error::Result;
 use crate::geometry::{DVec2, PixelGrid, Ray, unit};
 
 /// See [`Projection::Equirectangular`](super::Projection::Equirectangular). Rays start at the camera.
@@ -15,10 +14,6 @@ use crate::geometry::{DVec2, PixelGrid, Ray, unit};
 pub struct Equirectangular {}
 
 impl Model for Equirectangular {
-    fn check(&self) -> Result<()> {
-        Ok(())
-    }
-
     fn ray(
         &self,
         pose: &Pose,
@@ -41,9 +36,5 @@ impl Model for Equirectangular {
             offset: 0.0,
             cosine: ray.direction.dot(pose.aim),
         }
-    }
-
-    fn grid(&self, _: &Pose, _: [usize; 2], _: DVec2) -> Option<PixelGrid> {
-        None
     }
 }

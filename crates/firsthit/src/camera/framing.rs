@@ -9,19 +9,13 @@
 //!
 //! An orthographic viewplane is the scene's extent along the two axes of the picture.
 
-use super::{Viewplane, require};
+use super::Viewplane;
+use super::pose::Pose;
 use crate::error::Result;
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, require};
 
 /// The ratio of the picture's size to that of the scene in it.
 pub(super) const MARGIN: f64 = 1.05;
-
-/// The directions of a camera.
-pub(super) struct Axes {
-    pub(super) right: DVec3,
-    pub(super) upwards: DVec3,
-    pub(super) aim: DVec3,
-}
 
 /// The scene's extent along an axis.
 #[derive(Clone, Copy)]
@@ -94,7 +88,7 @@ impl Wedge {
     }
 }
 
-impl Axes {
+impl Pose {
     /// The eye from where the scene touches the margin at two opposite edges of a viewplane and is centred between the others.
     pub(super) fn perspective(
         &self,
@@ -156,10 +150,9 @@ impl Axes {
         viewplane: Viewplane,
         support: &impl Fn(DVec3) -> f64,
     ) -> Result<(DVec3, Viewplane)> {
-        let [wide, high, deep] = [self.right, self.upwards, self.aim];
-        let wide = Extent::of(wide, support)?;
-        let high = Extent::of(high, support)?;
-        let deep = Extent::of(deep, support)?;
+        let wide = Extent::of(self.right, support)?;
+        let high = Extent::of(self.upwards, support)?;
+        let deep = Extent::of(self.aim, support)?;
         let aspect = viewplane.width / viewplane.height;
         let farthest = [wide, high, deep].map(Extent::farthest);
         let smallest = smallest(farthest.into_iter().fold(0.0, f64::max));

@@ -1,23 +1,26 @@
 //! How a camera makes rays: a file per lens.
 
-use std::str::FromStr;
-
 use super::equirectangular::Equirectangular;
+use super::named::named;
 use super::pose::Pose;
 use super::viewplane::Viewplane;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec2, PixelGrid, Ray};
 
 /// What every lens can do, for a camera of a pose and with so many rows and columns of pixels.
 pub(super) trait Model {
     /// Checks its numbers.
-    fn check(&self) -> Result<()>;
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
     /// The ray through a point of a pixel, its direction of length one. `offset` runs from 0 to 1 rightwards and upwards.
     fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray;
     /// What turns the `t` of the ray through a pixel's centre into the other two distances.
     fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach;
     /// What the rays through that point of all pixels have in common, if they all go through a flat viewplane.
-    fn grid(&self, pose: &Pose, size: [usize; 2], offset: DVec2) -> Option<PixelGrid>;
+    fn grid(&self, _: &Pose, _size: [usize; 2], _offset: DVec2) -> Option<PixelGrid> {
+        None
+    }
 }
 
 /// What turns a ray's `t` into the other two distances: `range = t + offset`, `z = range * cosine`.
@@ -48,20 +51,8 @@ macro_rules! lenses {
         }
 
         impl Lens {
-            pub(super) fn check(&self) -> Result<()> {
-                match self { $(Self::$variant(lens) => lens.check(),)* }
-            }
-
-            pub(super) fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray {
-                match self { $(Self::$variant(lens) => lens.ray(pose, size, pixel, offset),)* }
-            }
-
-            pub(super) fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach {
-                match self { $(Self::$variant(lens) => lens.reach(pose, size, pixel),)* }
-            }
-
-            pub(super) fn grid(&self, pose: &Pose, size: [usize; 2], offset: DVec2) -> Option<PixelGrid> {
-                match self { $(Self::$variant(lens) => lens.grid(pose, size, offset),)* }
+            pub(super) fn model(&self) -> &dyn Model {
+                match self { $(Self::$variant(lens) => lens,)* }
             }
         }
     };
@@ -93,47 +84,17 @@ impl Lens {
     }
 }
 
-/// Makes [`Projection`]: a name, and the lens that it means.
-macro_rules! projections {
-    ($($(#[$doc:meta])* $name:literal => $variant:ident;)*) => {
-        /// The projections by name, as in files and on the command line.
-        ///
-        /// ```
-        /// use firsthit::Projection;
-        ///
-        /// assert_eq!("orthographic".parse::<Projection>()?, Projection::Orthographic);
-        /// assert_eq!(Projection::default().name(), "perspective");
-        /// # Ok::<(), firsthit::Error>(())
-        /// ```
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-        pub enum Projection {
-            $($(#[$doc])* $variant,)*
-        }
-
-        impl Projection {
-            /// Every projection's name.
-            pub const NAMES: &[&'static str] = &[$($name),*];
-
-            /// Its name.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name,)* }
-            }
-        }
-
-        impl FromStr for Projection {
-            type Err = Error;
-
-            fn from_str(name: &str) -> Result<Self> {
-                match name {
-                    $($name => Ok(Self::$variant),)*
-                    _ => Err(Error::argument("projection", concat!("one of" $(, " ", $name)*), name)),
-                }
-            }
-        }
-    };
-}
-
-projections! {
+named! {
+    /// The projections by name, as in files and on the command line.
+    ///
+    /// ```
+    /// use firsthit::Projection;
+    ///
+    /// assert_eq!("orthographic".parse::<Projection>()?, Projection::Orthographic);
+    /// assert_eq!(Projection::default().name(), "perspective");
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    Projection, "projection":
     /// All rays pass through the camera's position and a flat viewplane.
     #[default]
     "perspective" => Perspective;

@@ -6,6 +6,7 @@ mod equirectangular;
 mod framing;
 mod lens;
 mod matrices;
+mod named;
 mod pose;
 mod standard;
 mod viewplane;
@@ -16,8 +17,8 @@ pub use lens::{Lens, Projection};
 pub use standard::StandardView;
 pub use viewplane::{RayStart, Viewplane};
 
-use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, unit};
+use crate::error::Result;
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, require, unit};
 use pose::Pose;
 
 /// What a camera is made from. Directions need not be of length one.
@@ -97,7 +98,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an `aim` or `up` of length zero, an `up` parallel to `aim` to working
+    /// [`Error::Argument`](crate::Error::Argument) for an `aim` or `up` of length zero, an `up` parallel to `aim` to working
     /// precision, a `focal_length`, `width` or `height` that is not positive, `rows` or `columns` below
     /// one, and any NaN or infinity.
     pub fn new(view: View) -> Result<Self> {
@@ -108,7 +109,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
+    /// [`Error::Argument`](crate::Error::Argument) for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
     pub fn again(view: View) -> Result<Self> {
         let is_unit = (view.aim.length() - 1.0).abs() < 1e-12;
         require("aim", "of length one", is_unit, view.aim)?;
@@ -117,7 +118,7 @@ impl Camera {
 
     fn aimed(view: View, unit_aim: impl Fn(DVec3) -> DVec3) -> Result<Self> {
         let pose = Pose::new(view.position, view.aim, view.up, unit_aim)?;
-        view.lens.check()?;
+        view.lens.model().check()?;
         require("rows", "at least 1", view.rows >= 1, view.rows)?;
         require("columns", "at least 1", view.columns >= 1, view.columns)?;
         let view = View {
@@ -177,12 +178,11 @@ impl Camera {
     }
 
     /// The same camera with its rays starting elsewhere. Without a viewplane they start at the eye in any case.
-    pub fn starting_at(self, ray_start: RayStart) -> Self {
-        let mut camera = self;
-        if let Lens::Flat(viewplane) = &mut camera.view.lens {
+    pub fn starting_at(mut self, ray_start: RayStart) -> Self {
+        if let Lens::Flat(viewplane) = &mut self.view.lens {
             viewplane.ray_start = ray_start;
         }
-        camera
+        self
     }
 
     /// The ray through the centre of the pixel in array row `row` (0 is the top) and `column`, its
@@ -195,13 +195,13 @@ impl Camera {
     /// The ray through a point of a pixel: `offset` runs from 0 to 1 rightwards and upwards, the
     /// centre being at (0.5, 0.5).
     pub fn ray_within(&self, row: usize, column: usize, offset: DVec2) -> Ray {
-        let pixel = [row, column];
-        self.view.lens.ray(&self.pose, self.size(), pixel, offset)
+        let lens = self.view.lens.model();
+        lens.ray(&self.pose, self.size(), [row, column], offset)
     }
 
     /// What the rays through that point of every pixel have in common, if they all go through a flat viewplane.
     pub fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
-        self.view.lens.grid(&self.pose, self.size(), offset)
+        self.view.lens.model().grid(&self.pose, self.size(), offset)
     }
 
     /// The distance from `position` along the pixel's ray to its parameter `t`.
@@ -215,22 +215,9 @@ impl Camera {
     }
 
     fn range_and_z(&self, pixel: [usize; 2], t: f64) -> [f64; 2] {
-        let reach = self.view.lens.reach(&self.pose, self.size(), pixel);
+        let reach = self.view.lens.model().reach(&self.pose, self.size(), pixel);
         let range = t + reach.offset;
         [range, range * reach.cosine]
-    }
-}
-
-fn require(
-    name: &'static str,
-    expected: &'static str,
-    fine: bool,
-    got: impl std::fmt::Display,
-) -> Result<()> {
-    if fine {
-        Ok(())
-    } else {
-        Err(Error::argument(name, expected, got))
     }
 }
 
@@ -242,15 +229,6 @@ impl Rays for Camera {
 
     fn ray(&self, index: usize) -> Ray {
         Camera::ray(self, index / self.columns(), index % self.columns())
-    }
-
-    fn read(&self, first: usize, rays: &mut [Ray]) {
-        if let Some(grid) = self.grid() {
-            return grid.read(first, rays);
-        }
-        for (index, ray) in (first..).zip(rays) {
-            *ray = Rays::ray(self, index);
-        }
     }
 
     fn grid(&self) -> Option<PixelGrid> {

@@ -1,8 +1,7 @@
 //! Where a camera is, and how it is turned.
 
-use super::require;
 use crate::error::Result;
-use crate::geometry::{DVec3, unit};
+use crate::geometry::{DVec3, require, require_direction, require_finite, unit};
 
 /// A camera's frame in the world, right-handed: `right`, `upwards` and backwards (`-aim`), each of length one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,11 +20,9 @@ impl Pose {
         up: DVec3,
         unit_aim: impl Fn(DVec3) -> DVec3,
     ) -> Result<Self> {
-        require("position", "finite", position.is_finite(), position)?;
-        for (name, direction) in [("aim", aim), ("up", up)] {
-            let fine = direction.is_finite() && direction != DVec3::ZERO;
-            require(name, "a finite direction, not zero", fine, direction)?;
-        }
+        require_finite("position", position)?;
+        require_direction("aim", aim)?;
+        require_direction("up", up)?;
         let unit_aim = unit_aim(aim);
         let across = unit_aim.cross(unit(up));
         // Below this the cross product is nothing but the rounding of its factors.

@@ -1,49 +1,14 @@
 //! The standard views of a model: front, top, three-quarter, ...
 
-use std::str::FromStr;
-
-use crate::error::{Error, Result};
+use super::named::named;
 use crate::geometry::{DVec3, unit};
 
-/// Makes [`StandardView`] and everything that depends on the list of views.
-macro_rules! views {
-    ($($(#[$doc:meta])* $name:literal => $variant:ident;)*) => {
-        /// A standard view of a model, for any up direction.
-        ///
-        /// The front faces -y if z is up, as in CAD and 3D printing, and +z if y is up, as in glTF and OBJ; in both, x points
-        /// to the right of the picture. Left and right are those of a viewer who faces the front.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-        pub enum StandardView {
-            $($(#[$doc])* $variant,)*
-        }
-
-        impl StandardView {
-            /// Every view's name.
-            pub const NAMES: &[&'static str] = &[$($name),*];
-
-            /// Every view.
-            pub const ALL: &[Self] = &[$(Self::$variant),*];
-
-            /// Its name, as on the command line.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name,)* }
-            }
-        }
-
-        impl FromStr for StandardView {
-            type Err = Error;
-
-            fn from_str(name: &str) -> Result<Self> {
-                match name {
-                    $($name => Ok(Self::$variant),)*
-                    _ => Err(Error::argument("view", concat!("one of" $(, " ", $name)*), name)),
-                }
-            }
-        }
-    };
-}
-
-views! {
+named! {
+    /// A standard view of a model, for any up direction.
+    ///
+    /// The front faces -y if z is up, as in CAD and 3D printing, and +z if y is up, as in glTF and OBJ; in both, x points
+    /// to the right of the picture. Left and right are those of a viewer who faces the front.
+    StandardView, "view":
     /// Three quarters: the front, the right side and the top at once.
     #[default]
     "iso" => Iso;

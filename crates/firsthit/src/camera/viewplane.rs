@@ -1,10 +1,10 @@
 //! A flat viewplane: perspective where rays run through the camera's position, orthographic where they are parallel.
 
 use super::lens::{Model, Reach};
+use super::named::named;
 use super::pose::Pose;
-use super::require;
 use crate::error::Result;
-use crate::geometry::{DVec2, PixelGrid, Ray};
+use crate::geometry::{DVec2, PixelGrid, Ray, require_positive};
 
 /// A flat viewplane in front of the camera. Lengths are in scene units.
 ///
@@ -44,34 +44,24 @@ impl Default for Viewplane {
     }
 }
 
-/// Where a camera's rays start.
-///
-/// ```
-/// use firsthit::{Camera, DVec3, Lens, RayStart, View, Viewplane};
-///
-/// let lens = Lens::Flat(Viewplane { focal_length: 2.0, ..Viewplane::default() });
-/// let camera = Camera::new(View { lens, ..View::default() })?;
-/// assert_eq!(camera.ray(240, 320).origin.z, -2.0);
-/// assert_eq!(camera.starting_at(RayStart::Eye).ray(240, 320).origin, DVec3::ZERO);
-/// # Ok::<(), firsthit::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum RayStart {
+named! {
+    /// Where a camera's rays start.
+    ///
+    /// ```
+    /// use firsthit::{Camera, DVec3, Lens, RayStart, View, Viewplane};
+    ///
+    /// let lens = Lens::Flat(Viewplane { focal_length: 2.0, ..Viewplane::default() });
+    /// let camera = Camera::new(View { lens, ..View::default() })?;
+    /// assert_eq!(camera.ray(240, 320).origin.z, -2.0);
+    /// assert_eq!(camera.starting_at(RayStart::Eye).ray(240, 320).origin, DVec3::ZERO);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    RayStart, "ray_start":
     /// On the viewplane: what lies between the camera and the viewplane is not seen.
     #[default]
-    Viewplane,
+    "viewplane" => Viewplane;
     /// At the camera's position; for parallel rays, on the plane through it.
-    Eye,
-}
-
-impl RayStart {
-    /// Its name, as in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Viewplane => "viewplane",
-            Self::Eye => "eye",
-        }
-    }
+    "eye" => Eye;
 }
 
 impl Viewplane {
@@ -96,14 +86,9 @@ impl Viewplane {
 
 impl Model for Viewplane {
     fn check(&self) -> Result<()> {
-        for (name, length) in [
-            ("focal_length", self.focal_length),
-            ("width", self.width),
-            ("height", self.height),
-        ] {
-            let fine = length > 0.0 && length.is_finite();
-            require(name, "positive and finite", fine, length)?;
-        }
+        require_positive("focal_length", self.focal_length)?;
+        require_positive("width", self.width)?;
+        require_positive("height", self.height)?;
         Ok(())
     }
 

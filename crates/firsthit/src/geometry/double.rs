@@ -102,6 +102,24 @@ pub(crate) fn cross<A: Arithmetic>(
     ]
 }
 
+/// The dot product of first parts with plain numbers: the sum, and what of it is lost.
+#[inline(always)]
+fn dot_of_highs<A: Arithmetic>(
+    a: A,
+    p: &DoubleVector<A::Number>,
+    q: [A::Number; 3],
+) -> (A::Number, A::Number) {
+    let [x, y, z] = [
+        product(a, p[0].high, q[0]),
+        product(a, p[1].high, q[1]),
+        product(a, p[2].high, q[2]),
+    ];
+    let two = sum(a, x.high, y.high);
+    let Double { high, low } = sum(a, two.high, z.high);
+    let rest = a.add(a.add(x.low, y.low), z.low);
+    (high, a.add(rest, a.add(two.low, low)))
+}
+
 /// The dot product, off by a few 2^-106 of the lengths' product.
 #[inline(always)]
 pub(crate) fn dot<A: Arithmetic>(
@@ -109,15 +127,7 @@ pub(crate) fn dot<A: Arithmetic>(
     p: &DoubleVector<A::Number>,
     q: &DoubleVector<A::Number>,
 ) -> Double<A::Number> {
-    let [x, y, z] = [
-        product(a, p[0].high, q[0].high),
-        product(a, p[1].high, q[1].high),
-        product(a, p[2].high, q[2].high),
-    ];
-    let two = sum(a, x.high, y.high);
-    let Double { high, low } = sum(a, two.high, z.high);
-    let mut rest = a.add(a.add(x.low, y.low), z.low);
-    rest = a.add(rest, a.add(two.low, low));
+    let (high, mut rest) = dot_of_highs(a, p, [q[0].high, q[1].high, q[2].high]);
     for k in 0..3 {
         let of_lows = a.fused_mul_add(p[k].high, q[k].low, a.mul(p[k].low, q[k].high));
         rest = a.add(rest, of_lows);
@@ -132,15 +142,7 @@ pub(crate) fn dot_plain<A: Arithmetic>(
     p: &DoubleVector<A::Number>,
     q: &[A::Number; 3],
 ) -> Double<A::Number> {
-    let [x, y, z] = [
-        product(a, p[0].high, q[0]),
-        product(a, p[1].high, q[1]),
-        product(a, p[2].high, q[2]),
-    ];
-    let two = sum(a, x.high, y.high);
-    let Double { high, low } = sum(a, two.high, z.high);
-    let mut rest = a.add(a.add(x.low, y.low), z.low);
-    rest = a.add(rest, a.add(two.low, low));
+    let (high, mut rest) = dot_of_highs(a, p, *q);
     for k in 0..3 {
         rest = a.fused_mul_add(p[k].low, q[k], rest);
     }
@@ -171,17 +173,8 @@ mod tests {
     fn what_float64_loses_is_kept() {
         let twice = |x: Double<f64>| (2.0 * x.high, 2.0 * x.low);
         assert_eq!(twice(difference(Scalar, 1.0, 1e-20)), (2.0, -2e-20));
-        let third = quotient(
-            Scalar,
-            Double {
-                high: 1.0,
-                low: 0.0,
-            },
-            Double {
-                high: 3.0,
-                low: 0.0,
-            },
-        );
+        let [one, three] = [1.0, 3.0].map(|high| Double { high, low: 0.0 });
+        let third = quotient(Scalar, one, three);
         assert_eq!(third.high, 1.0 / 3.0);
         assert!((third.low - (-third.high).mul_add(3.0, 1.0) / 3.0).abs() < 1e-31);
     }

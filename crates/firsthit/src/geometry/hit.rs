@@ -37,12 +37,4 @@ impl Hit {
     pub fn is_miss(&self) -> bool {
         self.t == f64::INFINITY
     }
-
-    /// Whether this is the first of the two: the smaller `t`, at the same `t` the lower
-    /// (object, primitive). So the order in which candidates are tried never shows.
-    pub fn precedes(&self, other: &Self) -> bool {
-        self.t < other.t
-            || (self.t == other.t
-                && (self.object, self.primitive) < (other.object, other.primitive))
-    }
 }

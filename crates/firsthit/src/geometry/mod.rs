@@ -11,6 +11,7 @@ pub(crate) mod exact;
 mod grid;
 mod hit;
 mod ray;
+mod require;
 pub(crate) mod summary;
 mod transform;
 
@@ -22,6 +23,7 @@ pub use digest::Digest;
 pub use grid::PixelGrid;
 pub use hit::Hit;
 pub use ray::{Ray, Rays};
+pub(crate) use require::{require, require_direction, require_finite, require_positive};
 pub use transform::Transform;
 
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
@@ -46,6 +48,13 @@ pub(crate) fn moderation(v: DVec3) -> f64 {
     } else {
         1.0
     }
+}
+
+/// The nearest float32.
+#[expect(clippy::cast_possible_truncation, reason = "it rounds")]
+#[inline]
+pub(crate) fn single(value: f64) -> f32 {
+    value as f32
 }
 
 #[cfg(test)]

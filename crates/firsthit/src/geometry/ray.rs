@@ -107,6 +107,9 @@ pub trait Rays: Sync {
     /// Fills `rays` with those from `first` on, at most up to [`Rays::len`]: what [`Rays::ray`] gives, sooner than one by
     /// one.
     fn read(&self, first: usize, rays: &mut [Ray]) {
+        if let Some(grid) = self.grid() {
+            return grid.read(first, rays);
+        }
         for (index, ray) in (first..).zip(rays) {
             *ray = self.ray(index);
         }
@@ -125,30 +128,17 @@ pub trait Rays: Sync {
     }
 }
 
-impl Rays for [Ray] {
+/// An array of rays, and whatever holds one.
+impl<R: AsRef<[Ray]> + Sync + ?Sized> Rays for R {
     fn len(&self) -> usize {
-        <[Ray]>::len(self)
+        self.as_ref().len()
     }
 
     fn ray(&self, index: usize) -> Ray {
-        self[index]
+        self.as_ref()[index]
     }
 
     fn read(&self, first: usize, rays: &mut [Ray]) {
-        rays.copy_from_slice(&self[first..first + rays.len()]);
-    }
-}
-
-impl Rays for Vec<Ray> {
-    fn len(&self) -> usize {
-        Vec::len(self)
-    }
-
-    fn ray(&self, index: usize) -> Ray {
-        self[index]
-    }
-
-    fn read(&self, first: usize, rays: &mut [Ray]) {
-        rays.copy_from_slice(&self[first..first + rays.len()]);
+        rays.copy_from_slice(&self.as_ref()[first..first + rays.len()]);
     }
 }

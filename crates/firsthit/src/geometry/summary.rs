@@ -2,6 +2,19 @@
 
 use std::fmt::{self, Debug, Formatter};
 
+/// Makes a [`Debug`] that shows these of many things, each by its name.
+macro_rules! summary {
+    ($kind:ty, $name:literal, |$it:ident| $($field:literal: $value:expr),+) => {
+        impl std::fmt::Debug for $kind {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                let $it = self;
+                f.debug_struct($name)$(.field($field, &$value))+.finish_non_exhaustive()
+            }
+        }
+    };
+}
+pub(crate) use summary;
+
 /// The first few of many, and how many there are.
 pub(crate) struct Few<'a, T>(pub(crate) &'a [T]);
 

@@ -51,11 +51,8 @@ impl Transform {
             let expected = "an affine map that can be undone";
             let rows = world_from_object.matrix3.transpose().to_cols_array_2d();
             let moved = world_from_object.translation.to_array();
-            return Err(Error::argument(
-                "transform",
-                expected,
-                format!("rows {rows:?}, moved by {moved:?}"),
-            ));
+            let got = format!("rows {rows:?}, moved by {moved:?}");
+            return Err(Error::argument("transform", expected, got));
         }
         Ok(Self {
             world_from_object,

@@ -1,4 +1,5 @@
 use super::decode::output::{Array, Numbers};
+use crate::geometry::single;
 
 /// How two channels differ.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,14 +139,6 @@ fn doubles(numbers: &Numbers) -> Box<dyn Iterator<Item = f64> + '_> {
         Numbers::Float32(values) => Box::new(values.iter().map(|&value| f64::from(value))),
         Numbers::Integer(values) => Box::new(values.iter().map(|&value| value as f64)),
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounded to the precision of the other file"
-)]
-fn single(value: f64) -> f32 {
-    value as f32
 }
 
 /// The place of a float among all floats: neighbours differ by one, and both zeros are the same.

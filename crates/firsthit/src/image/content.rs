@@ -3,6 +3,8 @@
 use super::frame::{Channel, Data};
 use super::metadata::Metadata;
 use crate::error::{Error, Result};
+#[cfg(any(feature = "exr", feature = "cloud"))]
+use crate::geometry::single;
 use crate::watch::Watch;
 
 /// Settings of some formats.
@@ -61,14 +63,4 @@ pub(super) fn check_float32(
             Err(Error::argument(channel.name, expected, got))
         }
     }
-}
-
-/// The nearest float32.
-#[cfg(any(feature = "exr", feature = "cloud"))]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the format has no float64; `check_float32` refuses what would be lost"
-)]
-pub(super) fn single(value: f64) -> f32 {
-    value as f32
 }

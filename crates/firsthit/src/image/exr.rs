@@ -10,10 +10,11 @@ use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, Vec2};
 use rayon::prelude::*;
 
-use super::content::{Content, check_float32, picture_sides, single};
+use super::content::{Content, check_float32, picture_sides};
 use super::frame::{Channel, Data, Picture};
 use super::metadata::{Encoding, KEY, Stored};
 use crate::error::Result;
+use crate::geometry::single;
 
 /// Every sample has 32 bits.
 const BYTES: usize = 4;

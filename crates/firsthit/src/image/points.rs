@@ -11,11 +11,12 @@ use std::io::{self, Read, Write};
 use std::ops::Range;
 use std::path::Path;
 
-use super::content::{Content, check_float32, single};
+use super::content::{Content, check_float32};
 use super::frame::{Channel, Data, Picture};
 use super::metadata::{Encoding, KEY, Stored};
 use super::srgb::unpremultiplied;
 use crate::error::{Error, Result};
+use crate::geometry::single;
 
 /// The channel whose numbers are the coordinates.
 pub(super) const POSITION: &str = "position";

@@ -17,11 +17,7 @@ const MOST_DIGITS: usize = 18;
 /// `None` says nothing about the text.
 #[inline]
 pub(super) fn number(text: &[u8]) -> Option<(f64, &[u8])> {
-    let (is_negative, rest) = match text {
-        [b'-', rest @ ..] => (true, rest),
-        [b'+', rest @ ..] => (false, rest),
-        _ => (false, text),
-    };
+    let (is_negative, rest) = sign(text);
     let (whole, rest, before) = digits(0, rest);
     let (digits, rest, after) = match rest {
         [b'.', rest @ ..] => digits(whole, rest),
@@ -44,6 +40,16 @@ pub(super) fn number(text: &[u8]) -> Option<(f64, &[u8])> {
     Some((if is_negative { -magnitude } else { magnitude }, rest))
 }
 
+/// Whether a text begins with a minus, and what follows its sign.
+#[inline]
+fn sign(text: &[u8]) -> (bool, &[u8]) {
+    match text {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, text),
+    }
+}
+
 /// Appends the digits at the start of a text to a number; with it come what follows, and how many there were.
 #[inline]
 fn digits(mut number: u64, text: &[u8]) -> (u64, &[u8], usize) {
@@ -58,11 +64,7 @@ fn digits(mut number: u64, text: &[u8]) -> (u64, &[u8], usize) {
 }
 
 fn exponent(text: &[u8]) -> Option<(i32, &[u8])> {
-    let (is_negative, rest) = match text {
-        [b'-', rest @ ..] => (true, rest),
-        [b'+', rest @ ..] => (false, rest),
-        _ => (false, text),
-    };
+    let (is_negative, rest) = sign(text);
     let (exponent, rest, count) = digits(0, rest);
     let exponent = i32::try_from(exponent).ok()?;
     (1..=4)

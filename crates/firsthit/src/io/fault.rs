@@ -32,19 +32,22 @@ impl Fault {
         Self::at(Place::File, what)
     }
 
+    pub(crate) fn too_large(place: Place, what: impl Into<String>) -> Self {
+        let what = what.into();
+        Self::TooLarge { place, what }
+    }
+
     pub(crate) fn into_error(self, path: &Path) -> Error {
         let path = path.to_owned();
         match self {
-            Self::Content { place, what } => Error::Parse {
-                path,
-                place,
-                what: shortened(what),
-            },
-            Self::TooLarge { place, what } => Error::TooLarge {
-                path,
-                place,
-                what: shortened(what),
-            },
+            Self::Content { place, what } => {
+                let what = shortened(what);
+                Error::Parse { path, place, what }
+            }
+            Self::TooLarge { place, what } => {
+                let what = shortened(what);
+                Error::TooLarge { path, place, what }
+            }
             Self::Other(error) => error,
         }
     }

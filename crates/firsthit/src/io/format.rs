@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use super::fault::Checked;
+use super::fault::{Checked, Fault};
 use super::gzip;
 use super::loaded::Loaded;
 use super::memory_budget::check_free;
 use super::report::Report;
-use super::source::without_gz;
-use crate::error::{Error, Place, Result};
+use super::source::has_extension;
+use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::world::World;
 
@@ -32,8 +32,8 @@ impl Format {
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`] for wrong content, [`Error::TooLarge`] for more than the settings allow, and [`Error::Limit`]
-    /// for more than identifiers hold.
+    /// [`Error::Parse`](crate::Error::Parse) for wrong content, [`Error::TooLarge`](crate::Error::TooLarge) for more than the
+    /// settings allow, and [`Error::Limit`](crate::Error::Limit) for more than identifiers hold.
     pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Loaded> {
         let path = report.source.path().to_owned();
         let read = |report: &mut Report| {
@@ -64,26 +64,19 @@ impl Format {
 ///
 /// # Errors
 ///
-/// [`Error::Parse`] if there is none.
+/// [`Error::Parse`](crate::Error::Parse) if there is none.
 pub(crate) fn format_of<'a>(
     path: &Path,
     mut formats: impl Iterator<Item = &'a Format> + Clone,
 ) -> Result<&'a Format> {
-    let unpacked = without_gz(path);
-    let extension = unpacked.extension().unwrap_or_default();
-    let extension = extension.to_ascii_lowercase();
     let known: Vec<String> = (formats.clone())
         .flat_map(|format| format.extensions.iter().map(move |e| (format.name, e)))
         .map(|(name, extension)| format!(".{extension} ({name})"))
         .collect();
-    (formats.find(|format| format.extensions.iter().any(|&known| extension == known))).ok_or_else(
-        || Error::Parse {
-            path: path.to_owned(),
-            place: Place::File,
-            what: format!(
-                "the extension names no known format; it must be one of {}",
-                known.join(", ")
-            ),
-        },
-    )
+    let found = formats.find(|format| has_extension(path, format.extensions));
+    found.ok_or_else(|| {
+        let known = known.join(", ");
+        let what = format!("the extension names no known format; it must be one of {known}");
+        Fault::file(what).into_error(path)
+    })
 }

@@ -20,7 +20,7 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
     if !bytes.starts_with(MAGIC) {
         return Ok(bytes);
     }
-    let Unpacked { content, trailing } = unpack(&bytes, report.budget.left())?;
+    let (content, trailing) = unpack(&bytes, report.budget.left())?;
     if trailing > 0 {
         let place = Place::Byte((bytes.len() - trailing) as u64);
         report.warn("gzip", &place, || {
@@ -33,14 +33,9 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
     Ok(content.into())
 }
 
-struct Unpacked {
-    content: Vec<u8>,
-    /// How many bytes follow the last member that are neither another nor padding.
-    trailing: usize,
-}
-
-/// All members of a packed file, one after the other.
-fn unpack(packed: &[u8], most: u64) -> Checked<Unpacked> {
+/// The content of all members of a packed file, one after the other, and how many bytes follow the last member that are
+/// neither another nor padding.
+fn unpack(packed: &[u8], most: u64) -> Checked<(Vec<u8>, usize)> {
     let (mut content, mut rest) = (Vec::new(), packed);
     while rest.starts_with(MAGIC) {
         member(&mut rest, packed.len(), most, &mut content)?;
@@ -48,7 +43,7 @@ fn unpack(packed: &[u8], most: u64) -> Checked<Unpacked> {
     // Tapes are padded with zeros.
     let is_padding = rest.iter().all(|&byte| byte == 0);
     let trailing = if is_padding { 0 } else { rest.len() };
-    Ok(Unpacked { content, trailing })
+    Ok((content, trailing))
 }
 
 /// Unpacks one member, and moves `rest` behind it.
@@ -61,10 +56,7 @@ fn member(rest: &mut &[u8], size: usize, most: u64, content: &mut Vec<u8>) -> Ch
                 "unpacks to more than the {limit} of memory that are left of what is allowed \
                  (--max-memory raises the limit)"
             );
-            Fault::TooLarge {
-                place: Place::File,
-                what,
-            }
+            Fault::too_large(Place::File, what)
         };
         let left = most.saturating_sub(content.len() as u64);
         // One byte more than allowed tells that there is more.
@@ -107,17 +99,16 @@ mod tests {
     #[test]
     fn members_follow_each_other_and_zeros_are_padding() {
         let file = [packed(b"solid "), packed(b"x"), vec![0; 512]].concat();
-        let Unpacked { content, trailing } = unpack(&file, 100).unwrap();
-        assert_eq!((content.as_slice(), trailing), (&b"solid x"[..], 0));
+        assert_eq!(unpack(&file, 100).unwrap(), (b"solid x".to_vec(), 0));
         let file = [packed(b"a"), b"garbage".to_vec()].concat();
-        assert_eq!(unpack(&file, 100).unwrap().trailing, 7);
+        assert_eq!(unpack(&file, 100).unwrap().1, 7);
     }
 
     #[test]
     fn a_bomb_is_stopped_at_the_limit_and_not_before() {
         let bomb = packed(&vec![0; 3 << 20]);
         assert!(bomb.len() < 5000);
-        assert_eq!(unpack(&bomb, 3 << 20).unwrap().content.len(), 3 << 20);
+        assert_eq!(unpack(&bomb, 3 << 20).unwrap().0.len(), 3 << 20);
         for most in [0, 1, 1 << 20, (3 << 20) - 1] {
             assert!(matches!(unpack(&bomb, most), Err(Fault::TooLarge { .. })));
         }
@@ -135,8 +126,8 @@ mod tests {
             let mut damaged = file.clone();
             damaged[k] ^= 0x10;
             // A few bits mean nothing, as those that fill the last byte.
-            if let Ok(unpacked) = unpack(&damaged, 1 << 20) {
-                assert_eq!(unpacked.content, text, "{k}");
+            if let Ok((content, _)) = unpack(&damaged, 1 << 20) {
+                assert_eq!(content, text, "{k}");
             }
         }
     }

@@ -1,9 +1,9 @@
 //! The result of reading a file.
 
-use std::fmt::{self, Debug, Formatter};
 use std::path::PathBuf;
 
 use crate::error::Result;
+use crate::geometry::summary::summary;
 use crate::scene::Scene;
 use crate::world::World;
 
@@ -21,16 +21,10 @@ pub struct Loaded {
     pub vertices: Option<u64>,
 }
 
-/// A summary: the world's, and counts.
-impl Debug for Loaded {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Loaded")
-            .field("world", &self.world)
-            .field("files", &self.files.len())
-            .field("warnings", &self.warnings.len())
-            .finish_non_exhaustive()
-    }
-}
+// The world's own, and counts.
+summary!(
+    Loaded, "Loaded", |loaded| "world": loaded.world, "files": loaded.files.len(), "warnings": loaded.warnings.len()
+);
 
 impl Loaded {
     /// The scene of the world, see [`World::into_scene`].

@@ -104,7 +104,7 @@ impl MemoryBudget {
     pub(crate) fn charge_texture(&mut self, bytes: u64) -> Checked<()> {
         let what = "the texture";
         self.take_room(&Place::File, bytes, bytes / TEXTURE_SHARE, what)?;
-        self.take_memory(Place::File, bytes, what)
+        self.charge_content(bytes, what)
     }
 
     /// Charges memory for the file's own content, unpacked or parsed. It does not count as described.
@@ -147,10 +147,7 @@ impl MemoryBudget {
                 "{what} would take {bytes} of memory{share}, {room} are left of what a file of {size} may describe: \
                  {TIMES_SIZE} times its size and 1/{FREE_SHARE} of what is allowed (--max-memory raises the limit)"
             );
-            Fault::TooLarge {
-                place: place.clone(),
-                what,
-            }
+            Fault::too_large(place.clone(), what)
         })?;
         Ok(())
     }
@@ -163,7 +160,7 @@ impl MemoryBudget {
                 "{what} would take {bytes} of memory, {left} are left of what is allowed \
                  (--max-memory raises the limit)"
             );
-            Fault::TooLarge { place, what }
+            Fault::too_large(place, what)
         })?;
         Ok(())
     }
@@ -171,8 +168,6 @@ impl MemoryBudget {
 
 /// Fails where the system has less memory to give.
 pub(crate) fn check_free(bytes: usize) -> Checked<()> {
-    memory::check("the file's content", bytes).map_err(|error| Fault::TooLarge {
-        place: Place::File,
-        what: error.to_string(),
-    })
+    let checked = memory::check("the file's content", bytes);
+    checked.map_err(|error| Fault::too_large(Place::File, error.to_string()))
 }

@@ -2,6 +2,7 @@
 
 use super::report::Report;
 use crate::error::Place;
+use crate::geometry::{single, srgb_decode};
 
 /// The meaning of the numbers of vertices or faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +58,16 @@ impl Kind {
     }
 }
 
+/// The linear value of a level that is encoded as sRGB.
+pub(super) fn linear(encoded: f64) -> f32 {
+    if encoded.is_finite() && encoded >= 0.0 {
+        single(srgb_decode(encoded))
+    } else {
+        // Not a colour: told, and replaced, where all are there.
+        single(encoded)
+    }
+}
+
 /// Puts harmless values in the place of unusable ones; how many there are and which one is the first is one
 /// warning.
 pub(super) fn mend<const N: usize>(
@@ -103,12 +114,8 @@ mod tests {
         let mut normals = [[0.0, 0.0, 1.0], [0.0, f32::NAN, 1.0]];
         mend(&mut normals, Kind::Normals, &Place::File, &mut report);
         assert_eq!(normals, [[0.0, 0.0, 1.0], [0.0; 3]]);
-        mend(
-            &mut [[1e38, -3.0]],
-            Kind::Coordinates,
-            &Place::File,
-            &mut report,
-        );
+        let mut uvs = [[1e38, -3.0]];
+        mend(&mut uvs, Kind::Coordinates, &Place::File, &mut report);
         let lines = report.take_lines();
         assert_eq!(lines.len(), 2, "{lines:?}");
         assert!(lines[0].contains(": 2, the first at index 1;"), "{lines:?}");

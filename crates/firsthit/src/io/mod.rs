@@ -49,5 +49,5 @@ pub(crate) use formats::{FORMATS, load_part};
 pub use loaded::Loaded;
 pub(crate) use report::Report;
 pub use settings::LoadSettings;
-pub(crate) use source::without_gz;
+pub(crate) use source::has_extension;
 pub(crate) use surface::TOO_FAR;

@@ -6,9 +6,9 @@ use std::path::Path;
 use image::{ImageFormat, ImageReader, Limits};
 
 use super::memory_budget::{check_free, size_in_words};
+use super::read;
 use super::report::Report;
 use super::source::without_gz;
-use super::{LoadSettings, read};
 use crate::scene::Texture;
 
 /// The picture that a scene at `scene` calls `name`.
@@ -34,7 +34,6 @@ pub(super) fn decode(
     extension: Option<&str>,
     report: &mut Report,
 ) -> Result<Texture, String> {
-    let settings = report.settings;
     let format = image::guess_format(bytes)
         .ok()
         .or_else(|| extension.and_then(ImageFormat::from_extension))
@@ -42,7 +41,7 @@ pub(super) fn decode(
     let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     let words = |error: image::ImageError| crate::error::escape_controls(&error.to_string());
     let (columns, rows) = reader().into_dimensions().map_err(words)?;
-    let side = settings.max_texture;
+    let side = report.settings.max_texture;
     // The four bytes of a texel.
     let bytes_needed = 4 * u64::from(columns) * u64::from(rows);
     if columns > side || rows > side || bytes_needed > u64::from(side).pow(2) {
@@ -60,42 +59,34 @@ pub(super) fn decode(
         ));
     }
     // Charged before the work: a damaged picture is decoded up to the damage.
-    report
-        .budget
-        .charge_texture(bytes_needed)
-        .map_err(|fault| fault.into_error(report.source.path()).to_string())?;
+    let charged = report.budget.charge_texture(bytes_needed);
     // The system's own limit: as decoded, as four bytes a texel, and as the texture.
-    check_free(usize::try_from(3 * bytes_needed).unwrap_or(usize::MAX))
-        .map_err(|fault| fault.into_error(report.source.path()).to_string())?;
+    let in_all = usize::try_from(3 * bytes_needed).unwrap_or(usize::MAX);
+    let charged = charged.and_then(|()| check_free(in_all));
+    charged.map_err(|fault| fault.into_error(report.source.path()).to_string())?;
     let mut reader = reader();
-    reader.limits(limits(&settings));
+    let mut limits = Limits::default();
+    // What decoders need beside the result is of the same order.
+    limits.max_alloc = Some(2 * u64::from(side).pow(2));
+    reader.limits(limits);
     let texels = reader.decode().map_err(words)?.into_rgba8().into_raw();
     let (texels, _) = texels.as_chunks::<4>();
     let size = |side: u32| usize::try_from(side).unwrap_or(usize::MAX);
     Texture::new(size(columns), size(rows), texels.to_vec()).map_err(|error| error.to_string())
 }
 
-fn limits(settings: &LoadSettings) -> Limits {
-    let mut limits = Limits::default();
-    // What decoders need beside the result is of the same order.
-    limits.max_alloc = Some(2 * u64::from(settings.max_texture).pow(2));
-    limits
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::LoadSettings;
 
     fn decoded(
         bytes: &[u8],
         extension: Option<&str>,
         settings: LoadSettings,
     ) -> Result<Texture, String> {
-        decode(
-            bytes,
-            extension,
-            &mut Report::new("a.obj".as_ref(), settings),
-        )
+        let mut report = Report::new("a.obj".as_ref(), settings);
+        decode(bytes, extension, &mut report)
     }
 
     fn png(columns: u32, rows: u32) -> Vec<u8> {

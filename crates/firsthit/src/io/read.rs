@@ -60,7 +60,7 @@ pub(crate) fn refuse_folder(path: &Path) -> Result<()> {
 pub(crate) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
     let bytes = regular_file(path, report.budget.left())?;
     report.budget.charge_read(path, bytes.len())?;
-    report.source.note_file(path.to_owned());
+    report.source.further.push(path.to_owned());
     Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
 }
 
@@ -94,11 +94,7 @@ fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {
 /// In words, why it is refused or cannot be found.
 pub(crate) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
     check_name(name)?;
-    let folder = match scene.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let folder = folder.canonicalize().map_err(|error| error.to_string())?;
+    let folder = folder_of(scene)?;
     // Canonical, so that no symbolic link leads out of the folder.
     let path = folder
         .join(name)
@@ -112,6 +108,15 @@ pub(crate) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, 
     Ok(path)
 }
 
+/// The folder of a file, in canonical form.
+fn folder_of(scene: &Path) -> std::result::Result<PathBuf, String> {
+    let folder = match scene.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    folder.canonicalize().map_err(|error| error.to_string())
+}
+
 /// The file that a scene at `scene` wants written as `name`, under the scene's folder. It need not be there,
 /// nor need its folder.
 ///
@@ -120,13 +125,8 @@ pub(crate) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, 
 /// In words, why it is refused.
 pub(crate) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
     check_name(name)?;
-    let folder = scene.parent().unwrap_or(Path::new(""));
-    let path = folder.join(name);
-    let top = match folder {
-        folder if folder == Path::new("") => Path::new("."),
-        folder => folder,
-    };
-    let top = top.canonicalize().map_err(|error| error.to_string())?;
+    let path = scene.parent().unwrap_or(Path::new("")).join(name);
+    let top = folder_of(scene)?;
     // The parts of the path that exist must not lead out of the folder. The others cannot be links.
     let there = path.ancestors().find_map(|part| part.canonicalize().ok());
     let is_within = there.is_none_or(|there| there.starts_with(&top));

@@ -30,14 +30,6 @@ impl Report {
         }
     }
 
-    /// The report about content in memory, see [`Source::in_memory`].
-    pub(crate) fn in_memory(self) -> Self {
-        Self {
-            source: self.source.in_memory(),
-            ..self
-        }
-    }
-
     /// The report about a file that this one names, within this one's budget.
     pub(crate) fn part(&self, path: &Path) -> Self {
         Self {
@@ -50,7 +42,7 @@ impl Report {
     pub(crate) fn absorb(&mut self, part: &Self, warnings: Vec<String>, files: Vec<PathBuf>) {
         self.budget.absorb(&part.budget);
         self.warnings.absorb(warnings);
-        self.source.note_files(files);
+        self.source.further.extend(files);
     }
 
     /// Adds a warning, see [`Warnings::add`].

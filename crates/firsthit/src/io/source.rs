@@ -12,12 +12,23 @@ pub(crate) fn without_gz(path: &Path) -> PathBuf {
     }
 }
 
+/// Whether a file's name ends with one of some extensions, in any case; packed files by their name unpacked.
+pub(crate) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    let unpacked = without_gz(path);
+    let own = unpacked.extension().unwrap_or_default();
+    extensions
+        .iter()
+        .any(|known| own.eq_ignore_ascii_case(known))
+}
+
 /// The file that is read.
 #[derive(Debug)]
 pub(crate) struct Source {
     path: PathBuf,
-    in_memory: bool,
-    files: Vec<PathBuf>,
+    /// Whether its path is a mere name without a folder: no file that it names is opened.
+    pub(crate) in_memory: bool,
+    /// Files that were read for it, such as textures.
+    pub(crate) further: Vec<PathBuf>,
 }
 
 impl Source {
@@ -25,15 +36,7 @@ impl Source {
         Self {
             path: path.to_owned(),
             in_memory: false,
-            files: Vec::new(),
-        }
-    }
-
-    /// The same for content in memory. Its path is a mere name without a folder: no file that it names is opened.
-    pub(crate) fn in_memory(self) -> Self {
-        Self {
-            in_memory: true,
-            ..self
+            further: Vec::new(),
         }
     }
 
@@ -61,19 +64,9 @@ impl Source {
         escaped(Path::new(path.file_stem().unwrap_or_default()))
     }
 
-    /// Notes a further file that was read, such as a texture.
-    pub(crate) fn note_file(&mut self, path: PathBuf) {
-        self.files.push(path);
-    }
-
-    /// Notes the files that were read for another one.
-    pub(crate) fn note_files(&mut self, paths: Vec<PathBuf>) {
-        self.files.extend(paths);
-    }
-
     /// All files that were read, itself first.
     pub(crate) fn take_files(&mut self) -> Vec<PathBuf> {
-        let further = std::mem::take(&mut self.files);
+        let further = std::mem::take(&mut self.further);
         [vec![self.path.clone()], further].concat()
     }
 }

@@ -21,21 +21,18 @@ const FACET: usize = 50;
 const CHECK_EVERY: u64 = 1 << 16;
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
-    let (positions, name) = match facets_of(bytes)? {
-        Facets::Binary { facets, trailing } => {
-            if trailing > 0 {
-                let place = Place::Byte((bytes.len() - trailing) as u64);
-                report.warn("trailing", &place, || {
-                    format!("{trailing} bytes after the last facet are not read")
-                });
-            }
-            report.budget.charge_growth(facets.len())?;
-            (Positions::Single(read_binary(facets)), None)
+    let (positions, name) = if let Some((facets, rest)) = binary_of(bytes)? {
+        if !rest.is_empty() {
+            let place = Place::Byte((bytes.len() - rest.len()) as u64);
+            report.warn("trailing", &place, || {
+                format!("{} bytes after the last facet are not read", rest.len())
+            });
         }
-        Facets::Text => {
-            let (points, name) = read_text(&text::decode(bytes), report)?;
-            (Positions::compact(points), name)
-        }
+        report.budget.charge_growth(facets.len())?;
+        (Positions::Single(read_binary(facets)), None)
+    } else {
+        let (points, name) = read_text(&text::decode(bytes), report)?;
+        (Positions::compact(points), name)
     };
     let name = name.unwrap_or_else(|| report.source.stem());
     let count = u32::try_from(positions.len() / 3).map_err(|_| Fault::file("too many facets"))?;
@@ -50,14 +47,9 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     Ok(World::of(vec![Object::new(Arc::new(mesh)).named(name)]))
 }
 
-enum Facets<'a> {
-    Binary { facets: &'a [u8], trailing: usize },
-    Text,
-}
-
-/// Tells binary from text by the size, which only binary files state: many of those, too, begin with
-/// "solid", the mark of text.
-fn facets_of(bytes: &[u8]) -> Checked<Facets<'_>> {
+/// The facets of a binary file and what follows them; `None` for text. They are told apart by the size, which only binary
+/// files state: many of those, too, begin with "solid", the mark of text.
+fn binary_of(bytes: &[u8]) -> Checked<Option<(&[u8], &[u8])>> {
     let start = bytes.trim_ascii_start();
     let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
     let solid = start
@@ -66,31 +58,24 @@ fn facets_of(bytes: &[u8]) -> Checked<Facets<'_>> {
     let utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     let is_text = utf16 || (solid && !bytes.contains(&0));
     let Some((count, body)) = bytes.get(HEADER..).and_then(<[u8]>::split_first_chunk::<4>) else {
-        return if is_text {
-            Ok(Facets::Text)
-        } else {
-            let size = bytes.len();
-            let what = format!("{size} bytes are neither text nor a header of 84 bytes");
-            Err(Fault::at(Place::Byte(0), what))
-        };
+        if is_text {
+            return Ok(None);
+        }
+        let size = bytes.len();
+        let what = format!("{size} bytes are neither text nor a header of 84 bytes");
+        return Err(Fault::at(Place::Byte(0), what));
     };
     let count = u32::from_le_bytes(*count);
     let needed = usize::try_from(u64::from(count) * FACET as u64).unwrap_or(usize::MAX);
     match body.split_at_checked(needed) {
-        Some((facets, [])) => Ok(Facets::Binary {
-            facets,
-            trailing: 0,
-        }),
-        _ if is_text => Ok(Facets::Text),
+        Some((facets, rest @ [])) => Ok(Some((facets, rest))),
+        _ if is_text => Ok(None),
         Some((_, rest)) if count == 0 && rest.len() >= FACET => {
             let room = rest.len() / FACET;
             let what = format!("the count of facets is 0, but there are bytes for {room}");
             Err(Fault::at(Place::Byte(HEADER as u64), what))
         }
-        Some((facets, rest)) => Ok(Facets::Binary {
-            facets,
-            trailing: rest.len(),
-        }),
+        Some(found) => Ok(Some(found)),
         None => {
             let room = body.len() / FACET;
             let what =
@@ -139,10 +124,8 @@ fn read_text(text: &[u8], report: &mut Report) -> Checked<(Vec<[f64; 3]>, Option
         reader.line(line, lines.number, report)?;
     }
     if let Some(open) = reader.open {
-        return Err(Fault::line(
-            open,
-            "truncated: the facet that begins here never ends",
-        ));
+        let what = "truncated: the facet that begins here never ends";
+        return Err(Fault::line(open, what));
     }
     if let Some(solid) = reader.solid {
         let count = reader.points.len() / 3;
@@ -186,13 +169,11 @@ impl TextReader {
     }
 
     fn begin_facet(&mut self, number: u64) -> Checked<()> {
-        match self.open.replace(number) {
-            None => Ok(()),
-            Some(open) => Err(Fault::line(
-                number,
-                format!("a facet begins before that of line {open} has ended"),
-            )),
-        }
+        let Some(open) = self.open.replace(number) else {
+            return Ok(());
+        };
+        let what = format!("a facet begins before that of line {open} has ended");
+        Err(Fault::line(number, what))
     }
 
     fn vertex(&mut self, words: &mut Words, number: u64) -> Checked<()> {

@@ -82,10 +82,7 @@ impl Surface {
     /// What it takes in memory.
     pub(super) fn bytes(&self) -> usize {
         let [a, b] = &self.corners;
-        let faces = self
-            .faces
-            .as_ref()
-            .map_or(0, |faces| size_of_val(faces.as_slice()));
+        let faces = self.faces.as_deref().map_or(0, size_of_val);
         let corners = size_of_val(a.as_slice()) + size_of_val(b.as_slice());
         let polygons = size_of_val(self.polygons.as_slice());
         size_of_val(self.triangles.as_slice()) + faces + corners + polygons
@@ -161,10 +158,8 @@ impl Surface {
             if !fan.iter().all(|triangle| vertices.is_usable(triangle)) {
                 continue;
             }
-            let corners: Vec<DVec3> = ring_of(fan)
-                .iter()
-                .map(|&corner| vertices.positions.get(corner))
-                .collect();
+            let ring = ring_of(fan).into_iter();
+            let corners: Vec<DVec3> = ring.map(|k| vertices.positions.get(k)).collect();
             let Some(cut) = polygon::triangulate(&corners) else {
                 continue;
             };

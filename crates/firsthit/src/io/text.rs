@@ -83,6 +83,12 @@ pub(super) fn unended_line(text: &[u8]) -> Option<&[u8]> {
     text.get(start..).filter(|line| !line.is_empty())
 }
 
+/// What to say of a last line without a line break that makes no sense as the last.
+pub(super) fn unended(line: &[u8], why: &str) -> String {
+    let line = shown(line);
+    format!("its last line has no line break, and {why}: '{line}'")
+}
+
 /// The words of a line, between blanks.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Words<'a> {

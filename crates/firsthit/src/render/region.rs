@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::error::{Error, Result};
-use crate::geometry::{DVec2, PixelGrid, Ray, Rays};
+use crate::error::Result;
+use crate::geometry::{DVec2, PixelGrid, Ray, Rays, require};
 use crate::image::CameraRecord;
 use crate::sensor::Sensor;
 
@@ -33,12 +33,14 @@ impl Region {
     /// Refuses a region that has no pixels, or others than a sensor of that shape.
     pub(super) fn check(&self, [rows, columns]: [usize; 2]) -> Result<()> {
         let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
-        if fits(&self.rows, rows) && fits(&self.columns, columns) {
-            return Ok(());
-        }
+        let is_part = fits(&self.rows, rows) && fits(&self.columns, columns);
         let got = format!("rows {:?} and columns {:?}", self.rows, self.columns);
-        let expected = "a part of the picture that is not empty";
-        Err(Error::argument("region", expected, got))
+        require(
+            "region",
+            "a part of the picture that is not empty",
+            is_part,
+            got,
+        )
     }
 }
 
@@ -58,9 +60,7 @@ impl Part<'_> {
         let row = self.region.rows.start + index / width;
         row * columns + self.region.columns.start + index % width
     }
-}
 
-impl Part<'_> {
     /// The numbers in the whole picture of the pixels from one on.
     pub(super) fn number(&self, first: usize, numbers: &mut [u64]) {
         let [_, columns] = self.sensor.shape();
@@ -87,15 +87,6 @@ impl Rays for Part<'_> {
 
     fn ray(&self, index: usize) -> Ray {
         self.sensor.ray_within(self.pixel(index), self.offset)
-    }
-
-    fn read(&self, first: usize, rays: &mut [Ray]) {
-        if let Some(grid) = self.grid() {
-            return grid.read(first, rays);
-        }
-        for (index, ray) in (first..).zip(rays) {
-            *ray = self.ray(index);
-        }
     }
 
     fn grid(&self) -> Option<PixelGrid> {

@@ -115,11 +115,9 @@ impl<'a> Render<'a> {
     }
 
     /// Through a camera, in place of `view`, `up` and `size`.
-    pub fn camera(self, camera: Camera) -> Self {
-        Self {
-            camera: Some(camera),
-            ..self
-        }
+    pub fn camera(mut self, camera: Camera) -> Self {
+        self.camera = Some(camera);
+        self
     }
 
     /// In a standard view; [`StandardView::Iso`] by default.
@@ -128,19 +126,15 @@ impl<'a> Render<'a> {
     }
 
     /// With `up` upwards; [`Scene::up`] by default.
-    pub fn up(self, up: DVec3) -> Self {
-        Self {
-            up: Some(up),
-            ..self
-        }
+    pub fn up(mut self, up: DVec3) -> Self {
+        self.up = Some(up);
+        self
     }
 
     /// With `rows` and `columns` of pixels.
-    pub fn size(self, rows: usize, columns: usize) -> Self {
-        Self {
-            size: [rows, columns],
-            ..self
-        }
+    pub fn size(mut self, rows: usize, columns: usize) -> Self {
+        self.size = [rows, columns];
+        self
     }
 
     /// With the colours of a [`Shader`], or of a reference to any other [`Shade`], such as a closure.
@@ -154,11 +148,9 @@ impl<'a> Render<'a> {
     /// let frames = [small.clone().shade(&fog).frame()?, small.shade(Shader::named("normal")?).frame()?];
     /// # Ok::<(), firsthit::Error>(())
     /// ```
-    pub fn shade(self, look: impl Into<Look<'a>>) -> Self {
-        Self {
-            look: look.into(),
-            ..self
-        }
+    pub fn shade(mut self, look: impl Into<Look<'a>>) -> Self {
+        self.look = look.into();
+        self
     }
 
     /// Before a background, which is the colour of misses for the library's shaders; [`BACKGROUND`] by default.
@@ -172,11 +164,9 @@ impl<'a> Render<'a> {
     }
 
     /// Only a part of the picture, with the bytes that it has in the whole.
-    pub fn region(self, region: Region) -> Self {
-        Self {
-            region: Some(region),
-            ..self
-        }
+    pub fn region(mut self, region: Region) -> Self {
+        self.region = Some(region);
+        self
     }
 
     /// With another engine than [`Cpu`], for the camera's rays and for the shader's own.
@@ -190,11 +180,9 @@ impl<'a> Render<'a> {
     }
 
     /// Reporting progress to `watch`, which may stop it.
-    pub fn watch(self, watch: &'a dyn Watch) -> Self {
-        Self {
-            watch: Follower(watch),
-            ..self
-        }
+    pub fn watch(mut self, watch: &'a dyn Watch) -> Self {
+        self.watch = Follower(watch);
+        self
     }
 
     /// Makes the picture, with all threads of the current rayon pool.

@@ -14,8 +14,8 @@ use super::Picture;
 use super::region::{Part, Region};
 use crate::channel::{self, Shots};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Ray, Rays};
-use crate::image::{Channel, Data};
+use crate::geometry::{Color, DVec3, Ray, Rays, single};
+use crate::image::{Channel, Data, Frame};
 use crate::memory::zeroed;
 use crate::sampling::offset;
 use crate::shade::Samples;
@@ -111,36 +111,30 @@ impl<'a> Slab<'a> {
         })
     }
 
-    /// The part of the sensor that it is.
-    pub(super) fn region(&self) -> &Region {
-        &self.part.region
+    /// The part of the picture as it is, its colour the mean of the samples so far.
+    pub(super) fn frame(&self) -> Result<Frame> {
+        self.frame_with(self.channels.clone())
     }
 
-    /// The channels, in the order of the picture's, the colour as the mean of the samples so far. The others are taken out.
-    pub(super) fn take_channels(&mut self) -> Result<Vec<Channel>> {
+    /// The same, without a copy.
+    pub(super) fn into_frame(mut self) -> Result<Frame> {
         let plain = std::mem::take(&mut self.channels);
-        self.channels_with(plain)
+        self.frame_with(plain)
     }
 
-    /// The same, copied.
-    pub(super) fn channels(&self) -> Result<Vec<Channel>> {
-        self.channels_with(self.channels.clone())
-    }
-
-    fn channels_with(&self, plain: Vec<Channel>) -> Result<Vec<Channel>> {
+    fn frame_with(&self, plain: Vec<Channel>) -> Result<Frame> {
         let mut plain = plain.into_iter();
-        let kinds = self.picture.channels.iter();
-        let channels = kinds.map(|kind| {
-            if !kind.needs_shade() {
-                return Ok(plain.next().expect("it was made with the first sample"));
-            }
-            Ok(if self.picture.shade.is_transparent() {
+        let mut frame = self.picture.frame(self.part.region.shape());
+        for kind in self.picture.channels {
+            frame.push(if !kind.needs_shade() {
+                plain.next().expect("it was made with the first sample")
+            } else if self.picture.shade.is_transparent() {
                 kind.transparent_channel(self.means::<4>()?)
             } else {
                 kind.channel(self.means::<3>()?)
-            })
-        });
-        channels.collect()
+            })?;
+        }
+        Ok(frame)
     }
 
     /// `N` numbers for each pixel: red, green, blue, and with `N` = 4 the coverage.
@@ -159,12 +153,4 @@ impl<'a> Slab<'a> {
         });
         Ok(Data::Float32(means))
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "colours are stored as float32"
-)]
-fn single(value: f64) -> f32 {
-    value as f32
 }

@@ -15,7 +15,7 @@ const MOST: usize = 4;
 
 /// The objects whose every hit an earlier one has too, at the same `t`. No ray meets them first, so they are left out of trees.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Duplicates {
+pub(crate) struct Duplicates {
     is_duplicate: Vec<bool>,
     /// Those in the place of an object, by its index.
     of: HashMap<u32, Vec<u32>>,
@@ -45,12 +45,12 @@ impl Duplicates {
     }
 
     /// Whether an object is in the place of an earlier one.
-    pub(super) fn contains(&self, object: u32) -> bool {
+    pub(crate) fn contains(&self, object: u32) -> bool {
         self.is_duplicate[object as usize]
     }
 
     /// The objects in the place of one.
-    pub(super) fn of(&self, object: u32) -> &[u32] {
+    pub(crate) fn of(&self, object: u32) -> &[u32] {
         self.of.get(&object).map_or(&[], Vec::as_slice)
     }
 }

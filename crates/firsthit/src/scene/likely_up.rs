@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Object, Scene};
-use crate::geometry::DVec3;
+use crate::geometry::{DVec2, DVec3};
 use crate::shape::Mesh;
 
 /// The base and the lid are the lowest and the highest part of the scene, this share of its height.
@@ -21,18 +21,17 @@ const CLEARLY: f64 = 10.0;
 /// Areas projected along y and along z: of all triangles, of the level ones in the base, and of those in the lid.
 #[derive(Clone, Copy, Default)]
 struct Seen {
-    all: [f64; 2],
-    bottom: [f64; 2],
-    top: [f64; 2],
+    all: DVec2,
+    bottom: DVec2,
+    top: DVec2,
 }
 
 impl Seen {
     fn and(self, other: Self) -> Self {
-        let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         Self {
-            all: sum(self.all, other.all),
-            bottom: sum(self.bottom, other.bottom),
-            top: sum(self.top, other.top),
+            all: self.all + other.all,
+            bottom: self.bottom + other.bottom,
+            top: self.top + other.top,
         }
     }
 }
@@ -53,7 +52,7 @@ impl Scene {
         let seen = self.objects().iter().map(|object| self.seen(object));
         let seen = seen.fold(Seen::default(), Seen::and);
         // Half of the projected area faces down.
-        let share = |part: [f64; 2], axis: usize| part[axis] / (0.5 * seen.all[axis]);
+        let share = |part: DVec2, axis: usize| part[axis] / (0.5 * seen.all[axis]);
         let base = share(seen.bottom, other);
         let stands = base > BASE
             && base > 2.0 * share(seen.top, other)
@@ -151,21 +150,14 @@ mod tests {
 
     #[test]
     fn without_a_base_the_convention_holds() {
-        let mesh = |points: &[[f64; 3]], triangles: &[[u32; 3]]| {
-            let mesh = Mesh::new(Positions::compact(points.to_vec()), triangles.to_vec());
-            Object::new(Arc::new(mesh.unwrap()))
-        };
         // A sheet has as much of a lid as of a base.
-        let sheet = mesh(
-            &[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]],
-            &[[0, 1, 2], [0, 2, 3]],
-        );
-        for convention in [DVec3::Y, DVec3::Z] {
-            assert_eq!(turned(sheet.clone(), 0.0).likely_up(convention), convention);
-            assert_eq!(
-                Scene::new(vec![]).unwrap().likely_up(convention),
-                convention
-            );
+        let points = vec![[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+        let sheet = Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let sheet = turned(Object::new(Arc::new(sheet)), 0.0);
+        for scene in [sheet, Scene::new(vec![]).unwrap()] {
+            for convention in [DVec3::Y, DVec3::Z] {
+                assert_eq!(scene.likely_up(convention), convention);
+            }
         }
     }
 }

@@ -18,7 +18,6 @@ mod texture;
 mod top_tree;
 
 use std::collections::HashMap;
-use std::fmt::{self, Debug, Formatter};
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -30,12 +29,13 @@ pub use material::{AlphaMode, MapRole, Maps, Material};
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
+pub(crate) use duplicates::Duplicates;
 pub(crate) use top_tree::OnTheWay;
 use top_tree::TopTree;
 
 use crate::accel::{InstructionSet, MeshTree};
 use crate::error::{Error, Result};
-use crate::geometry::summary::Few;
+use crate::geometry::summary::{Few, summary};
 use crate::geometry::{Bounds, DVec3, Hit, Transform};
 use crate::memory;
 use crate::shape::{Mesh, Shape};
@@ -71,17 +71,11 @@ pub struct Scene {
     fingerprint: OnceLock<String>,
 }
 
-/// A summary: the first objects, and how much there is.
-impl Debug for Scene {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Scene")
-            .field("objects", &Few(&self.objects))
-            .field("triangles", &self.triangles())
-            .field("bounds", &self.bounds())
-            .field("lights", &self.lights.len())
-            .finish_non_exhaustive()
-    }
-}
+// The first objects, and how much there is.
+summary!(
+    Scene, "Scene", |scene| "objects": Few(&scene.objects), "triangles": scene.triangles(), "bounds": scene.bounds(),
+    "lights": scene.lights.len()
+);
 
 impl Scene {
     /// The scene of `objects`; builds the trees with all threads of the current rayon pool.
@@ -115,11 +109,8 @@ impl Scene {
     fn build(objects: Vec<Object>, before: Option<&Self>) -> Result<Self> {
         if i32::try_from(objects.len()).is_err() {
             let (got, limit) = (objects.len().to_string(), i32::MAX.to_string());
-            return Err(Error::Limit {
-                what: "objects in a scene",
-                got,
-                limit,
-            });
+            let what = "objects in a scene";
+            return Err(Error::Limit { what, got, limit });
         }
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;
@@ -169,11 +160,9 @@ impl Scene {
     }
 
     /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.
-    pub fn with_up(self, up: DVec3) -> Self {
-        Self {
-            up: Some(up),
-            ..self
-        }
+    pub fn with_up(mut self, up: DVec3) -> Self {
+        self.up = Some(up);
+        self
     }
 
     /// Which way is up in the world, for default cameras: that of the file or of [`with_up`](Self::with_up), else +z.
@@ -257,14 +246,9 @@ impl Scene {
         self.objects.get(usize::try_from(hit.object).ok()?)
     }
 
-    /// Whether no ray meets an object first, because an earlier one is in its place.
-    pub(crate) fn is_duplicate(&self, object: u32) -> bool {
-        self.top.is_duplicate(object)
-    }
-
-    /// The objects in the place of one, which no tree has.
-    pub(crate) fn duplicates_of(&self, object: u32) -> &[u32] {
-        self.top.duplicates_of(object)
+    /// The objects that no ray meets first, because an earlier one is in their place: no tree has them.
+    pub(crate) fn duplicates(&self) -> &Duplicates {
+        &self.top.duplicates
     }
 
     /// The mesh and the tree of an object whose triangles are all there is to it.

@@ -63,11 +63,9 @@ impl Object {
     }
 
     /// The same object with a name.
-    pub fn named(self, name: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            ..self
-        }
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
     }
 
     /// The same object, its shape taken to the world by `transform`.

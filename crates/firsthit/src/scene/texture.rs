@@ -1,9 +1,9 @@
 //! Textures: texels, and the filter between them.
 
-use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::geometry::summary::summary;
 use crate::geometry::{Color, DVec2, srgb_decode};
 
 /// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0 is the
@@ -24,15 +24,8 @@ pub struct Texture {
     texels: Vec<[u8; 4]>,
 }
 
-/// Its size: texels are many.
-impl Debug for Texture {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Texture")
-            .field("columns", &self.columns)
-            .field("rows", &self.rows)
-            .finish_non_exhaustive()
-    }
-}
+// Texels are many.
+summary!(Texture, "Texture", |texture| "columns": texture.columns, "rows": texture.rows);
 
 impl Texture {
     /// The texture of `texels`, row by row from the top.

@@ -19,7 +19,7 @@ pub(super) struct TopTree {
     /// The objects that every ray is a candidate for: they have no finite box, or only a vague one, or there are so few
     /// that asking the tree would take longer.
     unconditional: Vec<u32>,
-    duplicates: Duplicates,
+    pub(super) duplicates: Duplicates,
     /// A box around each object.
     boxes: Vec<Bounds>,
     /// How often an object was moved since the tree was built.
@@ -81,16 +81,6 @@ impl TopTree {
         } else {
             *self = Self::new(objects, std::mem::take(&mut self.boxes));
         }
-    }
-
-    /// Whether no ray meets an object first, because an earlier one is in its place.
-    pub(super) fn is_duplicate(&self, object: u32) -> bool {
-        self.duplicates.contains(object)
-    }
-
-    /// The objects in the place of one, which no tree has.
-    pub(super) fn duplicates_of(&self, object: u32) -> &[u32] {
-        self.duplicates.of(object)
     }
 
     /// What the tree takes in memory.

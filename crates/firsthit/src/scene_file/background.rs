@@ -2,8 +2,7 @@
 
 use super::form::is_transparent;
 use super::section::Section;
-use super::table::Form;
-use super::table::{Pick, Record, Variant, key, required};
+use super::table::{Form, Pick, Record, Variant, keys, optional, required};
 use crate::geometry::{Color, DVec3};
 use crate::io::fault::Checked;
 use crate::scene::Background;
@@ -13,11 +12,10 @@ pub(super) static BACKGROUND: Record = Record {
     about: "One colour where nothing is hit.",
     variants: &[Variant {
         pick: Pick::Always,
-        keys: &[&[required(
-            "color",
-            Form::ColorOrTransparent,
-            "Linear [red, green, blue], or sRGB as \"#rrggbb\" or by a name of CSS; or \"transparent\".",
-        )]],
+        keys: &[keys! {
+            /// Linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; or "transparent".
+            color: required(Form::ColorOrTransparent),
+        }],
         rules: &[],
     }],
 };
@@ -27,19 +25,14 @@ pub(super) static SKY: Record = Record {
     about: "A sky where nothing is hit, from the horizon's colour to the zenith's.",
     variants: &[Variant {
         pick: Pick::Always,
-        keys: &[&[
-            required(
-                "horizon",
-                Form::Color,
-                "The colour where the ray is level, and below.",
-            ),
-            required("zenith", Form::Color, "The colour straight up."),
-            key(
-                "up",
-                Form::Direction,
-                "Where the zenith is. Default: the scene's up.",
-            ),
-        ]],
+        keys: &[keys! {
+            /// The colour where the ray is level, and below.
+            horizon: required(Form::Color),
+            /// The colour straight up.
+            zenith: required(Form::Color),
+            /// Where the zenith is. Default: the scene's up.
+            up: optional(Form::Direction),
+        }],
         rules: &[],
     }],
 };

@@ -1,8 +1,7 @@
 //! Cameras of a scene file.
 
 use super::section::Section;
-use super::table::Form;
-use super::table::{Key, Pick, Record, Rule, Variant, key};
+use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional};
 use crate::camera::{Aim, Description, Opening, Projection, RayStart};
 use crate::geometry::Bounds;
 use crate::io::fault::Checked;
@@ -10,60 +9,46 @@ use crate::world::{NamedCamera, World};
 
 const PROJECTION: &str = "projection";
 
-const VIEW: &[Key] = &[
-    key(
-        "position",
-        Form::Vector,
-        "Where the camera is. Default: where everything is seen and fills the picture.",
-    ),
-    key(
-        "aim",
-        Form::Direction,
-        "The direction it looks in, of any length.",
-    ),
-    key(
-        "look_at",
-        Form::Vector,
-        "The point it looks at, instead of aim. Default: the middle of the scene.",
-    ),
-    key(
-        "up",
-        Form::Direction,
-        "Which way is up in the picture, of any length; need not be perpendicular to aim. Default: the scene's up.",
-    ),
-];
+const VIEW: &[Key] = keys! {
+    /// Where the camera is. Default: where everything is seen and fills the picture.
+    position: optional(Form::Vector),
+    /// The direction it looks in, of any length.
+    aim: optional(Form::Direction),
+    /// The point it looks at, instead of aim. Default: the middle of the scene.
+    look_at: optional(Form::Vector),
+    /// Which way is up in the picture, of any length; need not be perpendicular to aim. Default: the scene's up.
+    up: optional(Form::Direction),
+};
 
-const PIXELS: &[Key] = &[
-    key(
-        "columns",
-        Form::Whole(1, MOST_PIXELS),
-        "Pixels across. Default: 1024.",
-    ),
-    key(
-        "rows",
-        Form::Whole(1, MOST_PIXELS),
-        "Pixels down. Default: 768, or as the viewplane's shape asks; of a panorama half the columns.",
-    ),
-];
+const PIXELS: &[Key] = keys! {
+    /// Pixels across. Default: 1024.
+    columns: optional(Form::Whole(1, MOST_PIXELS)),
+    /// Pixels down. Default: 768, or as the viewplane's shape asks; of a panorama half the columns.
+    rows: optional(Form::Whole(1, MOST_PIXELS)),
+};
 
-const RAY_START: &[Key] = &[key(
-    "ray_start",
-    Form::OneOf(|| vec!["eye", "viewplane"]),
-    "Where rays start, and t counts from: at the position or on the viewplane. Default: eye.",
-)];
+const RAY_START: &[Key] = keys! {
+    /// Where rays start, and t counts from: at the position or on the viewplane. Default: eye.
+    ray_start: optional(Form::OneOf(|| vec!["eye", "viewplane"])),
+};
 
 /// Neither side of a picture is longer.
 const MOST_PIXELS: i64 = 1 << 28;
 
-const VIEWPLANE: &[Key] = &[
-    key(
-        "focal_length",
-        Form::Positive,
-        "The distance from the camera to the viewplane.",
-    ),
-    key("width", Form::Positive, "The viewplane's width."),
-    key("height", Form::Positive, "The viewplane's height."),
-];
+const FOV: &[Key] = keys! {
+    /// Degrees from the picture's lower to its upper edge, with square pixels; instead of focal_length, width and height.
+    /// Default: 45.
+    fov: optional(Form::Between(0.0, 180.0)),
+};
+
+const VIEWPLANE: &[Key] = keys! {
+    /// The distance from the camera to the viewplane.
+    focal_length: optional(Form::Positive),
+    /// The viewplane's width.
+    width: optional(Form::Positive),
+    /// The viewplane's height.
+    height: optional(Form::Positive),
+};
 
 pub(super) static CAMERA: Record = Record {
     name: "camera",
@@ -71,17 +56,7 @@ pub(super) static CAMERA: Record = Record {
     variants: &[
         Variant {
             pick: Pick::Default(PROJECTION, "perspective"),
-            keys: &[
-                VIEW,
-                RAY_START,
-                PIXELS,
-                &[key(
-                    "fov",
-                    Form::Between(0.0, 180.0),
-                    "Degrees from the picture's lower to its upper edge, with square pixels; instead of focal_length, width and height. Default: 45.",
-                )],
-                VIEWPLANE,
-            ],
+            keys: &[VIEW, RAY_START, PIXELS, FOV, VIEWPLANE],
             rules: &[
                 Rule::NotBoth("aim", "look_at"),
                 Rule::NotBoth("fov", "focal_length"),
@@ -175,16 +150,12 @@ pub(super) fn settle(cameras: Vec<Read<'_, '_>>, world: &World) -> Checked<Vec<N
     let finite = bounds.filter(Bounds::is_finite);
     let bounds = finite.fold(Bounds::EMPTY, Bounds::union);
     let settle = |camera: Read<'_, '_>| {
-        let Read {
-            name,
-            section,
-            description,
-        } = camera;
+        let (section, description) = (camera.section, camera.description);
         let support = |direction| crate::scene::support(&world.objects, direction);
         let settled = section.checked(description.camera(bounds, support, world.up))?;
         let is_sized = description.columns.is_some() || description.rows.is_some();
         Ok(NamedCamera {
-            name,
+            name: camera.name,
             own_name: String::new(),
             view: *settled.view(),
             has_size: is_sized || matches!(description.opening, Some(Opening::Viewplane { .. })),

@@ -21,18 +21,12 @@ pub(super) struct Text<'t>(&'t str);
 impl<'t> Text<'t> {
     /// The text of a file; a byte order mark is passed over.
     pub(super) fn new(bytes: &'t [u8]) -> Checked<Self> {
-        match std::str::from_utf8(bytes) {
-            Ok(text) => Ok(Self(text.strip_prefix('\u{feff}').unwrap_or(text))),
-            Err(error) => {
-                let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
-                let before = Self(std::str::from_utf8(valid).unwrap_or_default());
-                let place = before.place(valid.len());
-                Err(Fault::at(
-                    place,
-                    "the text is not UTF-8, which TOML must be",
-                ))
-            }
-        }
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
+            let before = Self(std::str::from_utf8(valid).unwrap_or_default());
+            before.fault(valid.len(), "the text is not UTF-8, which TOML must be")
+        })?;
+        Ok(Self(text.strip_prefix('\u{feff}').unwrap_or(text)))
     }
 
     /// The line and column of a byte, both counted from 1, columns in characters.
@@ -111,15 +105,17 @@ pub(super) fn integer(value: &DeValue<'_>) -> Option<i64> {
     i64::from_str_radix(digits.as_str(), digits.radix()).ok()
 }
 
+/// `N` things in an array.
+pub(super) fn array<T, const N: usize>(
+    value: &DeValue<'_>,
+    read: impl Fn(&DeValue<'_>) -> Option<T>,
+) -> Option<[T; N]> {
+    let items = value.as_array()?.iter();
+    let found: Option<Vec<T>> = items.map(|item| read(item.get_ref())).collect();
+    found?.try_into().ok()
+}
+
 /// `N` numbers in an array.
 pub(super) fn numbers<const N: usize>(value: &DeValue<'_>) -> Option<[f64; N]> {
-    let items = value.as_array()?;
-    let mut found = [0.0; N];
-    if items.len() != N {
-        return None;
-    }
-    for (slot, item) in found.iter_mut().zip(items.iter()) {
-        *slot = number(item.get_ref())?;
-    }
-    Some(found)
+    array(value, number)
 }

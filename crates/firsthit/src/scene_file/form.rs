@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
-use super::document::{Value, integer, number, numbers};
+use super::document::{Value, array, integer, number, numbers};
 use super::table::Form;
 use crate::geometry::{COLOR_NAMES, Color, DVec3, color_of};
 
@@ -56,16 +56,10 @@ impl Form {
             }
             Self::Boolean => value.is_bool(),
             Self::Text | Self::Path => value.as_str().is_some_and(|text| !text.is_empty()),
-            Self::OneOf(words) => value.as_str().is_some_and(|text| words().contains(&text)),
+            Self::OneOf(words) => is_one_of(value, words),
             Self::SomeOf(words) => {
-                let known = words();
-                let is_known = |item: &Value<'_>| {
-                    item.get_ref()
-                        .as_str()
-                        .is_some_and(|text| known.contains(&text))
-                };
-                (value.as_array())
-                    .is_some_and(|items| !items.is_empty() && items.iter().all(is_known))
+                let is_empty = value.as_array().is_some_and(|items| items.is_empty());
+                !is_empty && all(value, |item| is_one_of(item, words))
             }
             Self::Vector => numbers::<3>(value).is_some(),
             Self::Direction => numbers::<3>(value).is_some_and(|v| v != [0.0; 3]),
@@ -95,13 +89,7 @@ impl Form {
             Self::Points => &|item| numbers::<3>(item.get_ref()).is_some(),
             Self::Triples => &|item| triple(item.get_ref()).is_some(),
             Self::SomeOf(words) => {
-                let known = words();
-                return items.iter().find(|item| {
-                    !item
-                        .get_ref()
-                        .as_str()
-                        .is_some_and(|text| known.contains(&text))
-                });
+                return items.iter().find(|item| !is_one_of(item.get_ref(), words));
             }
             Self::List(_) | Self::TableOrList(_) => &|item| item.get_ref().is_table(),
             _ => return None,
@@ -215,6 +203,10 @@ fn is_table(value: &Raw<'_>) -> bool {
     value.is_table()
 }
 
+fn is_one_of(value: &Raw<'_>, words: fn() -> Vec<&'static str>) -> bool {
+    value.as_str().is_some_and(|text| words().contains(&text))
+}
+
 fn all(value: &Raw<'_>, fine: impl Fn(&Raw<'_>) -> bool) -> bool {
     value
         .as_array()
@@ -248,24 +240,14 @@ pub(super) fn scale(value: &Raw<'_>) -> Option<DVec3> {
 
 /// The upper three rows.
 pub(super) fn matrix(value: &Raw<'_>) -> Option<[[f64; 4]; 3]> {
-    let rows = value.as_array()?;
-    let mut found = [[0.0; 4]; 3];
-    for (slot, row) in found.iter_mut().zip(rows.iter()) {
-        *slot = numbers::<4>(row.get_ref())?;
+    if let Some(rows) = array(value, numbers::<4>) {
+        return Some(rows);
     }
-    match (rows.len(), rows.get(3)) {
-        (3, None) => Some(found),
-        (4, Some(last)) => (numbers::<4>(last.get_ref())? == [0.0, 0.0, 0.0, 1.0]).then_some(found),
-        _ => None,
-    }
+    let [a, b, c, last] = array(value, numbers::<4>)?;
+    (last == [0.0, 0.0, 0.0, 1.0]).then_some([a, b, c])
 }
 
 /// Three indices.
 pub(super) fn triple(value: &Raw<'_>) -> Option<[u32; 3]> {
-    let items = value.as_array().filter(|items| items.len() == 3)?;
-    let mut found = [0; 3];
-    for (slot, item) in found.iter_mut().zip(items.iter()) {
-        *slot = u32::try_from(integer(item.get_ref())?).ok()?;
-    }
-    Some(found)
+    array(value, |item| u32::try_from(integer(item)?).ok())
 }

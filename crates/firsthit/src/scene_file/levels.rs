@@ -2,33 +2,30 @@
 
 use toml::de::{DeTable, DeValue};
 
-use super::document::{Text, integer};
+use super::document::{Text, Value, integer};
 use crate::geometry::meant_as_levels;
 use crate::io::Report;
 
 /// The keys of colours that should not exceed 1. Lights may.
 const KEYS: &[&str] = &["color", "ambient", "horizon", "zenith"];
 
+fn entries<'v, 't>(table: &'v DeTable<'t>) -> impl Iterator<Item = (&'v str, &'v Value<'t>)> {
+    table
+        .iter()
+        .map(|(name, value)| (name.get_ref().as_ref(), value))
+}
+
 /// Warns of linear colours in whole numbers up to 255 of which one is more than 1.
 pub(super) fn warn(text: Text<'_>, scene: &DeTable<'_>, report: &mut Report) {
-    let is_light = |name: &str| name == "lights";
-    let top = scene.iter();
-    let top = top.filter(|(name, _)| !is_light(name.get_ref().as_ref()));
     // Not recursive: a file may nest its tables deeply.
-    let mut open: Vec<_> = top
-        .map(|(name, value)| (name.get_ref().as_ref(), value))
+    let mut open: Vec<_> = entries(scene)
+        .filter(|(name, _)| *name != "lights")
         .collect();
     // Only the first is told: to count the lines up to each would take long.
     let mut first = None;
     while let Some((name, value)) = open.pop() {
         match value.get_ref() {
-            DeValue::Table(table) => {
-                open.extend(
-                    table
-                        .iter()
-                        .map(|(name, value)| (name.get_ref().as_ref(), value)),
-                );
-            }
+            DeValue::Table(table) => open.extend(entries(table)),
             DeValue::Array(items) if KEYS.contains(&name) => {
                 let levels: Option<Vec<i64>> =
                     items.iter().map(|item| integer(item.get_ref())).collect();

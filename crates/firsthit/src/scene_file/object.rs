@@ -1,22 +1,19 @@
 //! Objects of a scene file: shapes, and the objects of other files.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-
-use toml::de::DeValue;
 
 use super::document::numbers;
 use super::form::triple;
 use super::placement::{self, PLACED, PLACED_RULES};
 use super::section::Section;
-use super::table::Form;
-use super::table::{Key, Pick, Record, Variant, key, required};
-use crate::error::{Error, escape_controls};
+use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
+use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{DAffine3, Transform};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::OBJECT_BYTES;
-use crate::io::{Report, TOO_FAR, load_part, read, without_gz};
+use crate::io::{Report, TOO_FAR, has_extension, load_part, read};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 
@@ -31,10 +28,58 @@ const fn shape(name: &'static str, keys: &'static [&'static [Key]]) -> Variant {
     }
 }
 
-const BAR: &[Key] = &[
-    required("bottom", Form::Vector, "The middle of its bottom."),
-    required("top", Form::Vector, "The middle of its top, or its tip."),
-];
+const FILE: &[Key] = keys! {
+    /// A mesh file, relative to the scene file and in its folder or below. Named several times, it is read once and shared.
+    file: required(Form::Path),
+};
+
+const CENTER: &[Key] = keys! {
+    /// Its centre.
+    center: required(Form::Vector),
+};
+
+const RADIUS: &[Key] = keys! {
+    /// Its radius.
+    radius: required(Form::Positive),
+};
+
+const POINT: &[Key] = keys! {
+    /// A point of the infinite plane.
+    point: required(Form::Vector),
+};
+
+const NORMAL: &[Key] = keys! {
+    /// Its normal, of any length.
+    normal: required(Form::Direction),
+};
+
+const CORNERS: &[Key] = keys! {
+    /// The corner with the smallest coordinates.
+    low: required(Form::Vector),
+    /// The corner with the largest coordinates.
+    high: required(Form::Vector),
+};
+
+const BAR: &[Key] = keys! {
+    /// The middle of its bottom.
+    bottom: required(Form::Vector),
+    /// The middle of its top, or its tip.
+    top: required(Form::Vector),
+};
+
+const RADII: &[Key] = keys! {
+    /// Its radius at the bottom.
+    bottom_radius: required(Form::NonNegative),
+    /// Its radius at the top. Default: 0, a tip.
+    top_radius: optional(Form::NonNegative),
+};
+
+const TRIANGLES: &[Key] = keys! {
+    /// The corners of its triangles. Large meshes belong into files.
+    vertices: required(Form::Points),
+    /// For each triangle the indices of its corners, from 0 on, counter-clockwise seen from the front.
+    triangles: required(Form::Triples),
+};
 
 pub(super) static OBJECT: Record = Record {
     name: "object",
@@ -42,177 +87,54 @@ pub(super) static OBJECT: Record = Record {
     variants: &[
         Variant {
             pick: Pick::Has("file"),
-            keys: &[
-                &[required(
-                    "file",
-                    Form::Path,
-                    "A mesh file, relative to the scene file and in its folder or below. Named several times, it is read once and shared.",
-                )],
-                PLACED,
-            ],
+            keys: &[FILE, PLACED],
             rules: PLACED_RULES,
         },
-        shape(
-            "sphere",
-            &[
-                &[
-                    required("center", Form::Vector, "Its centre."),
-                    required("radius", Form::Positive, "Its radius."),
-                ],
-                PLACED,
-            ],
-        ),
-        shape(
-            "plane",
-            &[
-                &[
-                    required("point", Form::Vector, "A point of the infinite plane."),
-                    required("normal", Form::Direction, "Its normal, of any length."),
-                ],
-                PLACED,
-            ],
-        ),
-        shape(
-            "disc",
-            &[
-                &[
-                    required("center", Form::Vector, "Its centre."),
-                    required("normal", Form::Direction, "Its normal, of any length."),
-                    required("radius", Form::Positive, "Its radius."),
-                ],
-                PLACED,
-            ],
-        ),
-        shape(
-            "box",
-            &[
-                &[
-                    required(
-                        "low",
-                        Form::Vector,
-                        "The corner with the smallest coordinates.",
-                    ),
-                    required(
-                        "high",
-                        Form::Vector,
-                        "The corner with the largest coordinates.",
-                    ),
-                ],
-                PLACED,
-            ],
-        ),
-        shape(
-            "cylinder",
-            &[
-                BAR,
-                &[required("radius", Form::Positive, "Its radius.")],
-                PLACED,
-            ],
-        ),
-        shape(
-            "cone",
-            &[
-                BAR,
-                &[
-                    required(
-                        "bottom_radius",
-                        Form::NonNegative,
-                        "Its radius at the bottom.",
-                    ),
-                    key(
-                        "top_radius",
-                        Form::NonNegative,
-                        "Its radius at the top. Default: 0, a tip.",
-                    ),
-                ],
-                PLACED,
-            ],
-        ),
-        shape(
-            "mesh",
-            &[
-                &[
-                    required(
-                        "vertices",
-                        Form::Points,
-                        "The corners of its triangles. Large meshes belong into files.",
-                    ),
-                    required(
-                        "triangles",
-                        Form::Triples,
-                        "For each triangle the indices of its corners, from 0 on, counter-clockwise seen from the front.",
-                    ),
-                ],
-                PLACED,
-            ],
-        ),
+        shape("sphere", &[CENTER, RADIUS, PLACED]),
+        shape("plane", &[POINT, NORMAL, PLACED]),
+        shape("disc", &[CENTER, NORMAL, RADIUS, PLACED]),
+        shape("box", &[CORNERS, PLACED]),
+        shape("cylinder", &[BAR, RADIUS, PLACED]),
+        shape("cone", &[BAR, RADII, PLACED]),
+        shape("mesh", &[TRIANGLES, PLACED]),
     ],
 };
 
 /// The shape of an object that names one.
-pub(super) fn shape_of(section: &Section<'_, '_>) -> Checked<Shape> {
-    let vector = |name| section.need_vector(name);
-    let number = |name| section.need_number(name);
-    Ok(match section.tag().unwrap_or_default() {
-        "sphere" => section
-            .checked(Sphere::new(vector("center")?, number("radius")?))?
-            .into(),
-        "plane" => section
-            .checked(Plane::new(vector("point")?, vector("normal")?))?
-            .into(),
-        "disc" => section
-            .checked(Disc::new(
-                vector("center")?,
-                vector("normal")?,
-                number("radius")?,
-            ))?
-            .into(),
-        "box" => section
-            .checked(Cuboid::new(vector("low")?, vector("high")?))?
-            .into(),
-        "cylinder" => section
-            .checked(Cylinder::new(
-                vector("bottom")?,
-                vector("top")?,
-                number("radius")?,
-            ))?
-            .into(),
+fn shape_of(section: &Section<'_, '_>) -> Checked<Shape> {
+    let vector = |name| section.need(name, Section::vector);
+    let number = |name| section.need(name, Section::number);
+    section.checked(match section.tag().unwrap_or_default() {
+        "sphere" => Sphere::new(vector("center")?, number("radius")?).map(Shape::from),
+        "plane" => Plane::new(vector("point")?, vector("normal")?).map(Shape::from),
+        "disc" => {
+            Disc::new(vector("center")?, vector("normal")?, number("radius")?).map(Shape::from)
+        }
+        "box" => Cuboid::new(vector("low")?, vector("high")?).map(Shape::from),
+        "cylinder" => {
+            Cylinder::new(vector("bottom")?, vector("top")?, number("radius")?).map(Shape::from)
+        }
         "cone" => {
             let top_radius = section.number("top_radius").unwrap_or(0.0);
             let (bottom, top) = (vector("bottom")?, vector("top")?);
-            section
-                .checked(Cone::new(bottom, top, number("bottom_radius")?, top_radius))?
-                .into()
+            Cone::new(bottom, top, number("bottom_radius")?, top_radius).map(Shape::from)
         }
-        _ => Arc::new(mesh(section)?).into(),
+        _ => mesh(section)?.map(|mesh| Arc::new(mesh).into()),
     })
 }
 
 /// The mesh that stands in the scene file itself.
-fn mesh(section: &Section<'_, '_>) -> Checked<Mesh> {
-    let items = |name: &str| {
-        section
-            .raw(name)
-            .and_then(DeValue::as_array)
-            .map_or(&[][..], |items| items)
-    };
-    let points: Vec<[f64; 3]> = items("vertices")
-        .iter()
-        .filter_map(|item| numbers::<3>(item.get_ref()))
-        .collect();
+fn mesh(section: &Section<'_, '_>) -> Checked<Result<Mesh>> {
+    let points = section.items("vertices").filter_map(numbers::<3>);
+    let points: Vec<[f64; 3]> = points.collect();
+    let is_far = |point: &[f64; 3]| point.iter().any(|x| x.abs() >= TOO_FAR);
     // Mesh files lose the triangles at such a corner; a scene file, written by hand, is refused.
-    if let Some(far) = points
-        .iter()
-        .position(|p| p.iter().any(|x| x.abs() >= TOO_FAR))
-    {
+    if let Some(far) = points.iter().position(is_far) {
         let what = format!("vertex {far} has a coordinate that is not below {TOO_FAR:e}");
         return Err(section.fault_in("vertices", far, what));
     }
-    let triangles: Vec<[u32; 3]> = items("triangles")
-        .iter()
-        .filter_map(|item| triple(item.get_ref()))
-        .collect();
-    section.checked(Mesh::new(Positions::compact(points), triangles))
+    let triangles = section.items("triangles").filter_map(triple).collect();
+    Ok(Mesh::new(Positions::compact(points), triangles))
 }
 
 /// No more than these can be made of a small text and a file that it names many times.
@@ -226,12 +148,11 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
         let placed = placement::read(&section)?;
         if section.has("file") {
             let of_file = files.read(&section, report)?;
-            if objects.len() + of_file.len() > MOST_OBJECTS {
-                return Err(Fault::Other(Error::Limit {
-                    what: "objects in a scene file",
-                    got: format!("at least {}", objects.len() + of_file.len()),
-                    limit: MOST_OBJECTS.to_string(),
-                }));
+            let count = objects.len() + of_file.len();
+            if count > MOST_OBJECTS {
+                let what = "objects in a scene file";
+                let (got, limit) = (format!("at least {count}"), MOST_OBJECTS.to_string());
+                return Err(Error::Limit { what, got, limit }.into());
             }
             // Their names too: the table's own may be long, and stands in each.
             let own_name = section.text("name").map_or(0, str::len) as u64;
@@ -242,20 +163,13 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
             let charged = (report.budget).charge(needed, "an object for each of the file's");
             // To count the lines up to here for each of many objects would take longer than all else.
             charged.map_err(|fault| match fault {
-                Fault::TooLarge { what, .. } => Fault::TooLarge {
-                    place: section.place("file"),
-                    what,
-                },
+                Fault::TooLarge { what, .. } => Fault::too_large(section.place("file"), what),
                 other => other,
             })?;
             for object in &*of_file {
                 let name = name_of(&section, object, of_file.len() > 1);
-                objects.push(finished(
-                    &section,
-                    object.clone().named(name),
-                    placed,
-                    "file",
-                )?);
+                let object = object.clone().named(name);
+                objects.push(finished(&section, object, placed, "file")?);
             }
         } else {
             let name = section.text("name").or(section.tag()).unwrap_or_default();
@@ -298,19 +212,13 @@ fn name_of(section: &Section<'_, '_>, object: &Object, is_one_of_several: bool) 
 /// The extensions of scene files.
 pub(super) const EXTENSIONS: &[&str] = &["toml"];
 
-fn is_scene_file(path: &Path) -> bool {
-    let unpacked = without_gz(path);
-    let extension = unpacked.extension();
-    extension.is_some_and(|extension| EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e)))
-}
-
 /// The files that were read: each once, however often it is named.
 #[derive(Debug, Default)]
 struct Files(HashMap<PathBuf, Arc<[Object]>>);
 
 impl Files {
     fn read(&mut self, section: &Section<'_, '_>, report: &mut Report) -> Checked<Arc<[Object]>> {
-        let name = section.need_text("file")?;
+        let name = section.need("file", Section::text)?;
         let refused = |reason: &str| {
             let name = escape_controls(name);
             section.fault_at("file", format!("'{name}' is not read: {reason}"))
@@ -323,7 +231,7 @@ impl Files {
         if let Some(objects) = self.0.get(&path) {
             return Ok(Arc::clone(objects));
         }
-        if is_scene_file(&path) {
+        if has_extension(&path, EXTENSIONS) {
             return Err(refused("a scene file holds no other scene files"));
         }
         let world = match load_part(&path, report) {

@@ -1,8 +1,7 @@
 //! The files that a scene file asks for.
 
 use super::section::Section;
-use super::table::Form;
-use super::table::{Pick, Record, Variant, key, required};
+use super::table::{Form, Pick, Record, Variant, keys, optional, required};
 use crate::channel::KINDS;
 use crate::error::escape_controls;
 use crate::image::{FORMATS, format_of};
@@ -15,24 +14,20 @@ pub(super) static OUTPUT: Record = Record {
     about: "A file to be written.",
     variants: &[Variant {
         pick: Pick::Always,
-        keys: &[&[
-            required(
-                "file",
-                Form::Path,
-                "Its name, relative to the scene file and in its folder or below; the extension tells the format. {channel} in it makes a file of each channel.",
-            ),
-            key(
-                "channels",
-                Form::SomeOf(|| KINDS.iter().map(|kind| kind.name).collect()),
-                "What to write. Default: [\"color\"]; for a point cloud (.ply, .pcd) [\"position\", \"normal\", \"color\", \"object\"].",
-            ),
-        ]],
+        keys: &[keys! {
+            /// Its name, relative to the scene file and in its folder or below; the extension tells the format. {channel} in
+            /// it makes a file of each channel.
+            file: required(Form::Path),
+            /// What to write. Default: ["color"]; for a point cloud (.ply, .pcd) ["position", "normal", "color",
+            /// "object"].
+            channels: optional(Form::SomeOf(|| KINDS.iter().map(|kind| kind.name).collect())),
+        }],
         rules: &[],
     }],
 };
 
 pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output> {
-    let name = section.need_text("file")?;
+    let name = section.need("file", Section::text)?;
     let path = report
         .source
         .base()
@@ -48,12 +43,13 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
         let what = format!("'{name}' is not written: it must end in one of {known}");
         return Err(section.fault_at("file", what));
     };
-    let mut channels = section.texts("channels");
+    let mut channels: Vec<String> = section
+        .items("channels")
+        .filter_map(|item| Some(item.as_str()?.to_owned()))
+        .collect();
     if channels.is_empty() {
-        channels.extend(format.holds.default_channels());
+        let default = format.holds.default_channels().iter();
+        channels.extend(default.map(|&name| name.to_owned()));
     }
-    Ok(Output {
-        path,
-        channels: channels.into_iter().map(str::to_owned).collect(),
-    })
+    Ok(Output { path, channels })
 }

@@ -3,44 +3,27 @@
 use super::document::{named, numbers};
 use super::form::{matrix, scale};
 use super::section::Section;
-use super::table::Form;
-use super::table::{Key, Pick, Record, Rule, Variant, key};
+use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional};
 use crate::error::Error;
 use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, Transform, unit};
 use crate::io::fault::Checked;
 
-pub(super) const PLACED: &[Key] = &[
-    key(
-        "name",
-        Form::Text,
-        "What it is called. Default: the shape's or the file's name; of a file with several objects their own names follow a slash.",
-    ),
-    key(
-        "color",
-        Form::Color,
-        "Its colour: linear [red, green, blue], or sRGB as \"#rrggbb\" or by a name of CSS; of a file, instead of its materials. Colours of vertices are multiplied by it.",
-    ),
-    key(
-        "scale",
-        Form::Scale,
-        "A factor, or one for each axis; applied first, negative ones mirror.",
-    ),
-    key(
-        "rotate",
-        Form::TableOrList(&ROTATION),
-        "A rotation, or several in their order; applied after scale.",
-    ),
-    key(
-        "translate",
-        Form::Vector,
-        "Where its origin goes; applied last.",
-    ),
-    key(
-        "matrix",
-        Form::Matrix,
-        "Instead of the three: the rows of a matrix that takes columns [x, y, z, 1] to the world.",
-    ),
-];
+pub(super) const PLACED: &[Key] = keys! {
+    /// What it is called. Default: the shape's or the file's name; of a file with several objects their own names follow a
+    /// slash.
+    name: optional(Form::Text),
+    /// Its colour: linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; of a file, instead of its materials.
+    /// Colours of vertices are multiplied by it.
+    color: optional(Form::Color),
+    /// A factor, or one for each axis; applied first, negative ones mirror.
+    scale: optional(Form::Scale),
+    /// A rotation, or several in their order; applied after scale.
+    rotate: optional(Form::TableOrList(&ROTATION)),
+    /// Where its origin goes; applied last.
+    translate: optional(Form::Vector),
+    /// Instead of the three: the rows of a matrix that takes columns [x, y, z, 1] to the world.
+    matrix: optional(Form::Matrix),
+};
 
 pub(super) const PLACED_RULES: &[Rule] = &[
     Rule::NotBoth("matrix", "scale"),
@@ -53,23 +36,14 @@ pub(super) static ROTATION: Record = Record {
     about: "A rotation about the origin: an axis and degrees, or a quaternion.",
     variants: &[Variant {
         pick: Pick::Always,
-        keys: &[&[
-            key(
-                "axis",
-                Form::Direction,
-                "The axis, of any length; seen against it, the rotation is counter-clockwise.",
-            ),
-            key(
-                "degrees",
-                Form::Number,
-                "How far to turn. Quarter turns are exact.",
-            ),
-            key(
-                "quaternion",
-                Form::Quaternion,
-                "[x, y, z, w], of any length.",
-            ),
-        ]],
+        keys: &[keys! {
+            /// The axis, of any length; seen against it, the rotation is counter-clockwise.
+            axis: optional(Form::Direction),
+            /// How far to turn. Quarter turns are exact.
+            degrees: optional(Form::Number),
+            /// [x, y, z, w], of any length.
+            quaternion: optional(Form::Quaternion),
+        }],
         rules: &[
             Rule::OneOf("axis", "quaternion"),
             Rule::Needs("axis", "degrees"),

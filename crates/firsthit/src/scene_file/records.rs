@@ -8,7 +8,7 @@ use super::object::OBJECT;
 use super::output::OUTPUT;
 use super::placement::ROTATION;
 use super::shading::SHADING;
-use super::table::{Form, Pick, Record, Rule, Variant, key};
+use super::table::{Form, Pick, Record, Rule, Variant, keys, optional};
 
 /// Every kind of table, the file itself first.
 pub(super) const RECORDS: &[&Record] = &[
@@ -28,58 +28,28 @@ pub(super) static SCENE: Record = Record {
     about: "A scene for firsthit: cameras, objects, lights, background and outputs.",
     variants: &[Variant {
         pick: Pick::Always,
-        keys: &[&[
-            key(
-                "version",
-                Form::Whole(1, 1),
-                "The version of this form of scene file. There is one, 1, which is the default.",
-            ),
-            key(
-                "up",
-                Form::Direction,
-                "Which way is up, for cameras and the sky where they do not say. Default: [0, 0, 1].",
-            ),
-            key(
-                "camera",
-                Form::Table(&CAMERA),
-                "The camera that a picture is taken with, unless another is asked for.",
-            ),
-            key(
-                "cameras",
-                Form::Named(&CAMERA),
-                "Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes the picture.",
-            ),
-            key(
-                "objects",
-                Form::List(&OBJECT),
-                "What there is to see, in the order of the identifiers.",
-            ),
-            key(
-                "lights",
-                Form::List(&LIGHT),
-                "What shines. Without any, one light over the camera's shoulder does.",
-            ),
-            key(
-                "background",
-                Form::Table(&BACKGROUND),
-                "What is seen where nothing is hit: one colour.",
-            ),
-            key(
-                "sky",
-                Form::Table(&SKY),
-                "What is seen where nothing is hit: a sky.",
-            ),
-            key(
-                "shading",
-                Form::Table(&SHADING),
-                "How hits get their colour.",
-            ),
-            key(
-                "outputs",
-                Form::List(&OUTPUT),
-                "The files that firsthit render writes unless told otherwise by -o.",
-            ),
-        ]],
+        keys: &[keys! {
+            /// The version of this form of scene file. There is one, 1, which is the default.
+            version: optional(Form::Whole(1, 1)),
+            /// Which way is up, for cameras and the sky where they do not say. Default: [0, 0, 1].
+            up: optional(Form::Direction),
+            /// The camera that a picture is taken with, unless another is asked for.
+            camera: optional(Form::Table(&CAMERA)),
+            /// Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes the picture.
+            cameras: optional(Form::Named(&CAMERA)),
+            /// What there is to see, in the order of the identifiers.
+            objects: optional(Form::List(&OBJECT)),
+            /// What shines. Without any, one light over the camera's shoulder does.
+            lights: optional(Form::List(&LIGHT)),
+            /// What is seen where nothing is hit: one colour.
+            background: optional(Form::Table(&BACKGROUND)),
+            /// What is seen where nothing is hit: a sky.
+            sky: optional(Form::Table(&SKY)),
+            /// How hits get their colour.
+            shading: optional(Form::Table(&SHADING)),
+            /// The files that firsthit render writes unless told otherwise by -o.
+            outputs: optional(Form::List(&OUTPUT)),
+        }],
         rules: &[Rule::NotBoth("background", "sky")],
     }],
 };

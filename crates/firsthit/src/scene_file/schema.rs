@@ -3,8 +3,7 @@
 use serde_json::{Map, Value as Json, json};
 
 use super::form::{color_schema, insert};
-use super::records::RECORDS;
-use super::records::SCENE;
+use super::records::{RECORDS, SCENE};
 use super::table::{Pick, Record, Rule, Variant};
 
 /// The JSON Schema (draft 2020-12) of scene files, as text with a newline at its end. Editors complete

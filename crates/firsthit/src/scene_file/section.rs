@@ -1,12 +1,12 @@
 //! One table of a scene file, checked against the list of its keys.
 
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::document::{Text, Value, integer, named, number, numbers};
 use super::form::color;
 use super::suggest::suggestion;
-use super::table::Form;
-use super::table::{Key, Pick, Record, Rule, Variant};
+use super::table::{Form, Key, Pick, Record, Rule, Variant};
 use super::variant::pick;
 use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{Color, DVec3};
@@ -56,41 +56,31 @@ impl<'v, 't> Section<'v, 't> {
             };
             check_form(self.text, key, value)?;
         }
-        match self
-            .variant
-            .keys()
-            .find(|key| key.is_required && !self.has(key.name))
-        {
-            None => Ok(()),
-            Some(key) => Err(self.fault(format!(
-                "{} needs `{}`: {}",
-                self.title(),
-                key.name,
-                key.form.expected()
-            ))),
-        }
+        let mut keys = self.variant.keys();
+        let Some(missing) = keys.find(|key| key.is_required && !self.has(key.name)) else {
+            return Ok(());
+        };
+        let (title, expected) = (self.title(), missing.form.expected());
+        Err(self.fault(format!("{title} needs `{}`: {expected}", missing.name)))
     }
 
     fn check_rules(&self) -> Checked<()> {
         for rule in self.variant.rules {
-            match *rule {
+            let (at, what) = match *rule {
                 Rule::NotBoth(a, b) | Rule::OneOf(a, b) if self.has(a) && self.has(b) => {
                     // At the later one, which is the one too many.
                     let at = self.key_at(a).max(self.key_at(b));
-                    return Err(self
-                        .text
-                        .fault(at, format!("`{a}` and `{b}` exclude each other")));
+                    (at, format!("`{a}` and `{b}` exclude each other"))
                 }
                 Rule::OneOf(a, b) if !self.has(a) && !self.has(b) => {
-                    return Err(self.fault(format!("{} needs `{a}` or `{b}`", self.title())));
+                    (self.at, format!("{} needs `{a}` or `{b}`", self.title()))
                 }
                 Rule::Needs(a, b) if self.has(a) && !self.has(b) => {
-                    return Err(self
-                        .text
-                        .fault(self.key_at(a), format!("`{a}` needs `{b}` beside it")));
+                    (self.key_at(a), format!("`{a}` needs `{b}` beside it"))
                 }
-                _ => {}
-            }
+                _ => continue,
+            };
+            return Err(self.text.fault(at, what));
         }
         Ok(())
     }
@@ -99,14 +89,11 @@ impl<'v, 't> Section<'v, 't> {
         let mut known: Vec<&str> = self.variant.keys().map(|key| key.name).collect();
         known.extend(self.variant.pick.tag().map(|(tag, _)| tag));
         let shown = escape_controls(&word.chars().take(60).collect::<String>());
-        match suggestion(word, &known) {
-            Some(meant) => format!("unknown key `{shown}`, did you mean `{meant}`?"),
-            None => format!(
-                "unknown key `{shown}`; {} takes {}",
-                self.title(),
-                known.join(", ")
-            ),
+        if let Some(meant) = suggestion(word, &known) {
+            return format!("unknown key `{shown}`, did you mean `{meant}`?");
         }
+        let (title, known) = (self.title(), known.join(", "));
+        format!("unknown key `{shown}`; {title} takes {known}")
     }
 
     /// What the table is, in a sentence.
@@ -131,7 +118,7 @@ impl<'v, 't> Section<'v, 't> {
     }
 
     pub(super) fn raw(&self, name: &str) -> Option<&'v DeValue<'t>> {
-        self.get(name).map(toml::Spanned::get_ref)
+        self.get(name).map(Spanned::get_ref)
     }
 
     pub(super) fn number(&self, name: &str) -> Option<f64> {
@@ -150,14 +137,13 @@ impl<'v, 't> Section<'v, 't> {
         self.raw(name)?.as_str()
     }
 
-    pub(super) fn texts(&self, name: &str) -> Vec<&'v str> {
+    /// The items of an array; none where it is not there.
+    pub(super) fn items(&self, name: &str) -> impl Iterator<Item = &'v DeValue<'t>> + use<'v, 't> {
         let items = self.raw(name).and_then(DeValue::as_array);
-        let items = items.map(|items| items.iter());
         items
             .into_iter()
-            .flatten()
-            .filter_map(|item| item.get_ref().as_str())
-            .collect()
+            .flat_map(|items| items.iter())
+            .map(Spanned::get_ref)
     }
 
     pub(super) fn vector(&self, name: &str) -> Option<DVec3> {
@@ -168,23 +154,13 @@ impl<'v, 't> Section<'v, 't> {
         color(self.raw(name)?)
     }
 
-    /// A vector that the tables require.
-    pub(super) fn need_vector(&self, name: &str) -> Checked<DVec3> {
-        self.vector(name).ok_or_else(|| self.missing(name))
-    }
-
-    /// A number that the tables require.
-    pub(super) fn need_number(&self, name: &str) -> Checked<f64> {
-        self.number(name).ok_or_else(|| self.missing(name))
-    }
-
-    /// A text that the tables require.
-    pub(super) fn need_text(&self, name: &str) -> Checked<&'v str> {
-        self.text(name).ok_or_else(|| self.missing(name))
-    }
-
-    fn missing(&self, name: &str) -> Fault {
-        self.fault(format!("{} needs `{name}`", self.title()))
+    /// A value that the tables require.
+    pub(super) fn need<T>(
+        &self,
+        name: &str,
+        get: impl FnOnce(&Self, &str) -> Option<T>,
+    ) -> Checked<T> {
+        get(self, name).ok_or_else(|| self.fault(format!("{} needs `{name}`", self.title())))
     }
 
     /// The table under a key, if it is there.
@@ -251,8 +227,7 @@ impl<'v, 't> Section<'v, 't> {
 
     /// A fault of the value of a key.
     pub(super) fn fault_at(&self, name: &str, what: impl Into<String>) -> Fault {
-        let at = self.get(name).map_or(self.at, |value| value.span().start);
-        self.text.fault(at, what)
+        Fault::at(self.place(name), what)
     }
 
     /// A fault of an item of the array under a key.
@@ -286,25 +261,17 @@ fn check_form(text: Text<'_>, key: &Key, value: &Value<'_>) -> Checked<()> {
     }
     let culprit = key.form.culprit(value).unwrap_or(value);
     let came = culprit.get_ref();
-    let words = key.form.words();
-    if let Some(meant) = came.as_str().and_then(|word| suggestion(word, &words)) {
-        let what = format!(
-            "unknown {} {}, did you mean \"{meant}\"?",
-            key.name,
-            named(came)
-        );
-        return Err(text.fault(culprit.span().start, what));
-    }
-    // Most often two brackets are missing.
-    let hint = match key.form {
-        Form::List(record) if came.is_table() => format!("; write [[{}s]]", record.name),
-        _ => String::new(),
+    let (name, got, words) = (key.name, named(came), key.form.words());
+    let what = if let Some(meant) = came.as_str().and_then(|word| suggestion(word, &words)) {
+        format!("unknown {name} {got}, did you mean \"{meant}\"?")
+    } else {
+        // Most often two brackets are missing.
+        let hint = match key.form {
+            Form::List(record) if came.is_table() => format!("; write [[{}s]]", record.name),
+            _ => String::new(),
+        };
+        let expected = key.form.expected();
+        format!("`{name}` must be {expected}, got {got}{hint}")
     };
-    let what = format!(
-        "`{}` must be {}, got {}{hint}",
-        key.name,
-        key.form.expected(),
-        named(came)
-    );
     Err(text.fault(culprit.span().start, what))
 }

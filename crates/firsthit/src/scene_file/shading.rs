@@ -1,19 +1,25 @@
 //! How hits get their colour.
 
 use super::section::Section;
-use super::table::Form;
-use super::table::{Key, Pick, Record, Variant, key};
+use super::table::{Form, Key, Pick, Record, Variant, keys, optional};
 use crate::error::Result;
 use crate::io::fault::Checked;
 use crate::shade::Shader;
 
-const SAMPLES: Key = key(
-    "samples",
-    Form::Whole(1, 65_536),
-    "The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 4.",
-);
+const SAMPLES: &[Key] = keys! {
+    /// The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 4.
+    samples: optional(Form::Whole(1, 65_536)),
+};
 
 const SHADER: &str = "shader";
+
+const fn plain(shader: &'static str) -> Variant {
+    Variant {
+        pick: Pick::Tag(SHADER, shader),
+        keys: &[SAMPLES],
+        rules: &[],
+    }
+}
 
 pub(super) static SHADING: Record = Record {
     name: "shading",
@@ -21,31 +27,19 @@ pub(super) static SHADING: Record = Record {
     variants: &[
         Variant {
             pick: Pick::Default(SHADER, "lambert"),
-            keys: &[&[
-                key(
-                    "ambient",
-                    Form::Color,
-                    "Light from everywhere. Default: [0.25, 0.25, 0.25].",
-                ),
-                key(
-                    "shadows",
-                    Form::Boolean,
-                    "Whether things cast shadows. Default: true.",
-                ),
+            keys: &[
+                keys! {
+                    /// Light from everywhere. Default: [0.25, 0.25, 0.25].
+                    ambient: optional(Form::Color),
+                    /// Whether things cast shadows. Default: true.
+                    shadows: optional(Form::Boolean),
+                },
                 SAMPLES,
-            ]],
+            ],
             rules: &[],
         },
-        Variant {
-            pick: Pick::Tag(SHADER, "unlit"),
-            keys: &[&[SAMPLES]],
-            rules: &[],
-        },
-        Variant {
-            pick: Pick::Tag(SHADER, "normal"),
-            keys: &[&[SAMPLES]],
-            rules: &[],
-        },
+        plain("unlit"),
+        plain("normal"),
     ],
 };
 

@@ -10,21 +10,35 @@ pub(super) struct Key {
     pub(super) about: &'static str,
 }
 
-pub(super) const fn key(name: &'static str, form: Form, about: &'static str) -> Key {
+/// A key that may be left out.
+pub(super) const fn optional(form: Form) -> Key {
     Key {
-        name,
+        name: "",
         form,
         is_required: false,
-        about,
+        about: "",
     }
 }
 
-pub(super) const fn required(name: &'static str, form: Form, about: &'static str) -> Key {
+/// A key that must be there.
+pub(super) const fn required(form: Form) -> Key {
     Key {
         is_required: true,
-        ..key(name, form, about)
+        ..optional(form)
     }
 }
+
+/// A list of keys: each has a row, and its meaning as a doc comment.
+macro_rules! keys {
+    ($($(#[doc = $about:literal])+ $name:ident: $key:expr,)+) => {
+        &[$(crate::scene_file::table::Key {
+            name: stringify!($name),
+            about: concat!($($about),+).trim_ascii(),
+            ..$key
+        }),+]
+    };
+}
+pub(super) use keys;
 
 /// A kind of table.
 #[derive(Debug)]

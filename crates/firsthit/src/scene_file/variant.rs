@@ -35,14 +35,9 @@ pub(super) fn pick(
     };
     let came = value.get_ref();
     if !came.is_str() {
-        return Err(text.fault(
-            name.span().start,
-            format!(
-                "`{key}` must be one of {}, got {}",
-                quoted(&words),
-                named(came)
-            ),
-        ));
+        let (words, came) = (quoted(&words), named(came));
+        let what = format!("`{key}` must be one of {words}, got {came}");
+        return Err(text.fault(name.span().start, what));
     }
     let what = format!("unknown {key} {}", named(came));
     let hint = match suggestion(came.as_str().unwrap_or_default(), &words) {
@@ -55,15 +50,11 @@ pub(super) fn pick(
 /// What to say where the key that tells the variants apart is missing; it may be only misspelt.
 fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &[&str]) -> String {
     let mut known = vec![key];
-    known.extend(
-        record
-            .variants
-            .iter()
-            .filter_map(|variant| match variant.pick {
-                Pick::Has(key) => Some(key),
-                _ => None,
-            }),
-    );
+    for variant in record.variants {
+        if let Pick::Has(key) = variant.pick {
+            known.push(key);
+        }
+    }
     let of_variants: Vec<&str> = (record.variants.iter())
         .flat_map(Variant::keys)
         .map(|key| key.name)
@@ -74,10 +65,8 @@ fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &
         let word = name.get_ref().as_ref();
         let is_open = !of_variants.contains(&word);
         let meant = suggestion(word, &known).filter(|_| is_open)?;
-        Some(format!(
-            ": unknown key `{}`, did you mean `{meant}`?",
-            escape_controls(word)
-        ))
+        let word = escape_controls(word);
+        Some(format!(": unknown key `{word}`, did you mean `{meant}`?"))
     });
     let hint = misspelt.unwrap_or_else(|| format!(", {key} being one of {}", quoted(words)));
     let known: Vec<String> = known.iter().map(|key| format!("`{key}`")).collect();

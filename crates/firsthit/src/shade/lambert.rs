@@ -43,13 +43,8 @@ pub(super) fn shade(
         shadow_rays.clear();
         arriving.clear();
         for (index, (_, point)) in lit.iter().enumerate() {
-            if let Some(Arriving {
-                towards,
-                distance,
-                light,
-            }) = Arriving::new(source, point)
-            {
-                shadow_rays.push(Ray::new(point.start, towards).up_to(distance));
+            if let Some((ray, light)) = arriving_at(point, source) {
+                shadow_rays.push(ray);
                 arriving.push((index, light));
             }
         }
@@ -119,49 +114,37 @@ impl Lit {
     }
 }
 
-/// Light on its way to a point.
-struct Arriving {
-    /// Where it comes from, of any length.
-    towards: DVec3,
-    /// How far away its source is, in lengths of `towards`.
-    distance: f64,
-    /// What a white surface gets of it.
-    light: Color,
-}
-
-impl Arriving {
-    /// `None` where the light is on the other side.
-    fn new(source: &Light, point: &Lit) -> Option<Self> {
-        let (towards, distance, light) = match *source {
-            Light::Directional { direction, color } => (-direction, f64::INFINITY, color),
-            Light::Point {
-                position,
-                intensity,
-            } => {
-                let towards = position - point.position;
-                (towards, 1.0, intensity / towards.length_squared())
-            }
-            Light::Spot {
-                position,
-                direction,
-                intensity,
-                inner_angle,
-                outer_angle,
-            } => {
-                let towards = position - point.position;
-                let along = unit(-towards).dot(unit(direction));
-                let share = within_cone(along, inner_angle, outer_angle);
-                (towards, 1.0, share * intensity / towards.length_squared())
-            }
-        };
-        let cosine = unit(towards).dot(point.smooth);
-        // Written so that a NaN (the point is where the light is) fails.
-        (cosine > 0.0 && towards.dot(point.geometric) > 0.0).then(|| Self {
-            towards,
-            distance,
-            light: cosine * light,
-        })
-    }
+/// The ray towards a light, up to where it comes from, and what a white surface gets of it. `None` where the light is on
+/// the other side.
+fn arriving_at(point: &Lit, source: &Light) -> Option<(Ray, Color)> {
+    let (towards, distance, light) = match *source {
+        Light::Directional { direction, color } => (-direction, f64::INFINITY, color),
+        Light::Point {
+            position,
+            intensity,
+        } => {
+            let towards = position - point.position;
+            (towards, 1.0, intensity / towards.length_squared())
+        }
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => {
+            let towards = position - point.position;
+            let along = unit(-towards).dot(unit(direction));
+            let share = within_cone(along, inner_angle, outer_angle);
+            (towards, 1.0, share * intensity / towards.length_squared())
+        }
+    };
+    let cosine = unit(towards).dot(point.smooth);
+    // Written so that a NaN (the point is where the light is) fails.
+    (cosine > 0.0 && towards.dot(point.geometric) > 0.0).then(|| {
+        let ray = Ray::new(point.start, towards).up_to(distance);
+        (ray, cosine * light)
+    })
 }
 
 /// How much of a spot's light goes in a direction: the square of the cosine's way from the outer angle to the

@@ -1,8 +1,6 @@
-//! Hits to linear colours: a file per shader.
+//! Hits to linear colours: a file per shader, or a row.
 
 mod lambert;
-mod normal;
-mod unlit;
 
 pub use lambert::Lambert;
 
@@ -64,7 +62,7 @@ pub struct Samples<'a> {
 /// Makes [`Shader`] and everything that depends on the list of shaders. A shader is a function of its settings, of what it works
 /// in, and of many hits: it sets a colour for each.
 macro_rules! shaders {
-    ($($(#[$doc:meta])* $name:literal => $kind:ident($settings:ty), $shade:path;)*) => {
+    ($($(#[$doc:meta])* $name:literal => $kind:ident($settings:ty), $shade:expr;)*) => {
         /// The shaders that come with the library, by name.
         ///
         /// ```
@@ -101,7 +99,7 @@ macro_rules! shaders {
             }
 
             fn color(&self, shading: &Shading<'_>, surfaces: &[SurfaceInteraction<'_>], colors: &mut [Color]) {
-                match self { $(Self::$kind(settings) => $shade(settings, shading, surfaces, colors),)* }
+                match self { $(Self::$kind(settings) => ($shade)(settings, shading, surfaces, colors),)* }
             }
         }
     };
@@ -111,9 +109,20 @@ shaders! {
     /// Lit by the scene's lights, with shadows.
     "lambert" => Lambert(Lambert), lambert::shade;
     /// The object's colour as it is.
-    "unlit" => Unlit(()), unlit::shade;
+    "unlit" => Unlit(()), |&(), _, hits, colors| each(hits, colors, SurfaceInteraction::color);
     /// The geometric normal as a colour: from -1..1 to 0..1 along each axis.
-    "normal" => Normal(()), normal::shade;
+    "normal" => Normal(()), |&(), _, hits, colors| each(hits, colors, |hit| 0.5 * hit.normal() + 0.5);
+}
+
+/// Colours that each hit gives by itself.
+fn each<'a>(
+    surfaces: &[SurfaceInteraction<'a>],
+    colors: &mut [Color],
+    color_of: impl Fn(&SurfaceInteraction<'a>) -> Color,
+) {
+    for (surface, color) in surfaces.iter().zip(colors) {
+        *color = color_of(surface);
+    }
 }
 
 impl Shader {

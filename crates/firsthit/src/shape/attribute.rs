@@ -3,6 +3,7 @@
 use std::fmt::{self, Debug, Formatter};
 
 use crate::error::{Error, Result};
+use crate::geometry::require;
 use crate::geometry::summary::Count;
 
 /// Values at the corners of a mesh's triangles: normals, texture coordinates, colours.
@@ -60,16 +61,13 @@ impl<const N: usize> Attribute<N> {
         triangles: &[[u32; 3]],
     ) -> Result<()> {
         let count = self.values.len();
-        match &self.corners {
-            None if count != positions => Err(Error::argument(name, "as many as vertices", count)),
-            Some(corners) if corners.len() != triangles.len() => Err(Error::argument(
-                name,
-                "three indices for each triangle",
-                corners.len(),
-            )),
-            Some(corners) => check_indices(name, corners, count),
-            None => Ok(()),
-        }
+        let Some(corners) = &self.corners else {
+            return require(name, "as many as vertices", count == positions, count);
+        };
+        let is_whole = corners.len() == triangles.len();
+        let expected = "three indices for each triangle";
+        require(name, expected, is_whole, corners.len())?;
+        check_indices(name, corners, count)
     }
 }
 
@@ -79,10 +77,8 @@ pub(super) fn check_indices(
     triangles: &[[u32; 3]],
     count: usize,
 ) -> Result<()> {
-    match triangles
-        .iter()
-        .position(|corners| corners.iter().any(|&k| k as usize >= count))
-    {
+    let is_bad = |corners: &[u32; 3]| corners.iter().any(|&k| k as usize >= count);
+    match triangles.iter().position(is_bad) {
         None => Ok(()),
         Some(bad) => {
             let got = format!("{:?} in triangle {bad}, of {count}", triangles[bad]);

@@ -1,11 +1,11 @@
 //! The cone: a round body whose radius changes evenly along its axis.
 
 use super::interval::Interval;
-use super::{Crossing, Surface, require_finite, sines};
-use crate::error::{Error, Result};
+use super::{Crossing, Surface, sines};
+use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec3, Ray, require, require_finite, unit};
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
 /// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
@@ -33,30 +33,19 @@ impl Cone {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a `top` at the `bottom`, a negative radius, two radii of zero, and numbers
+    /// [`Error::Argument`](crate::Error::Argument) for a `top` at the `bottom`, a negative radius, two radii of zero, and numbers
     /// that are not finite.
     pub fn new(bottom: DVec3, top: DVec3, bottom_radius: f64, top_radius: f64) -> Result<Self> {
         require_finite("bottom", bottom)?;
         require_finite("top", top)?;
         for (name, radius) in [("bottom_radius", bottom_radius), ("top_radius", top_radius)] {
-            if !(radius >= 0.0 && radius.is_finite()) {
-                return Err(Error::argument(
-                    name,
-                    "zero or positive, and finite",
-                    radius,
-                ));
-            }
+            let fine = radius >= 0.0 && radius.is_finite();
+            require(name, "zero or positive, and finite", fine, radius)?;
         }
-        if bottom_radius == 0.0 && top_radius == 0.0 {
-            return Err(Error::argument(
-                "bottom_radius",
-                "positive where top_radius is zero",
-                bottom_radius,
-            ));
-        }
-        if top == bottom {
-            return Err(Error::argument("top", "another point than bottom", top));
-        }
+        let is_wide = bottom_radius != 0.0 || top_radius != 0.0;
+        let expected = "positive where top_radius is zero";
+        require("bottom_radius", expected, is_wide, bottom_radius)?;
+        require("top", "another point than bottom", top != bottom, top)?;
         let axis = unit(top - bottom);
         Ok(Self {
             bottom,
@@ -268,22 +257,25 @@ impl super::conformance::Conforming for Cone {
 mod tests {
     use super::*;
 
+    /// Where a ray meets a cone, and in which of its primitives.
+    fn met(cone: &Cone, origin: DVec3, direction: DVec3) -> Option<(f64, i32)> {
+        let hit = cone.intersect(&Ray::new(origin, direction))?;
+        Some((hit.t, hit.primitive))
+    }
+
     #[test]
     fn a_ray_from_the_tip_leaves_through_the_lid() {
         let cone = Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap();
         for direction in [DVec3::NEG_Z, DVec3::new(0.1, 0.05, -1.0)] {
-            let hit = cone.intersect(&Ray::new(DVec3::Z, direction)).unwrap();
-            assert_eq!((hit.t, hit.primitive), (2.0, 1));
+            assert_eq!(met(&cone, DVec3::Z, direction), Some((2.0, 1)));
         }
     }
 
     #[test]
     fn the_tip_is_part_of_the_side() {
         let cone = Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap();
-        let hit = cone
-            .intersect(&Ray::new(3.0 * DVec3::Z, DVec3::NEG_Z))
-            .unwrap();
-        assert_eq!((hit.t, hit.primitive), (2.0, 0));
+        let met = met(&cone, 3.0 * DVec3::Z, DVec3::NEG_Z);
+        assert_eq!(met, Some((2.0, 0)));
     }
 
     #[test]
@@ -306,21 +298,13 @@ mod tests {
     #[test]
     fn the_mirror_image_beyond_the_tip_is_not_there() {
         let cone = Cone::new(DVec3::ZERO, DVec3::Z, 1.0, 0.0).unwrap();
-        assert!(
-            cone.intersect(&Ray::new(DVec3::new(-5.0, 0.0, 1.5), DVec3::X))
-                .is_none()
-        );
-        let hit = cone
-            .intersect(&Ray::new(DVec3::new(-5.0, 0.0, 0.5), DVec3::X))
-            .unwrap();
-        assert_eq!((hit.t, hit.primitive), (4.5, 0));
-        let down = cone
-            .intersect(&Ray::new(DVec3::new(0.25, 0.0, 5.0), DVec3::NEG_Z))
-            .unwrap();
-        assert_eq!((down.t, down.primitive), (4.25, 0));
-        let up = cone
-            .intersect(&Ray::new(DVec3::new(0.25, 0.0, -5.0), DVec3::Z))
-            .unwrap();
-        assert_eq!((up.t, up.primitive), (5.0, 1));
+        for (x, z, direction, expected) in [
+            (-5.0, 1.5, DVec3::X, None),
+            (-5.0, 0.5, DVec3::X, Some((4.5, 0))),
+            (0.25, 5.0, DVec3::NEG_Z, Some((4.25, 0))),
+            (0.25, -5.0, DVec3::Z, Some((5.0, 1))),
+        ] {
+            assert_eq!(met(&cone, DVec3::new(x, 0.0, z), direction), expected);
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! walking along a ray by that distance (Hart, "Sphere Tracing", The Visual Computer 12, 1996) finds the
 //! first crossing without solving anything.
 
-use super::{Shape, Surface};
+use super::{Crossing, Shape, Surface};
 use crate::geometry::{Bounds, DVec3, Ray};
 
 /// What a shape brings to be tested.
@@ -60,6 +60,17 @@ fn rays(shape: &Shape) -> Vec<Ray> {
         });
     }
     rays
+}
+
+/// Calls `check` for every ray that meets its shape, with where it does so.
+fn each_hit(mut check: impl FnMut(&Shape, &Ray, Crossing)) {
+    for shape in Shape::examples() {
+        for ray in rays(&shape) {
+            if let Some(hit) = shape.intersect(&ray) {
+                check(&shape, &ray, hit);
+            }
+        }
+    }
 }
 
 /// The end of a walk along a ray.
@@ -192,122 +203,102 @@ fn the_first_crossing_is_the_one_that_walking_finds() {
 
 #[test]
 fn normals_have_length_one_and_point_away_from_the_inside() {
-    for shape in Shape::examples() {
-        for ray in rays(&shape) {
-            let Some(hit) = shape.intersect(&ray) else {
-                continue;
-            };
-            let point = ray.at(hit.t);
-            let normal = shape.normal(point, hit.primitive);
-            assert!(
-                (normal.length() - 1.0).abs() < TOLERANCE,
-                "{shape:?} {ray:?}"
-            );
-            let front = ray.direction.dot(normal) < 0.0;
-            let step = 1e-6 / ray.direction.length();
-            let (before, after) = (
-                shape.distance(ray.at(hit.t - step)),
-                shape.distance(ray.at(hit.t + step)),
-            );
-            // Grazing rays and thin edges are on neither side for long enough to tell.
-            if before * after < 0.0 {
-                assert_eq!(front, before > after, "{shape:?} {ray:?} {hit:?}");
-            }
+    each_hit(|shape, ray, hit| {
+        let point = ray.at(hit.t);
+        let normal = shape.normal(point, hit.primitive);
+        assert!(
+            (normal.length() - 1.0).abs() < TOLERANCE,
+            "{shape:?} {ray:?}"
+        );
+        let front = ray.direction.dot(normal) < 0.0;
+        let step = 1e-6 / ray.direction.length();
+        let (before, after) = (
+            shape.distance(ray.at(hit.t - step)),
+            shape.distance(ray.at(hit.t + step)),
+        );
+        // Grazing rays and thin edges are on neither side for long enough to tell.
+        if before * after < 0.0 {
+            assert_eq!(front, before > after, "{shape:?} {ray:?} {hit:?}");
         }
-    }
+    });
 }
 
 #[test]
 fn closed_shapes_are_left_through_the_other_side() {
-    for shape in Shape::examples() {
-        for ray in rays(&shape) {
-            let Some(first) = shape.intersect(&ray) else {
-                continue;
-            };
-            let depth = 1e-7 / ray.direction.length();
-            let inside = Ray::new(ray.at(first.t + depth), ray.direction);
-            if shape.distance(inside.origin) > -1e-9
-                || matches!(shape, Shape::Plane(_) | Shape::Disc(_))
-            {
-                continue;
-            }
-            let second = shape
-                .intersect(&inside)
-                .unwrap_or_else(|| panic!("{shape:?} {ray:?} leaks"));
-            let back = Ray::new(inside.at(second.t + 10.0), -ray.direction);
-            let again = shape
-                .intersect(&back)
-                .unwrap_or_else(|| panic!("{shape:?} {ray:?} from behind"));
-            let rounding =
-                TOLERANCE * 1e3 * (1.0 + ray.origin.length()) / ray.direction.length().min(1.0);
-            let grazing = ray
-                .direction
-                .dot(shape.normal(back.at(again.t), again.primitive))
-                .abs()
-                < 1e-3;
-            assert!(
-                grazing || (again.t - 10.0).abs() < rounding,
-                "{shape:?} {ray:?} {again:?}"
-            );
+    each_hit(|shape, ray, first| {
+        let depth = 1e-7 / ray.direction.length();
+        let inside = Ray::new(ray.at(first.t + depth), ray.direction);
+        if shape.distance(inside.origin) > -1e-9
+            || matches!(shape, Shape::Plane(_) | Shape::Disc(_))
+        {
+            return;
         }
-    }
+        let second = shape
+            .intersect(&inside)
+            .unwrap_or_else(|| panic!("{shape:?} {ray:?} leaks"));
+        let back = Ray::new(inside.at(second.t + 10.0), -ray.direction);
+        let again = shape
+            .intersect(&back)
+            .unwrap_or_else(|| panic!("{shape:?} {ray:?} from behind"));
+        let rounding =
+            TOLERANCE * 1e3 * (1.0 + ray.origin.length()) / ray.direction.length().min(1.0);
+        let grazing = ray
+            .direction
+            .dot(shape.normal(back.at(again.t), again.primitive))
+            .abs()
+            < 1e-3;
+        assert!(
+            grazing || (again.t - 10.0).abs() < rounding,
+            "{shape:?} {ray:?} {again:?}"
+        );
+    });
 }
 
 #[test]
 fn t_counts_in_lengths_of_the_direction_and_t_max_is_included() {
-    for shape in Shape::examples() {
-        for ray in rays(&shape) {
-            let Some(hit) = shape.intersect(&ray) else {
-                continue;
-            };
-            let fast = shape
-                .intersect(&Ray::new(ray.origin, 4.0 * ray.direction))
-                .unwrap();
-            assert!(
-                (4.0 * fast.t - hit.t).abs() <= 1e-12 * hit.t.max(1.0),
-                "{shape:?} {ray:?}"
-            );
-            let included = shape
-                .intersect(&ray.up_to(hit.t))
-                .map(|hit| (hit.t, hit.primitive));
-            assert_eq!(included, Some((hit.t, hit.primitive)), "{shape:?} {ray:?}");
-            let before = shape.intersect(&ray.up_to(hit.t.next_down()));
-            assert!(before.is_none(), "{shape:?} {ray:?} {before:?}");
-        }
-    }
+    each_hit(|shape, ray, hit| {
+        let fast = shape
+            .intersect(&Ray::new(ray.origin, 4.0 * ray.direction))
+            .unwrap();
+        assert!(
+            (4.0 * fast.t - hit.t).abs() <= 1e-12 * hit.t.max(1.0),
+            "{shape:?} {ray:?}"
+        );
+        let included = shape
+            .intersect(&ray.up_to(hit.t))
+            .map(|hit| (hit.t, hit.primitive));
+        assert_eq!(included, Some((hit.t, hit.primitive)), "{shape:?} {ray:?}");
+        let before = shape.intersect(&ray.up_to(hit.t.next_down()));
+        assert!(before.is_none(), "{shape:?} {ray:?} {before:?}");
+    });
 }
 
 /// What a ray meets that begins at its first crossing is the second one, as seen from the other end.
 #[test]
 fn t_min_is_not_included_and_lets_the_next_crossing_through() {
     let mut passed = 0;
-    for shape in Shape::examples() {
-        for ray in rays(&shape) {
-            let Some(hit) = shape.intersect(&ray) else {
-                continue;
-            };
-            let same = |t_min: f64| shape.intersect(&ray.beyond(t_min)).map(|hit| hit.t);
-            assert_eq!(same(hit.t.next_down()), Some(hit.t), "{shape:?} {ray:?}");
-            let behind = same(-1.0).unwrap();
-            let is_first = behind == hit.t || (behind > -1.0 && behind <= 0.0);
-            assert!(is_first, "{shape:?} {ray:?} {behind}");
-            assert_eq!(same(1e9), None, "{shape:?} {ray:?}");
-            let Some(next) = shape.intersect(&ray.beyond(hit.t)) else {
-                continue;
-            };
-            assert!(next.t > hit.t, "{shape:?} {ray:?}");
-            let back = Ray::new(ray.at(2.0 * next.t), -ray.direction);
-            let last = shape
-                .intersect(&back)
-                .map_or(0.0, |hit| 2.0 * next.t - hit.t);
-            let rounding = 1e-7 * next.t.max(1.0);
-            assert!(
-                (last - next.t).abs() <= rounding,
-                "{shape:?} {ray:?} {next:?} {last}"
-            );
-            passed += 1;
-        }
-    }
+    each_hit(|shape, ray, hit| {
+        let same = |t_min: f64| shape.intersect(&ray.beyond(t_min)).map(|hit| hit.t);
+        assert_eq!(same(hit.t.next_down()), Some(hit.t), "{shape:?} {ray:?}");
+        let behind = same(-1.0).unwrap();
+        let is_first = behind == hit.t || (behind > -1.0 && behind <= 0.0);
+        assert!(is_first, "{shape:?} {ray:?} {behind}");
+        assert_eq!(same(1e9), None, "{shape:?} {ray:?}");
+        let Some(next) = shape.intersect(&ray.beyond(hit.t)) else {
+            return;
+        };
+        assert!(next.t > hit.t, "{shape:?} {ray:?}");
+        let back = Ray::new(ray.at(2.0 * next.t), -ray.direction);
+        let last = shape
+            .intersect(&back)
+            .map_or(0.0, |hit| 2.0 * next.t - hit.t);
+        let rounding = 1e-7 * next.t.max(1.0);
+        assert!(
+            (last - next.t).abs() <= rounding,
+            "{shape:?} {ray:?} {next:?} {last}"
+        );
+        passed += 1;
+    });
     assert!(passed > 100, "{passed}");
 }
 
@@ -327,24 +318,19 @@ fn what_is_behind_the_start_is_not_met() {
 /// At 10^7 units the start's coordinates, and so every answer, are off by about 2e-9.
 #[test]
 fn shapes_are_met_from_ten_million_units_away() {
-    for shape in Shape::examples() {
-        for ray in rays(&shape) {
-            let Some(hit) = shape.intersect(&ray) else {
-                continue;
-            };
-            let normal = shape.normal(ray.at(hit.t), hit.primitive);
-            let direction = ray.direction.normalize();
-            if direction.dot(normal).abs() < 0.1 {
-                continue;
-            }
-            let far = Ray::new(ray.at(hit.t) - 1e7 * direction, direction);
-            let Some(hit) = shape.intersect(&far) else {
-                panic!("{shape:?} {ray:?}")
-            };
-            let off = shape.distance(far.at(hit.t)).abs();
-            assert!(off < 1e-7, "{shape:?} {ray:?} {off}");
+    each_hit(|shape, ray, hit| {
+        let normal = shape.normal(ray.at(hit.t), hit.primitive);
+        let direction = ray.direction.normalize();
+        if direction.dot(normal).abs() < 0.1 {
+            return;
         }
-    }
+        let far = Ray::new(ray.at(hit.t) - 1e7 * direction, direction);
+        let Some(hit) = shape.intersect(&far) else {
+            panic!("{shape:?} {ray:?}")
+        };
+        let off = shape.distance(far.at(hit.t)).abs();
+        assert!(off < 1e-7, "{shape:?} {ray:?} {off}");
+    });
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! The box along the axes.
 
 use super::interval::Interval;
-use super::{Crossing, Surface, require_finite};
-use crate::error::{Error, Result};
+use super::{Crossing, Surface};
+use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Ray, require, require_finite};
 
 /// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
 ///
@@ -27,18 +27,18 @@ impl Cuboid {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] when `high` is not above `low` along every axis, and for numbers that are not
+    /// [`Error::Argument`](crate::Error::Argument) when `high` is not above `low` along every axis, and for numbers that are not
     /// finite.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self> {
         require_finite("low", low)?;
         require_finite("high", high)?;
-        if !low.cmplt(high).all() {
-            return Err(Error::argument(
-                "high",
-                "above low along every axis",
-                format!("{high} (low is {low})"),
-            ));
-        }
+        let both = format!("{high} (low is {low})");
+        require(
+            "high",
+            "above low along every axis",
+            low.cmplt(high).all(),
+            both,
+        )?;
         Ok(Self {
             bounds: Bounds { low, high },
         })
@@ -132,24 +132,15 @@ mod tests {
     #[test]
     fn a_ray_at_an_edge_meets_the_lower_face() {
         let cuboid = Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap();
-        let hit = cuboid
-            .intersect(&Ray::new(
-                DVec3::new(-2.0, -2.0, 0.5),
-                DVec3::new(1.0, 1.0, 0.0),
-            ))
-            .unwrap();
-        assert_eq!((hit.t, hit.primitive), (1.0, 0));
-        let corner = cuboid
-            .intersect(&Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE))
-            .unwrap();
-        assert_eq!((corner.t, corner.primitive), (2.0, 1));
-        // It enters through face 2 and leaves through face 1, at the same point.
-        let touch = cuboid
-            .intersect(&Ray::new(
-                DVec3::new(0.0, -2.0, 0.0),
-                DVec3::new(1.0, 1.0, 0.0),
-            ))
-            .unwrap();
-        assert_eq!((touch.t, touch.primitive), (1.0, 1));
+        for (origin, direction, expected) in [
+            ([-2.0, -2.0, 0.5], [1.0, 1.0, 0.0], (1.0, 0)),
+            ([3.0; 3], [-1.0; 3], (2.0, 1)),
+            // It enters through face 2 and leaves through face 1, at the same point.
+            ([0.0, -2.0, 0.0], [1.0, 1.0, 0.0], (1.0, 1)),
+        ] {
+            let ray = Ray::new(origin.into(), direction.into());
+            let hit = cuboid.intersect(&ray).unwrap();
+            assert_eq!((hit.t, hit.primitive), expected);
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::{Cone, Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Ray, require_positive};
 
 /// A round bar with both lids. Its primitives: 0 the side, 1 the bottom, 2 the top.
 ///
@@ -29,7 +29,7 @@ impl Cylinder {
     /// [`Error::Argument`](crate::Error::Argument) for a `top` at the `bottom`, a radius that is not
     /// positive, and numbers that are not finite.
     pub fn new(bottom: DVec3, top: DVec3, radius: f64) -> Result<Self> {
-        super::require_positive("radius", radius)?;
+        require_positive("radius", radius)?;
         Ok(Self {
             cone: Cone::new(bottom, top, radius, radius)?,
         })

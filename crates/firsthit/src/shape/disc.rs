@@ -1,11 +1,11 @@
 //! The disc: a plane within a circle.
 
 use super::plane::Plane;
-use super::{Crossing, Surface, require_positive, sines};
+use super::{Crossing, Surface, sines};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Ray, require_positive};
 
 /// The part of a plane within `radius` of `center`.
 ///

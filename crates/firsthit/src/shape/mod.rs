@@ -29,7 +29,6 @@ pub use positions::Positions;
 pub use property::{Property, PropertyOf, PropertyValues};
 pub use sphere::Sphere;
 
-use crate::error::{Error, Result};
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
 use crate::geometry::{Bounds, DVec2, DVec3, Ray};
@@ -185,30 +184,4 @@ fn sines(normal: DVec3) -> DVec3 {
         squares.x + squares.y,
     )
     .map(f64::sqrt)
-}
-
-fn require_finite(name: &'static str, value: DVec3) -> Result<DVec3> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(Error::argument(name, "finite", value))
-    }
-}
-
-fn require_direction(name: &'static str, value: DVec3) -> Result<DVec3> {
-    let fine = value.is_finite() && value != DVec3::ZERO;
-    if fine {
-        Ok(value)
-    } else {
-        Err(Error::argument(name, "a finite direction, not zero", value))
-    }
-}
-
-fn require_positive(name: &'static str, value: f64) -> Result<f64> {
-    let fine = value > 0.0 && value.is_finite();
-    if fine {
-        Ok(value)
-    } else {
-        Err(Error::argument(name, "positive and finite", value))
-    }
 }

@@ -1,10 +1,10 @@
 //! The infinite plane.
 
-use super::{Crossing, Surface, require_direction, require_finite};
+use super::{Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec3, Ray, require_direction, require_finite, unit};
 
 /// The infinite plane through a point.
 ///

@@ -2,8 +2,8 @@
 
 use std::fmt::{self, Debug, Formatter};
 
-use crate::geometry::DVec3;
 use crate::geometry::summary::Count;
+use crate::geometry::{DVec3, single};
 
 /// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
 /// which halves the memory, float64 otherwise.
@@ -12,7 +12,9 @@ use crate::geometry::summary::Count;
 /// use firsthit::Positions;
 ///
 /// assert!(matches!(Positions::compact(vec![[0.5, 1.0, 2.0]]), Positions::Single(_)));
-/// assert!(matches!(Positions::compact(vec![[0.1, 1.0, 2.0]]), Positions::Double(_)));
+/// let tenth = Positions::compact(vec![[0.1, 1.0, 2.0]]);
+/// assert!(matches!(tenth, Positions::Double(_)));
+/// assert_eq!(tenth.get(0).x, 0.1);
 /// ```
 #[derive(Clone, PartialEq)]
 pub enum Positions {
@@ -38,11 +40,6 @@ impl Debug for Positions {
 impl Positions {
     /// The points in the smaller type if that loses nothing.
     pub fn compact(points: Vec<[f64; 3]>) -> Self {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the round trip is what is tested"
-        )]
-        let single = |x: f64| x as f32;
         if points.iter().flatten().all(|&x| f64::from(single(x)) == x) {
             Self::Single(points.iter().map(|point| point.map(single)).collect())
         } else {
@@ -73,21 +70,5 @@ impl Positions {
             Self::Single(points) => DVec3::from(points[index as usize].map(f64::from)),
             Self::Double(points) => DVec3::from(points[index as usize]),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn positions_stay_double_when_single_would_round() {
-        assert!(matches!(
-            Positions::compact(vec![[0.5, 1.0, -2.0]]),
-            Positions::Single(_)
-        ));
-        let tenth = Positions::compact(vec![[0.1, 1.0, -2.0]]);
-        assert!(matches!(tenth, Positions::Double(_)));
-        assert_eq!(tenth.get(0).x, 0.1);
     }
 }

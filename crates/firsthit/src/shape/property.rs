@@ -2,8 +2,9 @@
 
 use std::fmt::{self, Debug, Formatter};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::summary::Count;
+use crate::geometry::{require, single};
 
 /// Numbers that a file gives to a mesh by name, such as a scan's quality: one for each vertex or polygon. Rays do
 /// not ask for them.
@@ -71,13 +72,9 @@ impl PropertyValues {
     }
 
     /// Adds one; as float32 where that is what is kept.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the caller chose float32 for them"
-    )]
     pub(crate) fn push(&mut self, value: f64) {
         match self {
-            Self::Single(values) => values.push(value as f32),
+            Self::Single(values) => values.push(single(value)),
             Self::Double(values) => values.push(value),
         }
     }
@@ -90,10 +87,7 @@ impl Property {
             PropertyOf::Vertices => (self.values.len() == vertices, "as many as vertices"),
             PropertyOf::Faces => (self.values.len() >= faces, "one for each face"),
         };
-        if is_right {
-            return Ok(());
-        }
         let got = format!("{} of '{}'", self.values.len(), self.name);
-        Err(Error::argument("properties", expected, got))
+        require("properties", expected, is_right, got)
     }
 }

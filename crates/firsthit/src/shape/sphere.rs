@@ -1,10 +1,10 @@
 //! The sphere.
 
-use super::{Crossing, Surface, require_finite, require_positive};
+use super::{Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, unit};
+use crate::geometry::{Bounds, DVec3, Ray, require_finite, require_positive, unit};
 
 /// All points at `radius` from `center`.
 ///

@@ -1,7 +1,7 @@
 //! Brute force: every ray against everything, in float64. Slow, and right by construction.
 
 use super::engine::Engine;
-use super::moderate::{Moderate, identifier};
+use super::moderate::{Moderate, crossing};
 use super::query::Answers;
 use super::ray_query::{AnyHit, FirstHit, RayQuery, Sink};
 use crate::accel::MeshQuery;
@@ -89,11 +89,8 @@ fn all_crossings(moderate: &Moderate, object: &Object, mut accept: impl FnMut(Cr
     };
     let shear = Shear::new(&ray);
     for triangle in 0..mesh.triangles().len() {
-        if let Some(hit) = mesh.intersect_triangle(triangle, &shear)
-            && ray.holds(hit.t)
-            && !(object.has_cutouts() && object.is_cut_out(mesh, triangle, hit.barycentric))
-        {
-            accept(hit.crossing(identifier(triangle)));
+        if let Some(crossing) = crossing(object, mesh, triangle, (&ray, &shear)) {
+            accept(crossing);
         }
     }
 }

@@ -1,11 +1,11 @@
 //! What many rays met.
 
-use std::fmt::{self, Debug, Formatter};
 use std::ops::Range;
 
 use bytemuck::Zeroable;
 
 use crate::error::Result;
+use crate::geometry::summary::summary;
 use crate::geometry::{DVec2, Hit};
 use crate::memory;
 
@@ -34,15 +34,8 @@ pub struct Hits {
     pub barycentric: Vec<DVec2>,
 }
 
-/// A summary: rays are many.
-impl Debug for Hits {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Hits")
-            .field("rays", &self.len())
-            .field("hit", &self.count_hit())
-            .finish_non_exhaustive()
-    }
-}
+// Rays are many.
+summary!(Hits, "Hits", |hits| "rays": hits.len(), "hit": hits.count_hit());
 
 impl Hits {
     /// How many of the rays hit something.

@@ -2,8 +2,8 @@
 
 use crate::geometry::{Hit, Ray, moderation};
 use crate::scene::{Object, Scene};
-use crate::shape::triangle::are_close;
-use crate::shape::{Crossing, Shape};
+use crate::shape::triangle::{Shear, are_close};
+use crate::shape::{Crossing, Mesh, Shape};
 
 /// A ray whose direction can be squared: `t` is counted in other units where float64 would not hold that.
 pub(super) struct Moderate {
@@ -90,13 +90,20 @@ impl Moderate {
     }
 }
 
-/// Scenes and meshes hold at most `i32::MAX` things.
+/// Where a ray meets a triangle that is not cut out there.
+#[cold]
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
-    reason = "checked when the mesh was made"
+    reason = "a mesh holds at most `i32::MAX` triangles"
 )]
-#[inline(always)]
-pub(super) fn identifier(index: usize) -> i32 {
-    index as i32
+pub(super) fn crossing(
+    object: &Object,
+    mesh: &Mesh,
+    triangle: usize,
+    (ray, shear): (&Ray, &Shear),
+) -> Option<Crossing> {
+    let hit = mesh.intersect_triangle(triangle, shear)?;
+    let is_cut_out = object.has_cutouts() && object.is_cut_out(mesh, triangle, hit.barycentric);
+    (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(triangle as i32))
 }

@@ -150,36 +150,29 @@ impl Sink for HitSlices<'_> {
     }
 }
 
-impl Sink for &mut [bool] {
-    type Query = AnyHit;
+/// Makes sinks of slices with a number for each ray.
+macro_rules! slices {
+    ($($answer:ty: $query:ident;)*) => {$(
+        impl Sink for &mut [$answer] {
+            type Query = $query;
 
-    fn len(&self) -> usize {
-        <[bool]>::len(self)
-    }
+            fn len(&self) -> usize {
+                <[$answer]>::len(self)
+            }
 
-    fn split_at(self, index: usize) -> (Self, Self) {
-        self.split_at_mut(index)
-    }
+            fn split_at(self, index: usize) -> (Self, Self) {
+                self.split_at_mut(index)
+            }
 
-    #[inline(always)]
-    fn put(&mut self, index: usize, AnyHit(is_hit): &AnyHit) {
-        self[index] = *is_hit;
-    }
+            #[inline(always)]
+            fn put(&mut self, index: usize, $query(answer): &$query) {
+                self[index] = *answer;
+            }
+        }
+    )*};
 }
 
-impl Sink for &mut [u32] {
-    type Query = HitCount;
-
-    fn len(&self) -> usize {
-        <[u32]>::len(self)
-    }
-
-    fn split_at(self, index: usize) -> (Self, Self) {
-        self.split_at_mut(index)
-    }
-
-    #[inline(always)]
-    fn put(&mut self, index: usize, HitCount(count): &HitCount) {
-        self[index] = *count;
-    }
+slices! {
+    bool: AnyHit;
+    u32: HitCount;
 }

@@ -5,11 +5,11 @@
 //! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray or for many, and hands
 //!    the result to [`SceneWalk::take`].
 
-use super::moderate::{Moderate, identifier};
+use super::moderate::{Moderate, crossing};
 use super::ray_query::RayQuery;
 use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::Ray;
-use crate::scene::{Object, OnTheWay, Scene};
+use crate::scene::{OnTheWay, Scene};
 use crate::shape::triangle::Shear;
 use crate::shape::{Crossing, Mesh, Shape, Surface};
 use crate::simd::Lanes;
@@ -71,7 +71,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             } else {
                 let index = self.objects.next(&moderate.ray, self.t_max, stack)?;
                 if Q::ALL {
-                    self.duplicates = scene.duplicates_of(index);
+                    self.duplicates = scene.duplicates().of(index);
                 }
                 index
             };
@@ -148,7 +148,9 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             (tree, mesh),
             (ray, Q::ALL),
             |triangle, t_max| {
-                let Some(crossing) = crossing(object, mesh, triangle as usize, ray) else {
+                let Some(crossing) =
+                    crossing(object, mesh, triangle as usize, (ray, &Shear::new(ray)))
+                else {
                     return t_max;
                 };
                 self.cross(scene, crossing);
@@ -160,12 +162,4 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             },
         );
     }
-}
-
-/// Where a ray meets a triangle that is not cut out there.
-#[cold]
-fn crossing(object: &Object, mesh: &Mesh, triangle: usize, ray: &Ray) -> Option<Crossing> {
-    let hit = mesh.intersect_triangle(triangle, &Shear::new(ray))?;
-    let is_cut_out = object.has_cutouts() && object.is_cut_out(mesh, triangle, hit.barycentric);
-    (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(identifier(triangle)))
 }

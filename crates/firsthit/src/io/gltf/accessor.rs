@@ -6,7 +6,9 @@ use super::buffers::Buffers;
 use super::document::{Accessor, Document};
 use super::index::Index;
 use super::place::Entry;
+use super::problem::Problem;
 use super::resource::Bytes;
+use crate::geometry::single;
 
 /// The type of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,14 +77,13 @@ impl Number for f64 {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "attributes are float32")]
 impl Number for f32 {
     fn from_single(value: f32) -> Self {
         value
     }
 
     fn from_whole(value: i64, largest: Option<f64>) -> Self {
-        f64::from_whole(value, largest) as Self
+        single(f64::from_whole(value, largest))
     }
 }
 
@@ -152,10 +153,8 @@ pub(super) fn declared<'a>(document: &'a Document<'a>, index: Index) -> Checked<
 pub(super) fn component(document: &Document<'_>, index: Index) -> Checked<Component> {
     let code = declared(document, index)?.component_type;
     let wrong = || {
-        let what = format!(
-            "must be one of 5120, 5121, 5122, 5123, 5125, 5126, got {}",
-            code.0
-        );
+        let Index(code) = code;
+        let what = format!("must be one of 5120, 5121, 5122, 5123, 5125, 5126, got {code}");
         entry(index).fault("componentType", what)
     };
     Component::of(code).ok_or_else(wrong)
@@ -177,20 +176,19 @@ pub(super) fn check_shape(document: &Document<'_>, index: Index, shape: &Shape) 
 }
 
 impl<'a> Packed<'a> {
-    /// The bytes of elements: a view, where in it they begin, and how many there are. An error about these
-    /// numbers is in words; the caller knows their place.
+    /// The bytes of elements: a view, where in it they begin, and how many there are. The caller knows the place of these
+    /// numbers.
     fn new(
         [view, Index(offset), Index(count)]: [Index; 3],
         size: usize,
         buffers: &mut Buffers<'a>,
         report: &mut Report,
-    ) -> Result<Self, Result<Fault, String>> {
-        let bytes = buffers.view(view, report).map_err(Ok)?;
+    ) -> Result<Self, Problem> {
+        let bytes = buffers.view(view, report)?;
         let stride = buffers.stride(view).unwrap_or(size);
         if stride < size {
-            return Err(Err(format!(
-                "the view's byteStride is {stride}, an element has {size} bytes"
-            )));
+            let what = format!("the view's byteStride is {stride}, an element has {size} bytes");
+            return Err(what.into());
         }
         let needed = match count.checked_sub(1) {
             None => Some(0),
@@ -201,10 +199,10 @@ impl<'a> Packed<'a> {
         let part = needed.and_then(|needed| bytes.part(offset, needed));
         let bytes = part.ok_or_else(|| {
             let (view, there) = (view.0, bytes.get().len());
-            Err(format!(
+            format!(
                 "{count} elements, {stride} bytes apart, from byte {offset} on: \
                  buffer view {view} has {there} bytes"
-            ))
+            )
         })?;
         Ok(Self { bytes, stride })
     }
@@ -225,8 +223,8 @@ impl<'a> Elements<'a> {
         let (entry, Index(count)) = (entry(index), accessor.count);
         let size = component.size() * shape.components;
         let mut packed = |extent, size, place: &str, report: &mut Report| {
-            Packed::new(extent, size, buffers, report)
-                .map_err(|fault| fault.unwrap_or_else(|what| entry.fault(place, what)))
+            let packed = Packed::new(extent, size, buffers, report);
+            packed.map_err(|problem| problem.at(entry.at(place)))
         };
         let whole = accessor.buffer_view.map(|view| {
             let extent = [view, accessor.byte_offset, accessor.count];
@@ -254,11 +252,8 @@ impl<'a> Elements<'a> {
                 let needed = (sparse.count.0 as u64).saturating_mul(each);
                 let place = entry.at("sparse/count");
                 (report.budget).charge_at(place, needed, "a sparse accessor")?;
-                let indices = rising(
-                    &indices.read::<u32, 1>(kind, None, sparse.count.0),
-                    count,
-                    entry,
-                )?;
+                let indices = indices.read(kind, None, sparse.count.0);
+                let indices = rising(&indices, count, entry)?;
                 let extent = [
                     sparse.values.buffer_view,
                     sparse.values.byte_offset,
@@ -309,9 +304,9 @@ impl<'a> Elements<'a> {
 fn reserved<T>(count: usize, entry: Entry) -> Checked<Vec<T>> {
     let mut values = Vec::new();
     let reserved = values.try_reserve_exact(count);
-    reserved.map_err(|_| Fault::TooLarge {
-        place: entry.at("count"),
-        what: format!("{count} elements are more than what memory is free"),
+    reserved.map_err(|_| {
+        let what = format!("{count} elements are more than what memory is free");
+        Fault::too_large(entry.at("count"), what)
     })?;
     Ok(values)
 }

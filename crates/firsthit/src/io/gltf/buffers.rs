@@ -48,7 +48,7 @@ impl<'a> Buffers<'a> {
             )?;
             let bytes = meshopt::unpack(source.get(), packed, report)
                 .map_err(|problem| problem.at(entry.at(place)))?;
-            let bytes = Bytes::owned(bytes);
+            let bytes = Bytes::new(bytes);
             if bytes.get().len() < view.byte_length.0 {
                 let (got, length) = (bytes.get().len(), view.byte_length.0);
                 let what = format!("the view has {length} bytes, {got} are unpacked");
@@ -64,11 +64,8 @@ impl<'a> Buffers<'a> {
     /// The step from one element of a view to the next, where the document states one.
     pub(super) fn stride(&self, Index(view): Index) -> Option<usize> {
         let view = self.document.buffer_views.get(view)?;
-        let packed = view
-            .extensions
-            .meshopt
-            .as_ref()
-            .map(|meshopt| meshopt.byte_stride);
+        let packed = view.extensions.meshopt.as_ref();
+        let packed = packed.map(|meshopt| meshopt.byte_stride);
         let Index(stride) = view.byte_stride.or(packed)?;
         // Of a packed view, whose own is checked where it is unpacked.
         Some(stride).filter(|&stride| stride > 0)
@@ -100,7 +97,7 @@ impl<'a> Buffers<'a> {
             (Some(uri), _) => {
                 resource(uri, report).map_err(|problem| problem.at(entry.at("uri")))?
             }
-            (None, Some(binary)) if index == 0 => Bytes::borrowed(binary),
+            (None, Some(binary)) if index == 0 => Bytes::new(binary),
             (None, _) => {
                 let what = "there is neither a uri nor a binary chunk for this buffer";
                 return Err(Fault::at(entry.place(), what));
@@ -110,10 +107,8 @@ impl<'a> Buffers<'a> {
         // Bytes beyond the stated length are padding.
         let bytes = bytes.part(0, length).ok_or_else(|| {
             let there = bytes.get().len();
-            entry.fault(
-                "byteLength",
-                format!("{length} bytes are stated, {there} are there"),
-            )
+            let what = format!("{length} bytes are stated, {there} are there");
+            entry.fault("byteLength", what)
         })?;
         self.read.insert(index, bytes.clone());
         Ok(bytes)

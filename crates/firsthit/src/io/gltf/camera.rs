@@ -6,7 +6,7 @@ use super::document::{CameraEntry, Document};
 use super::index::Index;
 use super::nodes::Placed;
 use super::place::Entry;
-use crate::camera::{Aim, Camera, Description, Lens, Opening, RayStart, View, Viewplane};
+use crate::camera::{Camera, Description, Lens, Opening, RayStart, View, Viewplane};
 use crate::error::escape_controls;
 use crate::geometry::{DVec3, unit};
 use crate::world::NamedCamera;
@@ -37,28 +37,21 @@ pub(super) fn all(
             });
             continue;
         }
-        let names = [&place.node.name, &camera.name].into_iter().flatten();
-        let name = names
-            .map(|name| escape_controls(name))
-            .find(|name| !name.is_empty());
-        let own = camera.name.as_deref().map(escape_controls);
-        cameras.push((
-            index,
-            NamedCamera {
-                name: name.unwrap_or_default(),
-                own_name: own.unwrap_or_default(),
-                view,
-                has_size: false,
-                description: Some(describe(view)),
-            },
-        ));
+        let own = camera.name.as_deref();
+        let named = NamedCamera {
+            name: place.name(own).unwrap_or_default(),
+            own_name: own.map(escape_controls).unwrap_or_default(),
+            view,
+            has_size: false,
+            description: Some(describe(view)),
+        };
+        cameras.push((index, named));
     }
     if let Some(index) = used.iter().position(|used| !used) {
-        report.warn(
-            "unused camera",
-            &Entry::new("cameras", index).place(),
-            || "the camera is left out: no node of the scene says where it is".to_owned(),
-        );
+        let place = Entry::new("cameras", index).place();
+        report.warn("unused camera", &place, || {
+            "the camera is left out: no node of the scene says where it is".to_owned()
+        });
     }
     cameras.sort_by_key(|&(index, _)| index);
     Ok(cameras.into_iter().map(|(_, camera)| camera).collect())
@@ -74,24 +67,20 @@ fn describe(view: View) -> Description {
         height,
         focal_length: None,
     };
-    let (columns, rows) = Description {
+    let described = Description {
         opening: Some(whole),
         ..Description::default()
-    }
-    .size();
+    };
+    let (columns, rows) = described.size();
     Description {
-        position: Some(view.position),
-        aim: Some(Aim::Along(view.aim)),
-        up: Some(view.up),
         opening: Some(if lens.parallel {
             whole
         } else {
             Opening::Fov(2.0 * libm::atan(height / 2.0).to_degrees())
         }),
-        projection: Some(view.lens.projection()),
-        ray_start: Some(lens.ray_start),
         columns: Some(columns),
         rows: Some(rows),
+        ..Description::of(&view)
     }
 }
 
@@ -143,10 +132,8 @@ fn lens(camera: &CameraEntry<'_>, entry: Entry) -> Checked<View> {
         }
         (kind, _, _) => {
             let kind = escape_controls(kind);
-            Err(entry.fault(
-                "type",
-                format!("must be perspective or orthographic, got '{kind}'"),
-            ))
+            let what = format!("must be perspective or orthographic, got '{kind}'");
+            Err(entry.fault("type", what))
         }
     }
 }

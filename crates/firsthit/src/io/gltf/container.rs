@@ -2,7 +2,7 @@
 
 use super::super::fault::{Checked, Fault};
 use super::super::report::Report;
-use super::super::source::without_gz;
+use super::super::source::has_extension;
 use crate::error::Place;
 
 const MAGIC: &[u8] = b"glTF";
@@ -23,14 +23,9 @@ pub(super) fn open<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Containe
     if bytes.starts_with(MAGIC) {
         return chunks(bytes, report);
     }
-    let is_called_glb = without_gz(report.source.path())
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
-    if is_called_glb {
-        return Err(byte(
-            0,
-            "not a GLB file: the first four bytes must be 'glTF'",
-        ));
+    if has_extension(report.source.path(), &["glb"]) {
+        let what = "not a GLB file: the first four bytes must be 'glTF'";
+        return Err(byte(0, what));
     }
     Ok(Container {
         json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
@@ -68,10 +63,8 @@ fn chunks<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Container<'a>> {
             .and_then(|size| start.checked_add(size));
         let chunk = end.and_then(|end| bytes.get(start..end)).ok_or_else(|| {
             let left = bytes.len() - start;
-            byte(
-                place,
-                format!("truncated: the chunk has {size} bytes, {left} are left"),
-            )
+            let what = format!("truncated: the chunk has {size} bytes, {left} are left");
+            byte(place, what)
         })?;
         match kind {
             JSON if json.is_none() => json = Some((chunk, start)),
@@ -99,16 +92,12 @@ fn within_length<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<&'a [u8]> 
     let stated = usize::try_from(length).unwrap_or(usize::MAX);
     let within = bytes.get(..stated).ok_or_else(|| {
         let size = bytes.len();
-        byte(
-            8,
-            format!("truncated: the length is {length}, the file has {size} bytes"),
-        )
+        let what = format!("truncated: the length is {length}, the file has {size} bytes");
+        byte(8, what)
     })?;
     if stated < HEADER + 8 {
-        return Err(byte(
-            8,
-            format!("the length {length} leaves no room for a document"),
-        ));
+        let what = format!("the length {length} leaves no room for a document");
+        return Err(byte(8, what));
     }
     if within.len() < bytes.len() {
         let trailing = bytes.len() - within.len();

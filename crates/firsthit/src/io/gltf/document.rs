@@ -314,16 +314,10 @@ pub(super) fn parse<'a>(container: &Container<'a>) -> Checked<Document<'a>> {
         let what = format!("the version must be 2, got '{}'", escape_controls(version));
         return Err(Fault::at(Place::Pointer("/asset/version".into()), what));
     }
-    if let Some(least) = document
-        .asset
-        .min_version
-        .as_deref()
-        .filter(|&least| least != "2.0")
-    {
-        let what = format!(
-            "a reader of version {} is needed, this is 2.0",
-            escape_controls(least)
-        );
+    let least = document.asset.min_version.as_deref();
+    if let Some(least) = least.filter(|&least| least != "2.0") {
+        let least = escape_controls(least);
+        let what = format!("a reader of version {least} is needed, this is 2.0");
         return Err(Fault::at(Place::Pointer("/asset/minVersion".into()), what));
     }
     Ok(document)
@@ -364,9 +358,7 @@ fn plain(what: &str) -> String {
 /// The byte of the text that an error is about.
 fn offset_of(json: &[u8], error: &serde_json::Error) -> usize {
     let lines = json.split_inclusive(|&byte| byte == b'\n');
-    let before: usize = lines
-        .take(error.line().saturating_sub(1))
-        .map(<[u8]>::len)
-        .sum();
+    let lines = lines.take(error.line().saturating_sub(1));
+    let before: usize = lines.map(<[u8]>::len).sum();
     (before + error.column().saturating_sub(1)).min(json.len())
 }

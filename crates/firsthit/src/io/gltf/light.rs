@@ -50,10 +50,8 @@ fn at(
     }
     let intensity = light.intensity.unwrap_or(1.0);
     if intensity < 0.0 {
-        return Err(entry.fault(
-            "intensity",
-            format!("must not be negative, got {intensity}"),
-        ));
+        let what = format!("must not be negative, got {intensity}");
+        return Err(entry.fault("intensity", what));
     }
     // A white surface sends back 1 / pi of the light that it gets, to each side the same.
     let color = Color::from(light.color.unwrap_or([1.0; 3])) * (intensity / PI);
@@ -92,10 +90,8 @@ fn at(
         }
         kind => {
             let kind = escape_controls(kind);
-            Err(entry.fault(
-                "type",
-                format!("must be directional, point or spot, got '{kind}'"),
-            ))
+            let what = format!("must be directional, point or spot, got '{kind}'");
+            Err(entry.fault("type", what))
         }
     }
 }

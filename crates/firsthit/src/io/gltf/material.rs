@@ -75,11 +75,8 @@ impl Looks {
         let Index(index) = info.index;
         let entry = Entry::new("textures", index);
         let texture = document.textures.get(index)?;
-        let webp = texture
-            .extensions
-            .webp
-            .as_ref()
-            .and_then(|webp| webp.source);
+        let webp = texture.extensions.webp.as_ref();
+        let webp = webp.and_then(|webp| webp.source);
         let Some(image) = webp.or(texture.source) else {
             report.warn("source", &entry.place(), || {
                 let what = if texture.extensions.basisu.is_some() {
@@ -92,9 +89,8 @@ impl Looks {
             return None;
         };
         let picture = self.picture(document, image, buffers, report)?;
-        let sampler = texture
-            .sampler
-            .and_then(|Index(sampler)| document.samplers.get(sampler));
+        let sampler = texture.sampler;
+        let sampler = sampler.and_then(|Index(sampler)| document.samplers.get(sampler));
         let default = SamplerEntry::default();
         let sampler = sampler.unwrap_or(&default);
         if let Some(Index(index)) = texture.sampler {
@@ -193,10 +189,8 @@ fn warn_of_unread(material: &MaterialEntry<'_>, entry: Entry, report: &mut Repor
     let unread: Vec<_> = material.unread().collect();
     if !unread.is_empty() {
         report.warn("unread", &entry.place(), || {
-            format!(
-                "of materials only the base colour is read, not {}",
-                unread.join(", ")
-            )
+            let unread = unread.join(", ");
+            format!("of materials only the base colour is read, not {unread}")
         });
     }
 }

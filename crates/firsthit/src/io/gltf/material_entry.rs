@@ -10,22 +10,18 @@ use super::index::Index;
 use super::place::Entry;
 use crate::scene::TextureMap;
 
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
 pub(super) struct MaterialEntry<'a> {
     #[serde(borrow)]
     pub(super) alpha_mode: Option<Cow<'a, str>>,
     pub(super) alpha_cutoff: Option<f64>,
-    #[serde(default)]
     pub(super) double_sided: bool,
-    #[serde(default)]
     pub(super) pbr_metallic_roughness: Pbr,
     pub(super) normal_texture: Option<IgnoredAny>,
     pub(super) occlusion_texture: Option<IgnoredAny>,
     pub(super) emissive_texture: Option<IgnoredAny>,
-    #[serde(default)]
     pub(super) emissive_factor: [f64; 3],
-    #[serde(default)]
     pub(super) extensions: MaterialExtensions,
 }
 
@@ -69,12 +65,10 @@ pub(super) struct TextureInfoExtensions {
     pub(super) transform: Option<TextureTransform>,
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
 pub(super) struct TextureTransform {
-    #[serde(default)]
     pub(super) offset: [f64; 2],
-    #[serde(default)]
     pub(super) rotation: f64,
     pub(super) scale: Option<[f64; 2]>,
     pub(super) tex_coord: Option<Index>,

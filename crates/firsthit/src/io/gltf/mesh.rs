@@ -11,7 +11,7 @@ use super::index::Index;
 use super::material::Look;
 use super::skin::{self, Palette};
 use super::values::Values;
-use crate::geometry::{DAffine3, DVec3};
+use crate::geometry::{DAffine3, DVec3, single};
 use crate::shape::{Attribute, Mesh, Positions};
 
 /// The deformation of a primitive's vertices: morph targets and joints.
@@ -183,22 +183,15 @@ fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checke
     let indices: Vec<u32> = if let Some(index) = values.primitive.indices {
         indices(values, index, vertices)?
     } else {
-        let count = u32::try_from(vertices).map_err(|_| {
-            Fault::at(
-                values.place("attributes/POSITION"),
-                "has more than 2^32 vertices",
-            )
-        })?;
-        values
-            .report
-            .budget
-            .charge(4 * u64::from(count), "the indices")?;
+        let what = "has more than 2^32 vertices";
+        let count = u32::try_from(vertices);
+        let count = count.map_err(|_| values.attribute_fault("POSITION", what))?;
+        let budget = &mut values.report.budget;
+        budget.charge(4 * u64::from(count), "the indices")?;
         (0..count).collect()
     };
-    values
-        .report
-        .budget
-        .charge(12 * indices.len() as u64, "the triangles")?;
+    let budget = &mut values.report.budget;
+    budget.charge(12 * indices.len() as u64, "the triangles")?;
     Ok(match mode {
         Mode::Triangles => {
             let (triangles, rest) = indices.as_chunks::<3>();
@@ -212,7 +205,7 @@ fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checke
         }
         Mode::Strip => {
             let steps = indices.windows(3).zip([false, true].into_iter().cycle());
-            let turned = steps.filter_map(|(step, is_odd)| match (step, is_odd) {
+            let turned = steps.filter_map(|step| match step {
                 (&[a, b, c], false) => Some([a, b, c]),
                 (&[a, b, c], true) => Some([b, a, c]),
                 _ => None,
@@ -249,7 +242,6 @@ fn indices(values: &mut Values<'_, '_>, index: Index, vertices: usize) -> Checke
     Err(Fault::at(entry.place(), what))
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "normals are float32")]
 fn with_normals(
     mesh: Mesh,
     values: &mut Values<'_, '_>,
@@ -262,11 +254,8 @@ fn with_normals(
         return Ok(mesh);
     }
     if maps.is_none() && !is_morphed(values, deformation) {
-        let mut normals = values
-            .read("NORMAL", &Shape::VEC3, count)?
-            .unwrap_or_default();
-        mend_in(values, &mut normals, Kind::Normals, "NORMAL");
-        return Ok(mesh.with_normals(Attribute::per_vertex(normals))?);
+        let normals = mended(values, "NORMAL", &Shape::VEC3, Kind::Normals, count)?;
+        return Ok(mesh.with_normals(Attribute::per_vertex(normals.unwrap_or_default()))?);
     }
     let mut normals: Vec<[f64; 3]> = values
         .read("NORMAL", &Shape::VEC3, count)?
@@ -280,13 +269,28 @@ fn with_normals(
     let is_moved = maps.is_some();
     let mut normals: Vec<[f32; 3]> = normals
         .iter()
-        .map(|normal| match normal.map(|x| x as f32) {
+        .map(|normal| match normal.map(single) {
             moved if is_moved && !moved.iter().all(|x| x.is_finite()) => [0.0; 3],
             normal => normal,
         })
         .collect();
     mend_in(values, &mut normals, Kind::Normals, "NORMAL");
     Ok(mesh.with_normals(Attribute::per_vertex(normals))?)
+}
+
+/// The values of an attribute, unusable ones replaced.
+fn mended<const N: usize>(
+    values: &mut Values<'_, '_>,
+    name: &str,
+    shape: &Shape,
+    kind: Kind,
+    count: usize,
+) -> Checked<Option<Vec<[f32; N]>>> {
+    let mut numbers = values.read(name, shape, count)?;
+    if let Some(numbers) = &mut numbers {
+        mend_in(values, numbers, kind, name);
+    }
+    Ok(numbers)
 }
 
 /// Replaces unusable values of an attribute.
@@ -309,8 +313,7 @@ fn with_uvs(
 ) -> Checked<Mesh> {
     let set = look.and_then(|look| look.set);
     let name = format!("TEXCOORD_{}", set.unwrap_or(0));
-    if let Some(mut uvs) = values.read(&name, &Shape::VEC2, count)? {
-        mend_in(values, &mut uvs, Kind::Coordinates, &name);
+    if let Some(uvs) = mended(values, &name, &Shape::VEC2, Kind::Coordinates, count)? {
         return Ok(mesh.with_uvs(Attribute::per_vertex(uvs))?);
     }
     if set.is_some() {
@@ -332,21 +335,15 @@ fn with_colors(
         return Ok(mesh);
     };
     if has_shape(values.document, index, &Shape::VEC3) {
-        let mut colors = values
-            .read("COLOR_0", &Shape::VEC3, count)?
-            .unwrap_or_default();
-        mend_in(values, &mut colors, Kind::Colors, "COLOR_0");
-        return Ok(mesh.with_colors(Attribute::per_vertex(colors))?);
+        let colors = mended(values, "COLOR_0", &Shape::VEC3, Kind::Colors, count)?;
+        return Ok(mesh.with_colors(Attribute::per_vertex(colors.unwrap_or_default()))?);
     }
-    let mut colors: Vec<[f32; 4]> = values
-        .read("COLOR_0", &Shape::VEC4, count)?
-        .unwrap_or_default();
-    mend_in(values, &mut colors, Kind::Colors, "COLOR_0");
+    let colors = mended::<4>(values, "COLOR_0", &Shape::VEC4, Kind::Colors, count)?;
+    let colors = colors.unwrap_or_default();
     let opaque = colors
         .iter()
-        .map(|&[red, green, blue, _]| [red, green, blue])
-        .collect();
-    let mesh = mesh.with_colors(Attribute::per_vertex(opaque))?;
+        .map(|&[red, green, blue, _]| [red, green, blue]);
+    let mesh = mesh.with_colors(Attribute::per_vertex(opaque.collect()))?;
     if !look.is_some_and(|look| look.has_cutouts) {
         return Ok(mesh);
     }

@@ -109,14 +109,10 @@ fn check_extensions(document: &Document<'_>, report: &mut Report) -> Checked<()>
     let required = document.extensions_required.iter().enumerate();
     for (k, name) in required {
         if !is_known(name) && !LOOKS.contains(&name.as_ref()) {
-            let what = format!(
-                "the extension '{}' is required, and not read",
-                escape_controls(name)
-            );
-            return Err(Fault::at(
-                Place::Pointer(format!("/extensionsRequired/{k}")),
-                what,
-            ));
+            let name = escape_controls(name);
+            let what = format!("the extension '{name}' is required, and not read");
+            let place = Place::Pointer(format!("/extensionsRequired/{k}"));
+            return Err(Fault::at(place, what));
         }
     }
     let named = document.extensions_used.iter();
@@ -128,11 +124,10 @@ fn check_extensions(document: &Document<'_>, report: &mut Report) -> Checked<()>
     unknown.sort_unstable();
     unknown.dedup();
     if !unknown.is_empty() {
-        report.warn(
-            "extensions",
-            &Place::Pointer("/extensionsUsed".into()),
-            || format!("extensions that are not read: {}", unknown.join(", ")),
-        );
+        let place = Place::Pointer("/extensionsUsed".into());
+        report.warn("extensions", &place, || {
+            format!("extensions that are not read: {}", unknown.join(", "))
+        });
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use super::super::report::Report;
 use super::document::{Document, Node};
 use super::index::Index;
 use super::place::Entry;
+use crate::error::escape_controls;
 use crate::geometry::{DAffine3, DMat3, DVec3};
 
 /// A node of the scene.
@@ -18,6 +19,12 @@ pub(super) struct Placed<'a> {
 impl Placed<'_> {
     pub(super) fn entry(&self) -> Entry {
         Entry::new("nodes", self.index)
+    }
+
+    /// The node's name, or else that of what it places, if either has one.
+    pub(super) fn name(&self, other: Option<&str>) -> Option<String> {
+        let names = [self.node.name.as_deref(), other].into_iter().flatten();
+        names.map(escape_controls).find(|name| !name.is_empty())
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::super::fault::Checked;
+use super::super::fault::{Checked, Fault};
 use super::super::memory_budget::{OBJECT_BYTES, check_free};
 use super::super::report::Report;
 use super::accessor::{Elements, Shape, declared};
@@ -82,10 +82,7 @@ impl<'a, 'b> Objects<'a, 'b> {
         if primitives.is_empty() {
             return Ok(());
         }
-        let names = [&place.node.name, &entry.name].into_iter().flatten();
-        let name = names
-            .map(|name| escape_controls(name))
-            .find(|name| !name.is_empty());
+        let name = place.name(entry.name.as_deref());
         let name = name.unwrap_or_else(|| format!("node {}", place.index));
         let instances = match &place.node.extensions.instancing {
             Some(instancing) => self.instances(instancing, place)?,
@@ -119,11 +116,8 @@ impl<'a, 'b> Objects<'a, 'b> {
         let has_joints = described.attributes.contains_key("JOINTS_0");
         let skin = place.node.skin.filter(|_| has_joints);
         let palette = skin.map(|skin| self.palette(skin)).transpose()?;
-        let own_weights = place
-            .node
-            .weights
-            .as_deref()
-            .filter(|_| !described.targets.is_empty());
+        let own_weights = place.node.weights.as_deref();
+        let own_weights = own_weights.filter(|_| !described.targets.is_empty());
         let deformation = Deformation {
             weights: own_weights.unwrap_or(&entry.weights),
             palette: palette.as_deref(),
@@ -178,9 +172,8 @@ impl<'a, 'b> Objects<'a, 'b> {
         let each = OBJECT_BYTES + name.len() as u64;
         self.report.budget.charge(each, "an object")?;
         if self.made.len() == self.made.capacity() {
-            let room =
-                (2 * self.made.len()).saturating_mul(usize::try_from(each).unwrap_or(usize::MAX));
-            check_free(room)?;
+            let each = usize::try_from(each).unwrap_or(usize::MAX);
+            check_free((2 * self.made.len()).saturating_mul(each))?;
         }
         Ok(())
     }
@@ -196,7 +189,10 @@ impl<'a, 'b> Objects<'a, 'b> {
         if let Ok(transform) = Transform::new(world_from_mesh) {
             return Ok(Some((Arc::clone(mesh), transform)));
         }
-        self.warn_of_flat(place);
+        self.report.warn("flat", &place.entry().place(), || {
+            "the node's transform cannot be undone (it flattens space): its surfaces are flat"
+                .to_owned()
+        });
         let deformation = Deformation {
             flattened: Some(world_from_mesh),
             ..*deformation
@@ -215,13 +211,6 @@ impl<'a, 'b> Objects<'a, 'b> {
         let mut values = Values::new(self.document, primitive, &mut self.buffers, self.report)?;
         let mesh = mesh::build(&mut values, deformation, look, name, &mut self.shared)?;
         Ok(mesh.map(Arc::new))
-    }
-
-    fn warn_of_flat(&mut self, place: &Placed<'_>) {
-        self.report.warn("flat", &place.entry().place(), || {
-            "the node's transform cannot be undone (it flattens space): its surfaces are flat"
-                .to_owned()
-        });
     }
 
     fn palette(&mut self, skin: Index) -> Checked<Rc<Palette>> {
@@ -244,55 +233,40 @@ impl<'a, 'b> Objects<'a, 'b> {
         instancing: &Instancing<'a>,
         place: &Placed<'a>,
     ) -> Checked<Vec<DAffine3>> {
-        let wrong = |name: &str, what: String| {
+        let place_of = |name: &str| {
+            let name = super::place::key(name);
             let value = format!("extensions/EXT_mesh_gpu_instancing/attributes/{name}");
-            Err(place.entry().fault(value, what))
+            place.entry().at(value)
         };
         let Some((first, &index)) = instancing.attributes.first_key_value() else {
-            return wrong(
-                "",
-                "there are none: nothing says how many instances there are".to_owned(),
-            );
+            let what = "there are none: nothing says how many instances there are";
+            return Err(Fault::at(place_of(""), what));
         };
         let Index(count) = declared(self.document, index)?.count;
         for (name, &index) in &instancing.attributes {
             let Index(other) = declared(self.document, index)?.count;
             if other != count {
-                let name = &super::place::key(name);
-                return wrong(
-                    name,
-                    format!("has {other} values, {} has {count}", escape_controls(first)),
-                );
+                let first = escape_controls(first);
+                let what = format!("has {other} values, {first} has {count}");
+                return Err(Fault::at(place_of(name), what));
             }
         }
         // Before anything else is made of a count that nothing may stand behind.
         let needed = (count as u64).saturating_mul(size_of::<DAffine3>() as u64 + OBJECT_BYTES);
-        let place = || {
-            let name = super::place::key(first);
-            let value = format!("extensions/EXT_mesh_gpu_instancing/attributes/{name}");
-            place.entry().at(value)
-        };
-        if needed > self.report.budget.left_to_describe() {
-            self.report
-                .budget
-                .charge_at(place(), needed, "the instances")?;
+        let budget = &mut self.report.budget;
+        if needed > budget.left_to_describe() {
+            budget.charge_at(place_of(first), needed, "the instances")?;
         }
         let placements = (count as u64).saturating_mul(size_of::<DAffine3>() as u64);
-        self.report
-            .budget
-            .charge_at(place(), placements, "the instances")?;
+        budget.charge_at(place_of(first), placements, "the instances")?;
         let translations = self.values::<3>(instancing, "TRANSLATION", &Shape::VEC3)?;
         let rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
         let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;
-        let at = |values: &Option<Vec<[f64; 3]>>, k: usize| {
-            values.as_ref().and_then(|v| v.get(k).copied())
-        };
         let instances = (0..count).map(|k| {
-            let rotation = rotations.as_ref().and_then(|values| values.get(k).copied());
             affine(
-                at(&translations, k).unwrap_or_default(),
-                rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
-                at(&scales, k).unwrap_or([1.0; 3]),
+                at(translations.as_ref(), k, [0.0; 3]),
+                at(rotations.as_ref(), k, [0.0, 0.0, 0.0, 1.0]),
+                at(scales.as_ref(), k, [1.0; 3]),
             )
         });
         Ok(instances.collect())
@@ -310,4 +284,11 @@ impl<'a, 'b> Objects<'a, 'b> {
         let elements = Elements::new(self.document, index, shape, &mut self.buffers, self.report)?;
         Ok(Some(elements.read(self.report)?))
     }
+}
+
+/// One of some values, if there are any.
+fn at<T: Copy>(values: Option<&Vec<T>>, k: usize, missing: T) -> T {
+    values
+        .and_then(|values| values.get(k).copied())
+        .unwrap_or(missing)
 }

@@ -18,37 +18,21 @@ use crate::error::{Error, escape_controls};
 /// Some bytes, cheap to clone.
 #[derive(Debug, Clone)]
 pub(super) struct Bytes<'a> {
-    whole: Whole<'a>,
+    whole: Arc<Cow<'a, [u8]>>,
     range: Range<usize>,
 }
 
-#[derive(Debug, Clone)]
-enum Whole<'a> {
-    Borrowed(&'a [u8]),
-    Owned(Arc<Vec<u8>>),
-}
-
 impl<'a> Bytes<'a> {
-    pub(super) fn borrowed(bytes: &'a [u8]) -> Self {
+    pub(super) fn new(bytes: impl Into<Cow<'a, [u8]>>) -> Self {
+        let whole = bytes.into();
         Self {
-            whole: Whole::Borrowed(bytes),
-            range: 0..bytes.len(),
-        }
-    }
-
-    pub(super) fn owned(bytes: Vec<u8>) -> Self {
-        Self {
-            range: 0..bytes.len(),
-            whole: Whole::Owned(Arc::new(bytes)),
+            range: 0..whole.len(),
+            whole: Arc::new(whole),
         }
     }
 
     pub(super) fn get(&self) -> &[u8] {
-        let whole = match &self.whole {
-            Whole::Borrowed(bytes) => bytes,
-            Whole::Owned(bytes) => bytes.as_slice(),
-        };
-        whole.get(self.range.clone()).unwrap_or_default()
+        self.whole.get(self.range.clone()).unwrap_or_default()
     }
 
     /// The `length` bytes from `offset` on, if there are that many.
@@ -56,7 +40,7 @@ impl<'a> Bytes<'a> {
         let end = offset.checked_add(length)?;
         let start = self.range.start.checked_add(offset)?;
         (end <= self.range.len()).then(|| Self {
-            whole: self.whole.clone(),
+            whole: Arc::clone(&self.whole),
             range: start..start + length,
         })
     }
@@ -85,7 +69,7 @@ pub(super) fn resource<'a>(uri: &str, report: &mut Report) -> Result<Bytes<'a>, 
             read => read.map_err(|fault| named(fault.into_error(&path).to_string()))?,
         }
     };
-    Ok(Bytes::owned(bytes))
+    Ok(Bytes::new(bytes))
 }
 
 /// The file that a URI names, as the file system has it.
@@ -171,7 +155,7 @@ mod tests {
 
     #[test]
     fn parts_beyond_the_end_are_none() {
-        let bytes = Bytes::borrowed(b"0123456789").part(2, 6).unwrap();
+        let bytes = Bytes::new(b"0123456789".as_slice()).part(2, 6).unwrap();
         assert_eq!(bytes.get(), b"234567");
         assert_eq!(bytes.part(1, 5).unwrap().get(), b"34567");
         assert!(bytes.part(1, 6).is_none());

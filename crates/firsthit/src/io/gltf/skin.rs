@@ -9,7 +9,7 @@ use super::index::Index;
 use super::nodes::Placed;
 use super::place::Entry;
 use super::values::Values;
-use crate::geometry::{DAffine3, DMat3, DVec3};
+use crate::geometry::DAffine3;
 
 /// For each joint the map from the mesh as it was bound to the world.
 pub(super) type Palette = Vec<DAffine3>;
@@ -36,21 +36,16 @@ pub(super) fn palette<'a>(
     let entry = Entry::new("skins", skin);
     let skin = document.skins.get(skin);
     let skin = skin.ok_or_else(|| entry.fault("", "there is no such skin"))?;
-    let bind: Option<Vec<[f64; 16]>> = match skin.inverse_bind_matrices {
-        None => None,
-        Some(index) => {
-            let elements = Elements::new(document, index, &Shape::MAT4, buffers, report)?;
-            Some(elements.read(report)?)
-        }
-    };
+    let bind = skin.inverse_bind_matrices.map(|index| {
+        let elements = Elements::new(document, index, &Shape::MAT4, buffers, report)?;
+        elements.read::<f64, 16>(report)
+    });
+    let bind = bind.transpose()?;
     if let Some(bind) = &bind
         && bind.len() < skin.joints.len()
     {
-        let what = format!(
-            "has {} matrices for {} joints",
-            bind.len(),
-            skin.joints.len()
-        );
+        let (matrices, joints) = (bind.len(), skin.joints.len());
+        let what = format!("has {matrices} matrices for {joints} joints");
         return Err(entry.fault("inverseBindMatrices", what));
     }
     let room = (skin.joints.len() as u64).saturating_mul(size_of::<DAffine3>() as u64);
@@ -82,11 +77,7 @@ pub(super) fn maps(
 ) -> Checked<Vec<DAffine3>> {
     let room = (vertices as u64).saturating_mul(size_of::<DAffine3>() as u64);
     values.report.budget.charge(room, "a skin")?;
-    let nothing = DAffine3 {
-        matrix3: DMat3::ZERO,
-        translation: DVec3::ZERO,
-    };
-    let mut maps = vec![nothing; vertices];
+    let mut maps = vec![DAffine3::ZERO; vertices];
     let mut sums = vec![0.0; vertices];
     for set in 0_usize.. {
         let (joints, weights) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));

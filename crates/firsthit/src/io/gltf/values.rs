@@ -31,10 +31,8 @@ impl<'a, 'b> Values<'a, 'b> {
         report: &'b mut Report,
     ) -> Checked<Self> {
         let entry = Entry::new("meshes", mesh);
-        let primitive = document
-            .meshes
-            .get(mesh)
-            .and_then(|mesh| mesh.primitives.get(number));
+        let mesh = document.meshes.get(mesh);
+        let primitive = mesh.and_then(|mesh| mesh.primitives.get(number));
         let primitive = primitive.ok_or_else(|| entry.fault("", "there is no such primitive"))?;
         let mut values = Self {
             document,
@@ -107,22 +105,17 @@ impl<'a, 'b> Values<'a, 'b> {
             accessor::check_shape(self.document, index, shape)?;
             let numbers = unpacked.attribute(identifier, N, self.report);
             let numbers = numbers.map_err(|problem: Problem| {
-                let value = format!(
-                    "extensions/KHR_draco_mesh_compression/attributes/{}",
-                    key(name)
-                );
+                let name = key(name);
+                let value = format!("extensions/KHR_draco_mesh_compression/attributes/{name}");
                 problem.at(self.place(&value))
             })?;
             let component = accessor::component(self.document, index)?;
             let is_share = accessor::declared(self.document, index)?.normalized;
-            let largest = is_share
-                .then(|| component.largest())
-                .filter(|&largest| largest > 1.0);
+            let largest = is_share.then(|| component.largest());
+            let largest = largest.filter(|&largest| largest > 1.0);
             let (values, _) = numbers.as_chunks::<N>();
-            return Ok(values
-                .iter()
-                .map(|value| value.map(|x| number(x, largest)))
-                .collect());
+            let values = values.iter().map(|value| value.map(|x| number(x, largest)));
+            return Ok(values.collect());
         }
         self.elements(index, shape)
     }
@@ -142,10 +135,8 @@ impl<'a, 'b> Values<'a, 'b> {
         if values.len() == vertices {
             return Ok(Some(values));
         }
-        let what = format!(
-            "a morph target has {} values for {vertices} vertices",
-            values.len()
-        );
+        let count = values.len();
+        let what = format!("a morph target has {count} values for {vertices} vertices");
         Err(Fault::at(self.place("targets"), what))
     }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::report::Report;
 use super::text::{self, Lines, Words, shown};
 use super::{picture, read};
-use crate::error::{Place, escape_controls};
+use crate::error::Place;
 use crate::geometry::Color;
 use crate::scene::{AlphaMode, MapRole, Maps, Material, Texture, TextureMap};
 use statement::{Map, Stated, cut, state};
@@ -93,24 +93,13 @@ impl Library {
         if let Some(known) = self.masks.get(&key) {
             return known.clone();
         }
-        let spent = report
-            .budget
-            .charge_texture(size_of_val(picture.texels()) as u64);
-        let mask = match spent {
-            Ok(()) => Some(Arc::new(brightness_as_alpha(picture))),
-            Err(fault) => {
-                let reason = fault.into_error(&map.library).to_string();
-                report
-                    .warnings
-                    .add(&map.library, "texture", &Place::Line(map.line), || {
-                        let name = escape_controls(&map.name);
-                        format!("texture '{name}' is not read: {reason}")
-                    });
-                None
-            }
-        };
-        self.masks.insert(key, mask.clone());
-        mask
+        let bytes = size_of_val(picture.texels()) as u64;
+        let spent = report.budget.charge_texture(bytes);
+        let mask = spent
+            .map(|()| Arc::new(brightness_as_alpha(picture)))
+            .map_err(|fault| map.warn(&fault.into_error(&map.library).to_string(), report));
+        self.masks.insert(key, mask.clone().ok());
+        mask.ok()
     }
 
     /// The picture of a texture; each is read, and warned of, once.
@@ -120,14 +109,8 @@ impl Library {
             return known.clone();
         }
         let read = picture::sibling(&map.library, &map.name, report);
-        let read = read.map(Arc::new).map_err(|reason| {
-            report
-                .warnings
-                .add(&map.library, "texture", &Place::Line(map.line), || {
-                    let name = escape_controls(&map.name);
-                    format!("texture '{name}' is not read: {reason}")
-                });
-        });
+        let read = read.map(Arc::new);
+        let read = read.map_err(|reason| map.warn(&reason, report));
         self.pictures.insert(key, read.clone().ok());
         read.ok()
     }

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Place;
+use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
 use crate::io::report::Report;
-use crate::io::text::{Lines, Words, next_number, number, shown, unended_line};
+use crate::io::text::{Lines, Words, next_number, number, shown, unended, unended_line};
 use crate::scene::Wrap;
 
 /// The statements about a material.
@@ -28,6 +28,17 @@ pub(super) struct Map {
     pub(super) wrap: Wrap,
 }
 
+impl Map {
+    /// Warns that its picture cannot be read.
+    pub(super) fn warn(&self, reason: &str, report: &mut Report) {
+        let place = Place::Line(self.line);
+        report.warnings.add(&self.library, "texture", &place, || {
+            let name = escape_controls(&self.name);
+            format!("texture '{name}' is not read: {reason}")
+        });
+    }
+}
+
 /// Why the library seems to be truncated, if it does: its last line has no line break and makes no sense as the last.
 pub(super) fn cut(text: &[u8]) -> Option<String> {
     let line = unended_line(text)?;
@@ -44,10 +55,7 @@ pub(super) fn cut(text: &[u8]) -> Option<String> {
         word if !KEYWORDS.contains(&word) && begins_one() => "this is no statement",
         _ => return None,
     };
-    Some(format!(
-        "its last line has no line break, and {why}: '{}'",
-        shown(line)
-    ))
+    Some(unended(line, why))
 }
 
 /// Whether a colour is written with all its numbers.

@@ -2,7 +2,7 @@
 
 use super::index::Indices;
 use super::statement::{is_continued, is_known};
-use crate::io::text::{Words, shown, unended_line};
+use crate::io::text::{Words, unended, unended_line};
 
 /// Why the text seems to be truncated, if it does.
 ///
@@ -31,10 +31,7 @@ pub(super) fn cut(text: &[u8], indices: &[Indices; 3]) -> Option<String> {
         word if !is_known(word) => "this is no statement",
         _ => return None,
     };
-    Some(format!(
-        "its last line has no line break, and {why}: '{}'",
-        shown(line)
-    ))
+    Some(unended(line, why))
 }
 
 /// The last line, joined with the lines before it that end in a backslash.

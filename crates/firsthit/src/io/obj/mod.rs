@@ -10,16 +10,18 @@ mod values;
 use std::collections::HashMap;
 
 use super::fault::{Checked, Fault};
+use super::mend::linear;
 use super::mtl::Library;
 use super::report::Report;
 use super::surface::Vertices;
 use super::text::{self, Lines, Words, number, shown};
 use crate::error::{Place, escape_controls};
+use crate::geometry::single;
 use crate::shape::Positions;
 use crate::world::World;
 use index::{Indices, NONE};
 use object::{Face, Gather, Object};
-use statement::{CURVES, HARMLESS, is_continued, is_known, joined, linear, name_of, numbers};
+use statement::{CURVES, HARMLESS, is_continued, is_known, joined, name_of, numbers};
 use values::{Materials, Values};
 
 /// The memory is charged after this many lines.
@@ -181,7 +183,7 @@ impl<'a> Reader<'a> {
             None => {}
             Some(b"v") => self.vertex(words, number)?,
             Some(b"vt") => self.uv(words, number)?,
-            Some(b"vn") => self.normal(words, number)?,
+            Some(b"vn") => self.push_normal(numbers(&mut words, number)?, number)?,
             Some(b"f" | b"fo") => self.face(words, number)?,
             Some(b"o" | b"g") => self.begin_object(name_of(line)),
             Some(b"usemtl") => self.material = Some(self.materials.number(name_of(line))),
@@ -238,21 +240,14 @@ impl<'a> Reader<'a> {
         self.push_uv([u, v], line)
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
     fn push_uv(&mut self, uv: [f64; 2], line: u64) -> Checked<()> {
-        self.values.uvs.push(uv.map(|x| x as f32));
+        self.values.uvs.push(uv.map(single));
         let [_, uvs, _] = &mut self.indices;
         uvs.add(line)
     }
 
-    fn normal(&mut self, mut words: Words, line: u64) -> Checked<()> {
-        let normal = numbers(&mut words, line)?;
-        self.push_normal(normal, line)
-    }
-
-    #[expect(clippy::cast_possible_truncation, reason = "kept as float32")]
     fn push_normal(&mut self, normal: [f64; 3], line: u64) -> Checked<()> {
-        self.values.normals.push(normal.map(|x| x as f32));
+        self.values.normals.push(normal.map(single));
         let [.., normals] = &mut self.indices;
         normals.add(line)
     }
@@ -316,10 +311,8 @@ impl<'a> Reader<'a> {
     fn finish(mut self) -> Checked<World> {
         self.check_memory()?;
         if !self.has_statements {
-            return Err(Fault::line(
-                1,
-                "not an OBJ file: it has no statement of one",
-            ));
+            let what = "not an OBJ file: it has no statement of one";
+            return Err(Fault::line(1, what));
         }
         let [vertices, uvs, normals] = &self.indices;
         vertices.check()?;
@@ -340,15 +333,9 @@ impl<'a> Reader<'a> {
         self.values.mend(self.report);
         let vertices = Vertices::new(Positions::compact(self.positions));
         let mut gather = Gather::default();
-        let finish = |object: Object| {
-            object.finish(
-                &vertices,
-                &self.values,
-                &self.materials,
-                &mut gather,
-                self.report,
-            )
-        };
+        let (values, materials, report) = (&self.values, &self.materials, self.report);
+        let finish =
+            |object: Object| object.finish(&vertices, values, materials, &mut gather, report);
         let objects = self.objects.into_iter().map(finish);
         Ok(World::of(objects.collect::<Checked<_>>()?))
     }
@@ -361,10 +348,8 @@ impl<'a> Reader<'a> {
             let look = self.library.look(name, self.report);
             if look.is_err() {
                 self.report.warn("material", &Place::File, || {
-                    format!(
-                        "unknown material '{}': its faces keep the neutral colour",
-                        shown(name)
-                    )
+                    let name = shown(name);
+                    format!("unknown material '{name}': its faces keep the neutral colour")
                 });
             }
             self.materials.looks.push(look.unwrap_or(None));

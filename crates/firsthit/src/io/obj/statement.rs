@@ -1,6 +1,5 @@
 //! The statements of an OBJ file.
 
-use crate::geometry::srgb_decode;
 use crate::io::fault::{Checked, Fault};
 use crate::io::text::{Lines, Words, next_number};
 
@@ -79,14 +78,4 @@ pub(super) fn numbers<const N: usize>(words: &mut Words, line: u64) -> Checked<[
         *number = next_number(words).map_err(|what| Fault::line(line, what))?;
     }
     Ok(numbers)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
-pub(super) fn linear(encoded: f64) -> f32 {
-    if encoded.is_finite() && encoded >= 0.0 {
-        srgb_decode(encoded) as f32
-    } else {
-        // Not a colour: told, and replaced, where all are there.
-        encoded as f32
-    }
 }

@@ -9,26 +9,34 @@ use crate::io::text::{Lines, Words, number, shown};
 /// The values of a body, in order.
 pub(super) trait Rows {
     /// The next row begins.
-    fn begin(&mut self, element: &Element) -> Checked<()>;
+    #[inline]
+    fn begin(&mut self, _element: &Element) -> Checked<()> {
+        Ok(())
+    }
     /// The row has been read.
-    fn finish(&mut self);
+    #[inline]
+    fn finish(&mut self) {}
     /// The next value. Every integer type fits a float64.
     fn value(&mut self, kind: Type) -> Checked<f64>;
-    /// Passes over all rows of an element at once, where that is possible.
-    fn skip_fixed(&mut self, element: &Element) -> Checked<bool>;
     /// All rows of an element at once, where they are all of one size; they are read then.
-    fn table<'a>(&'a mut self, element: &Element) -> Checked<Option<Table<'a>>>;
+    fn table<'a>(&'a mut self, _element: &Element) -> Checked<Option<Table<'a>>> {
+        Ok(None)
+    }
     /// Reads a list of vertices if all is plain about it: 32 bit indices below `limit`. Else nothing is read.
-    fn plain_list(&mut self, count: Type, item: Type, limit: u64, list: &mut Vec<u32>) -> bool;
+    fn plain_list(&mut self, _count: Type, _item: Type, _limit: u64, _: &mut Vec<u32>) -> bool {
+        false
+    }
     /// Reads rows of nothing but a list of three vertices, at most `most`, as long as they are plain. Returns their
     /// number.
     fn plain_triangles(
         &mut self,
-        element: &Element,
-        most: u64,
-        limit: u64,
-        push: impl FnMut([u32; 3]),
-    ) -> u64;
+        _element: &Element,
+        _most: u64,
+        _limit: u64,
+        _push: impl FnMut([u32; 3]),
+    ) -> u64 {
+        0
+    }
     /// The place of the last value.
     fn place(&self) -> Place;
     /// The most values or rows of `size` bytes that can follow.
@@ -141,14 +149,6 @@ impl<'a> Binary<'a> {
 
 impl Rows for Binary<'_> {
     #[inline]
-    fn begin(&mut self, _: &Element) -> Checked<()> {
-        Ok(())
-    }
-
-    #[inline]
-    fn finish(&mut self) {}
-
-    #[inline]
     fn value(&mut self, kind: Type) -> Checked<f64> {
         self.last = (self.size - self.rest.len()) as u64;
         let truncated = || Fault::at(Place::Byte(self.last), "truncated: the file ends here");
@@ -158,25 +158,18 @@ impl Rows for Binary<'_> {
         Ok(value)
     }
 
-    fn skip_fixed(&mut self, element: &Element) -> Checked<bool> {
-        Ok(self.table(element)?.is_some())
-    }
-
     fn table<'a>(&'a mut self, element: &Element) -> Checked<Option<Table<'a>>> {
         if element.has_lists() {
             return Ok(None);
         }
         let size = element.smallest_row().checked_mul(element.count);
-        let pieces = size
-            .and_then(|size| usize::try_from(size).ok())
-            .and_then(|size| self.rest.split_at_checked(size));
+        let size = size.and_then(|size| usize::try_from(size).ok());
+        let pieces = size.and_then(|size| self.rest.split_at_checked(size));
         let truncated = || {
             let place = Place::Byte((self.size - self.rest.len()) as u64);
             let (name, count) = (&element.name, element.count);
-            Fault::at(
-                place,
-                format!("truncated: not enough bytes for {count} rows of '{name}'"),
-            )
+            let what = format!("truncated: not enough bytes for {count} rows of '{name}'");
+            Fault::at(place, what)
         };
         let (rows, rest) = pieces.ok_or_else(truncated)?;
         self.rest = rest;
@@ -312,10 +305,8 @@ impl<'a> Ascii<'a> {
                 return Ok(());
             }
         }
-        Err(Fault::at(
-            self.place(),
-            "truncated: the file ends before the last row",
-        ))
+        let what = "truncated: the file ends before the last row";
+        Err(Fault::at(self.place(), what))
     }
 
     fn word(&mut self) -> Checked<&'a [u8]> {
@@ -324,10 +315,8 @@ impl<'a> Ascii<'a> {
                 return Ok(word);
             }
             if self.by_line {
-                return Err(Fault::at(
-                    self.place(),
-                    "the row has fewer values than it must",
-                ));
+                let what = "the row has fewer values than it must";
+                return Err(Fault::at(self.place(), what));
             }
             self.next_line()?;
         }
@@ -353,22 +342,6 @@ impl Rows for Ascii<'_> {
         let word = self.word()?;
         let wrong = || Fault::at(self.place(), format!("'{}' is not a number", shown(word)));
         number(word).ok_or_else(wrong)
-    }
-
-    fn skip_fixed(&mut self, element: &Element) -> Checked<bool> {
-        Ok(element.properties.is_empty())
-    }
-
-    fn table<'b>(&'b mut self, _: &Element) -> Checked<Option<Table<'b>>> {
-        Ok(None)
-    }
-
-    fn plain_triangles(&mut self, _: &Element, _: u64, _: u64, _: impl FnMut([u32; 3])) -> u64 {
-        0
-    }
-
-    fn plain_list(&mut self, _: Type, _: Type, _: u64, _: &mut Vec<u32>) -> bool {
-        false
     }
 
     fn place(&self) -> Place {
@@ -399,7 +372,7 @@ impl Rows for Ascii<'_> {
 
 /// Passes over an element that is not read.
 pub(super) fn skip<R: Rows>(element: &Element, rows: &mut R) -> Checked<()> {
-    if rows.skip_fixed(element)? {
+    if element.properties.is_empty() || rows.table(element)?.is_some() {
         return Ok(());
     }
     for _ in 0..element.count {

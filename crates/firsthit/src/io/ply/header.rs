@@ -129,10 +129,8 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
     let start = lines.rest();
     let magic = lines.next().unwrap_or_default();
     if magic.trim_ascii() != b"ply" {
-        return Err(Fault::line(
-            1,
-            "not a PLY file: the first line must be 'ply'",
-        ));
+        let what = "not a PLY file: the first line must be 'ply'";
+        return Err(Fault::line(1, what));
     }
     // In a file whose lines end with CR, an LF after the header is already the body's first byte.
     lines.bare_cr = matches!(start.get(magic.len()..), Some([b'\r', next, ..]) if *next != b'\n');
@@ -177,10 +175,8 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
             }
         }
     }
-    Err(Fault::line(
-        lines.number,
-        "truncated: the header has no line 'end_header'",
-    ))
+    let what = "truncated: the header has no line 'end_header'";
+    Err(Fault::line(lines.number, what))
 }
 
 /// The texture that a comment may name.
@@ -217,17 +213,13 @@ fn parse_format(mut words: Words, line: u64) -> Checked<Format> {
 fn parse_element(mut words: Words, line: u64) -> Checked<Element> {
     let name = shown(words.next().unwrap_or_default());
     let count = words.next().unwrap_or_default();
-    let parsed = str::from_utf8(count)
-        .ok()
-        .and_then(|count| count.parse().ok());
-    let wrong = || {
-        let what = format!(
-            "element '{name}' must have a count from 0, got '{}'",
-            shown(count)
-        );
+    let parsed = str::from_utf8(count).ok();
+    let parsed = parsed.and_then(|count| count.parse().ok());
+    let count = parsed.ok_or_else(|| {
+        let count = shown(count);
+        let what = format!("element '{name}' must have a count from 0, got '{count}'");
         Fault::line(line, what)
-    };
-    let count = parsed.ok_or_else(wrong)?;
+    })?;
     Ok(Element {
         name,
         count,

@@ -1,7 +1,7 @@
 //! Colours of a PLY file.
 
 use super::header::Type;
-use crate::geometry::srgb_decode;
+use crate::io::mend::linear;
 
 /// How a property of some type spells the levels of a colour: as sRGB, up to the type's largest number.
 pub(super) struct Levels {
@@ -41,15 +41,5 @@ impl Levels {
             Some(&tabled) if level.fract() == 0.0 => tabled,
             _ => linear(level / self.largest),
         }
-    }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "colours are float32")]
-fn linear(encoded: f64) -> f32 {
-    if encoded.is_finite() && encoded >= 0.0 {
-        srgb_decode(encoded) as f32
-    } else {
-        // Not a colour: told, and replaced, where all are there.
-        encoded as f32
     }
 }

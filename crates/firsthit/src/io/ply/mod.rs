@@ -18,7 +18,7 @@ use super::surface::{Surface, Vertices, face_attribute};
 use super::text::shown;
 use crate::error::{Place, escape_controls};
 use crate::scene::{MapRole, Maps, Material, Object, TextureMap};
-use crate::shape::Attribute;
+use crate::shape::{Attribute, Positions};
 use crate::world::World;
 use body::{Ascii, Binary, Rows, skip};
 use faces::Faces;
@@ -81,11 +81,8 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
     let place = Place::Line(named.line);
     if header.textures.len() > 1 {
         report.warn("textures", &place, || {
-            let count = header.textures.len();
-            format!(
-                "{count} textures are named, only the first is read: '{}'",
-                shown(named.name.as_bytes())
-            )
+            let (count, name) = (header.textures.len(), shown(named.name.as_bytes()));
+            format!("{count} textures are named, only the first is read: '{name}'")
         });
     }
     let scene = report.source.base().map(Path::to_owned);
@@ -93,10 +90,8 @@ fn texture(header: &Header, report: &mut Report) -> Option<TextureMap> {
         Ok(texture) => Some(TextureMap::new(texture.into(), TextureMap::V_UP)),
         Err(reason) => {
             report.warn("texture", &place, || {
-                format!(
-                    "texture '{}' is not read: {reason}",
-                    escape_controls(&named.name)
-                )
+                let name = escape_controls(&named.name);
+                format!("texture '{name}' is not read: {reason}")
             });
             None
         }
@@ -110,15 +105,13 @@ fn model(
     report: &mut Report,
 ) -> Checked<World> {
     let name = report.source.stem();
-    let Faces {
-        surface,
-        colors,
-        named,
-        ..
-    } = faces;
+    let surface = faces.surface;
     let mut properties = vertices.named.into_properties();
-    properties.extend(named.into_properties());
-    let shared = Vertices::new(vertices.points.into_positions());
+    properties.extend(faces.named.into_properties());
+    let shared = Vertices::new(match vertices.points {
+        Positions::Double(points) => Positions::compact(points),
+        single @ Positions::Single(_) => single,
+    });
     warn_if_empty(&surface, &shared, report);
     let count = surface.face_count();
     let (mut mesh, _) = surface.finish(&shared, &name, report)?;
@@ -130,7 +123,7 @@ fn model(
         mend(&mut uvs, mend::Kind::Coordinates, &Place::File, report);
         mesh = mesh.with_uvs(Attribute::per_vertex(uvs))?;
     }
-    let colors = match (vertices.colors, colors) {
+    let colors = match (vertices.colors, faces.colors) {
         (Some(colors), _) => Some(Attribute::per_vertex(colors)),
         (None, colors) if colors.len() == count as usize && count > 0 => {
             Some(face_attribute(&mesh, colors))

@@ -4,6 +4,7 @@ use super::body::{Rows, Table, scalar_at, skip_value};
 use super::header::{Element, Format, Header, Kind, Type};
 use super::levels::Levels;
 use super::named::NamedRows;
+use crate::geometry::single;
 use crate::io::fault::{Checked, Fault};
 use crate::io::report::Report;
 use crate::shape::{Positions, PropertyOf};
@@ -30,25 +31,11 @@ pub(super) struct VertexRows {
     /// All other numbers.
     pub(super) named: NamedRows,
     levels: Levels,
-    pub(super) points: Points,
+    /// In float64, if they are to be, not yet compact.
+    pub(super) points: Positions,
     pub(super) normals: Option<Vec<[f32; 3]>>,
     pub(super) uvs: Option<Vec<[f32; 2]>>,
     pub(super) colors: Option<Vec<[f32; 3]>>,
-}
-
-/// Positions in the making.
-pub(super) enum Points {
-    Single(Vec<[f32; 3]>),
-    Double(Vec<[f64; 3]>),
-}
-
-impl Points {
-    pub(super) fn into_positions(self) -> Positions {
-        match self {
-            Self::Single(points) => Positions::Single(points),
-            Self::Double(points) => Positions::compact(points),
-        }
-    }
 }
 
 impl VertexRows {
@@ -78,9 +65,9 @@ impl VertexRows {
             slots,
             levels: Levels::new(r.map_or(Type::Uint8, |(_, kind)| kind)),
             points: if single {
-                Points::Single(Vec::new())
+                Positions::Single(Vec::new())
             } else {
-                Points::Double(Vec::new())
+                Positions::Double(Vec::new())
             },
             normals: (nx.is_some() && ny.is_some() && nz.is_some()).then(Vec::new),
             uvs: (u.is_some() && v.is_some()).then(Vec::new),
@@ -122,8 +109,8 @@ impl VertexRows {
     /// What a vertex takes in memory.
     fn row_bytes(&self) -> usize {
         let position = match self.points {
-            Points::Single(_) => size_of::<[f32; 3]>(),
-            Points::Double(_) => size_of::<[f64; 3]>(),
+            Positions::Single(_) => size_of::<[f32; 3]>(),
+            Positions::Double(_) => size_of::<[f64; 3]>(),
         };
         let normal = self.normals.as_ref().map_or(0, |_| size_of::<[f32; 3]>());
         let uv = self.uvs.as_ref().map_or(0, |_| size_of::<[f32; 2]>());
@@ -132,10 +119,6 @@ impl VertexRows {
     }
 
     /// Reads all rows column by column.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "kept as float32, as declared or by design"
-    )]
     fn read_table(&mut self, element: &Element, table: &Table) {
         // A property that is missing is never asked for: it has no column.
         let mut columns = [(usize::MAX, Type::Uint8); NAMES.len()];
@@ -150,66 +133,47 @@ impl VertexRows {
         self.named.read_table(element, table);
         let [x, y, z, nx, ny, nz, u, v, r, g, b] = columns;
         match &mut self.points {
-            Points::Single(points) => {
-                points.extend(
-                    table
-                        .columns([x, y, z])
-                        .map(|point| point.map(|x| x as f32)),
-                );
+            Positions::Single(points) => {
+                points.extend(table.columns([x, y, z]).map(|point| point.map(single)));
             }
-            Points::Double(points) => points.extend(table.columns([x, y, z])),
+            Positions::Double(points) => points.extend(table.columns([x, y, z])),
         }
         if let Some(normals) = &mut self.normals {
-            normals.extend(
-                table
-                    .columns([nx, ny, nz])
-                    .map(|normal| normal.map(|x| x as f32)),
-            );
+            normals.extend(table.columns([nx, ny, nz]).map(|normal| normal.map(single)));
         }
         if let Some(uvs) = &mut self.uvs {
-            uvs.extend(table.columns([u, v]).map(|uv| uv.map(|x| x as f32)));
+            uvs.extend(table.columns([u, v]).map(|uv| uv.map(single)));
         }
         if let Some(colors) = &mut self.colors {
             let levels = &self.levels;
-            colors.extend(
-                table
-                    .columns([r, g, b])
-                    .map(|color| color.map(|k| levels.linear(k))),
-            );
+            let linear = |color: [f64; 3]| color.map(|level| levels.linear(level));
+            colors.extend(table.columns([r, g, b]).map(linear));
         }
     }
 
     fn reserve(&mut self, count: usize) {
         self.named.reserve(count);
         match &mut self.points {
-            Points::Single(points) => points.reserve_exact(count),
-            Points::Double(points) => points.reserve_exact(count),
+            Positions::Single(points) => points.reserve_exact(count),
+            Positions::Double(points) => points.reserve_exact(count),
         }
-        if let Some(normals) = &mut self.normals {
-            normals.reserve_exact(count);
-        }
-        if let Some(uvs) = &mut self.uvs {
-            uvs.reserve_exact(count);
-        }
-        if let Some(colors) = &mut self.colors {
-            colors.reserve_exact(count);
-        }
+        let vectors = self.normals.iter_mut().chain(&mut self.colors);
+        vectors.for_each(|values| values.reserve_exact(count));
+        self.uvs
+            .iter_mut()
+            .for_each(|values| values.reserve_exact(count));
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "kept as float32, as declared or by design"
-    )]
     fn push(&mut self, [x, y, z, nx, ny, nz, u, v, r, g, b]: [f64; NAMES.len()]) {
         match &mut self.points {
-            Points::Single(points) => points.push([x as f32, y as f32, z as f32]),
-            Points::Double(points) => points.push([x, y, z]),
+            Positions::Single(points) => points.push([x, y, z].map(single)),
+            Positions::Double(points) => points.push([x, y, z]),
         }
         if let Some(normals) = &mut self.normals {
-            normals.push([nx as f32, ny as f32, nz as f32]);
+            normals.push([nx, ny, nz].map(single));
         }
         if let Some(uvs) = &mut self.uvs {
-            uvs.push([u as f32, v as f32]);
+            uvs.push([u, v].map(single));
         }
         if let Some(colors) = &mut self.colors {
             colors.push([r, g, b].map(|level| self.levels.linear(level)));

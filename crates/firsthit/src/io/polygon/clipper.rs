@@ -161,14 +161,11 @@ impl<'a> Clipper<'a> {
         }
         let triangle = self.triangle(corner);
         let [a, b, c] = triangle.map(|k| self.points[k as usize]);
-        let low = Point {
-            x: a.x.min(b.x).min(c.x),
-            y: a.y.min(b.y).min(c.y),
+        let end = |of: fn(f64, f64) -> f64| Point {
+            x: of(of(a.x, b.x), c.x),
+            y: of(of(a.y, b.y), c.y),
         };
-        let high = Point {
-            x: a.x.max(b.x).max(c.x),
-            y: a.y.max(b.y).max(c.y),
-        };
+        let (low, high) = (end(f64::min), end(f64::max));
         let mut seen = 1;
         let blocker = self.columns.within(self.points, low, high).find(|&k| {
             seen += 1;

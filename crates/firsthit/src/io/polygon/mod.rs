@@ -34,7 +34,7 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Option<Vec<[u32; 3]>> {
         return None;
     }
     let normal = newell_normal(corners)?;
-    let points = project(corners, normal)?;
+    let points = project(corners, normal);
     if fan_is_right(&points) || is_bent(corners, normal) {
         return None;
     }
@@ -47,14 +47,8 @@ pub(super) fn is_plainly_convex([a, b, c, d]: [DVec3; 4]) -> bool {
     let [ab, ac, ad] = [b - a, c - a, d - a];
     let (first, second) = (ab.cross(ac), ac.cross(ad));
     // Both triangles of the fan, seen along the axis nearest their common normal.
-    let sum = (first + second).abs();
-    let (first, second) = if sum.z >= sum.x && sum.z >= sum.y {
-        (first.z, second.z)
-    } else if sum.x >= sum.y {
-        (first.x, second.x)
-    } else {
-        (first.y, second.y)
-    };
+    let axis = nearest_axis(first + second);
+    let (first, second) = (first[axis], second[axis]);
     // A component of a cross product is wrong by some 1e-16 of this at most.
     let size = ab
         .length_squared()
@@ -77,23 +71,25 @@ fn is_bent(corners: &[DVec3], normal: DVec3) -> bool {
     high - low > BENT * size
 }
 
-/// The polygon seen along the axis that is nearest its normal, counter-clockwise.
-fn project(corners: &[DVec3], normal: DVec3) -> Option<Vec<Point>> {
+/// The axis along which a normal is longest.
+fn nearest_axis(normal: DVec3) -> usize {
     let size = normal.abs();
-    let (u, v, facing) = if size.z >= size.x && size.z >= size.y {
-        (0, 1, normal.z)
-    } else if size.x >= size.y {
-        (1, 2, normal.x)
+    if size.z >= size.x && size.z >= size.y {
+        2
     } else {
-        (2, 0, normal.y)
-    };
-    let (u, v) = if facing < 0.0 { (v, u) } else { (u, v) };
-    let flat = |corner: &DVec3| {
-        let coordinates = corner.to_array();
-        Some(Coord {
-            x: *coordinates.get(u)?,
-            y: *coordinates.get(v)?,
-        })
+        // Written so that a NaN leads to y.
+        1 - usize::from(size.x >= size.y)
+    }
+}
+
+/// The polygon seen along the axis that is nearest its normal, counter-clockwise.
+fn project(corners: &[DVec3], normal: DVec3) -> Vec<Point> {
+    let axis = nearest_axis(normal);
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (u, v) = if normal[axis] < 0.0 { (v, u) } else { (u, v) };
+    let flat = |corner: &DVec3| Coord {
+        x: corner[u],
+        y: corner[v],
     };
     corners.iter().map(flat).collect()
 }

@@ -26,7 +26,11 @@ impl Kernel for Band<'_> {
     fn run<L: Lanes>(mut self, l: L) {
         let plan = self.plan;
         let mut memory = Memory::take();
-        let mut tiles = TILES.take().unwrap_or_else(TileMemory::new);
+        let mut tiles = TILES.take().unwrap_or_else(|| TileMemory {
+            scratch: TileScratch::new(),
+            square: Square::default(),
+            rays: None,
+        });
         let TileMemory {
             scratch,
             square,
@@ -74,16 +78,6 @@ struct TileMemory {
     square: Square,
     /// Made when rays are an array's.
     rays: Option<SquareRays>,
-}
-
-impl TileMemory {
-    fn new() -> Self {
-        Self {
-            scratch: TileScratch::new(),
-            square: Square::default(),
-            rays: None,
-        }
-    }
 }
 
 /// The tiles of a square of a band, columns and rows, along Morton's curve.

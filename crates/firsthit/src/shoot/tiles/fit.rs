@@ -341,15 +341,7 @@ mod tests {
             starts_on_viewplane: false,
             offset: PixelGrid::CENTRE,
         };
-        let ray = |k: usize| {
-            let point = grid.point(k / 70, k % 70);
-            if is_parallel {
-                Ray::new(grid.position + point - toward, toward)
-            } else {
-                Ray::new(grid.position, point.normalize())
-            }
-        };
-        (0..40 * 70).map(ray).collect()
+        (0..40 * 70).map(|k| grid.ray(k / 70, k % 70)).collect()
     }
 
     /// All rays go through the grid's points.

@@ -22,6 +22,23 @@ struct SeenObject<'a> {
     tree: &'a MeshTree,
 }
 
+/// Writes the hits of a block, each with the mask of its half; `false` where one of them is not sound.
+#[inline(always)]
+fn put_sound<L: Lanes>(
+    l: L,
+    (at, out): (usize, &mut HitSlices<'_>),
+    seen: &SeenObject<'_>,
+    primitives: &[i32; LANES],
+    [(sound, first), (sound_too, second)]: [(u8, [L::Doubles; 3]); 2],
+) -> bool {
+    let are_sound = sound & sound_too == u8::MAX;
+    if are_sound {
+        let object = seen.index.cast_signed();
+        out.put_block(l, at, object, primitives, [first, second]);
+    }
+    are_sound
+}
+
 impl TileTask<'_> {
     fn seen(&self, index: u32) -> Option<SeenObject<'_>> {
         let (mesh, tree) = self.plan.scene.plain_mesh(index)?;
@@ -111,19 +128,8 @@ impl TileTask<'_> {
                 intersect8(l, &rays, &corners, $half, u8::MAX)
             }};
         }
-        let ((sound, first), (sound_too, second)) = (half!(0), half!(1));
-        if sound & sound_too != u8::MAX {
-            return false;
-        }
-        let object = seen.index.cast_signed();
-        out.put_block(
-            l,
-            at,
-            object,
-            bytemuck::cast_ref(&primitives),
-            [first, second],
-        );
-        true
+        let halves = [half!(0), half!(1)];
+        put_sound(l, (at, out), seen, bytemuck::cast_ref(&primitives), halves)
     }
 
     /// The same for a block whose pixels all meet one triangle.
@@ -146,21 +152,16 @@ impl TileTask<'_> {
             ));
         }
         let Some(common) = common else { return false };
-        let (sound, first) = common.intersect8(l, &rays);
-        let (sound_too, second) =
-            common.intersect8(l, &self.rays_in_object(l, seen, 2 * block + 1));
-        if sound & sound_too != u8::MAX {
-            return false;
-        }
+        let first = common.intersect8(l, &rays);
+        let second = common.intersect8(l, &self.rays_in_object(l, seen, 2 * block + 1));
         let primitives = [common.triangle(); LANES];
-        out.put_block(
+        put_sound(
             l,
-            at,
-            seen.index.cast_signed(),
+            (at, out),
+            seen,
             bytemuck::cast_ref(&primitives),
             [first, second],
-        );
-        true
+        )
     }
 
     #[inline(always)]

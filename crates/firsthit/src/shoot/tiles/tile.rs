@@ -151,8 +151,7 @@ impl<'a> TileTask<'a> {
         }
         for column in 0..columns {
             let at = self.at(row) + column;
-            let pixel = (self.first_row + row) * plan.grid.columns + self.first_column + column;
-            let ray = plan.rays.ray(pixel);
+            let ray = self.ray(row, column);
             let mut single = SingleRay::new(memory, plan.scene, &ray, FirstHit::START);
             if is_filled {
                 single = single.after(out.get(at), &plan.is_tiled);

@@ -108,28 +108,16 @@ pub(super) fn decode(
             read_row(&mut stream, control, row, elements)?;
         }
         for element in 0..elements {
-            let code = |byte: usize| {
-                codes
-                    .get(byte * block + element)
-                    .copied()
-                    .unwrap_or_default()
-            };
+            let code = |byte: usize| codes.get(byte * block + element).copied();
             for (k, (channel, word)) in channels.iter().zip(last.chunks_mut(4)).enumerate() {
-                advance(
-                    *channel,
-                    word,
-                    std::array::from_fn(|byte| code(4 * k + byte)),
-                );
+                let codes = std::array::from_fn(|byte| code(4 * k + byte).unwrap_or_default());
+                advance(*channel, word, codes);
             }
             bytes.extend_from_slice(&last);
         }
         left -= elements;
     }
-    if stream.rest.is_empty() {
-        Ok(())
-    } else {
-        Err("there are more packed bytes than the count asks for")
-    }
+    stream.finish()
 }
 
 /// The codes of one byte of all elements of a block. `control` is version 1's choice of widths.
@@ -211,16 +199,11 @@ fn advance(channel: Channel, word: &mut [u8], codes: [u8; 4]) {
             }
         }
         Channel::Pairs => {
-            for (pair, code) in word
-                .as_chunks_mut::<2>()
-                .0
-                .iter_mut()
-                .zip(codes.as_chunks::<2>().0)
-            {
+            let pairs = word.as_chunks_mut::<2>().0.iter_mut();
+            for (pair, code) in pairs.zip(codes.as_chunks::<2>().0) {
                 let difference = unzigzag(u16::from_le_bytes(*code).into()) as u16;
-                *pair = u16::from_le_bytes(*pair)
-                    .wrapping_add(difference)
-                    .to_le_bytes();
+                let sum = u16::from_le_bytes(*pair).wrapping_add(difference);
+                *pair = sum.to_le_bytes();
             }
         }
         Channel::Words(turn) => {

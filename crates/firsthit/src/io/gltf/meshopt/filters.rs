@@ -2,6 +2,7 @@
 
 use super::super::problem::Problem;
 use crate::error::escape_controls;
+use crate::geometry::single;
 
 /// Refuses a filter that is not known, or that does not go with the size of elements.
 pub(super) fn check(filter: &str, stride: usize) -> Result<(), Problem> {
@@ -104,10 +105,9 @@ fn quaternion([x, y, z, fourth]: [i32; 4]) -> [i32; 4] {
 }
 
 /// `2^e * m`, of an exponent of 8 bits and a mantissa of 24.
-#[expect(clippy::cast_possible_truncation, reason = "the result is a float32")]
 fn exponential(code: i32) -> f32 {
     let (exponent, mantissa) = (code >> 24, (code << 8) >> 8);
-    (f64::from(mantissa) * libm::exp2(f64::from(exponent))) as f32
+    single(f64::from(mantissa) * libm::exp2(f64::from(exponent)))
 }
 
 /// A colour from luma and chroma (`YCoCg`); the highest bit of alpha tells how many bits there are.

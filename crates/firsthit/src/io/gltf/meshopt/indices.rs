@@ -25,9 +25,5 @@ pub(super) fn decode(
         *last = last.wrapping_add(unzigzag(code >> 1));
         push_index(*last, stride, bytes);
     }
-    if stream.rest.is_empty() {
-        Ok(())
-    } else {
-        Err("there are more packed bytes than the count asks for")
-    }
+    stream.finish()
 }

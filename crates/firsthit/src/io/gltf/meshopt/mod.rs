@@ -12,7 +12,10 @@ use super::super::report::Report;
 use super::document::Meshopt;
 use super::problem::Problem;
 use crate::error::escape_controls;
-use stream::TRUNCATED;
+use stream::{Decoded, TRUNCATED};
+
+/// Unpacks so many elements of a size.
+type Decode = fn(&[u8], usize, usize, &mut Vec<u8>) -> Decoded<()>;
 
 /// The bytes that a packed view stands for.
 pub(super) fn unpack(
@@ -52,20 +55,15 @@ pub(super) fn unpack(
                 return Err(format!("mode {mode} takes no filter").into());
             }
             // Every triangle and every index takes a byte at least.
-            let least = if mode == "TRIANGLES" {
-                count / 3
-            } else {
-                count
+            let (least, decode): (usize, Decode) = match mode {
+                "TRIANGLES" => (count / 3, triangles::decode),
+                _ => (count, indices::decode),
             };
             if least > source.len() {
                 return Err(TRUNCATED.into());
             }
             make_room()?;
-            if mode == "TRIANGLES" {
-                triangles::decode(source, count, stride, &mut bytes)?;
-            } else {
-                indices::decode(source, count, stride, &mut bytes)?;
-            }
+            decode(source, count, stride, &mut bytes)?;
         }
         mode => {
             let mode = escape_controls(mode);

@@ -23,6 +23,15 @@ impl<'a> Stream<'a> {
         Ok(byte)
     }
 
+    /// The end of what asks for no more.
+    pub(super) fn finish(&self) -> Decoded<()> {
+        if self.rest.is_empty() {
+            Ok(())
+        } else {
+            Err("there are more packed bytes than the count asks for")
+        }
+    }
+
     /// A number in as many groups of seven bits as it needs, the lowest first (unsigned LEB128).
     pub(super) fn varint(&mut self) -> Decoded<u32> {
         let mut value = 0;

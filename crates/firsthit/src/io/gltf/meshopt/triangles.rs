@@ -86,10 +86,8 @@ impl State {
         } else {
             self.spelled(data)?
         };
-        let [(b, is_b_new), (c, is_c_new)] = {
-            let b = self.corner(codes >> 4, data)?;
-            [b, self.corner(codes & 15, data)?]
-        };
+        let (b, is_b_new) = self.corner(codes >> 4, data)?;
+        let (c, is_c_new) = self.corner(codes & 15, data)?;
         self.vertices.push(a);
         for (vertex, is_new) in [(b, is_b_new), (c, is_c_new)] {
             if is_new {
@@ -150,9 +148,5 @@ pub(super) fn decode(
             push_index(index, stride, bytes);
         }
     }
-    if data.rest.is_empty() {
-        Ok(())
-    } else {
-        Err("there are more packed bytes than the count asks for")
-    }
+    data.finish()
 }
