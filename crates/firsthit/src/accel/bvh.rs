@@ -22,6 +22,8 @@
 //! also entered earlier: by at least `margin / |d|` along the axis of the largest `d`. The margin costs no time: it is
 //! added to the origin.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::geometry::{DVec3, Ray};
 
 /// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
@@ -55,7 +57,8 @@ pub(super) struct Places {
 
 /// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
 /// two nodes from `first` on. Two nodes fill one cache line.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct Node {
     pub(super) low: [f32; 3],
     pub(super) first: u32,

@@ -1,9 +1,11 @@
 //! The leaf: up to sixteen triangles over up to sixteen shared vertices, in 256 bytes.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::simd::LANES;
 
-/// Triangles over vertices of their own, in the tree's space, as float32.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Triangles over vertices of their own, in the tree's space, as float32. Plain data: every byte of it has a meaning.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Meshlet {
     /// The vertices, an array for each axis. Unused lanes repeat the first vertex.
@@ -18,6 +20,8 @@ pub(super) struct Meshlet {
     pub(super) extent: f32,
     /// Which triangles there are, a bit each.
     pub(super) filled: u16,
+    /// Zero: no byte is left undefined.
+    pub(super) reserved: u16,
 }
 
 impl Meshlet {

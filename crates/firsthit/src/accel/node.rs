@@ -1,5 +1,7 @@
 //! A node of a [`MeshTree`](super::MeshTree): sixteen boxes and what is in them.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::simd::LANES;
 
 /// How many children a node has at most.
@@ -8,7 +10,7 @@ pub(super) const WIDTH: usize = LANES;
 pub(super) const LEAF: u32 = 1 << 31;
 
 /// Boxes side by side, and what is in them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// The boxes' ends: low x, high x, low y, high y, low z, high z. The box of a child that is not there begins at

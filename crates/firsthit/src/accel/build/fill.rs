@@ -21,6 +21,7 @@ impl Meshlet {
             size: 0.0,
             extent: 0.0,
             filled: 0,
+            reserved: 0,
         };
         for k in 0..LANES {
             let vertex = vertices[if k < count { k } else { 0 }];
