@@ -94,7 +94,7 @@ named! {
     /// assert_eq!(Projection::default().name(), "perspective");
     /// # Ok::<(), firsthit::Error>(())
     /// ```
-    Projection, "projection":
+    pub enum Projection, "projection":
     /// All rays pass through the camera's position and a flat viewplane.
     #[default]
     "perspective" => Perspective;

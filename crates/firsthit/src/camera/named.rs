@@ -3,7 +3,7 @@
 /// Makes an enum of named variants, and everything that depends on the list of names. `$what` is what a name that is none of
 /// them is refused as.
 macro_rules! named {
-    ($(#[$doc:meta])* $kind:ident, $what:literal: $($(#[$of_variant:meta])* $name:literal => $variant:ident;)*) => {
+    ($(#[$doc:meta])* pub enum $kind:ident, $what:literal: $($(#[$of_variant:meta])* $name:literal => $variant:ident;)*) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
         pub enum $kind {

@@ -8,7 +8,7 @@ named! {
     ///
     /// The front faces -y if z is up, as in CAD and 3D printing, and +z if y is up, as in glTF and OBJ; in both, x points
     /// to the right of the picture. Left and right are those of a viewer who faces the front.
-    StandardView, "view":
+    pub enum StandardView, "view":
     /// Three quarters: the front, the right side and the top at once.
     #[default]
     "iso" => Iso;

@@ -56,7 +56,7 @@ named! {
     /// assert_eq!(camera.starting_at(RayStart::Eye).ray(240, 320).origin, DVec3::ZERO);
     /// # Ok::<(), firsthit::Error>(())
     /// ```
-    RayStart, "ray_start":
+    pub enum RayStart, "ray_start":
     /// On the viewplane: what lies between the camera and the viewplane is not seen.
     #[default]
     "viewplane" => Viewplane;
