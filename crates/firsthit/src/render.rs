@@ -98,8 +98,8 @@ pub fn render(
     picture.render(watch)
 }
 
-/// How many pixels are rendered at once at most, about: their hits and sums take 80 bytes each.
-const SLAB: usize = 1 << 20;
+/// How many pixels are rendered at once at most, about: the hits and sums of each take 64 bytes, and so stay near the cores.
+const SLAB: usize = 1 << 18;
 
 /// Rows of a slab come in multiples of this, that of the squares of tiles.
 const SLAB_ROWS: usize = 64;

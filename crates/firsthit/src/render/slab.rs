@@ -14,7 +14,7 @@ use super::Picture;
 use super::region::{Part, Region};
 use crate::channel::{self, Shots};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Ray, Rays, single};
+use crate::geometry::{Color, DVec3, Hit, Ray, Rays, single};
 use crate::image::{Channel, Data, Frame};
 use crate::memory::zeroed;
 use crate::sampling::offset;
@@ -92,16 +92,21 @@ impl<'a> Slab<'a> {
             part.read(pixels.start, rays);
             let mut numbers = [0; SHADED];
             part.number(pixels.start, &mut numbers[..sums.len()]);
+            let mut met = [Hit::MISS; SHADED];
+            let met = &mut met[..sums.len()];
+            for (met, index) in met.iter_mut().zip(pixels) {
+                *met = hits.get(index);
+            }
             let samples = Samples {
                 rays,
-                hits: &hits.part(pixels),
+                hits: met,
                 pixels: &numbers[..sums.len()],
                 sample,
             };
             let mut colors = [Color::ZERO; SHADED];
             shade.shade_all(&samples, &mut colors[..sums.len()]);
-            for ((sum, color), &t) in sums.iter_mut().zip(colors).zip(&samples.hits.t) {
-                let covered = f64::from(u8::from(t < f64::INFINITY));
+            for ((sum, color), hit) in sums.iter_mut().zip(colors).zip(samples.hits) {
+                let covered = f64::from(u8::from(hit.t < f64::INFINITY));
                 for (sum, value) in sum.iter_mut().zip([color.x, color.y, color.z, covered]) {
                     *sum += value;
                 }

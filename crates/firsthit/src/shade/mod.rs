@@ -7,7 +7,7 @@ pub use lambert::Lambert;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DVec3, Hit, Ray};
 use crate::scene::{Background, Scene, SurfaceInteraction};
-use crate::shoot::{Cpu, Engine, Hits};
+use crate::shoot::{Cpu, Engine};
 
 /// The colour that a ray sees. Replaceable: any function of the right form is one.
 ///
@@ -27,8 +27,8 @@ pub trait Shade: Sync {
     /// shoots them together; whoever makes pictures asks for a few hundred at a time. There are as many colours as samples.
     fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color]) {
         for (k, (ray, color)) in samples.rays.iter().zip(colors).enumerate() {
-            let hit = samples.hits.get(k);
-            *color = self.shade(hit.t, ray.origin, ray.direction, &hit);
+            let hit = &samples.hits[k];
+            *color = self.shade(hit.t, ray.origin, ray.direction, hit);
         }
     }
 
@@ -51,7 +51,7 @@ pub struct Samples<'a> {
     /// The rays.
     pub rays: &'a [Ray],
     /// What they met, as many.
-    pub hits: &'a Hits,
+    pub hits: &'a [Hit],
     /// The pixels that they are of, counted row by row from the top of the whole picture, as many. With the sample's number they are
     /// a seed for random numbers that depends on nothing else.
     pub pixels: &'a [u64],
@@ -197,12 +197,10 @@ impl Shade for Shading<'_> {
     }
 
     fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color]) {
-        let hits: Vec<Hit> = (0..samples.rays.len())
-            .map(|k| samples.hits.get(k))
-            .collect();
-        let mut met = Vec::with_capacity(hits.len());
-        let mut surfaces = Vec::with_capacity(hits.len());
-        for (k, (ray, hit)) in samples.rays.iter().zip(&hits).enumerate() {
+        let count = samples.rays.len();
+        let mut met = Vec::with_capacity(count);
+        let mut surfaces = Vec::with_capacity(count);
+        for (k, (ray, hit)) in samples.rays.iter().zip(samples.hits).enumerate() {
             if let Some(surface) = self.scene.interaction(ray, hit) {
                 met.push(k);
                 surfaces.push(surface);

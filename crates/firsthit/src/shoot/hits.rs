@@ -1,7 +1,5 @@
 //! What many rays met.
 
-use std::ops::Range;
-
 use bytemuck::Zeroable;
 
 use crate::error::Result;
@@ -57,16 +55,6 @@ impl Hits {
             object: &mut self.object,
             primitive: &mut self.primitive,
             barycentric: &mut self.barycentric,
-        }
-    }
-
-    /// Those of some of the rays.
-    pub(crate) fn part(&self, rays: Range<usize>) -> Self {
-        Self {
-            t: self.t[rays.clone()].to_vec(),
-            object: self.object[rays.clone()].to_vec(),
-            primitive: self.primitive[rays.clone()].to_vec(),
-            barycentric: self.barycentric[rays].to_vec(),
         }
     }
 
