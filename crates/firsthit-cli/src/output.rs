@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use firsthit::channel::{KINDS, Kind};
 use firsthit::error::{escape_controls, escaped};
 use firsthit::image::{
-    self, FORMATS, Format, Frame, Holds, Picture, WriteSettings, short_legend, sidecar_of,
+    self, Display, FORMATS, Format, Frame, Holds, WriteSettings, short_legend, sidecar_of,
     write_whole,
 };
 use firsthit::scene_file::nearest_word;
@@ -358,7 +358,7 @@ fn place(path: &Path) -> Result<PathBuf, Failure> {
 pub(crate) fn takes_scale(Order { kinds, targets }: &Order) -> bool {
     let is_distance = |name: &str| {
         let kind = kinds.iter().find(|kind| kind.name == name);
-        kind.is_some_and(|kind| kind.picture == Picture::Distance)
+        kind.is_some_and(|kind| kind.display == Display::Distance)
     };
     (targets.iter()).any(|target| is_png(target) && target.channel.is_some_and(is_distance))
 }
@@ -423,7 +423,7 @@ pub(crate) fn write(
 /// How to read a picture back.
 fn legend(channel: &image::Channel, settings: WriteSettings) -> Option<String> {
     match settings.png_scale {
-        Some(scale) if channel.picture == Picture::Distance => {
+        Some(scale) if channel.display == Display::Distance => {
             let name = channel.name;
             Some(format!("{name} in steps of {scale}, 16 bits; misses 0"))
         }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
-use crate::image::{Channel, Data, Description, Picture, Unit};
+use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
 use crate::scene::{Scene, SurfaceInteraction};
 use crate::sensor::Sensor;
@@ -43,7 +43,7 @@ pub struct Kind {
     /// Numbers for each ray.
     pub components: usize,
     /// How it becomes a picture.
-    pub picture: Picture,
+    pub display: Display,
     /// What its numbers count.
     pub unit: Unit,
     /// What its numbers are relative to: `world`, `camera`, `ray`, `triangle` or `texture`.
@@ -75,7 +75,7 @@ pub const KINDS: &[Kind] = &[
         name: "color",
         about: "linear red, green, blue (Rec. 709); the background for a miss",
         components: 3,
-        picture: Picture::Color,
+        display: Display::Color,
         unit: Unit::LinearColor,
         frame: None,
         make: Make::Color,
@@ -84,7 +84,7 @@ pub const KINDS: &[Kind] = &[
         name: "t",
         about: "distance from the ray's start along the ray (in lengths of the direction); inf for a miss",
         components: 1,
-        picture: Picture::Distance,
+        display: Display::Distance,
         unit: Unit::DirectionLength,
         frame: Some("ray"),
         make: Make::T,
@@ -93,7 +93,7 @@ pub const KINDS: &[Kind] = &[
         name: "range",
         about: "distance from the camera's position along the ray; inf for a miss",
         components: 1,
-        picture: Picture::Distance,
+        display: Display::Distance,
         unit: Unit::SceneLength,
         frame: Some("camera"),
         make: Make::Distance(0),
@@ -102,7 +102,7 @@ pub const KINDS: &[Kind] = &[
         name: "z",
         about: "distance from the camera's position along its aim; inf for a miss",
         components: 1,
-        picture: Picture::Distance,
+        display: Display::Distance,
         unit: Unit::SceneLength,
         frame: Some("camera"),
         make: Make::Distance(1),
@@ -111,7 +111,7 @@ pub const KINDS: &[Kind] = &[
         name: "object",
         about: "identifier of the object; -1 for a miss",
         components: 1,
-        picture: Picture::Identifier,
+        display: Display::Identifier,
         unit: Unit::None,
         frame: None,
         make: Make::Identifier(|hit| hit.object),
@@ -120,7 +120,7 @@ pub const KINDS: &[Kind] = &[
         name: "primitive",
         about: "identifier of the object's part, such as the triangle; -1 for a miss",
         components: 1,
-        picture: Picture::Identifier,
+        display: Display::Identifier,
         unit: Unit::None,
         frame: None,
         make: Make::Identifier(|hit| hit.primitive),
@@ -129,7 +129,7 @@ pub const KINDS: &[Kind] = &[
         name: "face",
         about: "identifier of the polygon that the triangle was part of; -1 for a miss",
         components: 1,
-        picture: Picture::Identifier,
+        display: Display::Identifier,
         unit: Unit::None,
         frame: None,
         make: Make::Integer(face),
@@ -138,7 +138,7 @@ pub const KINDS: &[Kind] = &[
         name: "normal",
         about: "geometric normal in the world, of length one, outwards; NaN for a miss",
         components: 3,
-        picture: Picture::Direction,
+        display: Display::Direction,
         unit: Unit::None,
         frame: Some("world"),
         make: Make::Doubles(|surface, out| {
@@ -149,7 +149,7 @@ pub const KINDS: &[Kind] = &[
         name: "position",
         about: "where the hit is in the world; NaN for a miss",
         components: 3,
-        picture: Picture::Position,
+        display: Display::Position,
         unit: Unit::SceneLength,
         frame: Some("world"),
         make: Make::Doubles(|surface, out| {
@@ -160,7 +160,7 @@ pub const KINDS: &[Kind] = &[
         name: "barycentric",
         about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
         components: 3,
-        picture: Picture::Fraction,
+        display: Display::Fraction,
         unit: Unit::None,
         frame: Some("triangle"),
         make: Make::Doubles(|surface, out| {
@@ -172,7 +172,7 @@ pub const KINDS: &[Kind] = &[
         name: "uv",
         about: "texture coordinates; NaN for a miss and where there are none",
         components: 2,
-        picture: Picture::Fraction,
+        display: Display::Fraction,
         unit: Unit::None,
         frame: Some("texture"),
         make: Make::Doubles(|surface, out| {
@@ -185,7 +185,7 @@ pub const KINDS: &[Kind] = &[
         name: "front",
         about: "whether the front of the surface was met; false for a miss",
         components: 1,
-        picture: Picture::Mask,
+        display: Display::Mask,
         unit: Unit::None,
         frame: None,
         make: Make::Flag(is_front),
@@ -242,7 +242,7 @@ impl Kind {
             name: self.name,
             components: self.components,
             data,
-            picture: self.picture,
+            display: self.display,
             description: Description {
                 about: self.about,
                 unit: self.unit,
@@ -366,7 +366,7 @@ impl<'a> Part<'a> {
                 let parts = values.chunks_mut(CHUNK);
                 parts.map(|part| Self::Flag(value, part)).collect()
             }
-            _ => Vec::new(),
+            _ => unreachable!("`missed` makes the data that the kind asks for"),
         }
     }
 

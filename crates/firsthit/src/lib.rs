@@ -58,7 +58,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `io` | `gltf`, `obj`, `ply`, `stl` and `scene-file`, the formats that [`load()`] reads; each is a feature too |
-//! | `image` | `exr`, `png` and `npy` (with NPZ), the formats that [`image`] writes; each is a feature too |
+//! | `image` | `exr`, `png`, `npy` (with NPZ) and `cloud` (PLY and PCD), the formats that [`image`] writes; each is a feature too |
 //! | `load` | [`mod@load`] and [`world`] without a format; each format that is read enables it |
 //! | `frame` | [`channel`], [`image`], [`render()`] and [`Render`] without a format; each of `image`'s formats enables it |
 //!

@@ -228,7 +228,7 @@ impl Progressive<'_> {
         self.slab.add_sample(watch)
     }
 
-    /// The picture as it is.
+    /// The picture as it is. Before the first sample it is black.
     ///
     /// # Errors
     ///
@@ -236,7 +236,7 @@ impl Progressive<'_> {
     ///
     /// # Panics
     ///
-    /// Before the first sample.
+    /// Before the first sample, where there are channels other than the colour.
     pub fn frame(&self) -> Result<Frame> {
         self.slab.frame()
     }

@@ -33,7 +33,7 @@ pub struct World {
     /// The outputs that the file asks for.
     pub outputs: Vec<Output>,
     /// Which way is up: as the scene file says, else by the format's rule or convention. +y for glTF and OBJ, +z for
-    /// STL and PLY.
+    /// STL and PLY. Zero where nothing says so, as in `World::default()`: then +z.
     pub up: DVec3,
     /// Whether `up` is only a convention, as for OBJ, STL and PLY. glTF has a rule.
     pub up_is_guessed: bool,
@@ -54,8 +54,8 @@ impl World {
     /// use firsthit::{DVec3, Object, Sphere};
     ///
     /// let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0)?);
-    /// let world = World { objects: vec![ball], up: DVec3::Z, ..World::default() };
-    /// assert_eq!(world.into_scene()?.objects().len(), 1);
+    /// let scene = World { objects: vec![ball], ..World::default() }.into_scene()?;
+    /// assert_eq!((scene.objects().len(), scene.up()), (1, DVec3::Z));
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     ///
@@ -71,10 +71,15 @@ impl World {
     /// Which way is up in `scene`, the scene of the objects: as the file says, or as [`Scene::likely_up`] guesses if it
     /// does not say.
     pub fn up_in(&self, scene: &Scene) -> DVec3 {
-        if self.up_is_guessed {
-            scene.likely_up(self.up)
+        let up = if self.up == DVec3::ZERO {
+            DVec3::Z
         } else {
             self.up
+        };
+        if self.up_is_guessed {
+            scene.likely_up(up)
+        } else {
+            up
         }
     }
 

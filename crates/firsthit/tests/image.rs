@@ -14,16 +14,16 @@ use std::path::Path;
 use firsthit::Error;
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
-    Channel, Data, Description, FORMATS, Frame, Holds, Picture, WriteSettings, format_named,
+    Channel, Data, Description, Display, FORMATS, Frame, Holds, WriteSettings, format_named,
     format_of, write,
 };
 
-fn channel(name: &'static str, components: usize, data: Data, picture: Picture) -> Channel {
+fn channel(name: &'static str, components: usize, data: Data, display: Display) -> Channel {
     Channel {
         name,
         components,
         data,
-        picture,
+        display,
         description: Description::default(),
     }
 }
@@ -38,19 +38,19 @@ fn frame() -> Frame {
     ];
     let mut frame = Frame::new([2, 3]);
     for channel in [
-        channel("color", 3, Data::Float32(color), Picture::Color),
-        channel("t", 1, Data::Float64(t), Picture::Distance),
+        channel("color", 3, Data::Float32(color), Display::Color),
+        channel("t", 1, Data::Float64(t), Display::Distance),
         channel(
             "object",
             1,
             Data::Int32(vec![0, -1, 1, 2, 3, i32::MAX]),
-            Picture::Identifier,
+            Display::Identifier,
         ),
         channel(
             "front",
             1,
             Data::Bool(vec![true, false, true, true, true, false]),
-            Picture::Mask,
+            Display::Mask,
         ),
     ] {
         frame.push(channel).unwrap();
@@ -153,7 +153,7 @@ fn an_npy_file_holds_one_channel_of_a_batch() {
     let mut frame = Frame::new([values.len()]);
     let data = Data::Int32(values.clone());
     frame
-        .push(channel("object", 1, data, Picture::Identifier))
+        .push(channel("object", 1, data, Display::Identifier))
         .unwrap();
     write(&frame, &path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
@@ -187,7 +187,7 @@ fn what_a_format_cannot_hold_is_refused_before_the_file_is_touched() {
     );
     let mut batch = Frame::new([1]);
     batch
-        .push(channel("t", 1, Data::Float64(vec![1.0]), Picture::Distance))
+        .push(channel("t", 1, Data::Float64(vec![1.0]), Display::Distance))
         .unwrap();
     let message = write(&batch, &path).unwrap_err().to_string();
     assert_eq!(

@@ -3,6 +3,8 @@
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     reason = "a test may panic, and its numbers are small"
 )]
 
@@ -12,8 +14,8 @@ use std::path::Path;
 use firsthit::channel::KINDS;
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
-    Channel, Data, Description, Frame, Metadata, Numbers, Picture, WriteSettings, format_named,
-    is_point_cloud, read, read_bytes,
+    Array, Channel, Data, Description, Display, Frame, Metadata, Numbers, WriteSettings,
+    format_named, is_point_cloud, read, read_bytes,
 };
 use firsthit::{Background, Shader, Shading, example, render};
 
@@ -276,34 +278,39 @@ fn the_header_tells_the_metadata_in_short_lines() {
                 .collect::<Vec<_>>()
         );
         for array in &output.arrays {
-            let name = array.name.as_deref().unwrap();
-            assert_eq!(array.is_picture, name == "color");
-            let expected = component(&frame, name, array.components - 1);
-            let last = |index: usize| (index + 1) * array.components - 1;
-            for (index, &expected) in expected.iter().enumerate() {
-                match &array.numbers {
-                    Numbers::Float64(values) => {
-                        assert_eq!(values[last(index)].to_bits(), expected.to_bits())
-                    }
-                    Numbers::Float32(values) => {
-                        assert_eq!(values[last(index)].to_bits(), (expected as f32).to_bits())
-                    }
-                    Numbers::Integer(values) if name == "color" => {
-                        assert_eq!(values[last(index)], i64::from(srgb(expected)));
-                    }
-                    Numbers::Integer(values) => assert_eq!(values[last(index)] as f64, expected),
-                }
-            }
+            assert_is_that_of(array, &frame);
         }
     }
 }
 
-fn channel(name: &'static str, components: usize, data: Data, picture: Picture) -> Channel {
+/// An array that was read has the frame's numbers, each hit's last component.
+fn assert_is_that_of(array: &Array, frame: &Frame) {
+    let name = array.name.as_deref().unwrap();
+    assert_eq!(array.is_picture, name == "color");
+    let expected = component(frame, name, array.components - 1);
+    for (index, expected) in expected.into_iter().enumerate() {
+        let last = (index + 1) * array.components - 1;
+        let (found, expected) = match &array.numbers {
+            Numbers::Float64(values) => (values[last], expected),
+            Numbers::Float32(values) => (f64::from(values[last]), f64::from(expected as f32)),
+            Numbers::Integer(values) if name == "color" => {
+                (values[last] as f64, f64::from(srgb(expected)))
+            }
+            Numbers::Integer(values) => (values[last] as f64, expected),
+        };
+        assert!(
+            found == expected || found.is_nan() && expected.is_nan(),
+            "{name} {index}"
+        );
+    }
+}
+
+fn channel(name: &'static str, components: usize, data: Data, display: Display) -> Channel {
     Channel {
         name,
         components,
         data,
-        picture,
+        display,
         description: Description::default(),
     }
 }
@@ -312,7 +319,7 @@ fn positions(values: &[f64]) -> Frame {
     let mut frame = Frame::new([values.len() / 3]);
     let data = Data::Float64(values.to_vec());
     frame
-        .push(channel("position", 3, data, Picture::Position))
+        .push(channel("position", 3, data, Display::Position))
         .unwrap();
     frame
 }
@@ -333,7 +340,7 @@ fn what_a_cloud_cannot_hold_is_refused_before_the_file_is_touched() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cloud.ply");
     let mut frame = Frame::new([2]);
-    let object = channel("object", 1, Data::Int32(vec![0, 1]), Picture::Identifier);
+    let object = channel("object", 1, Data::Int32(vec![0, 1]), Display::Identifier);
     frame.push(object).unwrap();
     let message = frame.save(&path).unwrap_err().to_string();
     assert_eq!(

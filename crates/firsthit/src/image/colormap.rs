@@ -1,6 +1,6 @@
 use std::sync::LazyLock;
 
-use super::frame::{Channel, Picture};
+use super::frame::{Channel, Display};
 use super::srgb::{SRGB, unit_byte, unpremultiplied};
 
 type Rgb = [u8; 3];
@@ -23,15 +23,15 @@ pub(super) enum ColorMap {
 
 impl ColorMap {
     pub(super) fn of(channel: &Channel) -> Self {
-        match channel.picture {
-            Picture::Color if channel.is_transparent() => Self::Transparent,
-            Picture::Color => Self::Color,
-            Picture::Distance => Self::Distance(Depths::of(channel)),
-            Picture::Identifier => Self::Identifier,
-            Picture::Direction => Self::Direction,
-            Picture::Position => Self::Position([0, 1, 2].map(|axis| Range::of(channel, axis))),
-            Picture::Fraction => Self::Fraction,
-            Picture::Mask => Self::Mask,
+        match channel.display {
+            Display::Color if channel.is_transparent() => Self::Transparent,
+            Display::Color => Self::Color,
+            Display::Distance => Self::Distance(Depths::of(channel)),
+            Display::Identifier => Self::Identifier,
+            Display::Direction => Self::Direction,
+            Display::Position => Self::Position([0, 1, 2].map(|axis| Range::of(channel, axis))),
+            Display::Fraction => Self::Fraction,
+            Display::Mask => Self::Mask,
         }
     }
 
@@ -263,12 +263,12 @@ mod tests {
     use super::super::frame::Data;
     use super::*;
 
-    fn colors(picture: Picture, components: usize, data: Data) -> (Vec<Rgb>, Option<String>) {
+    fn colors(display: Display, components: usize, data: Data) -> (Vec<Rgb>, Option<String>) {
         let channel = Channel {
             name: "it",
             components,
             data,
-            picture,
+            display,
             description: crate::image::Description::default(),
         };
         let values: Vec<f64> = (0..channel.data.len())
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn near_is_yellow_and_far_is_violet() {
         let t = Data::Float32(vec![9.5, f32::INFINITY, 3.25, 6.375]);
-        let (colors, legend) = colors(Picture::Distance, 1, t);
+        let (colors, legend) = colors(Display::Distance, 1, t);
         assert_eq!(colors[..3], [[68, 1, 84], BLACK, [253, 231, 37]]);
         // The median is half way down from 1, and 9.5, twice as far, two thirds: a quarter of that is left.
         assert_eq!(colors[3], VIRIDIS[64]);
@@ -293,12 +293,12 @@ mod tests {
 
     #[test]
     fn pictures_without_a_range_are_not_divided_by_it() {
-        let (same, _) = colors(Picture::Distance, 1, Data::Float64(vec![2.0, 2.0]));
+        let (same, _) = colors(Display::Distance, 1, Data::Float64(vec![2.0, 2.0]));
         assert_eq!(same, [[253, 231, 37]; 2]);
-        let (misses, legend) = colors(Picture::Distance, 1, Data::Float64(vec![f64::INFINITY]));
+        let (misses, legend) = colors(Display::Distance, 1, Data::Float64(vec![f64::INFINITY]));
         assert_eq!(misses, [BLACK]);
         assert_eq!(legend.as_deref(), Some("it: nothing but misses"));
-        let (extremes, _) = colors(Picture::Distance, 1, Data::Float64(vec![-1.7e308, 1.7e308]));
+        let (extremes, _) = colors(Display::Distance, 1, Data::Float64(vec![-1.7e308, 1.7e308]));
         assert_eq!(extremes, [[253, 231, 37], [68, 1, 84]]);
     }
 
@@ -307,23 +307,23 @@ mod tests {
         let nan = f64::NAN;
         let normals = Data::Float64(vec![0.0, 1.0, -1.0, nan, nan, nan]);
         assert_eq!(
-            colors(Picture::Direction, 3, normals).0,
+            colors(Display::Direction, 3, normals).0,
             [[128, 255, 0], BLACK]
         );
         let points = Data::Float64(vec![1.0, 5.0, 0.0, 3.0, 5.0, -4.0, nan, nan, nan]);
-        let position = colors(Picture::Position, 3, points);
+        let position = colors(Display::Position, 3, points);
         assert_eq!(position.0, [[0, 0, 255], [255, 0, 0], BLACK]);
         let text = position.1.unwrap();
         assert!(text.contains("x from 1.0 to 3.0 as red"), "{text}");
         let uv = Data::Float64(vec![0.5, 2.0, nan, nan]);
-        assert_eq!(colors(Picture::Fraction, 2, uv).0, [[128, 255, 0], BLACK]);
+        assert_eq!(colors(Display::Fraction, 2, uv).0, [[128, 255, 0], BLACK]);
         let mask = Data::Bool(vec![true, false]);
-        assert_eq!(colors(Picture::Mask, 1, mask).0, [[255; 3], BLACK]);
+        assert_eq!(colors(Display::Mask, 1, mask).0, [[255; 3], BLACK]);
     }
 
     #[test]
     fn neighbouring_identifiers_look_different() {
-        let (colors, _) = colors(Picture::Identifier, 1, Data::Int32((-1..10_000).collect()));
+        let (colors, _) = colors(Display::Identifier, 1, Data::Int32((-1..10_000).collect()));
         assert_eq!(colors[0], BLACK);
         for pair in colors[1..].windows(2) {
             let apart = (0..3).map(|k| pair[0][k].abs_diff(pair[1][k])).max();

@@ -11,7 +11,7 @@ use exr::prelude::{Compression, Vec2};
 use rayon::prelude::*;
 
 use super::content::{Content, check_float32, picture_sides};
-use super::frame::{Channel, Data, Picture};
+use super::frame::{Channel, Data, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use crate::error::Result;
 use crate::geometry::single;
@@ -109,7 +109,7 @@ fn header(content: &Content<'_>, planes: &[Plane<'_>], (rows, columns): (usize, 
             Data::Int32(_) | Data::Bool(_) => SampleType::U32,
         };
         let name = Text::new_or_panic(&plane.name);
-        ChannelDescription::new(name, sample_type, plane.channel.picture != Picture::Color)
+        ChannelDescription::new(name, sample_type, plane.channel.display != Display::Color)
     });
     let metadata = &content.metadata;
     let mut own = LayerAttributes {

@@ -36,7 +36,7 @@ pub struct Channel {
     /// The values: all components of element 0, then those of element 1.
     pub data: Data,
     /// How it is shown.
-    pub picture: Picture,
+    pub display: Display,
     /// Its description, for readers of the file.
     pub description: Description,
 }
@@ -80,10 +80,10 @@ pub enum Data {
     Bool(Vec<bool>),
 }
 
-/// The kind of a [`Channel`]'s values, which decides how a PNG shows them. `docs/outputs.md` has the formulas.
+/// How a PNG shows a [`Channel`], which depends on the kind of its values. `docs/outputs.md` has the formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Picture {
+pub enum Display {
     /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the coverage (alpha) from 0 to
     /// 1.
     Color,
@@ -160,10 +160,10 @@ impl Frame {
             let expected = "a channel whose name the frame does not have yet";
             return Err(Error::argument("channel", expected, name));
         }
-        if !channel.picture.fits(&channel) {
-            let expected = "of the type and the number of components that its picture asks for";
-            let (kind, picture) = (channel.data.kind(), channel.picture);
-            let got = format!("{} {kind} as {picture:?}", channel.components);
+        if !channel.display.fits(&channel) {
+            let expected = "of the type and the number of components that its display asks for";
+            let (kind, display) = (channel.data.kind(), channel.display);
+            let got = format!("{} {kind} as {display:?}", channel.components);
             return Err(Error::argument(name, expected, got));
         }
         // A shape whose product overflows has no data that could match it.
@@ -234,13 +234,13 @@ impl Channel {
         if self.is_transparent() {
             "transparent"
         } else {
-            self.picture.miss()
+            self.display.miss()
         }
     }
 
     /// Whether these are colours with coverage (alpha).
     pub fn is_transparent(&self) -> bool {
-        self.picture == Picture::Color && self.components == 4
+        self.display == Display::Color && self.components == 4
     }
 }
 
@@ -328,7 +328,7 @@ impl Unit {
     }
 }
 
-impl Picture {
+impl Display {
     /// The value of a miss, in the words of the metadata.
     pub fn miss(self) -> &'static str {
         match self {
@@ -358,12 +358,12 @@ impl Picture {
 mod tests {
     use super::*;
 
-    fn channel(name: &'static str, components: usize, data: Data, picture: Picture) -> Channel {
+    fn channel(name: &'static str, components: usize, data: Data, display: Display) -> Channel {
         Channel {
             name,
             components,
             data,
-            picture,
+            display,
             description: Description::default(),
         }
     }
@@ -371,8 +371,8 @@ mod tests {
     #[test]
     fn channels_come_back_by_name_and_in_order() {
         let mut frame = Frame::new([2, 3]);
-        let t = channel("t", 1, Data::Float64(vec![1.0; 6]), Picture::Distance);
-        let object = channel("object", 1, Data::Int32(vec![-1; 6]), Picture::Identifier);
+        let t = channel("t", 1, Data::Float64(vec![1.0; 6]), Display::Distance);
+        let object = channel("object", 1, Data::Int32(vec![-1; 6]), Display::Identifier);
         frame.push(t.clone()).unwrap();
         frame.push(object.clone()).unwrap();
         assert_eq!(frame.channels(), [t, object.clone()]);
@@ -384,19 +384,19 @@ mod tests {
     #[test]
     fn a_channel_that_does_not_fit_is_refused_with_its_numbers() {
         let mut frame = Frame::new([2, 3]);
-        let short = channel("color", 3, Data::Float32(vec![0.0; 17]), Picture::Color);
+        let short = channel("color", 3, Data::Float32(vec![0.0; 17]), Display::Color);
         assert_eq!(
             frame.push(short).unwrap_err().to_string(),
             "color must be as long as the frame's elements times the channel's components, \
              got 17 values for 3 of each element of [2, 3]"
         );
-        let whole = channel("front", 1, Data::Int32(vec![0; 6]), Picture::Mask);
+        let whole = channel("front", 1, Data::Int32(vec![0; 6]), Display::Mask);
         assert_eq!(
             frame.push(whole).unwrap_err().to_string(),
-            "front must be of the type and the number of components that its picture asks for, \
+            "front must be of the type and the number of components that its display asks for, \
              got 1 int32 as Mask"
         );
-        let front = channel("front", 1, Data::Bool(vec![true; 6]), Picture::Mask);
+        let front = channel("front", 1, Data::Bool(vec![true; 6]), Display::Mask);
         frame.push(front.clone()).unwrap();
         assert!(frame.push(front).is_err(), "the name is taken");
     }
@@ -404,7 +404,7 @@ mod tests {
     #[test]
     fn a_shape_that_overflows_is_refused_not_wrapped() {
         let mut frame = Frame::new([usize::MAX, 2]);
-        let empty = channel("t", 1, Data::Float64(vec![]), Picture::Distance);
+        let empty = channel("t", 1, Data::Float64(vec![]), Display::Distance);
         assert!(frame.push(empty).is_err());
     }
 }

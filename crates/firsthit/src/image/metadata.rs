@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::frame::{Channel, Frame, Picture};
+use super::frame::{Channel, Display, Frame};
 use super::origin::{CameraRecord, Origin};
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
@@ -138,7 +138,7 @@ impl Metadata {
         } = frame.origin.clone();
         let has_colors = channels
             .iter()
-            .any(|channel| channel.picture == Picture::Color);
+            .any(|channel| channel.display == Display::Color);
         Self {
             metadata_version: METADATA_VERSION,
             firsthit: env!("CARGO_PKG_VERSION").to_owned(),

@@ -46,7 +46,7 @@ pub use decode::npy::{NpyHeader, NpyValues};
 pub use decode::output::{Array, Numbers, Output};
 pub use file::{sidecar_of, write_whole};
 pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};
-pub use frame::{Channel, Data, Description, Frame, Picture, Unit};
+pub use frame::{Channel, Data, Description, Display, Frame, Unit};
 pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
 pub use origin::{CameraRecord, Intrinsics, Origin, Pose};
 #[cfg(feature = "cloud")]

@@ -4,7 +4,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 use super::colormap::{ColorMap, legend};
 use super::content::{Content, WriteSettings, picture_sides};
-use super::frame::{Channel, Picture};
+use super::frame::{Channel, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use super::steps;
 use crate::error::Result;
@@ -29,7 +29,7 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
 fn scale(channel: &Channel, settings: &WriteSettings) -> Option<f64> {
     settings
         .png_scale
-        .filter(|_| channel.picture == Picture::Distance)
+        .filter(|_| channel.display == Display::Distance)
 }
 
 pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
@@ -40,7 +40,7 @@ pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
             ..Stored::new(names(&["grey"]), "uint16", Encoding::Steps, "0")
         };
     }
-    let miss = if channel.picture == Picture::Color {
+    let miss = if channel.display == Display::Color {
         channel.miss()
     } else {
         "black"

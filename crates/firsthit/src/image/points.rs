@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::content::{Content, check_float32};
-use super::frame::{Channel, Data, Picture};
+use super::frame::{Channel, Data, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use super::srgb::unpremultiplied;
 use crate::error::{Error, Result};
@@ -48,9 +48,9 @@ pub(super) enum Type {
 impl Layout {
     /// The type of each of the channel's columns.
     pub(super) fn type_of(&self, channel: &Channel) -> Type {
-        match (&channel.data, channel.picture) {
-            (_, Picture::Color) if self.has_packed_colors => Type::Packed,
-            (_, Picture::Color) | (Data::Bool(_), _) => Type::Byte,
+        match (&channel.data, channel.display) {
+            (_, Display::Color) if self.has_packed_colors => Type::Packed,
+            (_, Display::Color) | (Data::Bool(_), _) => Type::Byte,
             (Data::Float64(_), _) if self.has_doubles => Type::Float64,
             (Data::Float64(_) | Data::Float32(_), _) => Type::Float32,
             (Data::Int32(_), _) => Type::Int32,
@@ -82,7 +82,7 @@ impl Layout {
             }
             Type::Float32 => ("float32", Encoding::Rounded),
             Type::Int32 => ("int32", Encoding::Exact),
-            Type::Byte if channel.picture != Picture::Color => ("uint8", Encoding::Exact),
+            Type::Byte if channel.display != Display::Color => ("uint8", Encoding::Exact),
             Type::Byte | Type::Packed => ("uint8", Encoding::Picture),
         };
         Stored::new(self.names(channel), dtype, encoding, channel.miss())
@@ -143,7 +143,7 @@ pub(super) fn points<'a>(content: &'a Content<'_>) -> impl Iterator<Item = usize
 /// Appends one element of a channel to its point's row.
 fn append(channel: &Channel, kind: Type, index: usize, row: &mut Vec<u8>) {
     let places = index * channel.components..(index + 1) * channel.components;
-    if channel.picture == Picture::Color {
+    if channel.display == Display::Color {
         let bytes = color(channel, places);
         match kind {
             Type::Packed => row.extend(packed(bytes, channel.is_transparent())),
