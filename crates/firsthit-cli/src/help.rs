@@ -34,8 +34,7 @@ Examples:
   firsthit render part.stl --channels z,object -o 'part-{channel}.png'
   firsthit render part.stl --channels color,z,object,normal -o part.exr
   firsthit render part.stl --channels z -o depth.png --png-scale 0.001
-  firsthit render room.glb --projection equirectangular --position 1,2,1.5 \\
-      --size 2048x1024 -o room.ply
+  firsthit render part.stl --projection equirectangular -o room.ply
 
 Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3
 
@@ -47,7 +46,7 @@ Examples:
   firsthit shoot part.stl rays.npy -o hits.npz
   firsthit shoot part.stl origins.npy directions.npy -o hits.npz \\
       --channels t,object,normal
-  firsthit shoot room.glb lidar.npz -o scan.ply
+  firsthit shoot part.stl rays.npy -o scan.ply
   echo 0,0,10,0,0,-1 | firsthit shoot part.stl - --channels t,object,position
 
 Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
