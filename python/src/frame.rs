@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use firsthit::channel::{self, Kind};
 use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
-use firsthit::render::{BACKGROUND, Picture, Region, SAMPLES, shoulder_light, work};
+use firsthit::render::{
+    BACKGROUND, Picture, Region, SAMPLES, has_shoulder_shadows, shoulder_light, work,
+};
 use firsthit::sensor::Sensor;
 use firsthit::shade::Lambert;
 use firsthit::{Background, Color, Shader, Shading};
@@ -77,6 +79,9 @@ pub(crate) fn render<'py>(
     // Kept by the scene, of which the next picture may be.
     run(py, threads, |_| Ok(scene.0.fingerprint().len()))?;
     let scene = if scene.0.lights().is_empty() {
+        if let Shader::Lambert(lambert) = &mut shader {
+            lambert.shadows &= has_shoulder_shadows(&camera.0);
+        }
         (scene.0.clone()).with_borrowed_lights(vec![shoulder_light(&camera.0)])
     } else {
         scene.0.clone()

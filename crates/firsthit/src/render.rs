@@ -7,7 +7,7 @@ mod slab;
 pub use region::Region;
 pub use settings::{Look, Render};
 
-use crate::camera::{Aim, Camera, Description, StandardView};
+use crate::camera::{Aim, Camera, Description, Projection, StandardView};
 use crate::channel::Kind;
 use crate::error::Result;
 use crate::geometry::summary::summary;
@@ -130,7 +130,8 @@ impl<'a> Picture<'a> {
     /// Those of [`render()`], and [`Error::Argument`](crate::Error::Argument) for a region that is no part of the picture.
     pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
         let mut whole: Vec<Channel> = Vec::new();
-        let [rows, columns] = self.checked()?.shape();
+        let region = self.checked()?;
+        let [rows, columns] = region.shape();
         let pixels = rows.saturating_mul(columns);
         self.render_to(watch, &mut |part: Frame| {
             if whole.is_empty() {
@@ -144,7 +145,7 @@ impl<'a> Picture<'a> {
             }
             Ok(())
         })?;
-        let mut frame = self.frame([rows, columns]);
+        let mut frame = self.frame(&region);
         for channel in whole {
             frame.push(channel)?;
         }
@@ -205,10 +206,14 @@ impl<'a> Picture<'a> {
         self.channels.iter().any(|kind| kind.needs_shade())
     }
 
-    /// An empty frame that says where it comes from.
-    fn frame(&self, shape: [usize; 2]) -> Frame {
+    /// An empty frame of a region that says where it comes from.
+    fn frame(&self, region: &Region) -> Frame {
+        let first_pixel = [region.rows.start as u64, region.columns.start as u64];
         let origin = origin(self.scene, Some(self.sensor), Some(self.samples));
-        Frame::new(shape).from_origin(origin)
+        Frame::new(region.shape()).from_origin(Origin {
+            first_pixel,
+            ..origin
+        })
     }
 }
 
@@ -258,6 +263,7 @@ pub fn origin(scene: &Scene, sensor: Option<&dyn Sensor>, samples: Option<u32>) 
         scene: Some(scene.fingerprint().to_owned()),
         camera: sensor.map(Sensor::record),
         samples,
+        first_pixel: [0, 0],
     }
 }
 
@@ -302,6 +308,12 @@ pub fn framing_camera(
         ..Description::default()
     };
     description.camera(scene.bounds(), |direction| scene.support(direction), up)
+}
+
+/// Whether the [`shoulder_light`] casts shadows. Not in a panorama: its camera is often in a room, and the walls would shadow
+/// everything that it sees.
+pub fn has_shoulder_shadows(camera: &Camera) -> bool {
+    camera.lens().projection() != Projection::Equirectangular
 }
 
 /// The light of pictures that have none of their own: parallel, from behind the camera's left shoulder.

@@ -78,6 +78,10 @@ fn a_region_is_that_part_of_the_whole() {
                 };
                 let part = part.render(&()).unwrap();
                 assert_eq!(part.shape(), [rows.len(), columns.len()]);
+                // K and the pose are the whole camera's: the file must say where its pixels begin.
+                let pixels = part.metadata().pixels.unwrap();
+                let first = [columns.start, rows.start].map(|first| first as f64 + 0.5);
+                assert_eq!(pixels.first_center, first);
                 let got = all_bits(&part, 0..rows.len(), 0..columns.len());
                 assert!(
                     got == all_bits(&whole, rows.clone(), columns.clone()),

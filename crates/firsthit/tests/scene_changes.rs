@@ -124,3 +124,21 @@ fn a_moved_object_is_met_as_in_a_scene_built_anew() {
     }
     assert!(moved.move_object(40, Transform::IDENTITY).is_err());
 }
+
+#[test]
+#[cfg(feature = "frame")]
+fn the_fingerprint_of_a_moved_scene_is_that_of_one_built_anew() {
+    let (points, triangles) = bumpy_sphere(20, 8);
+    let ball = Object::new(mesh(&points, triangles));
+    let up = Transform::translation(DVec3::Z).unwrap();
+    let objects = vec![
+        ball.clone(),
+        Object::new(Sphere::new(DVec3::X, 1.0).unwrap()),
+    ];
+    let mut moved = scene(objects.clone());
+    let before = moved.fingerprint().to_owned();
+    moved.move_object(0, up).unwrap();
+    let anew = scene(vec![ball.placed(up), objects[1].clone()]);
+    assert_eq!(moved.fingerprint(), anew.fingerprint());
+    assert_ne!(moved.fingerprint(), before);
+}

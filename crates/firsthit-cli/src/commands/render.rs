@@ -6,7 +6,7 @@ use firsthit::channel::Kind;
 use firsthit::geometry::meant_as_levels;
 use firsthit::image::WriteSettings;
 use firsthit::image::{Data, Frame};
-use firsthit::render::{BACKGROUND, Picture, SAMPLES, shoulder_light, work};
+use firsthit::render::{BACKGROUND, Picture, SAMPLES, has_shoulder_shadows, shoulder_light, work};
 use firsthit::world::{Output, World};
 use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 use serde_json::{Value, json};
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             ..
         } = loading::read(&args.file, &args.load, args.light.color)?;
         let orders = all_orders(args, asked, &model.outputs, &files)?;
-        let shader = shader(&args.light, model.shader.as_ref())?;
+        let mut shader = shader(&args.light, model.shader.as_ref())?;
         warn(&idle_options(args, &orders, &shader));
         warn(&doubtful_colors(&args.light));
         warn(&warnings);
@@ -56,8 +56,15 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             mut guessed,
         } = chosen;
         let (scene, is_light_guessed) = lit(scene, &args.light, &model, &camera);
-        if is_light_guessed && shader.name() == DEFAULT_SHADER && orders.iter().any(needs_shade) {
+        if is_light_guessed
+            && let Shader::Lambert(lambert) = &mut shader
+            && orders.iter().any(needs_shade)
+        {
             guessed.push("light over the shoulder (--light)".into());
+            if lambert.shadows && !has_shoulder_shadows(&camera) {
+                lambert.shadows = false;
+                guessed.push("no shadows of it (--light)".into());
+            }
         }
         let shade = Shading {
             background: background(&args.light, &model, &camera),

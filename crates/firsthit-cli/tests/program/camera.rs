@@ -1,5 +1,7 @@
 //! The camera's options, and what is hidden from it.
 
+use std::collections::HashSet;
+
 use crate::support::{ABOVE, Lab, array};
 
 /// The z channel of the pixel in the middle of a picture of 5 x 3 pixels.
@@ -255,6 +257,23 @@ fn a_panorama_sees_all_around_from_the_middle() {
         (0.995 * corner..corner).contains(&farthest),
         "{farthest} {corner}"
     );
+    // From inside nothing is in the light from outside, so that shadows would hide everything.
+    let outcome = lab.ok("render part.stl --projection equirectangular --samples 1 -o seen.npz");
+    assert!(outcome.stderr.contains("no shadows"), "{}", outcome.stderr);
+    let color = &lab.npz("seen.npz")["color"];
+    let different: HashSet<u64> = color.values.iter().map(|value| value.to_bits()).collect();
+    assert!(different.len() >= 3, "{}", different.len());
+    // The same place said in words, which is no direction to look in.
+    let middle = lab.ok("info part.stl --json");
+    let middle: serde_json::Value = serde_json::from_slice(&middle.stdout).unwrap();
+    let [x, y, z] = [0, 1, 2].map(|axis| {
+        let [low, high] = [0, 1].map(|end| middle["bounds"][end][axis].as_f64().unwrap());
+        low.midpoint(high)
+    });
+    lab.ok(&format!(
+        "render part.stl --projection equirectangular --position {x},{y},{z} --channels range,face -o there.npz -q"
+    ));
+    assert!(lab.npz("there.npz")["range"].values == range.values);
     // The scene file's words are the same.
     let toml = "[camera]\nprojection = \"equirectangular\"\n[[objects]]\nfile = \"part.stl\"\n";
     lab.write("around.toml", toml.as_bytes());

@@ -228,6 +228,10 @@ impl Description {
             Some(Aim::Along(aim)) => return Ok(View { aim, ..view }),
             Some(Aim::View(standard)) => return Ok(view.standard(standard)),
             Some(Aim::At(target)) => target,
+            // From the middle there is no way to the middle.
+            Some(Aim::Centre) | None if bounds.centre() == view.position => {
+                return Ok(view.standard(StandardView::Front));
+            }
             Some(Aim::Centre) | None => bounds.centre(),
         };
         let expected = "another point than position";

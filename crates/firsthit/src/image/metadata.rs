@@ -38,7 +38,8 @@ pub struct Metadata {
 /// How pixels lie: the same in all outputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pixels {
-    /// Where the centre of the first pixel (row 0, column 0) is, in pixels from the picture's corner.
+    /// Where the centre of the first pixel (row 0, column 0) is: across and down, in pixels from the corner of the camera's
+    /// whole picture.
     pub first_center: [f64; 2],
     /// Where row 0 is.
     pub row_0: String,
@@ -135,6 +136,7 @@ impl Metadata {
             scene,
             camera,
             samples,
+            first_pixel,
         } = frame.origin.clone();
         let has_colors = channels
             .iter()
@@ -144,7 +146,7 @@ impl Metadata {
             firsthit: env!("CARGO_PKG_VERSION").to_owned(),
             scene,
             shape: frame.shape.iter().map(|&side| side as u64).collect(),
-            pixels: (frame.shape.len() == 2).then(Pixels::convention),
+            pixels: (frame.shape.len() == 2).then(|| Pixels::from(first_pixel)),
             samples: samples.filter(|_| has_colors),
             channels: (channels.iter())
                 .map(|channel| ChannelRecord::of(channel, camera.is_some(), stored(channel)))
@@ -188,9 +190,10 @@ impl Metadata {
 }
 
 impl Pixels {
-    fn convention() -> Self {
+    /// Pixels whose first is that row and column of the camera's.
+    fn from([row, column]: [u64; 2]) -> Self {
         Self {
-            first_center: [0.5, 0.5],
+            first_center: [column as f64 + 0.5, row as f64 + 0.5],
             row_0: "top".to_owned(),
             column_0: "left".to_owned(),
         }

@@ -12,6 +12,9 @@ pub struct Origin {
     pub camera: Option<CameraRecord>,
     /// The number of samples whose mean is a pixel's colour, if there are colours.
     pub samples: Option<u32>,
+    /// Which row and column of the camera's pixels the first ones of the frame are: `[0, 0]` but for a region.
+    #[serde(default)]
+    pub first_pixel: [u64; 2],
 }
 
 /// A camera: in the specification's words, as intrinsic matrix, and as pose.

@@ -129,7 +129,7 @@ impl<'a> Slab<'a> {
 
     fn frame_with(&self, plain: Vec<Channel>) -> Result<Frame> {
         let mut plain = plain.into_iter();
-        let mut frame = self.picture.frame(self.part.region.shape());
+        let mut frame = self.picture.frame(&self.part.region);
         for kind in self.picture.channels {
             frame.push(if !kind.needs_shade() {
                 plain.next().expect("it was made with the first sample")

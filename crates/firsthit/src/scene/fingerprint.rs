@@ -25,10 +25,12 @@ impl Scene {
         // To be changed with whatever is added here: then no old fingerprint can be met by chance.
         digest.word("firsthit scene 1");
         digest.count(self.objects.len());
-        let mut known = HashMap::new();
+        let mut known = self.digests.get().cloned().unwrap_or_default();
         for object in &self.objects {
             digest_object(object, &mut known, &mut digest);
         }
+        // Whoever was first has the same.
+        let _ = self.digests.set(known);
         let own: &[Light] = if self.has_own_lights {
             &self.lights
         } else {
@@ -43,7 +45,7 @@ impl Scene {
 }
 
 /// What was met before, by where it is in memory: objects share meshes, and materials textures.
-type Known = HashMap<usize, [u8; 32]>;
+pub(super) type Known = HashMap<usize, [u8; 32]>;
 
 fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
     let of_shape = || {

@@ -69,6 +69,9 @@ pub struct Scene {
     up: Option<DVec3>,
     /// Made when first asked for.
     fingerprint: OnceLock<String>,
+    /// Those of meshes and textures, which all scenes have in common that are this one with objects moved.
+    #[cfg(feature = "frame")]
+    digests: Arc<OnceLock<fingerprint::Known>>,
 }
 
 // The first objects, and how much there is.
@@ -127,6 +130,8 @@ impl Scene {
             has_own_lights: true,
             up: None,
             fingerprint: OnceLock::new(),
+            #[cfg(feature = "frame")]
+            digests: Arc::default(),
         })
     }
 

@@ -177,6 +177,9 @@ fn padded<const N: usize>(cell: &[u8]) -> [u8; N] {
     bytes
 }
 
+/// Nobody needs more, and taking columns out goes through all of them.
+const MOST_COLUMNS: usize = 256;
+
 /// What a header says.
 #[derive(Default)]
 struct Header {
@@ -218,6 +221,9 @@ impl Header {
         if columns.is_empty() || names.len() < columns.len() {
             return Err("has no columns, or two of one name".to_owned());
         }
+        if columns.len() > MOST_COLUMNS {
+            return Err(format!("has more than {MOST_COLUMNS} columns"));
+        }
         let row: usize = columns.iter().map(|(_, kind)| kind.size()).sum();
         // In memory every number takes 8 bytes.
         elements(&[count, columns.len() as u64], 8, most)?;
@@ -236,14 +242,18 @@ impl Header {
                 .notes
                 .push(format!("{more} bytes after the last point are not read"));
         }
-        let mut places = Vec::new();
         let mut start = 0;
-        for (name, kind) in columns {
-            places.push(Column { name, kind, start });
+        let columns = columns.into_iter().map(|(name, kind)| {
             start += kind.size();
-        }
+            Column {
+                name,
+                kind,
+                start: start - kind.size(),
+            }
+        });
+        let columns = columns.collect();
         let table = Table { data, row, count };
-        output.arrays = arrays(places, &table, output.metadata.as_ref())?;
+        output.arrays = arrays(columns, &table, output.metadata.as_ref())?;
         Ok(output)
     }
 }
@@ -279,12 +289,13 @@ fn arrays(
 ) -> Result<Vec<Array>, String> {
     let mut arrays = Vec::new();
     let records = metadata.map_or(&[][..], |metadata| &metadata.channels);
+    // No more records than columns can have a column.
     for ChannelRecord {
         name,
         stored,
         components,
         ..
-    } in records
+    } in records.iter().take(MOST_COLUMNS)
     {
         let Some(stored) = stored else { continue };
         let is_picture = stored.encoding == Encoding::Picture;
