@@ -145,7 +145,7 @@ fn each_ahead<L: Lanes>(
             call: visit,
             with_copies,
             t_max: ray.t_max,
-            limit: packet.limits(0).last,
+            limit: packet.limits(0).t_max_high,
         };
         let ray = MeshRay {
             tree,
