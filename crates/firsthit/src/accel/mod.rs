@@ -44,7 +44,8 @@ pub(crate) use tile::visibility::{
 pub(crate) use traverse::any::Any;
 pub(crate) use traverse::count::Count;
 pub(crate) use traverse::dispatch::Dispatcher;
+pub(crate) use traverse::each::{END, each};
 pub(crate) use traverse::first::First;
 pub(crate) use traverse::mesh_packet::{MeshPacket, SettleExactly};
 pub(crate) use traverse::query::{MeshQuery, Sink};
-pub(crate) use traverse::single::{END, Scratch, ask, each};
+pub(crate) use traverse::single::{Scratch, ask};

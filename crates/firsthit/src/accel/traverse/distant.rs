@@ -105,7 +105,8 @@ impl Approach {
 mod tests {
     use super::*;
     use crate::accel::mesh_tree::MeshTree;
-    use crate::accel::traverse::single::{Scratch, each};
+    use crate::accel::traverse::each::each;
+    use crate::accel::traverse::single::Scratch;
     use crate::shape::{Mesh, Positions};
     use crate::simd::{self, InstructionSet, Kernel, Lanes};
 
