@@ -52,7 +52,7 @@ impl<'a> Plan<'a> {
         is_fitted: bool,
     ) -> Option<Self> {
         let has_directions = !is_fitted && grid.parallel.is_none();
-        if !is_moderate(&grid) || (has_directions && !has_digits(&grid)) {
+        if !is_unscaled(&grid) || (has_directions && !has_digits(&grid)) {
             return None;
         }
         let mut is_tiled = vec![false; scene.objects().len()];
@@ -110,8 +110,8 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Whether no direction needs other units (see [`Moderate`]).
-fn is_moderate(grid: &PixelGrid) -> bool {
+/// Whether no direction has to be scaled (see `scaled_ray.rs`).
+fn is_unscaled(grid: &PixelGrid) -> bool {
     let toward = grid.toward.length();
     let range = 1e-80..1e80;
     range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80

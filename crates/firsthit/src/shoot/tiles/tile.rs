@@ -16,8 +16,8 @@ use crate::scene::Scene;
 use crate::shape::triangle::Shear;
 use crate::shoot::batch::{Memory, SingleRay};
 use crate::shoot::hits::HitSlices;
-use crate::shoot::moderate::Moderate;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
+use crate::shoot::scaled_ray::ScaledRay;
 use crate::simd::{Kernel, Lanes};
 
 /// See [the module](self).
@@ -187,8 +187,8 @@ impl<'a> TileTask<'a> {
 
     /// Whether `new` is the first of two hits of a pixel.
     fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
-        Moderate::new(&self.ray(row, column))
-            .is_some_and(|moderate| moderate.precedes(self.plan.scene, new, old))
+        ScaledRay::new(&self.ray(row, column))
+            .is_some_and(|scaled| scaled.precedes(self.plan.scene, new, old))
     }
 
     /// The depth of a hit at `t`, in units of the viewplane's.
@@ -227,16 +227,16 @@ impl Kernel for Decision<'_> {
             leaf_lane,
         } = self.triangle;
         let (mesh, tree) = self.scene.plain_mesh(index)?;
-        let moderate = Moderate::new(&self.ray)?;
+        let scaled = ScaledRay::new(&self.ray)?;
         let object = &self.scene.objects()[index as usize];
-        let ray = moderate.in_object(object, moderate.ray.t_max)?;
+        let ray = scaled.in_object(object, scaled.ray.t_max)?;
         let corners = tree.corners_at(mesh, leaf_lane);
         let hit =
             Shear::new(&ray).intersect_by(corners, |doubtful| l.call(SettleExactly(doubtful)))?;
         let primitive = tree.triangle_at(leaf_lane).cast_signed();
         let crossing = hit.crossing(primitive);
         ray.holds(hit.t)
-            .then(|| moderate.hit(index, crossing))
+            .then(|| scaled.hit(index, crossing))
             .flatten()
     }
 }
