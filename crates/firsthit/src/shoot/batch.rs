@@ -274,8 +274,10 @@ impl<S: Sink> Batch<'_, S> {
         loop {
             instances.clear();
             for index in left.drain(..) {
-                let place = (scene, &mut memory.walk_stacks[index]);
-                if let Some(next) = walks[index].next(l, &mut memory.scratch, place, |_| true) {
+                let scene_and_stack = (scene, &mut memory.walk_stacks[index]);
+                if let Some(next) =
+                    walks[index].next(l, &mut memory.scratch, scene_and_stack, |_| true)
+                {
                     instances.push((index, next));
                 }
             }

@@ -221,9 +221,9 @@ impl<const N: usize> Grid<N> {
     )]
     #[inline(always)]
     fn bin(&self, item: &Item, axis: usize) -> usize {
-        let place = (item.0.middle()[axis] - self.low[axis]) * self.scale[axis];
+        let position = (item.0.middle()[axis] - self.low[axis]) * self.scale[axis];
         // By way of i32, for which there is an instruction; it is not below 0 nor above the number of bins.
-        (place as i32 as usize).min(N - 1)
+        (position as i32 as usize).min(N - 1)
     }
 
     fn fill(&self, items: &[Item]) -> Bins<N> {

@@ -51,12 +51,12 @@ impl Packet {
             return plain;
         }
         // Operation for operation what `Transform::ray_in_object` does.
-        let place = transform.world_from_object().translation;
+        let translation = transform.world_from_object().translation;
         let matrix = &transform.object_from_world().matrix3;
         let moved = [
-            l.sub64(origin[0], number(place.x)),
-            l.sub64(origin[1], number(place.y)),
-            l.sub64(origin[2], number(place.z)),
+            l.sub64(origin[0], number(translation.x)),
+            l.sub64(origin[1], number(translation.y)),
+            l.sub64(origin[2], number(translation.z)),
         ];
         let mut inside = [[number(0.0); 3]; 2];
         for axis in 0..3 {

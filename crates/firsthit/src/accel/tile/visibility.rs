@@ -48,7 +48,7 @@ pub(crate) trait ExactTest {
 }
 
 /// The block of a tile's pixel, and its lane there.
-pub(crate) const fn place(row: usize, column: usize) -> (usize, usize) {
+pub(crate) const fn block_and_lane(row: usize, column: usize) -> (usize, usize) {
     let block = row / BLOCK * BLOCK + column / BLOCK;
     (block, row % BLOCK * BLOCK + column % BLOCK)
 }

@@ -87,8 +87,13 @@ impl MeshRay<'_> {
 
     /// The crossing with a triangle at a known `[t, v, w]`.
     #[inline(always)]
-    pub(super) fn crossing_at(&self, leaf: u32, lane: usize, place: [f64; 3]) -> Option<Crossing> {
-        let hit = TriangleHit::new(place);
+    pub(super) fn crossing_at(
+        &self,
+        leaf: u32,
+        lane: usize,
+        numbers: [f64; 3],
+    ) -> Option<Crossing> {
+        let hit = TriangleHit::new(numbers);
         let leaf = &self.tree.leaves[leaf as usize];
         let ray = self.packet.ray(self.lane);
         ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))

@@ -6,7 +6,7 @@
 
 use super::pixels::{HALVES, Pixels};
 use super::square::SIDE;
-use crate::accel::{BLOCK, TILE, place};
+use crate::accel::{BLOCK, TILE, block_and_lane};
 use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
 use crate::simd::{Lanes, WIDE};
 
@@ -99,7 +99,7 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
     }
     let (first, second) = (rays.ray(0), rays.ray(1));
     let is_parallel = first.direction == second.direction;
-    let place = |ray: Ray| {
+    let point = |ray: Ray| {
         if is_parallel {
             ray.origin
         } else {
@@ -107,10 +107,10 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
         }
     };
     let mut leap = None;
-    let mut last = place(second);
-    let mut step = (last - place(first)).length();
+    let mut last = point(second);
+    let mut step = (last - point(first)).length();
     for k in 2..count.min(2 * LONGEST) {
-        let next = place(rays.ray(k));
+        let next = point(rays.ray(k));
         let length = (next - last).length();
         if length > LEAP * step {
             let Some(first) = leap else {
@@ -180,7 +180,7 @@ impl SquareRays {
             for (across, ray) in row_of_rays.iter().enumerate() {
                 let tile = down / TILE * TILES + across / TILE;
                 self.has_ends[tile] |= !ray.is_whole();
-                let (block, lane) = place(down % TILE, across % TILE);
+                let (block, lane) = block_and_lane(down % TILE, across % TILE);
                 let half = tile * HALVES + 2 * block + lane / WIDE;
                 let (origin, direction) = (&mut self.origin[half], &mut self.direction[half]);
                 for axis in 0..3 {

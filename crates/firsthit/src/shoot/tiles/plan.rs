@@ -245,7 +245,7 @@ pub(super) fn camera_of_tile(
     let y = grid.y(row) - half * height;
     let aside = x * grid.right + y * grid.upwards;
     let map = object.transform().object_from_world();
-    let place = object.transform().world_from_object().translation;
+    let translation = object.transform().world_from_object().translation;
     let turned = |v: DVec3| map.transform_vector3(v);
     let (start, centre) = if grid.parallel.is_some() {
         (grid.position + aside, grid.toward)
@@ -257,7 +257,7 @@ pub(super) fn camera_of_tile(
         [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.abs().max_element());
     let growth: f64 = largest.iter().sum();
     TileCamera {
-        eye: turned(start - place),
+        eye: turned(start - translation),
         centre: turned(centre),
         across: turned(width * grid.right),
         down: turned(-height * grid.upwards),
@@ -265,6 +265,8 @@ pub(super) fn camera_of_tile(
         start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
         off,
         largest: growth
-            * (start.abs().max_element() + place.abs().max_element() + centre.abs().max_element()),
+            * (start.abs().max_element()
+                + translation.abs().max_element()
+                + centre.abs().max_element()),
     }
 }

@@ -34,8 +34,8 @@ pub(super) struct TileTask<'a> {
     first_column: usize,
     /// How many pixels it has down and across.
     size: [usize; 2],
-    /// Where its results begin in their square.
-    place: usize,
+    /// The index in their square at which its results begin.
+    first_index: usize,
     pub(super) pixels: Pixels,
 }
 
@@ -45,7 +45,7 @@ impl<'a> TileTask<'a> {
         l: L,
         plan: &'a Plan<'a>,
         tile: [usize; 2],
-        place: usize,
+        first_index: usize,
         rays: Option<TileRays<'a>>,
     ) -> Self {
         let grid = &plan.grid;
@@ -65,7 +65,7 @@ impl<'a> TileTask<'a> {
             first_row,
             first_column,
             size: [rows, columns],
-            place,
+            first_index,
             pixels,
         }
     }
@@ -130,7 +130,7 @@ impl<'a> TileTask<'a> {
     /// Where in the square's results a row begins.
     #[inline(always)]
     pub(super) fn at(&self, row: usize) -> usize {
-        self.place + row * Square::STRIDE
+        self.first_index + row * Square::STRIDE
     }
 
     /// Shoots single rays at what the tile leaves out: at all objects unless `is_filled`, else at those that tiles
