@@ -14,7 +14,7 @@ use crate::memory;
 
 /// From this depth on ranges are halved. The heuristic alone can split off one box at a time, and make a tree as deep
 /// as it has boxes.
-pub(super) const SAH_DEPTH: u32 = 64;
+pub(in crate::accel) const SAH_DEPTH: u32 = 64;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
 /// How many boxes one task makes.
