@@ -193,6 +193,32 @@ pub(super) const TILE_MOVED: f64 = 16.0 * U as f64;
 /// Used in `tile/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const TILE_SIDEWAYS: f64 = 16.0 * U as f64;
 
+/// The pixels from the tile's middle for which a side allows that error of Z; a sample is at most 7.5 from there. For
+/// each unit of the pixels' skewness [`TILE_LEVER_BY_SKEWNESS`] comes to it.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_LEVER: f64 = 12.0;
+
+/// How many times that error covers [`TILE_PIXEL`] of the largest Z.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_LEVER_BY_SKEWNESS: f64 = 6.0;
+
+/// As [`TILE_LEVER`], for the planes around a tile; they are 7.52 pixels from its middle.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_LEVER_OF_PLANES: f64 = 8.0;
+
+/// As [`TILE_LEVER`], for the question whether a tile is too blurred. No bound: any number is safe.
+///
+/// Used in `tile/frustum.rs`.
+pub(super) const TILE_LEVER_OF_WIDTH: f64 = 16.0;
+
+/// What stands for [`TILE_VERTEX`] where no leaf is at hand, as a share of a coordinate of 1.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_ANY_VERTEX: f64 = 4.0 * U as f64;
+
 /// The margin of the planes around a tile, as a share of the reach; the error of X and Y comes to it.
 ///
 /// Used in `tile/frustum.rs`. Too small: no test, not even at 0.
