@@ -143,7 +143,7 @@ pub(super) const PACKET_NORMAL: f32 = 4.0;
 /// Used in `traverse/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const PACKET_SPREAD: f32 = 16.0 * U;
 
-/// The error of a ray's start, as a share of how far starts are apart.
+/// The error of where a ray is at the packet's depth 0, as a share of how far it is from the packet's reference.
 ///
 /// Used in `traverse/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const PACKET_START: f32 = 20.0 * U;
