@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::binary::{self, Binary, CHUNK, Kind};
+use super::binary::{self, Binary, CHUNK, Primitives};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse::{self, Wide};
 use super::weld::Sharing;
@@ -106,7 +106,7 @@ struct Triangles<'a> {
     vertices: usize,
 }
 
-impl Kind for Triangles<'_> {
+impl Primitives for Triangles<'_> {
     /// As many triangles as there are over sixteen vertices: five where no vertices are shared. Vertices that no
     /// triangle of the mesh has make it fewer, which costs a little time and nothing else.
     fn block(&self) -> Block {

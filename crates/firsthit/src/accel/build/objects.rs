@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::binary::{Binary, BinaryNode, CHUNK, Kind, binary};
+use super::binary::{Binary, BinaryNode, CHUNK, Primitives, binary};
 use super::binned_sah::{Block, Box32, Item};
 use crate::accel::bvh::{Bvh, Node, Places};
 use crate::geometry::{Bounds, DVec3};
@@ -13,7 +13,7 @@ const LEAF: usize = 4;
 /// Boxes without anything in them that the builder must know.
 struct Boxes;
 
-impl Kind for Boxes {
+impl Primitives for Boxes {
     fn block(&self) -> Block {
         Block(0)
     }
