@@ -75,7 +75,7 @@ impl Bvh {
         self.slack
     }
 
-    /// What the tree takes in memory.
+    /// What the tree takes in memory, but for what it keeps once a box has moved.
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>() + self.order.capacity() * size_of::<u32>()
     }

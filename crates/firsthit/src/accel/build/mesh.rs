@@ -25,7 +25,7 @@ use crate::memory;
 use crate::shape::Mesh;
 
 impl MeshTree {
-    /// The tree of a mesh that is empty, or whose coordinates float32 cannot have.
+    /// The tree of a mesh that is empty or has a coordinate beyond 1e90 ([`Space::new`]).
     fn without_nodes(mesh: &Mesh) -> Self {
         Self {
             space: Space {

@@ -8,7 +8,7 @@ use crate::shape::triangle::{self, Doubtful, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Kernel, Lanes};
 
-/// A packet with fewer rays than this is traversed ray by ray.
+/// A packet with fewer rays than this is left to [`interleaved`](super::interleaved).
 pub(super) const FEWEST: u32 = 4;
 
 /// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
