@@ -167,7 +167,7 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
             let Instance {
                 tree, mesh, ray, ..
             } = instance;
-            let found = accel::ask::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray);
+            let found = accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray);
             walk.take(scene, found);
         }
         walk.query

@@ -142,7 +142,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         ray: &Ray,
     ) {
         let object = &scene.objects()[self.object as usize];
-        accel::each(
+        accel::each_candidate(
             l,
             scratch,
             (tree, mesh),

@@ -17,8 +17,6 @@ use crate::memory;
 pub(in crate::accel) const SAH_DEPTH: u32 = 64;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
-/// How many boxes one task makes.
-pub(super) const CHUNK: usize = 65_536;
 
 /// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
 /// two nodes from `first` on.

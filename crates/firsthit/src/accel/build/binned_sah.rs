@@ -11,12 +11,12 @@
 
 use rayon::prelude::*;
 
+use crate::accel::space::CHUNK;
+
 /// In small ranges, where the work is in the bins and not in the boxes, fewer bins are enough.
 const MOST_BINS: usize = 16;
 const FEWER_BINS: usize = 8;
 const SMALL: usize = 128;
-/// How many boxes one task takes of a large range.
-const CHUNK: usize = 65_536;
 
 /// A float32 box. The fourth numbers fill a register; they are not part of the box.
 #[derive(Debug, Clone, Copy)]

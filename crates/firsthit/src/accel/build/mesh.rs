@@ -12,14 +12,14 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::binary::{self, Binary, CHUNK, Primitives};
+use super::binary::{self, Binary, Primitives};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse::{self, Wide};
 use super::weld::Sharing;
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::WIDTH;
-use crate::accel::space::Space;
+use crate::accel::space::{CHUNK, Space};
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::shape::Mesh;

@@ -60,8 +60,8 @@ impl Packet {
         ];
         let mut inside = [[number(0.0); 3]; 2];
         for axis in 0..3 {
-            inside[0][axis] = turned(l, matrix, axis, &moved);
-            inside[1][axis] = turned(l, matrix, axis, &direction);
+            inside[0][axis] = product_along(l, matrix, axis, &moved);
+            inside[1][axis] = product_along(l, matrix, axis, &direction);
             l.store64(inside[0][axis], of_mut(&mut self.origin[axis], half));
             l.store64(inside[1][axis], of_mut(&mut self.direction[axis], half));
         }
@@ -75,7 +75,7 @@ impl Packet {
 
 /// A component of `matrix * v`, in the order of operations that glam has.
 #[inline(always)]
-pub(crate) fn turned<L: Lanes>(
+pub(crate) fn product_along<L: Lanes>(
     l: L,
     matrix: &DMat3,
     axis: usize,

@@ -16,6 +16,7 @@ use crate::simd::Lanes;
 
 /// What a ray's `t_min` and `t_max` come to in depths: a lower and an upper bound of each.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_field_names, reason = "the names of what they bound")]
 pub(crate) struct Limits {
     /// A candidate that ends before this is before `t_min`, for certain.
     pub(in crate::accel) t_min_low: f32,

@@ -81,7 +81,7 @@ impl Packet {
         all.then_some(AXES[along])
     }
 
-    /// The same as the tree sees it.
+    /// The ray in a lane, made ready for the tree.
     #[inline(always)]
     pub(in crate::accel) fn tree_ray(&self, lane: usize) -> TreeRay {
         let lane = lane % RAYS;

@@ -24,7 +24,7 @@ pub(crate) const END: f64 = f64::NEG_INFINITY;
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
 #[inline(always)]
-pub(crate) fn each<L: Lanes>(
+pub(crate) fn each_candidate<L: Lanes>(
     l: L,
     scratch: &mut Scratch,
     (tree, mesh): (&MeshTree, &Mesh),
@@ -80,7 +80,7 @@ pub(crate) fn each<L: Lanes>(
     }
 }
 
-/// [`each`] for a ray that is not distant, and may be `off` across its direction, in units of the tree.
+/// [`each_candidate`] for a ray that is not distant, and may be `off` across its direction, in units of the tree.
 #[inline(always)]
 fn each_ahead<L: Lanes>(
     l: L,
@@ -109,7 +109,7 @@ fn each_ahead<L: Lanes>(
     }
 }
 
-/// Calls a function with each candidate; see [`each`].
+/// Calls a function with each candidate; see [`each_candidate`].
 struct Each<V> {
     call: V,
     /// Whether triangles in the place of others are wanted too.

@@ -38,7 +38,7 @@ impl Scratch {
 
 /// The answer of a query for `ray` and `mesh`, in the mesh's space. The tree has nodes, and the ray is valid.
 #[inline(always)]
-pub(crate) fn ask<L: Lanes, Q: MeshQuery>(
+pub(crate) fn query_mesh<L: Lanes, Q: MeshQuery>(
     l: L,
     scratch: &mut Scratch,
     (tree, mesh): (&MeshTree, &Mesh),

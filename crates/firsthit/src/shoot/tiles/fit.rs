@@ -1,8 +1,11 @@
 //! The camera in an array of rays: many are those of a picture's pixels, whoever made them.
 //!
-//! A grid of pixels is fitted to the rays in the corners, and each tile compares all its rays with it. The grid only
-//! serves to rule triangles out, by as much less as the rays are off it; what decides, and where they meet it, are the
-//! rays themselves.
+//! 1. Find how long a row is: where one begins, there is a leap from ray to ray.
+//! 2. Fit a grid of pixels to the rays in the corners.
+//! 3. Check 25 rays, evenly over the rows and columns. Any that is not near the grid means that there is no camera.
+//! 4. Each tile measures how far its rays are off the grid, and adds that to its bounds.
+//!
+//! The grid only serves to rule triangles out. What decides, and where they are met, are the rays themselves.
 
 use super::pixels::{HALVES, Pixels};
 use super::square::SIDE;

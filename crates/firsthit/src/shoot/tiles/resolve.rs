@@ -4,7 +4,7 @@ use super::square::BlockOfHits;
 use super::tile::TileTask;
 use crate::accel::{
     BLOCK, Corners, InLanes, MeshTree, RayBundle, SharedTriangle, TriangleId, VisibilityBuffer,
-    locate8, pixel, turned,
+    locate8, product_along, row_and_column,
 };
 use crate::geometry::Hit;
 use crate::geometry::arithmetic::quotient_by_inverse;
@@ -63,7 +63,7 @@ impl TileTask<'_> {
         let mut seen: Option<SeenObject<'_>> = None;
         let mut common: Option<SharedTriangle> = None;
         'blocks: for block in 0..LANES {
-            let (row, column) = pixel(block, 0);
+            let (row, column) = row_and_column(block, 0);
             if row >= rows || column >= columns {
                 continue;
             }
@@ -197,7 +197,7 @@ impl TileTask<'_> {
                     object: seen.index,
                     leaf_lane: leaf_lanes[lane % LANES].to_bits(),
                 };
-                let (row, column) = pixel(block, lane);
+                let (row, column) = row_and_column(block, lane);
                 let hit = self.decide(l, row, column, triangle).unwrap_or(Hit::MISS);
                 hits.put(lane, &hit);
             }
@@ -272,8 +272,8 @@ impl TileTask<'_> {
         }
         let moved = vector!(k => l.sub64(origin[k], l.splat64(translation[k])));
         RayBundle {
-            origin: vector!(k => turned(l, matrix, k, &moved)),
-            direction: vector!(k => turned(l, matrix, k, &direction)),
+            origin: vector!(k => product_along(l, matrix, k, &moved)),
+            direction: vector!(k => product_along(l, matrix, k, &direction)),
         }
     }
 }

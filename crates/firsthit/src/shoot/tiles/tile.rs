@@ -9,7 +9,8 @@ use super::pixels::Pixels;
 use super::plan::{Plan, camera_of_tile};
 use super::square::Square;
 use crate::accel::{
-    ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId, VisibilityBuffer, fill,
+    ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId, VisibilityBuffer,
+    fill_buffer,
 };
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
@@ -122,7 +123,7 @@ impl<'a> TileTask<'a> {
             let Some(frustum) = TileFrustum::new(tree, &camera) else {
                 return false;
             };
-            fill(l, scratch, tree, &frustum, placed.object, buffer, self);
+            fill_buffer(l, scratch, tree, &frustum, placed.object, buffer, self);
         }
         true
     }
