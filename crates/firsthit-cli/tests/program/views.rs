@@ -49,6 +49,7 @@ fn every_view_of_a_model_fills_the_picture() {
 fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
     let lab = Lab::with_square();
     let shoulder = "light over the shoulder (--light)";
+    let around = "light over the shoulder (--light), no shadows of it (--light)";
     for (options, guessed) in [
         (
             "",
@@ -70,12 +71,12 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
         (
             "--projection equirectangular --up 0,1,0",
             Some(format!(
-                "from the middle (--position), view front (--view), {shoulder}"
+                "from the middle (--position), view front (--view), {around}"
             )),
         ),
         (
             "--projection equirectangular --up 0,1,0 --aim 0,0,-1",
-            Some(format!("from the middle (--position), {shoulder}")),
+            Some(format!("from the middle (--position), {around}")),
         ),
         (ABOVE, Some(shoulder.into())),
     ] {

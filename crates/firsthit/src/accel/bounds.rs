@@ -37,6 +37,12 @@
 //!   `soups_of_every_scale_and_place`, among others, at 0.
 //! - `SHARE`, of rays in twice the digits (`traverse/distant.rs`). Too small: no test, not even at 0.
 //! - The pad of a triangle's bounding box in a tile (`tile/raster.rs`). Too small: no test, not even at 0.
+//! - 4 errors of a depth: the triangles of a leaf that begins nearer have no bounding boxes in a tile
+//!   (`tile/raster.rs`). Too small: not tried.
+//! - The size of coordinates across a ray, for the error of a side: 2.1 times their error in `filter.rs`, 4.2 times and
+//!   1.01 times the extent in `traverse/frustum_leaf.rs`. Too small: not tried.
+//! - The sphere around the tree, 1.75, and 4 errors: what a ray from far away must meet (`traverse/distant.rs`). Too
+//!   small: not tried.
 
 /// The unit of float32's rounding, 2^-24: half of `f32::EPSILON`.
 pub(super) const U: f32 = f32::EPSILON / 2.0;
@@ -58,8 +64,8 @@ pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
 
 // Every ray.
 
-/// The rounding of float64 when it makes a ray ready, as a share of the coordinates. It is the largest part of a ray's
-/// blur.
+/// The rounding of float64 when it makes a ray ready, as a share of the coordinates: a ray's blur. Where float32 does
+/// not hold the vertices, `U` is added, and is mostly larger.
 ///
 /// Used in `rays/prepare.rs` and `tile/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const BLUR: f64 = 1e-15;
@@ -143,7 +149,7 @@ pub(super) const PACKET_NORMAL: f32 = 4.0;
 /// Used in `traverse/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const PACKET_SPREAD: f32 = 16.0 * U;
 
-/// The error of a ray's start, as a share of how far starts are apart.
+/// The error of where a ray is at the packet's depth 0, as a share of how far it is from the packet's reference.
 ///
 /// Used in `traverse/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const PACKET_START: f32 = 20.0 * U;
@@ -192,6 +198,32 @@ pub(super) const TILE_MOVED: f64 = 16.0 * U as f64;
 ///
 /// Used in `tile/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const TILE_SIDEWAYS: f64 = 16.0 * U as f64;
+
+/// The pixels from the tile's middle for which a side allows that error of Z; a sample is at most 7.5 from there. For
+/// each unit of the pixels' skewness [`TILE_LEVER_BY_SKEWNESS`] comes to it.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_LEVER: f64 = 12.0;
+
+/// How many times that error covers [`TILE_PIXEL`] of the largest Z.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_LEVER_BY_SKEWNESS: f64 = 6.0;
+
+/// As [`TILE_LEVER`], for the planes around a tile; they are 7.52 pixels from its middle.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_LEVER_OF_PLANES: f64 = 8.0;
+
+/// As [`TILE_LEVER`], for the question whether a tile is too blurred. No bound: any number is safe.
+///
+/// Used in `tile/frustum.rs`.
+pub(super) const TILE_LEVER_OF_WIDTH: f64 = 16.0;
+
+/// What stands for [`TILE_VERTEX`] where no leaf is at hand, as a share of a coordinate of 1.
+///
+/// Used in `tile/frustum.rs`. Too small: not tried.
+pub(super) const TILE_ANY_VERTEX: f64 = 4.0 * U as f64;
 
 /// The margin of the planes around a tile, as a share of the reach; the error of X and Y comes to it.
 ///

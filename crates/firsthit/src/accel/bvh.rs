@@ -1,7 +1,7 @@
 //! The top-level tree: a binary tree over boxes, and one ray through it.
 //!
 //! 1. Compute where the ray enters the boxes of both children of a node; the ray is as wide as all rounding together
-//!    ([`Slab`]).
+//!    ([`WideRay`]).
 //! 2. Go on with the nearer child, and put the other onto the stack.
 //! 3. At a leaf, give out its boxes' indices one by one; the caller may shorten the ray between two of them.
 //!
@@ -75,7 +75,7 @@ impl Bvh {
         self.slack
     }
 
-    /// What the tree takes in memory.
+    /// What the tree takes in memory, but for what it keeps once a box has moved.
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>() + self.order.capacity() * size_of::<u32>()
     }
@@ -84,7 +84,7 @@ impl Bvh {
 /// A ray's way through a [`Bvh`].
 pub(crate) struct Walk<'a> {
     bvh: &'a Bvh,
-    slab: Slab,
+    ray: WideRay,
     /// What is left of a leaf.
     leaf: &'a [u32],
 }
@@ -95,16 +95,16 @@ pub(crate) type WalkStack = Vec<(u32, f64)>;
 impl Bvh {
     /// The boxes that `ray` may meet, one after the other.
     pub(crate) fn walk(&self, ray: &Ray, stack: &mut WalkStack) -> Walk<'_> {
-        let slab = Slab::new(self, ray);
+        let wide_ray = WideRay::new(self, ray);
         stack.clear();
         if let Some(root) = self.nodes.first()
-            && !slab.entry(root).is_nan()
+            && !wide_ray.entry(root).is_nan()
         {
-            stack.push((0, slab.first));
+            stack.push((0, wide_ray.first));
         }
         Walk {
             bvh: self,
-            slab,
+            ray: wide_ray,
             leaf: &[],
         }
     }
@@ -132,7 +132,7 @@ impl Walk<'_> {
             self.leaf = &self.bvh.order[node.first as usize..(node.first + node.count) as usize];
             return;
         }
-        let entry = |index: u32| (index, self.slab.entry(&self.bvh.nodes[index as usize]));
+        let entry = |index: u32| (index, self.ray.entry(&self.bvh.nodes[index as usize]));
         let (left, right) = (entry(node.first), entry(node.first + 1));
         let [near, far] = if right.1 < left.1 {
             [right, left]
@@ -149,7 +149,7 @@ impl Walk<'_> {
 }
 
 /// A ray made ready for boxes, as wide as all rounding together; see the error bounds above.
-struct Slab {
+struct WideRay {
     /// The origin, moved by the margin so that low ends of boxes are lower, and high ends higher.
     low_origin: DVec3,
     high_origin: DVec3,
@@ -158,7 +158,7 @@ struct Slab {
     first: f64,
 }
 
-impl Slab {
+impl WideRay {
     fn new(bvh: &Bvh, ray: &Ray) -> Self {
         let origin = ray.origin - bvh.origin;
         let margin = DVec3::splat(bvh.slack * (origin.abs().max_element() + bvh.extent));

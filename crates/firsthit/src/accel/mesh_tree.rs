@@ -19,7 +19,7 @@ pub struct MeshTree {
     pub(super) is_exact: bool,
     /// Whether vertices in the same place are one to a leaf; see `build/weld.rs`.
     pub(super) is_welded: bool,
-    /// The root first. None for a mesh that is empty, or whose coordinates float32 cannot have.
+    /// The root first. None for a mesh that is empty or has a coordinate beyond 1e90 ([`Space::new`]).
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Meshlet>,
     /// The triangles' indices, those of a leaf side by side.

@@ -19,8 +19,8 @@ mod bounds;
 mod build;
 mod bvh;
 mod edges;
-mod exact8;
 mod filter;
+mod locate8;
 mod mesh_tree;
 mod meshlet;
 mod node;
@@ -32,19 +32,20 @@ mod traverse;
 pub use crate::simd::InstructionSet;
 pub use bvh::Bvh;
 pub(crate) use bvh::{Walk, WalkStack};
-pub(crate) use exact8::{Corners, InLanes, RayBundle, SharedTriangle, intersect8};
+pub(crate) use locate8::{Corners, InLanes, RayBundle, SharedTriangle, locate8};
 pub use mesh_tree::MeshTree;
-pub(crate) use rays::enter::turned;
+pub(crate) use rays::enter::product_along;
 pub(crate) use rays::packet::{Packet, RAYS};
 pub(crate) use tile::frustum::{TileCamera, TileFrustum};
-pub(crate) use tile::traverse::{TileScratch, fill};
+pub(crate) use tile::traverse::{TileScratch, fill_buffer};
 pub(crate) use tile::visibility::{
-    BLOCK, ExactTest, TILE, TriangleId, VisibilityBuffer, pixel, place,
+    BLOCK, ExactTest, TILE, TriangleId, VisibilityBuffer, block_and_lane, row_and_column,
 };
 pub(crate) use traverse::any::Any;
 pub(crate) use traverse::count::Count;
 pub(crate) use traverse::dispatch::Dispatcher;
+pub(crate) use traverse::each::{END, each_candidate};
 pub(crate) use traverse::first::First;
 pub(crate) use traverse::mesh_packet::{MeshPacket, SettleExactly};
 pub(crate) use traverse::query::{MeshQuery, Sink};
-pub(crate) use traverse::single::{END, Scratch, ask, each};
+pub(crate) use traverse::single::{Scratch, query_mesh};

@@ -7,8 +7,8 @@ use crate::geometry::DVec3;
 use crate::memory;
 use crate::shape::{Mesh, Positions};
 
-/// How many points one task converts.
-const CHUNK: usize = 65_536;
+/// How many points or boxes one task takes of many.
+pub(super) const CHUNK: usize = 65_536;
 
 /// How the tree's space lies in the mesh's.
 #[derive(Debug, Clone, Copy)]

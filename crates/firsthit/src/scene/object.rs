@@ -4,7 +4,8 @@ use std::sync::Arc;
 use super::Material;
 use crate::geometry::summary::Short;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
-use crate::shape::{Mesh, Shape, Surface};
+use crate::shape::triangle::Shear;
+use crate::shape::{Crossing, Mesh, Shape, Surface};
 
 /// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
 /// copied.
@@ -144,8 +145,26 @@ impl Object {
         self.has_cutouts
     }
 
+    /// Where a ray meets a triangle of its mesh that is not cut out there.
+    #[cold]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "a mesh holds at most `i32::MAX` triangles"
+    )]
+    pub(crate) fn intersect_triangle(
+        &self,
+        mesh: &Mesh,
+        triangle: usize,
+        (ray, shear): (&Ray, &Shear),
+    ) -> Option<Crossing> {
+        let hit = mesh.intersect_triangle(triangle, shear)?;
+        let is_cut_out = self.has_cutouts() && self.is_cut_out(mesh, triangle, hit.barycentric);
+        (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(triangle as i32))
+    }
+
     /// Whether its material is cut out where a triangle was hit: then there is no hit.
-    pub(crate) fn is_cut_out(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
+    fn is_cut_out(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
         let slot = mesh.slot(triangle);
         let Some(material) = self.materials.get(slot).or(self.materials.last()) else {
             return false;

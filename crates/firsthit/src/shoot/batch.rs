@@ -167,7 +167,7 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
             let Instance {
                 tree, mesh, ray, ..
             } = instance;
-            let found = accel::ask::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray);
+            let found = accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray);
             walk.take(scene, found);
         }
         walk.query
@@ -274,8 +274,10 @@ impl<S: Sink> Batch<'_, S> {
         loop {
             instances.clear();
             for index in left.drain(..) {
-                let place = (scene, &mut memory.walk_stacks[index]);
-                if let Some(next) = walks[index].next(l, &mut memory.scratch, place, |_| true) {
+                let scene_and_stack = (scene, &mut memory.walk_stacks[index]);
+                if let Some(next) =
+                    walks[index].next(l, &mut memory.scratch, scene_and_stack, |_| true)
+                {
                     instances.push((index, next));
                 }
             }

@@ -1,9 +1,9 @@
 //! Brute force: every ray against everything, in float64. Slow, and right by construction.
 
 use super::engine::Engine;
-use super::moderate::{Moderate, crossing};
 use super::query::Answers;
 use super::ray_query::{AnyHit, FirstHit, RayQuery, Sink};
+use super::scaled_ray::ScaledRay;
 use crate::accel::MeshQuery;
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Ray, Rays};
@@ -61,14 +61,14 @@ fn answer_all<S: Sink>(
 /// Shows all hits of a ray to a query.
 fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray) -> Q {
     let mut query = Q::START;
-    let Some(moderate) = Moderate::new(ray) else {
+    let Some(scaled) = ScaledRay::new(ray) else {
         return query;
     };
     for (index, object) in (0..).zip(scene.objects()) {
-        all_crossings(&moderate, object, |crossing| {
-            if moderate.hit(index, crossing).is_some() {
+        all_crossings(&scaled, object, |crossing| {
+            if scaled.hit(index, crossing).is_some() {
                 let found = Q::InMesh::of_crossing(Some(crossing));
-                query.take(scene, &moderate, index, found);
+                query.take(scene, &scaled, index, found);
             }
         });
     }
@@ -76,8 +76,8 @@ fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray) -> Q {
 }
 
 /// Calls `accept` with every crossing of an object's surface.
-fn all_crossings(moderate: &Moderate, object: &Object, mut accept: impl FnMut(Crossing)) {
-    let Some(mut ray) = moderate.in_object(object, moderate.ray.t_max) else {
+fn all_crossings(scaled: &ScaledRay, object: &Object, mut accept: impl FnMut(Crossing)) {
+    let Some(mut ray) = scaled.in_object(object, scaled.ray.t_max) else {
         return;
     };
     let Shape::Mesh(mesh) = object.shape() else {
@@ -89,7 +89,7 @@ fn all_crossings(moderate: &Moderate, object: &Object, mut accept: impl FnMut(Cr
     };
     let shear = Shear::new(&ray);
     for triangle in 0..mesh.triangles().len() {
-        if let Some(crossing) = crossing(object, mesh, triangle, (&ray, &shear)) {
+        if let Some(crossing) = object.intersect_triangle(mesh, triangle, (&ray, &shear)) {
             accept(crossing);
         }
     }

@@ -10,10 +10,11 @@
 mod batch;
 mod brute_force;
 mod engine;
+mod hit_order;
 mod hits;
-mod moderate;
 mod query;
 mod ray_query;
+mod scaled_ray;
 mod scene_walk;
 mod tiles;
 

@@ -1,7 +1,7 @@
 //! The queries as a ray's state on its way through a scene, and memory for what came of many rays.
 
 use super::hits::HitSlices;
-use super::moderate::Moderate;
+use super::scaled_ray::ScaledRay;
 use crate::accel::{self, MeshQuery};
 use crate::geometry::Hit;
 use crate::scene::Scene;
@@ -18,12 +18,12 @@ pub(super) trait RayQuery: Copy + Send {
     const START: Self;
     /// After the only object of a scene.
     fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self;
-    /// Takes what an object was found to do to the ray. Returns the `t_max` of the moderate ray from here on, which the
+    /// Takes what an object was found to do to the ray. Returns the `t_max` of the scaled ray from here on, which the
     /// caller lowers and never raises; below zero nothing else matters.
     fn take(
         &mut self,
         scene: &Scene,
-        moderate: &Moderate,
+        scaled: &ScaledRay,
         object: u32,
         found: <Self::InMesh as MeshQuery>::Found,
     ) -> f64;
@@ -51,17 +51,17 @@ impl RayQuery for FirstHit {
     fn take(
         &mut self,
         scene: &Scene,
-        moderate: &Moderate,
+        scaled: &ScaledRay,
         object: u32,
         crossing: Option<Crossing>,
     ) -> f64 {
-        if let Some(hit) = crossing.and_then(|crossing| moderate.hit(object, crossing))
-            && moderate.precedes(scene, &hit, &self.0)
+        if let Some(hit) = crossing.and_then(|crossing| scaled.hit(object, crossing))
+            && scaled.precedes(scene, &hit, &self.0)
         {
             self.0 = hit;
         }
         // Not below zero, as in `SceneWalk::new`.
-        (clear_of(self.0.t) / moderate.scale).max(f64::MIN_POSITIVE)
+        (clear_of(self.0.t) / scaled.t_scale).max(f64::MIN_POSITIVE)
     }
 }
 
@@ -79,7 +79,7 @@ impl RayQuery for AnyHit {
     }
 
     #[inline(always)]
-    fn take(&mut self, _: &Scene, _: &Moderate, _: u32, is_hit: bool) -> f64 {
+    fn take(&mut self, _: &Scene, _: &ScaledRay, _: u32, is_hit: bool) -> f64 {
         self.0 |= is_hit;
         if self.0 { -1.0 } else { f64::INFINITY }
     }
@@ -100,7 +100,7 @@ impl RayQuery for HitCount {
     }
 
     #[inline(always)]
-    fn take(&mut self, _: &Scene, _: &Moderate, _: u32, count: u32) -> f64 {
+    fn take(&mut self, _: &Scene, _: &ScaledRay, _: u32, count: u32) -> f64 {
         self.0 = self.0.saturating_add(count);
         f64::INFINITY
     }

@@ -5,8 +5,8 @@
 //! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray or for many, and hands
 //!    the result to [`SceneWalk::take`].
 
-use super::moderate::{Moderate, crossing};
 use super::ray_query::RayQuery;
+use super::scaled_ray::ScaledRay;
 use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::Ray;
 use crate::scene::{OnTheWay, Scene};
@@ -25,7 +25,7 @@ pub(super) struct Instance<'a> {
 
 /// A ray, and what it has met so far.
 pub(super) struct SceneWalk<'a, Q> {
-    moderate: Option<Moderate>,
+    scaled: Option<ScaledRay>,
     objects: OnTheWay<'a>,
     /// The last object, and those in the same place that are still to come.
     object: u32,
@@ -38,15 +38,15 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     /// Begins with `ray`; `query` knows what that has met already, at `t_max` or before.
     #[inline(always)]
     pub(super) fn new(scene: &'a Scene, ray: &Ray, query: Q, t_max: f64) -> Self {
-        let moderate = Moderate::new(ray);
+        let scaled = ScaledRay::new(ray);
         // A ray may begin behind its origin. Below zero `t_max` says that nothing matters any more, so it stays above.
-        let within = |moderate: &Moderate| {
-            let t_max = moderate.ray.t_max.min(t_max / moderate.scale);
+        let within = |scaled: &ScaledRay| {
+            let t_max = scaled.ray.t_max.min(t_max / scaled.t_scale);
             t_max.max(f64::MIN_POSITIVE)
         };
         Self {
-            t_max: moderate.as_ref().map_or(-1.0, within),
-            moderate,
+            t_max: scaled.as_ref().map_or(-1.0, within),
+            scaled,
             objects: scene.on_the_way(),
             object: 0,
             duplicates: &[],
@@ -64,12 +64,12 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         is_wanted: impl Fn(u32) -> bool,
     ) -> Option<Instance<'a>> {
         while self.t_max >= 0.0 {
-            let moderate = self.moderate.as_ref()?;
+            let scaled = self.scaled.as_ref()?;
             let index = if let Some((&copy, rest)) = self.duplicates.split_first() {
                 self.duplicates = rest;
                 copy
             } else {
-                let index = self.objects.next(&moderate.ray, self.t_max, stack)?;
+                let index = self.objects.next(&scaled.ray, self.t_max, stack)?;
                 if Q::ALL {
                     self.duplicates = scene.duplicates().of(index);
                 }
@@ -79,13 +79,13 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 continue;
             }
             let object = &scene.objects()[index as usize];
-            let Some(ray) = moderate.in_object(object, self.t_max) else {
+            let Some(ray) = scaled.in_object(object, self.t_max) else {
                 continue;
             };
             self.object = index;
             match (object.shape(), scene.mesh_tree(index as usize)) {
                 (Shape::Mesh(mesh), Some(tree)) => {
-                    let is_plain = moderate.scale == 1.0 && !object.has_cutouts();
+                    let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
                     if is_plain && is_near && tree.has_nodes() {
                         return Some(Instance {
@@ -106,8 +106,8 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     /// Takes what the last mesh was found to do to the ray.
     #[inline(always)]
     pub(super) fn take(&mut self, scene: &Scene, found: <Q::InMesh as MeshQuery>::Found) {
-        if let Some(moderate) = &self.moderate {
-            let t_max = self.query.take(scene, moderate, self.object, found);
+        if let Some(scaled) = &self.scaled {
+            let t_max = self.query.take(scene, scaled, self.object, found);
             self.t_max = self.t_max.min(t_max);
         }
     }
@@ -125,8 +125,8 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
 
     /// Takes a crossing with the last object, if it is a hit of the caller's ray.
     fn cross(&mut self, scene: &Scene, crossing: Crossing) {
-        let moderate = self.moderate.as_ref();
-        if moderate.is_some_and(|moderate| moderate.hit(self.object, crossing).is_some()) {
+        let scaled = self.scaled.as_ref();
+        if scaled.is_some_and(|scaled| scaled.hit(self.object, crossing).is_some()) {
             self.take(scene, Q::InMesh::of_crossing(Some(crossing)));
         }
     }
@@ -142,14 +142,14 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         ray: &Ray,
     ) {
         let object = &scene.objects()[self.object as usize];
-        accel::each(
+        accel::each_candidate(
             l,
             scratch,
             (tree, mesh),
             (ray, Q::ALL),
             |triangle, t_max| {
                 let Some(crossing) =
-                    crossing(object, mesh, triangle as usize, (ray, &Shear::new(ray)))
+                    object.intersect_triangle(mesh, triangle as usize, (ray, &Shear::new(ray)))
                 else {
                     return t_max;
                 };

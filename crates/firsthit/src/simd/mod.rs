@@ -41,7 +41,7 @@ pub(crate) trait Kernel {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs `kernel` with an instruction set, or with the portable one if this machine lacks it. 128 KiB of the caller's
+/// Runs `kernel` with an instruction set, or with the next lower one that this machine has. 128 KiB of the caller's
 /// stack are enough.
 #[inline]
 pub(crate) fn run<K>(set: InstructionSet, kernel: K) -> K::Output

@@ -14,11 +14,9 @@ use crate::memory;
 
 /// From this depth on ranges are halved. The heuristic alone can split off one box at a time, and make a tree as deep
 /// as it has boxes.
-pub(super) const SAH_DEPTH: u32 = 64;
+pub(in crate::accel) const SAH_DEPTH: u32 = 64;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
-/// How many boxes one task makes.
-pub(super) const CHUNK: usize = 65_536;
 
 /// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
 /// two nodes from `first` on.
@@ -38,7 +36,7 @@ pub(super) struct Binary {
 }
 
 /// The properties of the items that the builder needs.
-pub(super) trait Kind: Sync {
+pub(super) trait Primitives: Sync {
     /// How many items a ray tests at once.
     fn block(&self) -> Block;
     /// Whether items can be a leaf; one always can.
@@ -51,9 +49,9 @@ pub(super) trait Kind: Sync {
 }
 
 /// The tree over `items`, which are put in order for it.
-pub(super) fn binary(items: &mut [Item], kind: &impl Kind) -> Binary {
+pub(super) fn binary(items: &mut [Item], primitives: &impl Primitives) -> Binary {
     let all = around(items);
-    let Subtree { root, nodes } = subtree(items, all, [0, 0], kind);
+    let Subtree { root, nodes } = subtree(items, all, [0, 0], primitives);
     let mut order = memory::room(items.len());
     order.extend(items.iter().map(Item::index));
     Binary {
@@ -88,20 +86,22 @@ fn subtree(
     items: &mut [Item],
     around: Box32,
     [start, depth]: [u32; 2],
-    kind: &impl Kind,
+    primitives: &impl Primitives,
 ) -> Subtree {
     let mut nodes = Vec::new();
     if items.len() < FORK {
-        let root = append(items, around, [start, depth], kind, &mut nodes);
+        let root = append(items, around, [start, depth], primitives, &mut nodes);
         return Subtree { root, nodes };
     }
-    let Some(parts) = split(items, depth, kind.block()) else {
-        return match kind.distinct(items) {
-            kept if kept < items.len() => subtree(&mut items[..kept], around, [start, depth], kind),
-            _ => join(items, around, &halves(items), [start, depth], kind),
+    let Some(parts) = split(items, depth, primitives.block()) else {
+        return match primitives.distinct(items) {
+            kept if kept < items.len() => {
+                subtree(&mut items[..kept], around, [start, depth], primitives)
+            }
+            _ => join(items, around, &halves(items), [start, depth], primitives),
         };
     };
-    join(items, around, &parts, [start, depth], kind)
+    join(items, around, &parts, [start, depth], primitives)
 }
 
 /// The tree over the two parts of a range.
@@ -110,14 +110,14 @@ fn join(
     around: Box32,
     parts: &Split,
     [start, depth]: [u32; 2],
-    kind: &impl Kind,
+    primitives: &impl Primitives,
 ) -> Subtree {
     let mut nodes = Vec::new();
     let (left, right) = items.split_at_mut(parts.middle);
     let right_start = start + index(parts.middle);
     let (left, right) = rayon::join(
-        || subtree(left, parts.left, [start, depth + 1], kind),
-        || subtree(right, parts.right, [right_start, depth + 1], kind),
+        || subtree(left, parts.left, [start, depth + 1], primitives),
+        || subtree(right, parts.right, [right_start, depth + 1], primitives),
     );
     let left_at = 2;
     let right_at = 2 + index(left.nodes.len());
@@ -137,20 +137,26 @@ fn append(
     items: &mut [Item],
     around: Box32,
     [start, depth]: [u32; 2],
-    kind: &impl Kind,
+    primitives: &impl Primitives,
     nodes: &mut Vec<BinaryNode>,
 ) -> BinaryNode {
-    if kind.is_leaf(items) {
+    if primitives.is_leaf(items) {
         return BinaryNode {
             count: index(items.len()),
             ..inner(around, start)
         };
     }
-    let parts = match split(items, depth, kind.block()) {
+    let parts = match split(items, depth, primitives.block()) {
         Some(parts) => parts,
-        None => match kind.distinct(items) {
+        None => match primitives.distinct(items) {
             kept if kept < items.len() => {
-                return append(&mut items[..kept], around, [start, depth], kind, nodes);
+                return append(
+                    &mut items[..kept],
+                    around,
+                    [start, depth],
+                    primitives,
+                    nodes,
+                );
             }
             _ => halves(items),
         },
@@ -160,8 +166,14 @@ fn append(
     let placeholder = inner(around, 0);
     nodes.extend([placeholder, placeholder]);
     let right_start = start + index(parts.middle);
-    nodes[at] = append(left, parts.left, [start, depth + 1], kind, nodes);
-    nodes[at + 1] = append(right, parts.right, [right_start, depth + 1], kind, nodes);
+    nodes[at] = append(left, parts.left, [start, depth + 1], primitives, nodes);
+    nodes[at + 1] = append(
+        right,
+        parts.right,
+        [right_start, depth + 1],
+        primitives,
+        nodes,
+    );
     inner(around, index(at))
 }
 

@@ -11,12 +11,12 @@
 
 use rayon::prelude::*;
 
+use crate::accel::space::CHUNK;
+
 /// In small ranges, where the work is in the bins and not in the boxes, fewer bins are enough.
 const MOST_BINS: usize = 16;
 const FEWER_BINS: usize = 8;
 const SMALL: usize = 128;
-/// How many boxes one task takes of a large range.
-const CHUNK: usize = 65_536;
 
 /// A float32 box. The fourth numbers fill a register; they are not part of the box.
 #[derive(Debug, Clone, Copy)]
@@ -221,9 +221,9 @@ impl<const N: usize> Grid<N> {
     )]
     #[inline(always)]
     fn bin(&self, item: &Item, axis: usize) -> usize {
-        let place = (item.0.middle()[axis] - self.low[axis]) * self.scale[axis];
+        let position = (item.0.middle()[axis] - self.low[axis]) * self.scale[axis];
         // By way of i32, for which there is an instruction; it is not below 0 nor above the number of bins.
-        (place as i32 as usize).min(N - 1)
+        (position as i32 as usize).min(N - 1)
     }
 
     fn fill(&self, items: &[Item]) -> Bins<N> {

@@ -40,10 +40,7 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
                 first,
                 count,
             } = binary[child as usize];
-            for axis in 0..3 {
-                node.planes[2 * axis][k] = bounds.low()[axis];
-                node.planes[2 * axis + 1][k] = bounds.high()[axis];
-            }
+            node.set_child_box(k, bounds);
             node.children[k] = if count > 0 {
                 wide.ranges.push((first, count));
                 LEAF | index(wide.ranges.len() - 1)
@@ -57,6 +54,22 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
     }
     let nodes = memory::copy(&wide.nodes);
     Wide { nodes, ..wide }
+}
+
+impl Node {
+    /// The box of a child; `None` where there is none, whose low end is above the high one.
+    pub(super) fn child_box(&self, child: usize) -> Option<Box32> {
+        let end = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][child]);
+        let (low, high) = (end(0), end(1));
+        (low[0] <= high[0]).then(|| Box32::new(low, high))
+    }
+
+    pub(super) fn set_child_box(&mut self, child: usize, bounds: Box32) {
+        for axis in 0..3 {
+            self.planes[2 * axis][child] = bounds.low()[axis];
+            self.planes[2 * axis + 1][child] = bounds.high()[axis];
+        }
+    }
 }
 
 /// What becomes of an inner node of a binary tree.

@@ -12,20 +12,20 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::binary::{self, Binary, CHUNK, Kind};
+use super::binary::{self, Binary, Primitives};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse::{self, Wide};
 use super::weld::Sharing;
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::WIDTH;
-use crate::accel::space::Space;
+use crate::accel::space::{CHUNK, Space};
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::shape::Mesh;
 
 impl MeshTree {
-    /// The tree of a mesh that is empty, or whose coordinates float32 cannot have.
+    /// The tree of a mesh that is empty or has a coordinate beyond 1e90 ([`Space::new`]).
     fn without_nodes(mesh: &Mesh) -> Self {
         Self {
             space: Space {
@@ -106,7 +106,7 @@ struct Triangles<'a> {
     vertices: usize,
 }
 
-impl Kind for Triangles<'_> {
+impl Primitives for Triangles<'_> {
     /// As many triangles as there are over sixteen vertices: five where no vertices are shared. Vertices that no
     /// triangle of the mesh has make it fewer, which costs a little time and nothing else.
     fn block(&self) -> Block {

@@ -1,6 +1,6 @@
 //! The builders: a binary tree, and the trees that are made from it.
 
-mod binary;
+pub(super) mod binary;
 mod binned_sah;
 mod collapse;
 mod fill;

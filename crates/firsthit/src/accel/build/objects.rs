@@ -2,24 +2,25 @@
 
 use rayon::prelude::*;
 
-use super::binary::{Binary, BinaryNode, CHUNK, Kind, binary};
+use super::binary::{Binary, BinaryNode, Primitives, binary};
 use super::binned_sah::{Block, Box32, Item};
 use crate::accel::bvh::{Bvh, Node, Places};
+use crate::accel::space::CHUNK;
 use crate::geometry::{Bounds, DVec3};
 
 /// Leaves have up to this many boxes.
-const LEAF: usize = 4;
+const MOST_IN_LEAF: usize = 4;
 
 /// Boxes without anything in them that the builder must know.
 struct Boxes;
 
-impl Kind for Boxes {
+impl Primitives for Boxes {
     fn block(&self) -> Block {
         Block(0)
     }
 
     fn is_leaf(&self, items: &[Item]) -> bool {
-        items.len() <= LEAF
+        items.len() <= MOST_IN_LEAF
     }
 }
 

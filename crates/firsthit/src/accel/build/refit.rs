@@ -13,6 +13,7 @@
 
 use rayon::prelude::*;
 
+use super::binned_sah::Box32;
 use super::weld::Sharing;
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
@@ -24,9 +25,6 @@ use crate::simd::LANES;
 
 /// How much more a ray may cost than when the tree was built.
 const WORST: f64 = 1.5;
-
-/// The low and the high end of a box along each axis.
-type Ends = [[f32; 2]; 3];
 
 impl MeshTree {
     /// The tree of `mesh`, which has the triangles of this tree's mesh, with their vertices elsewhere. `None` where the
@@ -64,8 +62,8 @@ impl MeshTree {
         // Children stand behind their parents.
         for k in (0..nodes.len()).rev() {
             for child in 0..LANES {
-                if let Some(ends) = ends(&nodes, &leaves, &nodes[k], child) {
-                    set(&mut nodes[k], child, ends);
+                if let Some(around) = around_child(&nodes, &leaves, &nodes[k], child) {
+                    nodes[k].set_child_box(child, around);
                 }
             }
         }
@@ -88,64 +86,35 @@ impl MeshTree {
         let Some(root) = self.nodes.first() else {
             return 0.0;
         };
-        let all = (0..LANES).filter(|&child| is_there(root, child));
-        let all = all.map(|child| box_of(root, child)).reduce(union);
-        let sum: f64 = self.nodes.iter().map(surfaces).sum();
-        sum / all.map_or(1.0, surface).max(f64::MIN_POSITIVE)
+        let sum: f64 = self.nodes.iter().map(half_areas).sum();
+        let all = boxes(root).reduce(Box32::union);
+        sum / all.map_or(1.0, Box32::half_area).max(f64::MIN_POSITIVE)
     }
 }
 
-/// Whether a node has the child; of others the low end is above the high one.
-fn is_there(node: &Node, child: usize) -> bool {
-    node.planes[0][child] <= node.planes[1][child]
+/// The boxes of the children that a node has.
+fn boxes(node: &Node) -> impl Iterator<Item = Box32> {
+    (0..LANES).filter_map(|child| node.child_box(child))
 }
 
-fn box_of(node: &Node, child: usize) -> Ends {
-    [0, 1, 2].map(|axis| [0, 1].map(|side| node.planes[2 * axis + side][child]))
-}
-
-fn set(node: &mut Node, child: usize, ends: Ends) {
-    for (axis, [low, high]) in ends.into_iter().enumerate() {
-        node.planes[2 * axis][child] = low;
-        node.planes[2 * axis + 1][child] = high;
-    }
-}
-
-fn union(a: Ends, b: Ends) -> Ends {
-    [0, 1, 2].map(|axis| [a[axis][0].min(b[axis][0]), a[axis][1].max(b[axis][1])])
-}
-
-/// The box around a child's own; `None` for one that is not there.
-fn ends(nodes: &[Node], leaves: &[Meshlet], node: &Node, child: usize) -> Option<Ends> {
-    if !is_there(node, child) {
-        return None;
-    }
+/// The box around what is now below a child; `None` for a child that is not there.
+fn around_child(nodes: &[Node], leaves: &[Meshlet], node: &Node, child: usize) -> Option<Box32> {
+    node.child_box(child)?;
     let index = node.children[child];
     if index & LEAF == 0 {
-        let below = &nodes[index as usize];
-        let all = (0..LANES).filter(|&child| is_there(below, child));
-        return all.map(|child| box_of(below, child)).reduce(union);
+        return boxes(&nodes[index as usize]).reduce(Box32::union);
     }
     // Unused lanes repeat a vertex.
-    let leaf = &leaves[(index & !LEAF) as usize];
-    let end = |values: &[f32; LANES]| {
-        let first = values[0];
-        let low = values.iter().copied().fold(first, f32::min);
-        [low, values.iter().copied().fold(first, f32::max)]
-    };
-    Some(leaf.vertices.each_ref().map(end))
+    let vertices = &leaves[(index & !LEAF) as usize].vertices;
+    let low = |values: &[f32; LANES]| values.iter().copied().fold(values[0], f32::min);
+    let high = |values: &[f32; LANES]| values.iter().copied().fold(values[0], f32::max);
+    let ends = vertices.each_ref();
+    Some(Box32::new(ends.map(low), ends.map(high)))
 }
 
-/// The surfaces of a node's boxes.
-fn surfaces(node: &Node) -> f64 {
-    let all = (0..LANES).filter(|&child| is_there(node, child));
-    all.map(|child| surface(box_of(node, child))).sum()
-}
-
-/// Half of a box's surface.
-fn surface(ends: Ends) -> f64 {
-    let [x, y, z] = ends.map(|[low, high]| f64::from(high) - f64::from(low));
-    x * y + y * z + z * x
+/// Half the surfaces of a node's boxes.
+fn half_areas(node: &Node) -> f64 {
+    boxes(node).map(Box32::half_area).sum()
 }
 
 #[cfg(test)]
@@ -171,8 +140,10 @@ mod tests {
     fn is_around(tree: &MeshTree) -> bool {
         tree.nodes.iter().all(|node| {
             (0..LANES).all(|child| {
-                ends(&tree.nodes, &tree.leaves, node, child)
-                    .is_none_or(|inner| union(inner, box_of(node, child)) == box_of(node, child))
+                around_child(&tree.nodes, &tree.leaves, node, child).is_none_or(|inner| {
+                    let own = node.child_box(child);
+                    own.map(|own| own.union(inner)) == own
+                })
             })
         })
     }

@@ -11,7 +11,7 @@
 
 use rayon::prelude::*;
 
-use super::binary::CHUNK;
+use crate::accel::space::CHUNK;
 use crate::shape::Mesh;
 use crate::simd::LANES;
 

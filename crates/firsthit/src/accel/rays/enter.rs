@@ -51,17 +51,17 @@ impl Packet {
             return plain;
         }
         // Operation for operation what `Transform::ray_in_object` does.
-        let place = transform.world_from_object().translation;
+        let translation = transform.world_from_object().translation;
         let matrix = &transform.object_from_world().matrix3;
         let moved = [
-            l.sub64(origin[0], number(place.x)),
-            l.sub64(origin[1], number(place.y)),
-            l.sub64(origin[2], number(place.z)),
+            l.sub64(origin[0], number(translation.x)),
+            l.sub64(origin[1], number(translation.y)),
+            l.sub64(origin[2], number(translation.z)),
         ];
         let mut inside = [[number(0.0); 3]; 2];
         for axis in 0..3 {
-            inside[0][axis] = turned(l, matrix, axis, &moved);
-            inside[1][axis] = turned(l, matrix, axis, &direction);
+            inside[0][axis] = product_along(l, matrix, axis, &moved);
+            inside[1][axis] = product_along(l, matrix, axis, &direction);
             l.store64(inside[0][axis], of_mut(&mut self.origin[axis], half));
             l.store64(inside[1][axis], of_mut(&mut self.direction[axis], half));
         }
@@ -75,7 +75,7 @@ impl Packet {
 
 /// A component of `matrix * v`, in the order of operations that glam has.
 #[inline(always)]
-pub(crate) fn turned<L: Lanes>(
+pub(crate) fn product_along<L: Lanes>(
     l: L,
     matrix: &DMat3,
     axis: usize,

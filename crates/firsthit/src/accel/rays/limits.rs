@@ -14,17 +14,18 @@ use super::prepare::Rounding;
 use crate::accel::bounds::{BLURS, DEPTH, ROUNDED_DEPTH};
 use crate::simd::Lanes;
 
-/// What a ray's `t_min` and `t_max` come to in depths.
+/// What a ray's `t_min` and `t_max` come to in depths: a lower and an upper bound of each.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_field_names, reason = "the names of what they bound")]
 pub(crate) struct Limits {
     /// A candidate that ends before this is before `t_min`, for certain.
-    pub(in crate::accel) before: f32,
+    pub(in crate::accel) t_min_low: f32,
     /// A candidate that begins beyond this is beyond `t_min`, for certain.
-    pub(in crate::accel) beyond: f32,
+    pub(in crate::accel) t_min_high: f32,
     /// A candidate that ends before this is within `t_max`, for certain.
-    pub(in crate::accel) within: f32,
+    pub(in crate::accel) t_max_low: f32,
     /// A candidate that begins beyond this is beyond `t_max`, for certain.
-    pub(in crate::accel) last: f32,
+    pub(in crate::accel) t_max_high: f32,
 }
 
 impl Packet {
@@ -48,20 +49,20 @@ impl Packet {
                 (less, l.add64(depth, slack))
             }};
         }
-        let (within, last) = ends!(l.load64(of(&self.t_max, half)));
-        l.store_narrowed(last, of_mut(&mut self.limit, half));
-        l.store_narrowed(within, of_mut(&mut self.within, half));
+        let (t_max_low, t_max_high) = ends!(l.load64(of(&self.t_max, half)));
+        l.store_narrowed(t_max_high, of_mut(&mut self.t_max_high, half));
+        l.store_narrowed(t_max_low, of_mut(&mut self.t_max_low, half));
         let t_min = l.load64(of(&self.t_min, half));
         let begins = l.lt64(zero, t_min);
-        let (mut before, mut beyond) = (zero, zero);
+        let (mut t_min_low, mut t_min_high) = (zero, zero);
         if begins != 0 {
             let (less, more) = ends!(t_min);
             // Wherever the start was moved, what is ahead of it is ahead of the origin. A NaN makes nothing certain.
-            before = l.select64(begins, l.max64(less, zero), zero);
-            beyond = l.select64(begins, l.max64(zero, more), zero);
+            t_min_low = l.select64(begins, l.max64(less, zero), zero);
+            t_min_high = l.select64(begins, l.max64(zero, more), zero);
         }
-        l.store_narrowed(before, of_mut(&mut self.before, half));
-        l.store_narrowed(beyond, of_mut(&mut self.beyond, half));
+        l.store_narrowed(t_min_low, of_mut(&mut self.t_min_low, half));
+        l.store_narrowed(t_min_high, of_mut(&mut self.t_min_high, half));
     }
 
     /// The limits of a ray.
@@ -69,10 +70,10 @@ impl Packet {
     pub(in crate::accel) fn limits(&self, lane: usize) -> Limits {
         let lane = lane % RAYS;
         Limits {
-            before: self.before[lane],
-            beyond: self.beyond[lane],
-            within: self.within[lane],
-            last: self.limit[lane],
+            t_min_low: self.t_min_low[lane],
+            t_min_high: self.t_min_high[lane],
+            t_max_low: self.t_max_low[lane],
+            t_max_high: self.t_max_high[lane],
         }
     }
 

@@ -33,12 +33,11 @@ pub(crate) struct Packet {
 
     /// The error of the depth of a hit in float32, at any depth.
     pub(super) depth_error: [f32; RAYS],
-    /// [`Limits::last`](super::limits::Limits::last).
-    pub(in crate::accel) limit: [f32; RAYS],
     // See `Limits`.
-    pub(super) before: [f32; RAYS],
-    pub(super) beyond: [f32; RAYS],
-    pub(super) within: [f32; RAYS],
+    pub(in crate::accel) t_max_high: [f32; RAYS],
+    pub(super) t_min_low: [f32; RAYS],
+    pub(super) t_min_high: [f32; RAYS],
+    pub(super) t_max_low: [f32; RAYS],
     /// The rays whose direction is longest along y, and along z.
     pub(super) is_along: [u16; 2],
     /// The rays that may meet something.
@@ -82,7 +81,7 @@ impl Packet {
         all.then_some(AXES[along])
     }
 
-    /// The same as the tree sees it.
+    /// The ray in a lane, made ready for the tree.
     #[inline(always)]
     pub(in crate::accel) fn tree_ray(&self, lane: usize) -> TreeRay {
         let lane = lane % RAYS;

@@ -48,8 +48,16 @@
 //! With an e of 2, that is 46 reaches at most (`TILE_DEPTH`).
 //!
 //! **A wrong Z** moves a vertex on the picture, in perspective: by its share of Z for each pixel from the tile's
-//! middle, where it moves nothing. For the 7.5 pixels of a sample the `lever` has 12. The `6 * skewness` beside it
-//! replace the 45 shares above: Z is at most two reaches, so 6 times 16 reaches are 48 shares of Z.
+//! middle. X and Y are Z times as large, so for each of these pixels they are off by the error of Z itself. The 16
+//! reaches above are `sideways`; what they are multiplied by is a lever, in pixels:
+//!
+//! - a side counts from a sample, which is up to 7.5 pixels from the middle: 12 (`TILE_LEVER`);
+//! - a plane is 7.52 pixels from it: 8 (`TILE_LEVER_OF_PLANES`);
+//! - whether the tile is sharp enough is asked for its whole width: 16 (`TILE_LEVER_OF_WIDTH`).
+//!
+//! **The 45 shares of Z** that X and Y are off (`TILE_PIXEL`) are in the bound of a side by another number, which is
+//! the same for all vertices of a leaf. Z is at most two reaches, so 45 shares of it are 90 reaches. 6 times `sideways`
+//! are 96. So the lever of a side is larger by 6 times the skewness (`TILE_LEVER_BY_SKEWNESS`).
 //!
 //! **A side** is a difference of two products of X and Y. Its `size` is how far the corners are from the sample along X
 //! and Y, both together. It is off by the sum of these:
@@ -59,8 +67,9 @@
 //! - the shares of the matrix and of the shear, in the same way (`TILE_SIDE_BY_SKEW`).
 
 use crate::accel::bounds::{
-    BLUR, TILE_DEPTH, TILE_MOVED, TILE_PIXEL, TILE_PLANES, TILE_SIDE_BY_ERROR, TILE_SIDE_BY_SIZE,
-    TILE_SIDE_BY_SKEW, TILE_SIDEWAYS, TILE_VERTEX, U,
+    BLUR, TILE_ANY_VERTEX, TILE_DEPTH, TILE_LEVER, TILE_LEVER_BY_SKEWNESS, TILE_LEVER_OF_PLANES,
+    TILE_LEVER_OF_WIDTH, TILE_MOVED, TILE_PIXEL, TILE_PLANES, TILE_SIDE_BY_ERROR,
+    TILE_SIDE_BY_SIZE, TILE_SIDE_BY_SKEW, TILE_SIDEWAYS, TILE_VERTEX, U,
 };
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
@@ -133,15 +142,15 @@ impl TileFrustum {
         clippy::too_many_lines,
         reason = "one derivation, each line of which needs those before"
     )]
-    pub(crate) fn new(tree: &MeshTree, bundle: &TileCamera) -> Option<Self> {
+    pub(crate) fn new(tree: &MeshTree, camera: &TileCamera) -> Option<Self> {
         let space = &tree.space;
-        let mut eye = (bundle.eye - space.origin) * space.scale;
+        let mut eye = (camera.eye - space.origin) * space.scale;
         let far = eye.abs().max_element();
         let [centre, across, down] =
-            [bundle.centre, bundle.across, bundle.down].map(|v| v * space.scale);
+            [camera.centre, camera.across, camera.down].map(|v| v * space.scale);
         // Parallel rays may start anywhere on their way: near the tree, differences lose nothing.
         let mut slid = 0.0;
-        if !bundle.is_perspective {
+        if !camera.is_perspective {
             slid = -eye.dot(centre) / centre.length_squared();
             eye += slid * centre;
         }
@@ -166,16 +175,16 @@ impl TileFrustum {
         };
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
-        let blur = 4.0 * BLUR * (bundle.largest * space.scale + far + reach);
+        let blur = 4.0 * BLUR * (camera.largest * space.scale + far + reach);
         // The error of the rays themselves. In perspective it is largest at the tree's largest depth. Of parallel rays
         // it has any direction, so it counts along the depth too.
         let [x, y, depth] = rows.map(unsheared);
-        let (off, off_along) = if bundle.is_perspective {
+        let (off, off_along) = if camera.is_perspective {
             let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
-            (bundle.off * farthest, 0.0)
+            (camera.off * farthest, 0.0)
         } else {
             let pixel = sum(columns[0]).max(sum(columns[1]));
-            (bundle.off, 3.0 * bundle.off * pixel)
+            (camera.off, 3.0 * camera.off * pixel)
         };
         let across_both = sum(rows[0]).max(sum(rows[1]));
         let units = if tree.is_exact { 0.0 } else { 2.0 };
@@ -183,55 +192,56 @@ impl TileFrustum {
         let pixels = columns[0].abs() + columns[1].abs();
         let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
         let share = TILE_PIXEL * skewness;
-        let error = rounding + off + if bundle.is_perspective { 0.0 } else { share };
+        let error = rounding + off + if camera.is_perspective { 0.0 } else { share };
         let along = TILE_DEPTH * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + TILE_MOVED * slid.abs();
-        // By how much a wrong Z moves a vertex on the picture, for each pixel from the tile's middle.
-        let sideways = if bundle.is_perspective {
+        // What a wrong Z comes to in X and Y, for each pixel from the tile's middle.
+        let sideways = if camera.is_perspective {
             sum(rows[2]) * (TILE_SIDEWAYS * reach + 4.0 * blur)
         } else {
             0.0
         };
-        let lever = if bundle.is_perspective {
-            12.0 + 6.0 * skewness
+        let lever = if camera.is_perspective {
+            TILE_LEVER + TILE_LEVER_BY_SKEWNESS * skewness
         } else {
             0.0
         };
         let skew = across_both * (sum(columns[0]) + sum(columns[1]));
-        let fine = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
+        let is_in_range = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
         // Give up where X and Y may be off by a fifth of a pixel even at the tree's far side: most samples would be
         // undecided.
-        let far_depth = if bundle.is_perspective {
+        let far_depth = if camera.is_perspective {
             0.1 * sum(rows[2])
         } else {
             1.0
         };
-        let is_sharp =
-            rounding + across_both * 4.0 * u + 16.0 * sideways < 0.2 * far_depth.max(1e-30);
+        let is_sharp = rounding + across_both * TILE_ANY_VERTEX + TILE_LEVER_OF_WIDTH * sideways
+            < 0.2 * far_depth.max(1e-30);
         // Written so that a NaN fails.
-        let is_fine = fine
+        let is_usable = is_in_range
             && is_sharp
             && error.is_finite()
             && slid.abs() < 1e30
             && depth_error < 1e30
             && across_both < 1e12;
-        if !is_fine {
+        if !is_usable {
             return None;
         }
         let reach_of_pixels = f64::from(HALF) + 0.02;
         let plane = |side: DVec3, sign: f64| {
-            let normal = if bundle.is_perspective {
+            let normal = if camera.is_perspective {
                 sign * side + reach_of_pixels * depth
             } else {
                 sign * side
             };
-            let below = if bundle.is_perspective {
+            let below = if camera.is_perspective {
                 0.0
             } else {
                 reach_of_pixels
             };
             let box_error = sum(normal) * (TILE_PLANES * reach + 2.0 * blur);
-            let slack = box_error + error + across_both * 4.0 * u + 8.0 * sideways;
+            let slack =
+                box_error + error + across_both * TILE_ANY_VERTEX + TILE_LEVER_OF_PLANES * sideways;
             (
                 normal.to_array().map(|x| x as f32),
                 -((below + slack) * 1.000_01) as f32,
@@ -245,8 +255,8 @@ impl TileFrustum {
             planes: [plane(x, 1.0), plane(x, -1.0), plane(y, 1.0), plane(y, -1.0)],
             depth: depth.to_array().map(|x| x as f32),
             start: eye.to_array().map(|x| x as f32),
-            is_perspective: bundle.is_perspective,
-            start_depth: bundle.start_depth as f32,
+            is_perspective: camera.is_perspective,
+            start_depth: camera.start_depth as f32,
             slid: slid as f32,
             error: error as f32,
             error_per_extent: (TILE_VERTEX * (across_both + lever * sum(rows[2]))) as f32,

@@ -17,7 +17,7 @@ mod small;
 
 use super::edge_test::all_beside;
 use super::frustum::{HALF, TileFrustum};
-use super::visibility::{ExactTest, TriangleId, VisibilityBuffer, pixel};
+use super::visibility::{ExactTest, TriangleId, VisibilityBuffer, row_and_column};
 use crate::accel::bounds::ROUNDED_DEPTH;
 use crate::accel::meshlet::Meshlet;
 use crate::simd::{LANES, Lanes, set_bits};
@@ -223,7 +223,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
     #[inline(never)]
     fn decide<L: Lanes>(&mut self, l: L, (block, lane): (usize, usize), new: TriangleId) {
         let old = self.buffer.triangle(block, lane);
-        let (row, column) = pixel(block, lane);
+        let (row, column) = row_and_column(block, lane);
         let Some((triangle, depth)) = self.exact.nearer(l, row, column, old, new) else {
             return;
         };

@@ -34,7 +34,7 @@ impl TileScratch {
 
 /// Puts the triangles of a mesh into `buffer` where they are nearer than what is there.
 #[inline(always)]
-pub(crate) fn fill<L: Lanes>(
+pub(crate) fn fill_buffer<L: Lanes>(
     l: L,
     scratch: &mut TileScratch,
     tree: &MeshTree,

@@ -48,13 +48,13 @@ pub(crate) trait ExactTest {
 }
 
 /// The block of a tile's pixel, and its lane there.
-pub(crate) const fn place(row: usize, column: usize) -> (usize, usize) {
+pub(crate) const fn block_and_lane(row: usize, column: usize) -> (usize, usize) {
     let block = row / BLOCK * BLOCK + column / BLOCK;
     (block, row % BLOCK * BLOCK + column % BLOCK)
 }
 
 /// The row and the column of a pixel in its tile.
-pub(crate) const fn pixel(block: usize, lane: usize) -> (usize, usize) {
+pub(crate) const fn row_and_column(block: usize, lane: usize) -> (usize, usize) {
     let row = block / BLOCK * BLOCK + lane / BLOCK;
     (row % TILE, (block % BLOCK * BLOCK + lane % BLOCK) % TILE)
 }
@@ -96,7 +96,7 @@ impl VisibilityBuffer {
     fn cut(&mut self) {
         for (block, high) in self.high.iter_mut().enumerate() {
             for (lane, high) in high.iter_mut().enumerate() {
-                let (row, column) = pixel(block, lane);
+                let (row, column) = row_and_column(block, lane);
                 if row >= self.rows || column >= self.columns {
                     *high = f32::NEG_INFINITY;
                 }

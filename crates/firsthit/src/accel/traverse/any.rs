@@ -26,7 +26,7 @@ impl MeshQuery for Any {
     fn new(limits: Limits) -> Self {
         Self {
             is_found: false,
-            limit: limits.last,
+            limit: limits.t_max_high,
             limits,
         }
     }
@@ -40,11 +40,11 @@ impl MeshQuery for Any {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        if high < self.limits.before {
+        if high < self.limits.t_min_low {
             return;
         }
         let leaf = &ray.tree.leaves[leaf as usize];
-        let is_inside = is_certain && low > self.limits.beyond && high < self.limits.within;
+        let is_inside = is_certain && low > self.limits.t_min_high && high < self.limits.t_max_low;
         if is_inside || ray.intersect(l, leaf, lane).is_some() {
             self.is_found = true;
             self.limit = -1.0;
@@ -72,10 +72,10 @@ impl Visitor for Any {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
-        let inside = l.lt(l.splat(self.limits.beyond), candidates.low)
-            & l.lt(candidates.high, l.splat(self.limits.within));
+        let inside = l.lt(l.splat(self.limits.t_min_high), candidates.low)
+            & l.lt(candidates.high, l.splat(self.limits.t_max_low));
         let leaf = &ray.tree.leaves[leaf as usize];
-        let possible = candidates.possible & l.le(l.splat(self.limits.before), candidates.high);
+        let possible = candidates.possible & l.le(l.splat(self.limits.t_min_low), candidates.high);
         debug_assert!(!self.is_found, "an answer is never taken back");
         self.is_found = possible & candidates.certain & inside != 0;
         for lane in set_bits(possible) {

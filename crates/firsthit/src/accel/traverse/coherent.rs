@@ -55,7 +55,7 @@ impl PacketFrustum {
         let mut limits = Aligned([0.0; RAYS]);
         let none = l.splat(-1.0);
         l.store(
-            l.select(self.rays, l.load(&packet.packet.limit), none),
+            l.select(self.rays, l.load(&packet.packet.t_max_high), none),
             &mut limits.0,
         );
         let mut limit = self.limit(l, &limits.0);

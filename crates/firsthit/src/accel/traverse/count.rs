@@ -37,11 +37,11 @@ impl MeshQuery for Count {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        if high < self.limits.before {
+        if high < self.limits.t_min_low {
             return;
         }
         let leaf = &ray.tree.leaves[leaf as usize];
-        let is_inside = is_certain && low > self.limits.beyond && high < self.limits.within;
+        let is_inside = is_certain && low > self.limits.t_min_high && high < self.limits.t_max_low;
         if is_inside || ray.intersect(l, leaf, lane).is_some() {
             let copies = ray.tree.copies_of(ray.tree.triangle(leaf, lane)).len();
             self.count += u32::try_from(1 + copies).unwrap_or(u32::MAX);
@@ -82,6 +82,6 @@ impl Visitor for Count {
 
     #[inline(always)]
     fn limit(&self) -> f32 {
-        self.limits.last
+        self.limits.t_max_high
     }
 }

@@ -2,12 +2,12 @@
 //!
 //! 1. A first hit mostly ends with a triangle that is certain to be met, of which only `t` and the weights are missing.
 //!    Gather such rays, of any packets.
-//! 2. When there are eight, or none is left to come, compute all in lanes ([`intersect8_at`]).
+//! 2. When there are eight, or none is left to come, compute all in lanes ([`locate8_at`]).
 //! 3. Compute the few that need more than float64 one by one.
 
 use super::mesh_packet::{MeshPacket, MeshRay};
 use super::query::{MeshQuery, Sink};
-use crate::accel::exact8::{RayBundle, intersect8_at};
+use crate::accel::locate8::{RayBundle, locate8_at};
 use crate::accel::rays::packet::RAYS;
 use crate::simd::{Aligned, Lanes, WIDE, set_bits};
 
@@ -83,10 +83,10 @@ impl<'a> Deferred<'a> {
         ];
         #[expect(clippy::cast_possible_truncation, reason = "eight bits")]
         let wanted = ((1_u32 << self.count) - 1) as u8;
-        let (sound, places) = intersect8_at(l, &rays, &corners, wanted);
+        let (sound, crossings) = locate8_at(l, &rays, &corners, wanted);
         let mut out = Aligned([[0.0; WIDE]; 3]);
-        for (place, out) in places.into_iter().zip(&mut out.0) {
-            l.store64(place, out);
+        for (numbers, out) in crossings.into_iter().zip(&mut out.0) {
+            l.store64(numbers, out);
         }
         for lane in 0..self.count {
             let Some((packet, ray, (leaf, triangle))) = self.entries[lane] else {

@@ -105,7 +105,8 @@ impl Approach {
 mod tests {
     use super::*;
     use crate::accel::mesh_tree::MeshTree;
-    use crate::accel::traverse::single::{Scratch, each};
+    use crate::accel::traverse::each::each_candidate;
+    use crate::accel::traverse::single::Scratch;
     use crate::shape::{Mesh, Positions};
     use crate::simd::{self, InstructionSet, Kernel, Lanes};
 
@@ -118,7 +119,7 @@ mod tests {
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> usize {
             let mut count = 0;
-            each(
+            each_candidate(
                 l,
                 &mut Scratch::new(),
                 (self.0, self.1),

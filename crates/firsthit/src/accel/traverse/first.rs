@@ -80,7 +80,7 @@ impl MeshQuery for First {
     fn new(limits: Limits) -> Self {
         Self {
             best: Best::None,
-            limit: limits.last,
+            limit: limits.t_max_high,
             limits,
         }
     }
@@ -95,13 +95,13 @@ impl MeshQuery for First {
         is_certain: bool,
     ) {
         let (best_low, best_high) = match self.best {
-            Best::None => (self.limits.within, f32::INFINITY),
+            Best::None => (self.limits.t_max_low, f32::INFINITY),
             Best::Deferred { low, high, .. } | Best::Located { low, high, .. } => (low, high),
         };
-        if low > best_high || high < self.limits.before {
+        if low > best_high || high < self.limits.t_min_low {
             return;
         }
-        if is_certain && low > self.limits.beyond && high < best_low {
+        if is_certain && low > self.limits.t_min_high && high < best_low {
             self.best = Best::Deferred {
                 leaf,
                 lane,

@@ -3,9 +3,9 @@
 //! 1. Count points from a reference, which has x and y of the first ray's start, and the depth of the rearmost start.
 //!    The depth is along the axis on which all directions are longest. It is not negative where a ray may meet
 //!    something.
-//! 2. Move every start along its ray to the depth 0. At a depth d a ray is then at `start + d * slope`, along x and
-//!    along y.
-//! 3. Make four planes of the smallest and the largest start and slope along x and along y.
+//! 2. Follow every ray back to the depth 0. At a depth d it is at `at_zero + d * slope`, along x and along y; it starts
+//!    at its `start_depth`.
+//! 3. Make four planes of the smallest and the largest `at_zero` and slope along x and along y.
 //! 4. Make two more planes, nearly parallel, along a direction across which the rays are much the same. Neighbours
 //!    often lie in a plane: the pixels of a row, and what a row sees, seen from a light. The direction is taken from
 //!    the first and the last ray.
@@ -17,34 +17,42 @@
 //!
 //! # Error bounds
 //!
-//! In units of `U`, beside the blurs of the rays' starts (see `bounds.rs`). W is how far a start is from the reference
-//! at most, along x and y, once it is at the depth 0.
+//! In units of `U`, beside the blurs of the rays' starts (see `bounds.rs`). W is the largest of three numbers: how far
+//! a ray at the depth 0 is from the reference along x, and along y, and the depth at which it starts.
 //!
-//! **A start** is off by at most 13 W:
+//! **At the depth 0** a ray is off by at most 9 W:
 //!
-//! - 6 W: two differences along each of two axes;
-//! - 7 W: the slope, which is at most 1, its product and its difference.
+//! - 4 W: two differences along x (or y), where its start is up to 2 W from the reference;
+//! - 2 W: two differences along the depth;
+//! - 3 W: the slope, which is at most 1, its product and its difference.
 //!
 //! **A sheared coordinate** X of a vertex at the depth D that is P from the reference is off by the sum of these:
 //!
 //! - P + D: the differences with the reference;
-//! - P + W: the difference with the start;
+//! - P + W: the difference with the ray at the depth 0;
 //! - 2 D + X: the slope, its product and its difference;
-//! - 13 W: the start.
+//! - 9 W: the ray at the depth 0.
 //!
 //! P is at most X + W + D. Where a ray passes a triangle, X is at most the triangle's extent (sheared, along x or y).
-//! In all that is 5 D (`PACKET_VERTEX`), 3 X (`PACKET_EXTENT`) and 16 W (`PACKET_START`).
+//! In all that is 5 D (`PACKET_VERTEX`), 3 X (`PACKET_EXTENT`) and 12 W (`PACKET_START` allows 20).
 //!
-//! **Against the four planes** all of this is in units of the reach: a start is off by 20 at most, as starts differ by
-//! less than twice the reach, and a vertex by 6. `PACKET_PLANES` allows 40.
+//! **Against the four planes** all of this is in units of the reach. Starts differ by less than 2 along each axis, so at
+//! the depth 0 a ray is less than 4 from the reference. The test is off by the sum of these:
+//!
+//! - 16: a ray at the depth 0, by two differences along each of two axes, 8, the slope and its product, 4, and its
+//!   difference, 4;
+//! - 4: the margin, added to that;
+//! - 6: a vertex, by two differences, the slope, its product and its difference of up to 2.
+//!
+//! These are 26; `PACKET_PLANES` allows 40.
 //!
 //! **Against the two others** the parts along x and y add up. Rays are within `between` at the depth 0, and each end
 //! moves outwards by the `spread` for a depth of 1:
 //!
-//! - 40: a start, twice the 20 above; 12: its own rounding; 8: that of `between`;
+//! - 32: a ray at the depth 0, twice the 16 above; 16: the products and the sum along the normal; 8: the margin;
 //! - 20: a vertex, by three differences, three products, two sums and a share of the spread.
 //!
-//! These are 80; `PACKET_NORMAL` allows 160. Slopes are off by 9 in all; `PACKET_SPREAD` allows 16.
+//! These are 76; `PACKET_NORMAL` allows 160. Slopes are off by 9 in all; `PACKET_SPREAD` allows 16.
 
 use super::mesh_packet::{FEWEST, MeshPacket};
 use crate::accel::bounds::{
@@ -63,13 +71,13 @@ pub(super) struct PacketFrustum {
     pub(super) forwards: f32,
     /// Along those axes.
     pub(super) reference: [f32; 3],
-    /// The smallest and the largest start, less and more for rounding, and slope, along x and along y.
-    pub(super) starts: [[f32; 2]; 2],
-    pub(super) slopes: [[f32; 2]; 2],
-    /// Where each ray is at the depth 0.
-    pub(super) start: [Aligned<[f32; RAYS]>; 2],
+    /// The smallest and the largest of `at_zero`, less and more for rounding, and of the slopes, along x and along y.
+    pub(super) at_zero_bounds: [[f32; 2]; 2],
+    pub(super) slope_bounds: [[f32; 2]; 2],
+    /// Where each ray is at the depth 0, along x and along y.
+    pub(super) at_zero: [Aligned<[f32; RAYS]>; 2],
     /// The depth at which each ray starts.
-    pub(super) behind: Aligned<[f32; RAYS]>,
+    pub(super) start_depth: Aligned<[f32; RAYS]>,
     /// How far the planes are moved outwards.
     pub(super) margin: f32,
     /// The error of a sheared coordinate, at any depth.
@@ -132,18 +140,18 @@ impl PacketFrustum {
                 l.add(l.sub($high, l.splat(reference[$k])), l.load(&$part[1]))
             };
         }
-        let behind = l.mul(signs, from_reference!(zz, z, 2));
+        let start_depth = l.mul(signs, from_reference!(zz, z, 2));
         let (sx, sy) = (l.load(&packet.slope[0]), l.load(&packet.slope[1]));
-        let ax = l.neg_mul_add(sx, behind, from_reference!(zx, x, 0));
-        let ay = l.neg_mul_add(sy, behind, from_reference!(zy, y, 1));
-        let (starts, slopes) = ([ends!(ax), ends!(ay)], [ends!(sx), ends!(sy)]);
-        let [_, width] = ends!(l.max(l.max(l.abs(ax), l.abs(ay)), l.abs(behind)));
-        let mut start = [Aligned([0.0; RAYS]); 2];
-        l.store(ax, &mut start[0].0);
-        l.store(ay, &mut start[1].0);
+        let ax = l.neg_mul_add(sx, start_depth, from_reference!(zx, x, 0));
+        let ay = l.neg_mul_add(sy, start_depth, from_reference!(zy, y, 1));
+        let (at_zero_bounds, slope_bounds) = ([ends!(ax), ends!(ay)], [ends!(sx), ends!(sy)]);
+        let [_, width] = ends!(l.max(l.max(l.abs(ax), l.abs(ay)), l.abs(start_depth)));
+        let mut at_zero = [Aligned([0.0; RAYS]); 2];
+        l.store(ax, &mut at_zero[0].0);
+        l.store(ay, &mut at_zero[1].0);
         let last = rays.ilog2() as usize % RAYS;
         let normal = normal(
-            start.each_ref().map(|x| x.0[last] - x.0[first]),
+            at_zero.each_ref().map(|x| x.0[last] - x.0[first]),
             packet.slope.each_ref().map(|x| x[last] - x[first]),
         );
         macro_rules! along_normal {
@@ -160,10 +168,13 @@ impl PacketFrustum {
             axes,
             forwards,
             reference,
-            starts: [wider(starts[0], margin), wider(starts[1], margin)],
-            slopes,
-            start,
-            behind: Aligned([0.0; RAYS]),
+            at_zero_bounds: [
+                wider(at_zero_bounds[0], margin),
+                wider(at_zero_bounds[1], margin),
+            ],
+            slope_bounds,
+            at_zero,
+            start_depth: Aligned([0.0; RAYS]),
             margin,
             error: PACKET_START * width + BLURS * blur,
             depth_error: DEPTH * width + BLURS * blur,
@@ -172,7 +183,7 @@ impl PacketFrustum {
             between: wider(between, PACKET_NORMAL * margin),
             spread: 0.5 * (high - low) + PACKET_SPREAD,
         };
-        l.store(behind, &mut out.behind.0);
+        l.store(start_depth, &mut out.start_depth.0);
         Some(out)
     }
 
@@ -181,7 +192,7 @@ impl PacketFrustum {
     pub(super) fn limit<L: Lanes>(&self, l: L, limits: &[f32; RAYS]) -> f32 {
         let limits = l.load(limits);
         let matters = l.le(l.splat(0.0), limits);
-        let depths = l.add(limits, l.load(&self.behind.0));
+        let depths = l.add(limits, l.load(&self.start_depth.0));
         self.margin + l.largest(l.select(matters, depths, l.splat(-2.0 - 3.0 * self.margin)))
     }
 
@@ -210,8 +221,8 @@ impl PacketFrustum {
         // Of each box the corner that is farthest towards a plane's inside.
         macro_rules! inside {
             ($k:literal, $low:ident, $high:ident) => {{
-                let [start, end] = self.starts[$k];
-                let [least, most] = self.slopes[$k];
+                let [start, end] = self.at_zero_bounds[$k];
+                let [least, most] = self.slope_bounds[$k];
                 let depth = if least > 0.0 { near } else { far };
                 met &= l.le(l.splat(start), l.neg_mul_add(l.splat(least), depth, $high));
                 let depth = if most > 0.0 { far } else { near };

@@ -91,8 +91,8 @@ impl PacketFrustum {
         met &= l.le(l.splat(-self.margin), farthest);
         macro_rules! inside {
             ($k:literal, $place:ident) => {{
-                let [start, end] = self.starts[$k];
-                let [low, high] = self.slopes[$k];
+                let [start, end] = self.at_zero_bounds[$k];
+                let [low, high] = self.slope_bounds[$k];
                 let (least, most) = ends!(l.neg_mul_add(l.splat(low), depth, $place));
                 let (other, last) = ends!(l.neg_mul_add(l.splat(high), depth, $place));
                 met &= l.le(l.splat(start), most) & l.le(other, l.splat(end));
@@ -157,14 +157,14 @@ impl PacketFrustum {
         let leaf = &packet.tree.leaves[index as usize];
         let slopes = &packet.packet.slope;
         let slope = [l.load(&slopes[0]), l.load(&slopes[1])];
-        let start = [l.load(&self.start[0].0), l.load(&self.start[1].0)];
+        let at_zero = [l.load(&self.at_zero[0].0), l.load(&self.at_zero[1].0)];
         macro_rules! corner {
             ($k:literal) => {{
                 let vertex = leaf.vertex(triangle, $k);
                 let depth = l.splat(view.depth[vertex]);
                 [
-                    l.neg_mul_add(slope[0], depth, l.sub(l.splat(view.x[vertex]), start[0])),
-                    l.neg_mul_add(slope[1], depth, l.sub(l.splat(view.y[vertex]), start[1])),
+                    l.neg_mul_add(slope[0], depth, l.sub(l.splat(view.x[vertex]), at_zero[0])),
+                    l.neg_mul_add(slope[1], depth, l.sub(l.splat(view.y[vertex]), at_zero[1])),
                     depth,
                 ]
             }};
@@ -176,15 +176,15 @@ impl PacketFrustum {
             return false;
         }
         let limit = l.load(limits);
-        let behind = l.load(&self.behind.0);
+        let start_depth = l.load(&self.start_depth.0);
         let (nearest, farthest) = (view.nearest[triangle], view.farthest[triangle]);
         let slack = nearest.abs().max(farthest.abs()) * DEPTH + self.depth_error;
         let spread = MEAN * (farthest - nearest);
-        let nearest = l.sub(l.splat(nearest - slack), behind);
-        let farthest = l.sub(l.splat(farthest + slack), behind);
+        let nearest = l.sub(l.splat(nearest - slack), start_depth);
+        let farthest = l.sub(l.splat(farthest + slack), start_depth);
         let certain = sides.inside(l, l.splat(view.sure[triangle]));
         let [depth, over] = sides.depth(l, [az, bz, cz]);
-        let depth = l.sub(depth, behind);
+        let depth = l.sub(depth, start_depth);
         let weights = l.mul(l.splat(view.bound[triangle] * spread), over);
         let error = l.add(weights, l.splat(slack));
         let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);

@@ -137,7 +137,7 @@ impl Around {
             back: [0; 3],
         };
         let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
-        let limit = l.max(l.min(l.load(&packet.limit), l.splat(FARTHEST)), zero);
+        let limit = l.max(l.min(l.load(&packet.t_max_high), l.splat(FARTHEST)), zero);
         for axis in 0..3 {
             let inverse = l.load(&packet.inverse[axis]);
             let [first, last] = &packet.ends[axis];
@@ -173,7 +173,9 @@ impl Around {
     fn open<L: Lanes>(&self, l: L, packet: &Packet, node: &Node, here: u16, stack: &mut Stack) {
         if here.is_power_of_two() {
             let lane = here.trailing_zeros() as usize % RAYS;
-            let (met, _) = packet.tree_ray(lane).boxes(l, node, packet.limit[lane]);
+            let (met, _) = packet
+                .tree_ray(lane)
+                .boxes(l, node, packet.t_max_high[lane]);
             for child in set_bits(met) {
                 stack.push(key(here, node.children[child]));
             }
@@ -205,7 +207,7 @@ impl Around {
             );
             let exit = l.min(
                 l.min(end!(child, 0, 1), end!(child, 1, 1)),
-                l.min(end!(child, 2, 1), l.load(&packet.limit)),
+                l.min(end!(child, 2, 1), l.load(&packet.t_max_high)),
             );
             let rays = here & l.le(entry, exit);
             stack.push_if(rays != 0, key(rays, node.children[child]));

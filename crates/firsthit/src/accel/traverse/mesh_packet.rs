@@ -8,7 +8,7 @@ use crate::shape::triangle::{self, Doubtful, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Kernel, Lanes};
 
-/// A packet with fewer rays than this is traversed ray by ray.
+/// A packet with fewer rays than this is left to [`interleaved`](super::interleaved).
 pub(super) const FEWEST: u32 = 4;
 
 /// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
@@ -87,8 +87,13 @@ impl MeshRay<'_> {
 
     /// The crossing with a triangle at a known `[t, v, w]`.
     #[inline(always)]
-    pub(super) fn crossing_at(&self, leaf: u32, lane: usize, place: [f64; 3]) -> Option<Crossing> {
-        let hit = TriangleHit::new(place);
+    pub(super) fn crossing_at(
+        &self,
+        leaf: u32,
+        lane: usize,
+        numbers: [f64; 3],
+    ) -> Option<Crossing> {
+        let hit = TriangleHit::new(numbers);
         let leaf = &self.tree.leaves[leaf as usize];
         let ray = self.packet.ray(self.lane);
         ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))

@@ -1,5 +1,7 @@
 //! The stack of a traversal.
 
+use crate::accel::build::binary::SAH_DEPTH;
+
 /// Nodes and leaves still to be visited. An entry has the index in its lower half, and in its upper half the bits of
 /// the depth, or a mask of a packet's rays.
 #[derive(Debug)]
@@ -8,8 +10,9 @@ pub(in crate::accel) struct Stack {
     height: usize,
 }
 
-/// A tree has no more levels than the binary one it is made from; see `build/binary.rs`.
-const LEVELS: usize = 97;
+/// A tree has no more levels than the binary one it is made from: `SAH_DEPTH`, then 31 halvings of at most 2^31 items,
+/// the leaf, and one to spare.
+const LEVELS: usize = SAH_DEPTH as usize + 33;
 /// A power of two: each level leaves up to 15 behind.
 const STACK: usize = 2048;
 /// In a higher stack [`Stack::pop_any`] takes the last entry, so what is above this belongs to one way down the tree.

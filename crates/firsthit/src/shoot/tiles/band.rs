@@ -43,9 +43,9 @@ impl Kernel for Band<'_> {
             plan.list_near(first, left, &mut near);
             if plan.is_fitted {
                 let rays = rays.get_or_insert_default();
-                let place = [first * TILE, left * TILE];
+                let corner = [first * TILE, left * TILE];
                 let rows = plan.tiles_down * TILE;
-                rays.load(plan.rays, &plan.grid, place, rows);
+                rays.load(plan.rays, &plan.grid, corner, rows);
             }
             // Neighbours one after the other: what one has brought into the cache the next one needs.
             for (dx, dy) in ORDER {
@@ -53,8 +53,8 @@ impl Kernel for Band<'_> {
                 if dy < plan.tiles_down && row < down && column < across {
                     let rays = rays.as_ref().filter(|_| plan.is_fitted);
                     let rays = rays.map(|rays| rays.tile((dy, dx)));
-                    let place = Square::place(dy * TILE, dx * TILE);
-                    let mut task = TileTask::new(l, plan, [row, column], place, rays);
+                    let at = Square::index_of(dy * TILE, dx * TILE);
+                    let mut task = TileTask::new(l, plan, [row, column], at, rays);
                     task.run(l, (&mut memory, scratch), &near, &mut square.out());
                 }
             }

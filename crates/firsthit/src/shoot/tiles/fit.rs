@@ -1,12 +1,15 @@
 //! The camera in an array of rays: many are those of a picture's pixels, whoever made them.
 //!
-//! A grid of pixels is fitted to the rays in the corners, and each tile compares all its rays with it. The grid only
-//! serves to rule triangles out, by as much less as the rays are off it; what decides, and where they meet it, are the
-//! rays themselves.
+//! 1. Find how long a row is: where one begins, there is a leap from ray to ray.
+//! 2. Fit a grid of pixels to the rays in the corners.
+//! 3. Check 25 rays, evenly over the rows and columns. Any that is not near the grid means that there is no camera.
+//! 4. Each tile measures how far its rays are off the grid, and adds that to its bounds.
+//!
+//! The grid only serves to rule triangles out. What decides, and where they are met, are the rays themselves.
 
 use super::pixels::{HALVES, Pixels};
 use super::square::SIDE;
-use crate::accel::{BLOCK, TILE, place};
+use crate::accel::{BLOCK, TILE, block_and_lane};
 use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
 use crate::simd::{Lanes, WIDE};
 
@@ -99,7 +102,7 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
     }
     let (first, second) = (rays.ray(0), rays.ray(1));
     let is_parallel = first.direction == second.direction;
-    let place = |ray: Ray| {
+    let point = |ray: Ray| {
         if is_parallel {
             ray.origin
         } else {
@@ -107,10 +110,10 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
         }
     };
     let mut leap = None;
-    let mut last = place(second);
-    let mut step = (last - place(first)).length();
+    let mut last = point(second);
+    let mut step = (last - point(first)).length();
     for k in 2..count.min(2 * LONGEST) {
-        let next = place(rays.ray(k));
+        let next = point(rays.ray(k));
         let length = (next - last).length();
         if length > LEAP * step {
             let Some(first) = leap else {
@@ -180,7 +183,7 @@ impl SquareRays {
             for (across, ray) in row_of_rays.iter().enumerate() {
                 let tile = down / TILE * TILES + across / TILE;
                 self.has_ends[tile] |= !ray.is_whole();
-                let (block, lane) = place(down % TILE, across % TILE);
+                let (block, lane) = block_and_lane(down % TILE, across % TILE);
                 let half = tile * HALVES + 2 * block + lane / WIDE;
                 let (origin, direction) = (&mut self.origin[half], &mut self.direction[half]);
                 for axis in 0..3 {

@@ -1,6 +1,6 @@
 //! A tile's pixels in lanes of float64: half a block at a time, which is two of its rows.
 
-use crate::accel::{BLOCK, pixel};
+use crate::accel::{BLOCK, row_and_column};
 use crate::geometry::PixelGrid;
 use crate::simd::{LANES, Lanes, WIDE};
 
@@ -29,13 +29,15 @@ impl Pixels {
         };
         for (block, x) in pixels.x.iter_mut().enumerate() {
             for (lane, x) in x.iter_mut().enumerate() {
-                *x = grid.x(column + pixel(block, lane).1.min(columns - 1));
+                let (_, across) = row_and_column(block, lane);
+                *x = grid.x(column + across.min(columns - 1));
             }
         }
         for (half, y) in pixels.y.iter_mut().enumerate() {
             let block = half / 2 * BLOCK;
             for (lane, y) in y.iter_mut().enumerate() {
-                *y = grid.y(row + pixel(block, half % 2 * WIDE + lane).0.min(rows - 1));
+                let (down, _) = row_and_column(block, half % 2 * WIDE + lane);
+                *y = grid.y(row + down.min(rows - 1));
             }
         }
         pixels

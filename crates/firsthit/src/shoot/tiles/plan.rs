@@ -52,7 +52,7 @@ impl<'a> Plan<'a> {
         is_fitted: bool,
     ) -> Option<Self> {
         let has_directions = !is_fitted && grid.parallel.is_none();
-        if !is_moderate(&grid) || (has_directions && !has_digits(&grid)) {
+        if !is_unscaled(&grid) || (has_directions && !has_digits(&grid)) {
             return None;
         }
         let mut is_tiled = vec![false; scene.objects().len()];
@@ -110,8 +110,8 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Whether no direction needs other units (see [`Moderate`]).
-fn is_moderate(grid: &PixelGrid) -> bool {
+/// Whether no direction has to be scaled (see `scaled_ray.rs`).
+fn is_unscaled(grid: &PixelGrid) -> bool {
     let toward = grid.toward.length();
     let range = 1e-80..1e80;
     range.contains(&toward) && grid.width < 1e80 && grid.height < 1e80
@@ -245,7 +245,7 @@ pub(super) fn camera_of_tile(
     let y = grid.y(row) - half * height;
     let aside = x * grid.right + y * grid.upwards;
     let map = object.transform().object_from_world();
-    let place = object.transform().world_from_object().translation;
+    let translation = object.transform().world_from_object().translation;
     let turned = |v: DVec3| map.transform_vector3(v);
     let (start, centre) = if grid.parallel.is_some() {
         (grid.position + aside, grid.toward)
@@ -257,7 +257,7 @@ pub(super) fn camera_of_tile(
         [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.abs().max_element());
     let growth: f64 = largest.iter().sum();
     TileCamera {
-        eye: turned(start - place),
+        eye: turned(start - translation),
         centre: turned(centre),
         across: turned(width * grid.right),
         down: turned(-height * grid.upwards),
@@ -265,6 +265,8 @@ pub(super) fn camera_of_tile(
         start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
         off,
         largest: growth
-            * (start.abs().max_element() + place.abs().max_element() + centre.abs().max_element()),
+            * (start.abs().max_element()
+                + translation.abs().max_element()
+                + centre.abs().max_element()),
     }
 }

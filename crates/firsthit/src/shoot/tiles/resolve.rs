@@ -4,7 +4,7 @@ use super::square::BlockOfHits;
 use super::tile::TileTask;
 use crate::accel::{
     BLOCK, Corners, InLanes, MeshTree, RayBundle, SharedTriangle, TriangleId, VisibilityBuffer,
-    intersect8, pixel, turned,
+    locate8, product_along, row_and_column,
 };
 use crate::geometry::Hit;
 use crate::geometry::arithmetic::quotient_by_inverse;
@@ -63,7 +63,7 @@ impl TileTask<'_> {
         let mut seen: Option<SeenObject<'_>> = None;
         let mut common: Option<SharedTriangle> = None;
         'blocks: for block in 0..LANES {
-            let (row, column) = pixel(block, 0);
+            let (row, column) = row_and_column(block, 0);
             if row >= rows || column >= columns {
                 continue;
             }
@@ -125,7 +125,7 @@ impl TileTask<'_> {
         macro_rules! half {
             ($half:literal) => {{
                 let rays = self.rays_in_object(l, seen, 2 * block + $half);
-                intersect8(l, &rays, &corners, $half, u8::MAX)
+                locate8(l, &rays, &corners, $half, u8::MAX)
             }};
         }
         let halves = [half!(0), half!(1)];
@@ -152,8 +152,8 @@ impl TileTask<'_> {
             ));
         }
         let Some(common) = common else { return false };
-        let first = common.intersect8(l, &rays);
-        let second = common.intersect8(l, &self.rays_in_object(l, seen, 2 * block + 1));
+        let first = common.locate8(l, &rays);
+        let second = common.locate8(l, &self.rays_in_object(l, seen, 2 * block + 1));
         let primitives = [common.triangle(); LANES];
         put_sound(
             l,
@@ -189,7 +189,7 @@ impl TileTask<'_> {
                 continue;
             }
             let rays = self.rays_in_object(l, seen, 2 * block + half);
-            let (sound, numbers) = intersect8(l, &rays, &corners, half, lanes);
+            let (sound, numbers) = locate8(l, &rays, &corners, half, lanes);
             hits.put_half(l, half, lanes & sound, numbers);
             for lane in set_bits((lanes & !sound).into()) {
                 let lane = WIDE * half + lane;
@@ -197,14 +197,14 @@ impl TileTask<'_> {
                     object: seen.index,
                     leaf_lane: leaf_lanes[lane % LANES].to_bits(),
                 };
-                let (row, column) = pixel(block, lane);
+                let (row, column) = row_and_column(block, lane);
                 let hit = self.decide(l, row, column, triangle).unwrap_or(Hit::MISS);
                 hits.put(lane, &hit);
             }
         }
     }
 
-    /// The rays of half a block's pixels in an object's space: what [`Rays::ray`] and `ray_in_object` give, bit for bit.
+    /// The rays of half a block's pixels in an object's space: what `Rays::ray` and `ray_in_object` give, bit for bit.
     #[inline(always)]
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn rays_in_object<L: Lanes>(&self, l: L, seen: &SeenObject<'_>, half: usize) -> RayBundle<L> {
@@ -265,15 +265,15 @@ impl TileTask<'_> {
                 vector!(k => quotient_by_inverse(InLanes(l), point[k], length, inverse)),
             )
         };
-        let place = object.transform().world_from_object().translation;
+        let translation = object.transform().world_from_object().translation;
         let matrix = &object.transform().object_from_world().matrix3;
         if object.transform().is_identity() {
             return RayBundle { origin, direction };
         }
-        let moved = vector!(k => l.sub64(origin[k], l.splat64(place[k])));
+        let moved = vector!(k => l.sub64(origin[k], l.splat64(translation[k])));
         RayBundle {
-            origin: vector!(k => turned(l, matrix, k, &moved)),
-            direction: vector!(k => turned(l, matrix, k, &direction)),
+            origin: vector!(k => product_along(l, matrix, k, &moved)),
+            direction: vector!(k => product_along(l, matrix, k, &direction)),
         }
     }
 }

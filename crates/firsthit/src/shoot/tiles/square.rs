@@ -36,7 +36,7 @@ impl Square {
     pub(super) const STRIDE: usize = KEPT + SIDE;
 
     /// Where a pixel's hit is.
-    pub(super) const fn place(row: usize, column: usize) -> usize {
+    pub(super) const fn index_of(row: usize, column: usize) -> usize {
         row * Self::STRIDE + KEPT + column
     }
 }
@@ -93,7 +93,7 @@ impl<T: Copy> InPhase<T> {
 }
 
 impl HitSlices<'_> {
-    /// Writes those of a whole block to a square, from a place on: each meets `object`, half of them in a register.
+    /// Writes those of a whole block to a square, from an index on: each meets `object`, half of them in a register.
     #[inline(always)]
     pub(super) fn put_block<L: Lanes>(
         &mut self,
@@ -222,7 +222,7 @@ impl BlockOfHits {
         }
     }
 
-    /// Writes those of so many rows and columns to a square, from a place on.
+    /// Writes those of so many rows and columns to a square, from an index on.
     #[inline(always)]
     pub(super) fn write(&self, at: usize, [rows, columns]: [usize; 2], out: &mut HitSlices<'_>) {
         if [rows, columns] == [BLOCK, BLOCK] {

@@ -9,15 +9,16 @@ use super::pixels::Pixels;
 use super::plan::{Plan, camera_of_tile};
 use super::square::Square;
 use crate::accel::{
-    ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId, VisibilityBuffer, fill,
+    ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId, VisibilityBuffer,
+    fill_buffer,
 };
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
 use crate::shape::triangle::Shear;
 use crate::shoot::batch::{Memory, SingleRay};
 use crate::shoot::hits::HitSlices;
-use crate::shoot::moderate::Moderate;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
+use crate::shoot::scaled_ray::ScaledRay;
 use crate::simd::{Kernel, Lanes};
 
 /// See [the module](self).
@@ -34,8 +35,8 @@ pub(super) struct TileTask<'a> {
     first_column: usize,
     /// How many pixels it has down and across.
     size: [usize; 2],
-    /// Where its results begin in their square.
-    place: usize,
+    /// The index in their square at which its results begin.
+    first_index: usize,
     pub(super) pixels: Pixels,
 }
 
@@ -45,7 +46,7 @@ impl<'a> TileTask<'a> {
         l: L,
         plan: &'a Plan<'a>,
         tile: [usize; 2],
-        place: usize,
+        first_index: usize,
         rays: Option<TileRays<'a>>,
     ) -> Self {
         let grid = &plan.grid;
@@ -65,7 +66,7 @@ impl<'a> TileTask<'a> {
             first_row,
             first_column,
             size: [rows, columns],
-            place,
+            first_index,
             pixels,
         }
     }
@@ -122,7 +123,7 @@ impl<'a> TileTask<'a> {
             let Some(frustum) = TileFrustum::new(tree, &camera) else {
                 return false;
             };
-            fill(l, scratch, tree, &frustum, placed.object, buffer, self);
+            fill_buffer(l, scratch, tree, &frustum, placed.object, buffer, self);
         }
         true
     }
@@ -130,7 +131,7 @@ impl<'a> TileTask<'a> {
     /// Where in the square's results a row begins.
     #[inline(always)]
     pub(super) fn at(&self, row: usize) -> usize {
-        self.place + row * Square::STRIDE
+        self.first_index + row * Square::STRIDE
     }
 
     /// Shoots single rays at what the tile leaves out: at all objects unless `is_filled`, else at those that tiles
@@ -187,8 +188,8 @@ impl<'a> TileTask<'a> {
 
     /// Whether `new` is the first of two hits of a pixel.
     fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
-        Moderate::new(&self.ray(row, column))
-            .is_some_and(|moderate| moderate.precedes(self.plan.scene, new, old))
+        ScaledRay::new(&self.ray(row, column))
+            .is_some_and(|scaled| scaled.precedes(self.plan.scene, new, old))
     }
 
     /// The depth of a hit at `t`, in units of the viewplane's.
@@ -227,16 +228,16 @@ impl Kernel for Decision<'_> {
             leaf_lane,
         } = self.triangle;
         let (mesh, tree) = self.scene.plain_mesh(index)?;
-        let moderate = Moderate::new(&self.ray)?;
+        let scaled = ScaledRay::new(&self.ray)?;
         let object = &self.scene.objects()[index as usize];
-        let ray = moderate.in_object(object, moderate.ray.t_max)?;
+        let ray = scaled.in_object(object, scaled.ray.t_max)?;
         let corners = tree.corners_at(mesh, leaf_lane);
         let hit =
             Shear::new(&ray).intersect_by(corners, |doubtful| l.call(SettleExactly(doubtful)))?;
         let primitive = tree.triangle_at(leaf_lane).cast_signed();
         let crossing = hit.crossing(primitive);
         ray.holds(hit.t)
-            .then(|| moderate.hit(index, crossing))
+            .then(|| scaled.hit(index, crossing))
             .flatten()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::LeafRaster;
 use crate::accel::tile::edge_test::EdgeTest;
-use crate::accel::tile::visibility::{ExactTest, TILE, place};
+use crate::accel::tile::visibility::{ExactTest, TILE, block_and_lane};
 use crate::simd::{Aligned, LANES, Lanes};
 
 /// A leaf's triangles in lanes.
@@ -60,13 +60,13 @@ impl<A: ExactTest> LeafRaster<'_, A> {
                         clippy::cast_sign_loss,
                         reason = "small whole numbers"
                     )]
-                    let place = place(
+                    let at = block_and_lane(
                         (self.scratch.first_row[lane] as usize + usize::from(down)) % TILE,
                         (self.scratch.first_column[lane] as usize + usize::from(across)) % TILE,
                     );
                     let is_certain = test.certain >> lane & 1 == 1;
                     let depths = (lows.0[lane], highs.0[lane]);
-                    self.meet(l, place, lane, depths, is_certain);
+                    self.meet(l, at, lane, depths, is_certain);
                 }
             }
         }

@@ -35,13 +35,13 @@ pub(crate) struct RayBundle<L: Lanes> {
 )]
 pub(crate) enum Corners {
     /// In the tree's space: with the unit of that space, and its origin where that is not the mesh's.
-    Scaled(Box3<[f32; LANES]>, f64, Option<[f64; 3]>),
+    Scaled(CornerLanes<[f32; LANES]>, f64, Option<[f64; 3]>),
     /// In the mesh's space, in two halves.
-    Whole(Box3<[[f64; WIDE]; 2]>),
+    Whole(CornerLanes<[[f64; WIDE]; 2]>),
 }
 
 /// Three corners of three coordinates.
-type Box3<T> = Aligned<[[T; 3]; 3]>;
+type CornerLanes<T> = Aligned<[[T; 3]; 3]>;
 
 impl Corners {
     /// The corners of the triangles in `leaf_lanes` (as bits), in the lanes `wanted`; anything in the others. The
@@ -162,19 +162,19 @@ impl Corners {
 /// `t` and the weights of the corners 1 and 2, and the lanes in which they are those of the exact test. In the others,
 /// which are few, the exact test itself is needed.
 #[inline(always)]
-pub(crate) fn intersect8<L: Lanes>(
+pub(crate) fn locate8<L: Lanes>(
     l: L,
     rays: &RayBundle<L>,
     corners: &Corners,
     half: usize,
     wanted: u8,
 ) -> (u8, [L::Doubles; 3]) {
-    intersect8_at(l, rays, &corners.half(l, half), wanted)
+    locate8_at(l, rays, &corners.half(l, half), wanted)
 }
 
 /// The same with the corners in lanes.
 #[inline(always)]
-pub(super) fn intersect8_at<L: Lanes>(
+pub(super) fn locate8_at<L: Lanes>(
     l: L,
     rays: &RayBundle<L>,
     corners: &[[L::Doubles; 3]; 3],
@@ -183,13 +183,13 @@ pub(super) fn intersect8_at<L: Lanes>(
     let a = InLanes(l);
     let triangles = Plain::new(a, corners);
     let (enough, start) = triangles.seen_from(a, &rays.origin);
-    let place = triangles.place(a, &start, &rays.direction);
-    let (sound, place) = if enough & wanted == wanted {
-        (enough, place)
+    let crossing = triangles.place(a, &start, &rays.direction);
+    let (sound, crossing) = if enough & wanted == wanted {
+        (enough, crossing)
     } else {
-        in_double(l, rays, corners, (enough, place))
+        in_double(l, rays, corners, (enough, crossing))
     };
-    (sound & ahead(l, place[0]), place)
+    (sound & ahead(l, crossing[0]), crossing)
 }
 
 /// Where `t` is positive and finite.
@@ -204,7 +204,7 @@ fn in_double<L: Lanes>(
     l: L,
     rays: &RayBundle<L>,
     [a, b, c]: &[[L::Doubles; 3]; 3],
-    (sound, place): (u8, [L::Doubles; 3]),
+    (sound, crossing): (u8, [L::Doubles; 3]),
 ) -> (u8, [L::Doubles; 3]) {
     let mut numbers = Aligned([[0.0; WIDE]; 15]);
     let vectors = [&rays.origin, &rays.direction, a, b, c];
@@ -212,9 +212,9 @@ fn in_double<L: Lanes>(
         l.store64(vectors[k / 3][k % 3], &mut numbers.0[k]);
     }
     let (more, precise) = l.call(InDouble(&numbers.0));
-    let mut out = place;
+    let mut out = crossing;
     for k in 0..3 {
-        out[k] = l.select64(sound, place[k], l.load64(&precise.0[k]));
+        out[k] = l.select64(sound, crossing[k], l.load64(&precise.0[k]));
     }
     (sound | more, out)
 }
@@ -236,12 +236,12 @@ impl Kernel for InDouble<'_> {
         let [origin, direction, corners @ ..] = vectors;
         let planes = Plane::new(a, &corners);
         let (of_start, start) = planes.seen_from(a, &origin);
-        let (of_place, place) = planes.place(a, &start, &direction);
+        let (of_crossing, crossing) = planes.place(a, &start, &direction);
         let mut out = Aligned([[0.0; WIDE]; 3]);
         for k in 0..3 {
-            l.store64(place[k], &mut out.0[k]);
+            l.store64(crossing[k], &mut out.0[k]);
         }
-        (of_start & of_place, out)
+        (of_start & of_crossing, out)
     }
 }
 
@@ -300,9 +300,9 @@ impl SharedTriangle {
         self.triangle
     }
 
-    /// As [`intersect8`], for all lanes or none.
+    /// As [`locate8`]. All lanes take the same arithmetic, or none is sound.
     #[inline(always)]
-    pub(crate) fn intersect8<L: Lanes>(&self, l: L, rays: &RayBundle<L>) -> (u8, [L::Doubles; 3]) {
+    pub(crate) fn locate8<L: Lanes>(&self, l: L, rays: &RayBundle<L>) -> (u8, [L::Doubles; 3]) {
         let a = InLanes(l);
         let mut same = u8::MAX;
         for axis in 0..3 {
@@ -319,8 +319,8 @@ impl SharedTriangle {
             self.plain.splat(a).seen_from(a, &rays.origin)
         };
         if enough == u8::MAX {
-            let place = self.plain.splat(a).place(a, &plain_start, &rays.direction);
-            return (ahead(l, place[0]), place);
+            let crossing = self.plain.splat(a).place(a, &plain_start, &rays.direction);
+            return (ahead(l, crossing[0]), crossing);
         }
         let plane = self.plane.splat(a);
         let (of_start, start) = if is_same {
@@ -331,10 +331,10 @@ impl SharedTriangle {
         } else {
             plane.seen_from(a, &rays.origin)
         };
-        let (of_place, place) = plane.place(a, &start, &rays.direction);
-        let sound = of_start & of_place & ahead(l, place[0]);
+        let (of_crossing, crossing) = plane.place(a, &start, &rays.direction);
+        let sound = of_start & of_crossing & ahead(l, crossing[0]);
         // Where float64 is enough for some lanes, the exact test's bits there are those of float64.
-        (if enough == 0 { sound } else { 0 }, place)
+        (if enough == 0 { sound } else { 0 }, crossing)
     }
 }
 

@@ -1,0 +1,145 @@
+//! Every triangle that a ray may meet, for rays that no query traverses.
+//!
+//! 1. A ray ahead of its origin goes through the tree as it is.
+//! 2. One that begins behind its origin goes through it from a little before its beginning.
+//! 3. One that is too far away for float64 is moved to the tree first (`distant.rs`).
+//! 4. Where that leaves open where the ray is, every triangle of the mesh is asked.
+
+use super::distant::Approach;
+use super::mesh_packet::MeshRay;
+use super::query::Visitor;
+use super::single::{Scratch, traverse};
+use crate::accel::filter::Candidates;
+use crate::accel::mesh_tree::MeshTree;
+use crate::geometry::Ray;
+use crate::shape::Mesh;
+use crate::shape::triangle::clear_of;
+use crate::simd::{Lanes, set_bits};
+
+/// What ends a traversal, in place of a `t_max`.
+pub(crate) const END: f64 = f64::NEG_INFINITY;
+
+/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, in any
+/// order, and perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
+///
+/// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
+#[inline(always)]
+pub(crate) fn each_candidate<L: Lanes>(
+    l: L,
+    scratch: &mut Scratch,
+    (tree, mesh): (&MeshTree, &Mesh),
+    (ray, with_copies): (&Ray, bool),
+    visit: impl FnMut(u32, f64) -> f64,
+) {
+    let approach = if !tree.has_nodes() {
+        Approach::Somewhere
+    } else if tree.is_distant(ray.origin) || ray.t_min == f64::NEG_INFINITY {
+        Approach::new(&tree.space, ray)
+    } else if ray.t_min >= 0.0 {
+        return each_ahead(l, scratch, (tree, mesh), (ray, 0.0, with_copies), visit);
+    } else {
+        // Begin a little earlier: the place at `t_min` is rounded twice, by a product and a sum.
+        let size = ray.origin.abs() + ray.at(ray.t_min).abs();
+        let rounding = f64::EPSILON * size.max_element();
+        let earlier = 2.0 * rounding / ray.direction.abs().max_element();
+        let t = ray.t_min - earlier;
+        let begin = ray.at(t);
+        if tree.is_distant(begin) || !earlier.is_finite() {
+            Approach::new(&tree.space, ray)
+        } else {
+            let after = |t_max: f64| clear_of(t_max - t) + 2.0 * earlier;
+            let ahead = Ray::new(begin, ray.direction).up_to(after(ray.t_max));
+            let off = rounding * tree.space.scale;
+            let mut visit = visit;
+            let ahead = (&ahead, off, with_copies);
+            return each_ahead(l, scratch, (tree, mesh), ahead, |triangle, _| {
+                let t_max = visit(triangle, ray.t_max);
+                if t_max == END { END } else { after(t_max) }
+            });
+        }
+    };
+    let mut visit = visit;
+    match approach {
+        Approach::Past => {}
+        Approach::Near(near, off) => {
+            let visit = |triangle, _| {
+                let is_over = visit(triangle, ray.t_max) == END;
+                if is_over { END } else { f64::INFINITY }
+            };
+            each_ahead(l, scratch, (tree, mesh), (&near, off, with_copies), visit);
+        }
+        Approach::Somewhere => {
+            let mut t_max = ray.t_max;
+            for &triangle in &tree.order {
+                t_max = visit(triangle, t_max);
+                if t_max == END {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// [`each_candidate`] for a ray that is not distant, and may be `off` across its direction, in units of the tree.
+#[inline(always)]
+fn each_ahead<L: Lanes>(
+    l: L,
+    scratch: &mut Scratch,
+    (tree, mesh): (&MeshTree, &Mesh),
+    (ray, off, with_copies): (&Ray, f64, bool),
+    visit: impl FnMut(u32, f64) -> f64,
+) {
+    let Scratch { stack, packet, .. } = scratch;
+    packet.put(0, ray);
+    packet.prepare_blurred(l, tree, 1, off);
+    if packet.alive != 0 {
+        let mut each = Each {
+            call: visit,
+            with_copies,
+            t_max: ray.t_max,
+            limit: packet.limits(0).t_max_high,
+        };
+        let ray = MeshRay {
+            tree,
+            mesh,
+            packet,
+            lane: 0,
+        };
+        traverse(l, stack, &ray, &mut each);
+    }
+}
+
+/// Calls a function with each candidate; see [`each_candidate`].
+struct Each<V> {
+    call: V,
+    /// Whether triangles in the place of others are wanted too.
+    with_copies: bool,
+    t_max: f64,
+    limit: f32,
+}
+
+impl<V: FnMut(u32, f64) -> f64> Visitor for Each<V> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, _: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let leaf = &ray.tree.leaves[leaf as usize];
+        for lane in set_bits(candidates.possible) {
+            let triangle = ray.tree.triangle(leaf, lane);
+            self.t_max = (self.call)(triangle, self.t_max);
+            if self.with_copies {
+                for &[_, copy] in ray.tree.copies_of(triangle) {
+                    self.t_max = (self.call)(copy, self.t_max);
+                }
+            }
+            if self.t_max < 0.0 {
+                self.limit = -1.0;
+                return;
+            }
+            self.limit = ray.packet.depth_above(ray.lane, self.t_max);
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+}

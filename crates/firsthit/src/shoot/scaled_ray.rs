@@ -1,0 +1,56 @@
+//! A ray whose direction is scaled by a power of two, so that its square is in float64's range.
+
+use crate::geometry::{Hit, Ray, moderation};
+use crate::scene::Object;
+use crate::shape::Crossing;
+
+/// See [the module](self). It goes into objects, and what it meets there becomes hits of the original.
+pub(super) struct ScaledRay {
+    pub(super) ray: Ray,
+    /// What its `t` is to be multiplied with to be the original's: a power of two, hardly ever another than 1.
+    pub(super) t_scale: f64,
+    /// The ray as the caller has it.
+    original: Ray,
+}
+
+impl ScaledRay {
+    /// `None` for a ray that is not [valid](Ray::is_valid).
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray) -> Option<Self> {
+        if !ray.is_valid() {
+            return None;
+        }
+        let t_scale = moderation(ray.direction);
+        Some(Self {
+            ray: Ray {
+                origin: ray.origin,
+                direction: t_scale * ray.direction,
+                t_min: ray.t_min / t_scale,
+                t_max: ray.t_max / t_scale,
+            },
+            t_scale,
+            original: *ray,
+        })
+    }
+
+    /// The ray, up to `t_max`, in an object's space. A transform can take its numbers out of the range of
+    /// float64: then it meets nothing, as does any ray an object that is out of range.
+    #[inline(always)]
+    pub(super) fn in_object(&self, object: &Object, t_max: f64) -> Option<Ray> {
+        let ray = self.ray.up_to(t_max.min(self.ray.t_max));
+        let ray = object.transform().ray_in_object(&ray);
+        (ray.is_valid() && !object.is_out_of_range()).then_some(ray)
+    }
+
+    /// What was met of the object `index`, as a hit of the ray that the caller has.
+    #[inline(always)]
+    pub(super) fn hit(&self, index: u32, crossing: Crossing) -> Option<Hit> {
+        let t = self.t_scale * crossing.t;
+        (self.original.holds(t) && t.is_finite()).then(|| Hit {
+            t,
+            object: index.cast_signed(),
+            primitive: crossing.primitive,
+            barycentric: crossing.barycentric,
+        })
+    }
+}
