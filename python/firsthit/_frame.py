@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from ._hits import Hits
     from ._progress import Report
+    from ._traceable import Built
     from .typing import (
         ChannelName,
         DistanceName,
@@ -383,14 +384,14 @@ def render(
     work = _firsthit.render_work(shape[0] * shape[1], asked, many)
     pixels = camera.rows * camera.columns
     owned = pixels * many if own is not None and "color" in names else 0
-    native = scene._native()
+    built = scene._ready()
     with following(progress, work + owned) as report:
         how = shading, many, part, use
-        arrays, origin = _firsthit.render(native, camera._native, asked, *how, report)
+        arrays, origin = _firsthit.render(built.native, camera._native, asked, *how, report)
         made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
             told = later(report, work)
-            colors = _own_colors((scene, native), camera, own, (many, use), told)
+            colors = _own_colors((scene, built), camera, own, (many, use), told)
             made["color"] = np.ascontiguousarray(colors[part[0] : part[1], part[2] : part[3]])
     return Frame(shape, {name: made[name] for name in names}, origin)
 
@@ -467,15 +468,15 @@ def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
 
 
 def _own_colors(
-    scenes: tuple[Scene, _firsthit.Scene],
+    scenes: tuple[Scene, Built],
     camera: Camera,
     shade: OwnShade,
     how: tuple[int, int],
     report: Report | None,
 ) -> npt.NDArray[np.float32]:
-    (scene, native), (samples, threads) = scenes, how
+    (scene, built), (samples, threads) = scenes, how
     if samples == 1:
-        hits = scene._shot_by(native, camera, threads, report)
+        hits = scene._shot_by(built, camera, threads, report)
         return _colors(shade, hits).astype(np.float32)
     colors = np.empty((camera.rows, camera.columns, 3), np.float32)
     step = max(1, _BATCH // camera.columns)
@@ -486,7 +487,7 @@ def _own_colors(
         for sample in range(samples):
             origins, directions = camera._native.rays((row, last), sample)
             rays = Rays.of(origins.reshape(total.shape), directions.reshape(total.shape))
-            hits = scene._shot(native, rays, threads, later(report, done))
+            hits = scene._shot(built, rays, threads, later(report, done))
             hits._camera = camera
             total += _colors(shade, hits)
             done += rays.length

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from ._camera import Camera
     from ._progress import Report
-    from ._traceable import Traceable
+    from ._traceable import Built
     from ._types import DistanceName, IdentifierName, Progress, VectorName
 
     Arrays = tuple[
@@ -85,8 +85,8 @@ class Hits:
     def __init__(self) -> None:
         raise TypeError("Hits are made by Scene.shoot")
 
-    _scene: Traceable
-    _native_scene: _firsthit.Scene
+    #: The scene as it was shot.
+    _built: Built
     _arrays: Arrays
     _shape: tuple[int, ...]
     #: As many as the rays were shot with.
@@ -103,31 +103,26 @@ class Hits:
     @classmethod
     def _of(
         cls,
-        scene: Traceable,
-        native: _firsthit.Scene,
+        built: Built,
         arrays: Arrays,
         shape: tuple[int, ...],
         threads: int,
     ) -> Hits:
-        """Return hits whose rays are still to be told; ``native`` is what was shot at."""
+        """Return hits whose rays are still to be told; ``built`` is what was shot at."""
         hits = cls.__new__(cls)
-        hits._scene, hits._native_scene, hits._arrays = scene, native, arrays
+        hits._built, hits._arrays = built, arrays
         hits._shape, hits._threads, hits._made = shape, threads, {}
         return hits
 
     @classmethod
-    def _of_camera(
-        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, camera: Camera, threads: int
-    ) -> Hits:
-        hits = cls._of(scene, native, arrays, (camera.rows, camera.columns), threads)
+    def _of_camera(cls, built: Built, arrays: Arrays, camera: Camera, threads: int) -> Hits:
+        hits = cls._of(built, arrays, (camera.rows, camera.columns), threads)
         hits._camera = camera
         return hits
 
     @classmethod
-    def _of_rays(
-        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, rays: Rays, threads: int
-    ) -> Hits:
-        hits = cls._of(scene, native, arrays, rays.shape, threads)
+    def _of_rays(cls, built: Built, arrays: Arrays, rays: Rays, threads: int) -> Hits:
+        hits = cls._of(built, arrays, rays.shape, threads)
         hits._rays = rays
         return hits
 
@@ -437,7 +432,7 @@ class Hits:
             (name, np.ascontiguousarray(self.channel(name)).ravel()) for name in names
         ]
         camera = self._camera._native if self._camera is not None else None
-        origin = _firsthit.origin(self._native_scene, camera)
+        origin = _firsthit.origin(self._built.native, camera)
         _firsthit.write(target, list(self._shape), arrays, origin, None)
 
     def __getitem__(self, index: Index) -> Hits:
@@ -481,13 +476,19 @@ class Hits:
         return f"Hits(shape={self._shape}, {met:,} of {len(self._arrays[1]):,} rays hit)"
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle with the scene, and without what can be computed again."""
-        state = {key: value for key, value in self.__dict__.items() if key != "_native_scene"}
-        return {**state, "_made": {}}
+        """Pickle with the scene as it was shot, and without what can be computed again."""
+        return {**self.__dict__, "_made": {}}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._native_scene = self._scene._native()
+    def __copy__(self) -> Hits:
+        """Copy: what hits hold does not change, and is shared."""
+        other = Hits.__new__(Hits)
+        other.__dict__.update(self.__dict__)
+        other._made = dict(self._made)
+        return other
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Hits:
+        """Copy as `copy.copy` does."""
+        return self.__copy__()
 
     def _read_only(self, array: npt.NDArray[Any], components: int = 1) -> npt.NDArray[Any]:
         """Return one of our arrays in the rays' shape. Only `empty` unlocks it, to use it again."""
@@ -514,7 +515,7 @@ class Hits:
         if self._rays is None and self._pixels is None:
             camera = self._of_a_camera(name)._native
             return _firsthit.channel(
-                self._native_scene, name, None, camera, self._arrays, threads, report
+                self._built.native, name, None, camera, self._arrays, threads, report
             )
         if name in ("range", "z"):
             return self._distance(name, report)
@@ -542,7 +543,7 @@ class Hits:
             told = later(report, part.start)
             native = rays.part(part, limits=False)
             pieces.append(
-                _firsthit.channel(self._native_scene, name, native, None, hits, threads, told)
+                _firsthit.channel(self._built.native, name, native, None, hits, threads, told)
             )
         if len(pieces) == 1:
             return pieces[0]
