@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from . import _foreign
-from ._arrays import color_of, text, vector
+from ._arrays import color_of, index, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._lights import TRANSPARENT, Light, Sky, is_transparent
@@ -172,7 +172,7 @@ class Scene(Queries):
         Parameters
         ----------
         identifier : int
-            The object's identifier.
+            The object's identifier, of Python's or NumPy's.
         transform : (4, 4) or (3, 4) array_like, or None
             The affine map from object space to world space, for columns; it must be invertible.
             ``None`` is the identity.
@@ -183,6 +183,8 @@ class Scene(Queries):
             For an identifier that no object has.
         ValueError
             For a transform of a wrong shape, and for one that is not invertible.
+        TypeError
+            For an identifier that is no int.
 
         Examples
         --------
@@ -196,6 +198,7 @@ class Scene(Queries):
         >>> float(scene.shoot((0, 0, 9), (0, 0, -1)).t)
         6.0
         """
+        identifier = index("object", identifier)
         if not 0 <= identifier < len(self._objects):
             raise IndexError(f"there is no object {identifier!r}; there are {len(self._objects)}")
         matrix = np.eye(4) if transform is None else affine(transform)

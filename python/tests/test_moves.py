@@ -151,3 +151,17 @@ for which in (0, 1):
 print(step > 50, wrong, compare())
 """
     assert output(MOVES + script) == ["True", "0", "True"]
+
+
+@pytest.mark.parametrize("wrong", [None, "0", 0.5, True, np.True_, [0]])
+def test_only_an_int_says_which_object_moves(wrong):
+    with pytest.raises(TypeError, match="object must be an int, got"):
+        ball().move(wrong, None)
+
+
+def test_hits_say_which_object_moves():
+    scene = ball()
+    place = np.eye(4)
+    place[2, 3] = 1
+    scene.move(scene.shoot((0, 0, 5), (0, 0, -1)).object, place)
+    assert scene.shoot((0, 0, 5), (0, 0, -1)).t == 3
