@@ -297,8 +297,9 @@ def render(
         bit. The whole if left out.
     shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. A function ``shade(hits)`` gets `Hits`, misses included, and
-        returns their linear colours, of shape (..., 3). It is called for each sample, and for parts
-        of large pictures. ``background``, ``ambient`` and ``shadows`` cannot be given with it.
+        returns their linear colours, of shape (..., 3). It is called for each sample, for parts of
+        large pictures, and only for the pixels of the region. ``background``, ``ambient`` and
+        ``shadows`` cannot be given with it.
     ambient : (3,) array_like or str, optional
         Ambient light of the shader ``lambert``, linear.
     shadows : bool, optional
@@ -382,8 +383,7 @@ def render(
     part = _part(region, (camera.rows, camera.columns))
     shape = (part[1] - part[0], part[3] - part[2])
     work = _firsthit.render_work(shape[0] * shape[1], asked, many)
-    pixels = camera.rows * camera.columns
-    owned = pixels * many if own is not None and "color" in names else 0
+    owned = shape[0] * shape[1] * many if own is not None and "color" in names else 0
     built = scene._ready()
     with following(progress, work + owned) as report:
         how = shading, many, part, use
@@ -391,8 +391,7 @@ def render(
         made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
             told = later(report, work)
-            colors = _own_colors((scene, built), camera, own, (many, use), told)
-            made["color"] = np.ascontiguousarray(colors[part[0] : part[1], part[2] : part[3]])
+            made["color"] = _own_colors((scene, built), (camera, part), own, (many, use), told)
     return Frame(shape, {name: made[name] for name in names}, origin)
 
 
@@ -469,27 +468,35 @@ def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
 
 def _own_colors(
     scenes: tuple[Scene, Built],
-    camera: Camera,
+    seen: tuple[Camera, tuple[int, int, int, int]],
     shade: OwnShade,
     how: tuple[int, int],
     report: Report | None,
 ) -> npt.NDArray[np.float32]:
-    (scene, built), (samples, threads) = scenes, how
+    (scene, built), (camera, part), (samples, threads) = scenes, seen, how
     if samples == 1:
-        hits = scene._shot_by(built, camera, threads, report)
+        is_whole = part == _part(None, (camera.rows, camera.columns))
+        hits = (
+            scene._shot_by(built, camera, threads, report)
+            if is_whole
+            else scene._shot_part(built, (camera, part), threads, report)
+        )
         return _colors(shade, hits).astype(np.float32)
-    colors = np.empty((camera.rows, camera.columns, 3), np.float32)
+    top, bottom, left, right = part
+    colors = np.empty((bottom - top, right - left, 3), np.float32)
+    # The rays of whole rows are made, of which those of the region are shot.
     step = max(1, _BATCH // camera.columns)
     done = 0
-    for row in range(0, camera.rows, step):
-        last = min(row + step, camera.rows)
-        total = np.zeros((last - row, camera.columns, 3))
+    for row in range(top, bottom, step):
+        last = min(row + step, bottom)
+        total = np.zeros((last - row, right - left, 3))
         for sample in range(samples):
-            origins, directions = camera._native.rays((row, last), sample)
-            rays = Rays.of(origins.reshape(total.shape), directions.reshape(total.shape))
+            both = camera._native.rays((row, last), sample)
+            grids = (array.reshape(last - row, camera.columns, 3) for array in both)
+            rays = Rays.of(*(grid[:, left:right] for grid in grids))
             hits = scene._shot(built, rays, threads, later(report, done))
             hits._camera = camera
             total += _colors(shade, hits)
             done += rays.length
-        colors[row:last] = total / samples
+        colors[row - top : last - top] = total / samples
     return colors

@@ -126,6 +126,12 @@ class Hits:
         hits._rays = rays
         return hits
 
+    def _at(self, camera: Camera, pixels: npt.NDArray[np.int64]) -> Hits:
+        """Return these hits as those of some pixels of a camera, which makes the rays again."""
+        self._camera, self._rays = camera, None
+        self._shape, self._pixels = pixels.shape, pixels.reshape(-1)
+        return self
+
     def _rounded(self, t_min: npt.NDArray[Any], t_max: npt.NDArray[Any]) -> Hits:
         """Return these hits with distances of float32; the limits are the rays'."""
         t = self._arrays[0].reshape(self._shape)

@@ -121,6 +121,19 @@ class Queries(Traceable):
         _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
         return Hits._of_camera(built, out, camera, threads)
 
+    def _shot_part(
+        self,
+        built: Built,
+        seen: tuple[Camera, tuple[int, int, int, int]],
+        threads: int,
+        report: Report | None,
+    ) -> Hits:
+        """Shoot the rays of a part of a camera's rows and columns at what was built."""
+        camera, (top, bottom, left, right) = seen
+        pixels = np.arange(top, bottom)[:, None] * camera.columns + np.arange(left, right)
+        rays = Rays.of(*camera._native.rays_of(pixels.reshape(-1)))
+        return self._shot(built, rays, threads, report)._at(camera, pixels)
+
     def _shot(self, built: Built, rays: Rays, threads: int, report: Report | None) -> Hits:
         """Shoot rays at what was built."""
         out = hits_arrays(rays.length)
