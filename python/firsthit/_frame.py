@@ -14,6 +14,7 @@ from . import _firsthit
 from ._arrays import color_of, count, flag, number, text, threads_or_all
 from ._camera import Camera
 from ._errors import FileFormatError, FirsthitWarning
+from ._files import distinct, files, is_cloud, is_of_several
 from ._lights import Sky, background_native
 from ._progress import following, later
 from ._rays import Rays
@@ -46,10 +47,6 @@ _DTYPES = ("float64", "float32", "int32", "bool")
 _AS_UINT32 = _DTYPES[2:]
 
 
-#: The extensions of files that hold several channels.
-_OF_SEVERAL = (".npz", ".exr", ".ply", ".pcd")
-
-
 class Frame:
     """A picture: named channels over the same pixels, row 0 at the top.
 
@@ -80,7 +77,7 @@ class Frame:
         ----------
         path : path-like
             ``.exr``, ``.npz``, ``.npy`` or ``.png``, written by `save`, by the program or by other
-            software.
+            software. Of ``.ply`` and ``.pcd`` `read_metadata` reads the metadata.
 
         Returns
         -------
@@ -97,13 +94,19 @@ class Frame:
             If the content is wrong, or its metadata name a type that no channel has; also a
             `ValueError`.
         ValueError
-            For an unknown extension, and for the hits of an array of rays, which are no picture.
+            For an unknown extension, for a point cloud (``.ply``, ``.pcd``), which is a list of
+            points, and for the hits of an array of rays: they are no pictures.
 
         Warns
         -----
         FirsthitWarning
             For what is doubtful in the file.
         """
+        if is_cloud(path):
+            raise ValueError(
+                f"{os.fspath(path)} must hold a picture, got a point cloud, which is a list of "
+                "points; read_metadata reads its metadata"
+            )
         arrays, said, doubts = _firsthit.read(Path(path))
         for doubt in doubts:
             warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=2)
@@ -222,26 +225,21 @@ class Frame:
         Raises
         ------
         ValueError
-            For an unknown extension, several channels for a file that takes one, or numbers that
-            the format cannot hold.
+            For an unknown extension, several channels for a file that takes one, ``{channel}`` in
+            the name of a point cloud, or numbers that the format cannot hold.
         FileWriteError
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
         """
-        text = os.fspath(path)
-        if "{channel}" in text:
-            for name in self._channels:
-                self._write(Path(text.replace("{channel}", name)), [name], png_scale)
-            return
-        target = Path(text)
         names = list(self._channels)
-        if target.suffix.lower() not in _OF_SEVERAL and len(names) != 1:
+        if len(names) != 1 and not is_of_several(path):
             if "color" not in names:
                 raise ValueError(
                     "path must end in .exr, .npz, .ply or .pcd, or contain {channel}, "
-                    f"for several channels, got {text}"
+                    f"for several channels, got {os.fspath(path)}"
                 )
             names = ["color"]
-        self._write(target, names, png_scale)
+        for file, held in files(path, names):
+            self._write(file, held, png_scale)
 
     def _write(self, path: Path, names: list[str], png_scale: float | None) -> None:
         channels = [(name, np.ascontiguousarray(self._channels[name]).ravel()) for name in names]
@@ -317,8 +315,8 @@ def render(
     Raises
     ------
     ValueError
-        For an unknown channel or shader, a value out of range, a region without pixels or with
-        steps, and colours of a wrong shape from ``shade``.
+        For no channel, an unknown channel or shader, a value out of range, a region without pixels
+        or with steps, and colours of a wrong shape from ``shade``.
     TypeError
         For a scene, a camera, a region or a flag of another type.
     MemoryError
@@ -401,7 +399,8 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
     Parameters
     ----------
     path : path-like
-        ``.exr``, ``.npz``, ``.npy`` (whose metadata are in ``NAME.npy.json``) or ``.png``.
+        ``.exr``, ``.npz``, ``.npy`` (whose metadata are in ``NAME.npy.json``), ``.png``, ``.ply``
+        or ``.pcd``.
 
     Returns
     -------
@@ -411,8 +410,10 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
 
     Raises
     ------
-    FileReadError, FileFormatError, ValueError
+    FileReadError, FileFormatError
         As `Frame.load`.
+    ValueError
+        For an unknown extension.
 
     Warns
     -----
@@ -431,12 +432,8 @@ def _wrong(path: str | os.PathLike[str], name: str | None, what: str) -> FileFor
 
 
 def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:
-    known = [name for name, _ in _firsthit.channel_names()]
-    asked: Sequence[str] = [channels] if isinstance(channels, str) else list(channels)
-    for name in asked:
-        if name not in known:
-            raise ValueError(f"channels must be among {', '.join(known)}, got {name!r}")
-    return list(dict.fromkeys(asked))
+    known: list[str] = [name for name, _ in _firsthit.channel_names()]
+    return distinct(channels, known)
 
 
 def _shaped(array: npt.NDArray[Any], shape: tuple[int, int]) -> npt.NDArray[Any]:

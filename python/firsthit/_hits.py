@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import numpy as np
 
 from . import _firsthit
 from ._arrays import chunks, lock, threads_or_all
+from ._files import distinct, files, is_cloud, is_of_several
 from ._memory import SMALL, empty
 from ._progress import following, later
 from ._rays import Rays
@@ -404,15 +404,19 @@ class Hits:
             ``position`` is always among the channels. The numbers of a PLY are exact, those of a
             PCD float32. ``.npz`` takes all rays and several channels, ``.npy`` one channel; hits of
             the shape of a picture can be ``.exr`` and ``.png`` too, as `Frame.save` writes them.
+            With ``{channel}`` in the name each channel has a file of its own. The metadata name the
+            camera where the hits are those of all its pixels, or a point cloud.
         channels : str or sequence of str, optional
-            Some of `channels`. If left out, ``t``, ``object`` and ``primitive``, for a point cloud
-            ``position`` and ``normal`` too.
+            Some of `channels`; a name counts once. If left out, ``t``, ``object`` and
+            ``primitive``, for a point cloud ``position`` and ``normal`` too, and for a file that
+            takes one channel ``t`` alone.
 
         Raises
         ------
         ValueError
-            For an unknown extension or channel, several channels for a file that takes one, or
-            numbers that the format cannot hold.
+            For an unknown extension, no channel, one that is none of `channels`, several for a file
+            that takes one, ``{channel}`` in the name of a point cloud, or numbers that the format
+            cannot hold.
         FileWriteError
             The system refused; an old file is as it was.
 
@@ -425,21 +429,24 @@ class Hits:
         >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
         >>> hits.save("cloud.ply", ["position", "normal", "object"])
         """
-        target = Path(path)
-        is_cloud = target.suffix.lower() in (".ply", ".pcd")
-        names: list[ChannelName] = ["t", "object", "primitive"]
         if channels is not None:
-            names = [channels] if isinstance(channels, str) else list(channels)
-        elif is_cloud:
-            names = ["normal", *names]
-        if is_cloud and "position" not in names:
+            names = distinct(channels, self.channels)
+        else:
+            names = ["t", "object", "primitive"] if is_of_several(path) else ["t"]
+            names = ["normal", *names] if is_cloud(path) else names
+        if is_cloud(path) and "position" not in names:
             names = ["position", *names]
-        arrays: list[tuple[str, npt.NDArray[Any]]] = [
-            (name, np.ascontiguousarray(self.channel(name)).ravel()) for name in names
-        ]
-        camera = self._camera._native if self._camera is not None else None
+        wanted = files(path, names)
+        says_camera = self._camera is not None and (is_cloud(path) or self._is_whole())
+        camera = self._camera._native if self._camera is not None and says_camera else None
         origin = _firsthit.origin(self._built.native, camera)
-        _firsthit.write(target, list(self._shape), arrays, origin, None)
+        for file, held in wanted:
+            arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
+            _firsthit.write(file, list(self._shape), arrays, origin, None)
+
+    def _is_whole(self) -> bool:
+        """Tell whether these are all pixels of the camera in their places, as it shot them."""
+        return self._pixels is None and self._rays is None
 
     def __getitem__(self, index: Index) -> Hits:
         """Return some of the hits, as for an array of their shape: by a mask, a slice, ..."""
