@@ -389,7 +389,8 @@ def render(
         made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
             told = later(report, work)
-            made["color"] = _own_colors((scene, built), (camera, part), own, (many, use), told)
+            colors = _own_colors((scene, built), (camera, part), own, (many, use), told)
+            made["color"] = np.ascontiguousarray(colors)
     return Frame(shape, {name: made[name] for name in names}, origin)
 
 
