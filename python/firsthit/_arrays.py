@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import warnings
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -88,6 +89,16 @@ def count(name: str, value: object) -> int:
     if not 0 <= whole < 2**63:
         raise ValueError(f"{name} must be zero or more, got {whole}")
     return int(whole)
+
+
+def index(name: str, value: Any) -> int:
+    """Return a whole number, of Python's or NumPy's, that says which of several is meant."""
+    if not isinstance(value, bool | np.bool_):
+        try:
+            return operator.index(value)
+        except TypeError:
+            pass
+    raise TypeError(f"{name} must be an int, got {value!r}")
 
 
 def numbers(name: str, value: Any) -> npt.NDArray[Any]:

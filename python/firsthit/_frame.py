@@ -14,6 +14,7 @@ from . import _firsthit
 from ._arrays import color_of, count, flag, number, text, threads_or_all
 from ._camera import Camera
 from ._errors import FileFormatError, FirsthitWarning
+from ._files import distinct, files, is_cloud, is_of_several
 from ._lights import Sky, background_native
 from ._progress import following, later
 from ._rays import Rays
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from ._hits import Hits
     from ._progress import Report
+    from ._traceable import Built
     from .typing import (
         ChannelName,
         DistanceName,
@@ -43,10 +45,6 @@ _BATCH = 1 << 18
 #: The types of channels, as metadata name them, and those that an EXR holds as uint32.
 _DTYPES = ("float64", "float32", "int32", "bool")
 _AS_UINT32 = _DTYPES[2:]
-
-
-#: The extensions of files that hold several channels.
-_OF_SEVERAL = (".npz", ".exr", ".ply", ".pcd")
 
 
 class Frame:
@@ -79,7 +77,7 @@ class Frame:
         ----------
         path : path-like
             ``.exr``, ``.npz``, ``.npy`` or ``.png``, written by `save`, by the program or by other
-            software.
+            software. Of ``.ply`` and ``.pcd`` `read_metadata` reads the metadata.
 
         Returns
         -------
@@ -96,13 +94,19 @@ class Frame:
             If the content is wrong, or its metadata name a type that no channel has; also a
             `ValueError`.
         ValueError
-            For an unknown extension, and for the hits of an array of rays, which are no picture.
+            For an unknown extension, for a point cloud (``.ply``, ``.pcd``), which is a list of
+            points, and for the hits of an array of rays: they are no pictures.
 
         Warns
         -----
         FirsthitWarning
             For what is doubtful in the file.
         """
+        if is_cloud(path):
+            raise ValueError(
+                f"{os.fspath(path)} must hold a picture, got a point cloud, which is a list of "
+                "points; read_metadata reads its metadata"
+            )
         arrays, said, doubts = _firsthit.read(Path(path))
         for doubt in doubts:
             warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=2)
@@ -221,26 +225,21 @@ class Frame:
         Raises
         ------
         ValueError
-            For an unknown extension, several channels for a file that takes one, or numbers that
-            the format cannot hold.
+            For an unknown extension, several channels for a file that takes one, ``{channel}`` in
+            the name of a point cloud, or numbers that the format cannot hold.
         FileWriteError
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
         """
-        text = os.fspath(path)
-        if "{channel}" in text:
-            for name in self._channels:
-                self._write(Path(text.replace("{channel}", name)), [name], png_scale)
-            return
-        target = Path(text)
         names = list(self._channels)
-        if target.suffix.lower() not in _OF_SEVERAL and len(names) != 1:
+        if len(names) != 1 and not is_of_several(path):
             if "color" not in names:
                 raise ValueError(
                     "path must end in .exr, .npz, .ply or .pcd, or contain {channel}, "
-                    f"for several channels, got {text}"
+                    f"for several channels, got {os.fspath(path)}"
                 )
             names = ["color"]
-        self._write(target, names, png_scale)
+        for file, held in files(path, names):
+            self._write(file, held, png_scale)
 
     def _write(self, path: Path, names: list[str], png_scale: float | None) -> None:
         channels = [(name, np.ascontiguousarray(self._channels[name]).ravel()) for name in names]
@@ -296,8 +295,9 @@ def render(
         bit. The whole if left out.
     shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. A function ``shade(hits)`` gets `Hits`, misses included, and
-        returns their linear colours, of shape (..., 3). It is called for each sample, and for parts
-        of large pictures. ``background``, ``ambient`` and ``shadows`` cannot be given with it.
+        returns their linear colours, of shape (..., 3). It is called for each sample, for parts of
+        large pictures, and only for the pixels of the region. ``background``, ``ambient`` and
+        ``shadows`` cannot be given with it.
     ambient : (3,) array_like or str, optional
         Ambient light of the shader ``lambert``, linear.
     shadows : bool, optional
@@ -315,8 +315,8 @@ def render(
     Raises
     ------
     ValueError
-        For an unknown channel or shader, a value out of range, a region without pixels or with
-        steps, and colours of a wrong shape from ``shade``.
+        For no channel, an unknown channel or shader, a value out of range, a region without pixels
+        or with steps, and colours of a wrong shape from ``shade``.
     TypeError
         For a scene, a camera, a region or a flag of another type.
     MemoryError
@@ -381,17 +381,16 @@ def render(
     part = _part(region, (camera.rows, camera.columns))
     shape = (part[1] - part[0], part[3] - part[2])
     work = _firsthit.render_work(shape[0] * shape[1], asked, many)
-    pixels = camera.rows * camera.columns
-    owned = pixels * many if own is not None and "color" in names else 0
-    native = scene._native()
+    owned = shape[0] * shape[1] * many if own is not None and "color" in names else 0
+    built = scene._ready()
     with following(progress, work + owned) as report:
         how = shading, many, part, use
-        arrays, origin = _firsthit.render(native, camera._native, asked, *how, report)
+        arrays, origin = _firsthit.render(built.native, camera._native, asked, *how, report)
         made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
             told = later(report, work)
-            colors = _own_colors((scene, native), camera, own, (many, use), told)
-            made["color"] = np.ascontiguousarray(colors[part[0] : part[1], part[2] : part[3]])
+            colors = _own_colors((scene, built), (camera, part), own, (many, use), told)
+            made["color"] = np.ascontiguousarray(colors)
     return Frame(shape, {name: made[name] for name in names}, origin)
 
 
@@ -401,7 +400,8 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
     Parameters
     ----------
     path : path-like
-        ``.exr``, ``.npz``, ``.npy`` (whose metadata are in ``NAME.npy.json``) or ``.png``.
+        ``.exr``, ``.npz``, ``.npy`` (whose metadata are in ``NAME.npy.json``), ``.png``, ``.ply``
+        or ``.pcd``.
 
     Returns
     -------
@@ -411,8 +411,10 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
 
     Raises
     ------
-    FileReadError, FileFormatError, ValueError
+    FileReadError, FileFormatError
         As `Frame.load`.
+    ValueError
+        For an unknown extension.
 
     Warns
     -----
@@ -431,12 +433,8 @@ def _wrong(path: str | os.PathLike[str], name: str | None, what: str) -> FileFor
 
 
 def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:
-    known = [name for name, _ in _firsthit.channel_names()]
-    asked: Sequence[str] = [channels] if isinstance(channels, str) else list(channels)
-    for name in asked:
-        if name not in known:
-            raise ValueError(f"channels must be among {', '.join(known)}, got {name!r}")
-    return list(dict.fromkeys(asked))
+    known: list[str] = [name for name, _ in _firsthit.channel_names()]
+    return distinct(channels, known)
 
 
 def _shaped(array: npt.NDArray[Any], shape: tuple[int, int]) -> npt.NDArray[Any]:
@@ -467,28 +465,36 @@ def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
 
 
 def _own_colors(
-    scenes: tuple[Scene, _firsthit.Scene],
-    camera: Camera,
+    scenes: tuple[Scene, Built],
+    seen: tuple[Camera, tuple[int, int, int, int]],
     shade: OwnShade,
     how: tuple[int, int],
     report: Report | None,
 ) -> npt.NDArray[np.float32]:
-    (scene, native), (samples, threads) = scenes, how
+    (scene, built), (camera, part), (samples, threads) = scenes, seen, how
     if samples == 1:
-        hits = scene._shot_by(native, camera, threads, report)
+        is_whole = part == _part(None, (camera.rows, camera.columns))
+        hits = (
+            scene._shot_by(built, camera, threads, report)
+            if is_whole
+            else scene._shot_part(built, (camera, part), threads, report)
+        )
         return _colors(shade, hits).astype(np.float32)
-    colors = np.empty((camera.rows, camera.columns, 3), np.float32)
+    top, bottom, left, right = part
+    colors = np.empty((bottom - top, right - left, 3), np.float32)
+    # The rays of whole rows are made, of which those of the region are shot.
     step = max(1, _BATCH // camera.columns)
     done = 0
-    for row in range(0, camera.rows, step):
-        last = min(row + step, camera.rows)
-        total = np.zeros((last - row, camera.columns, 3))
+    for row in range(top, bottom, step):
+        last = min(row + step, bottom)
+        total = np.zeros((last - row, right - left, 3))
         for sample in range(samples):
-            origins, directions = camera._native.rays((row, last), sample)
-            rays = Rays.of(origins.reshape(total.shape), directions.reshape(total.shape))
-            hits = scene._shot(native, rays, threads, later(report, done))
+            both = camera._native.rays((row, last), sample)
+            grids = (array.reshape(last - row, camera.columns, 3) for array in both)
+            rays = Rays.of(*(grid[:, left:right] for grid in grids))
+            hits = scene._shot(built, rays, threads, later(report, done))
             hits._camera = camera
             total += _colors(shade, hits)
             done += rays.length
-        colors[row:last] = total / samples
+        colors[row - top : last - top] = total / samples
     return colors

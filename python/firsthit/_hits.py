@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import numpy as np
 
 from . import _firsthit
 from ._arrays import chunks, lock, threads_or_all
+from ._files import distinct, files, is_cloud, is_of_several
 from ._memory import SMALL, empty
 from ._progress import following, later
 from ._rays import Rays
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from ._camera import Camera
     from ._progress import Report
-    from ._traceable import Traceable
+    from ._traceable import Built
     from ._types import DistanceName, IdentifierName, Progress, VectorName
 
     Arrays = tuple[
@@ -85,8 +85,8 @@ class Hits:
     def __init__(self) -> None:
         raise TypeError("Hits are made by Scene.shoot")
 
-    _scene: Traceable
-    _native_scene: _firsthit.Scene
+    #: The scene as it was shot.
+    _built: Built
     _arrays: Arrays
     _shape: tuple[int, ...]
     #: As many as the rays were shot with.
@@ -103,33 +103,34 @@ class Hits:
     @classmethod
     def _of(
         cls,
-        scene: Traceable,
-        native: _firsthit.Scene,
+        built: Built,
         arrays: Arrays,
         shape: tuple[int, ...],
         threads: int,
     ) -> Hits:
-        """Return hits whose rays are still to be told; ``native`` is what was shot at."""
+        """Return hits whose rays are still to be told; ``built`` is what was shot at."""
         hits = cls.__new__(cls)
-        hits._scene, hits._native_scene, hits._arrays = scene, native, arrays
+        hits._built, hits._arrays = built, arrays
         hits._shape, hits._threads, hits._made = shape, threads, {}
         return hits
 
     @classmethod
-    def _of_camera(
-        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, camera: Camera, threads: int
-    ) -> Hits:
-        hits = cls._of(scene, native, arrays, (camera.rows, camera.columns), threads)
+    def _of_camera(cls, built: Built, arrays: Arrays, camera: Camera, threads: int) -> Hits:
+        hits = cls._of(built, arrays, (camera.rows, camera.columns), threads)
         hits._camera = camera
         return hits
 
     @classmethod
-    def _of_rays(
-        cls, scene: Traceable, native: _firsthit.Scene, arrays: Arrays, rays: Rays, threads: int
-    ) -> Hits:
-        hits = cls._of(scene, native, arrays, rays.shape, threads)
+    def _of_rays(cls, built: Built, arrays: Arrays, rays: Rays, threads: int) -> Hits:
+        hits = cls._of(built, arrays, rays.shape, threads)
         hits._rays = rays
         return hits
+
+    def _at(self, camera: Camera, pixels: npt.NDArray[np.int64]) -> Hits:
+        """Return these hits as those of some pixels of a camera, which makes the rays again."""
+        self._camera, self._rays = camera, None
+        self._shape, self._pixels = pixels.shape, pixels.reshape(-1)
+        return self
 
     def _rounded(self, t_min: npt.NDArray[Any], t_max: npt.NDArray[Any]) -> Hits:
         """Return these hits with distances of float32; the limits are the rays'."""
@@ -403,15 +404,19 @@ class Hits:
             ``position`` is always among the channels. The numbers of a PLY are exact, those of a
             PCD float32. ``.npz`` takes all rays and several channels, ``.npy`` one channel; hits of
             the shape of a picture can be ``.exr`` and ``.png`` too, as `Frame.save` writes them.
+            With ``{channel}`` in the name each channel has a file of its own. The metadata name the
+            camera where the hits are those of all its pixels, or a point cloud.
         channels : str or sequence of str, optional
-            Some of `channels`. If left out, ``t``, ``object`` and ``primitive``, for a point cloud
-            ``position`` and ``normal`` too.
+            Some of `channels`; a name counts once. If left out, ``t``, ``object`` and
+            ``primitive``, for a point cloud ``position`` and ``normal`` too, and for a file that
+            takes one channel ``t`` alone.
 
         Raises
         ------
         ValueError
-            For an unknown extension or channel, several channels for a file that takes one, or
-            numbers that the format cannot hold.
+            For an unknown extension, no channel, one that is none of `channels`, several for a file
+            that takes one, ``{channel}`` in the name of a point cloud, or numbers that the format
+            cannot hold.
         FileWriteError
             The system refused; an old file is as it was.
 
@@ -424,21 +429,24 @@ class Hits:
         >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
         >>> hits.save("cloud.ply", ["position", "normal", "object"])
         """
-        target = Path(path)
-        is_cloud = target.suffix.lower() in (".ply", ".pcd")
-        names: list[ChannelName] = ["t", "object", "primitive"]
         if channels is not None:
-            names = [channels] if isinstance(channels, str) else list(channels)
-        elif is_cloud:
-            names = ["normal", *names]
-        if is_cloud and "position" not in names:
+            names = distinct(channels, self.channels)
+        else:
+            names = ["t", "object", "primitive"] if is_of_several(path) else ["t"]
+            names = ["normal", *names] if is_cloud(path) else names
+        if is_cloud(path) and "position" not in names:
             names = ["position", *names]
-        arrays: list[tuple[str, npt.NDArray[Any]]] = [
-            (name, np.ascontiguousarray(self.channel(name)).ravel()) for name in names
-        ]
-        camera = self._camera._native if self._camera is not None else None
-        origin = _firsthit.origin(self._native_scene, camera)
-        _firsthit.write(target, list(self._shape), arrays, origin, None)
+        wanted = files(path, names)
+        says_camera = self._camera is not None and (is_cloud(path) or self._is_whole())
+        camera = self._camera._native if self._camera is not None and says_camera else None
+        origin = _firsthit.origin(self._built.native, camera)
+        for file, held in wanted:
+            arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
+            _firsthit.write(file, list(self._shape), arrays, origin, None)
+
+    def _is_whole(self) -> bool:
+        """Tell whether these are all pixels of the camera in their places, as it shot them."""
+        return self._pixels is None and self._rays is None
 
     def __getitem__(self, index: Index) -> Hits:
         """Return some of the hits, as for an array of their shape: by a mask, a slice, ..."""
@@ -481,13 +489,19 @@ class Hits:
         return f"Hits(shape={self._shape}, {met:,} of {len(self._arrays[1]):,} rays hit)"
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle with the scene, and without what can be computed again."""
-        state = {key: value for key, value in self.__dict__.items() if key != "_native_scene"}
-        return {**state, "_made": {}}
+        """Pickle with the scene as it was shot, and without what can be computed again."""
+        return {**self.__dict__, "_made": {}}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._native_scene = self._scene._native()
+    def __copy__(self) -> Hits:
+        """Copy: what hits hold does not change, and is shared."""
+        other = Hits.__new__(Hits)
+        other.__dict__.update(self.__dict__)
+        other._made = dict(self._made)
+        return other
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Hits:
+        """Copy as `copy.copy` does."""
+        return self.__copy__()
 
     def _read_only(self, array: npt.NDArray[Any], components: int = 1) -> npt.NDArray[Any]:
         """Return one of our arrays in the rays' shape. Only `empty` unlocks it, to use it again."""
@@ -514,7 +528,7 @@ class Hits:
         if self._rays is None and self._pixels is None:
             camera = self._of_a_camera(name)._native
             return _firsthit.channel(
-                self._native_scene, name, None, camera, self._arrays, threads, report
+                self._built.native, name, None, camera, self._arrays, threads, report
             )
         if name in ("range", "z"):
             return self._distance(name, report)
@@ -542,7 +556,7 @@ class Hits:
             told = later(report, part.start)
             native = rays.part(part, limits=False)
             pieces.append(
-                _firsthit.channel(self._native_scene, name, native, None, hits, threads, told)
+                _firsthit.channel(self._built.native, name, native, None, hits, threads, told)
             )
         if len(pieces) == 1:
             return pieces[0]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._progress import Report
+    from ._traceable import Built
     from ._types import Progress
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -103,42 +104,51 @@ class Queries(Traceable):
             if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, math.inf)):
                 raise ValueError("t_min and t_max must be left out with a camera")
             with following(progress, origins.rows * origins.columns) as report:
-                hits = self._shot_by(self._native(), origins, use, report)
+                hits = self._shot_by(self._ready(), origins, use, report)
             return hits._rounded(NO_MINIMUM, NO_MAXIMUM) if single else hits
         rays = Rays.of(origins, directions, t_min, t_max)
         limits = rays.arrays[2:]
         if progress is None:
-            hits = self._shot(self._native(), rays, use, None)
+            hits = self._shot(self._ready(), rays, use, None)
         else:
             with following(progress, rays.length) as report:
-                hits = self._shot(self._native(), rays, use, report)
+                hits = self._shot(self._ready(), rays, use, report)
         return hits._rounded(*limits) if single else hits
 
-    def _shot_by(
-        self, native: _firsthit.Scene, camera: Camera, threads: int, report: Report | None
-    ) -> Hits:
+    def _shot_by(self, built: Built, camera: Camera, threads: int, report: Report | None) -> Hits:
         """Shoot a camera's rays at what was built."""
         out = hits_arrays(camera.rows * camera.columns)
-        _firsthit.shoot_camera(native, camera._native, threads, out, report)
-        return Hits._of_camera(self, native, out, camera, threads)
+        _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
+        return Hits._of_camera(built, out, camera, threads)
 
-    def _shot(
-        self, native: _firsthit.Scene, rays: Rays, threads: int, report: Report | None
+    def _shot_part(
+        self,
+        built: Built,
+        seen: tuple[Camera, tuple[int, int, int, int]],
+        threads: int,
+        report: Report | None,
     ) -> Hits:
+        """Shoot the rays of a part of a camera's rows and columns at what was built."""
+        camera, (top, bottom, left, right) = seen
+        pixels = np.arange(top, bottom)[:, None] * camera.columns + np.arange(left, right)
+        rays = Rays.of(*camera._native.rays_of(pixels.reshape(-1)))
+        return self._shot(built, rays, threads, report)._at(camera, pixels)
+
+    def _shot(self, built: Built, rays: Rays, threads: int, report: Report | None) -> Hits:
         """Shoot rays at what was built."""
         out = hits_arrays(rays.length)
         # The hits keep the rays, from which they compute what is asked later.
         copies = rays.own()
         parts = rays.parts()
         if len(parts) == 1:
-            _firsthit.shoot(native, rays.part(parts[0]), copies, threads, out, report)
+            _firsthit.shoot(built.native, rays.part(parts[0]), copies, threads, out, report)
         else:
             for part in parts:
                 t, identifiers, primitive, barycentric = out
                 pieces = t[part], identifiers[part], primitive[part], barycentric[part]
                 told = later(report, part.start)
-                _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
-        return Hits._of_rays(self, native, out, rays.keep(copies), threads)
+                _firsthit.shoot(built.native, rays.part(part), copies, threads, pieces, told)
+        return Hits._of_rays(built, out, rays.keep(copies), threads)
 
     def occluded(
         self,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from . import _firsthit, _foreign
-from ._arrays import color_of, text, vector
+from . import _foreign
+from ._arrays import color_of, index, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._lights import TRANSPARENT, Light, Sky, is_transparent
@@ -16,6 +16,7 @@ from ._object import Object, affine, placed
 from ._queries import Queries
 from ._shading import Shading
 from ._shapes import Shape
+from ._traceable import Built
 from ._turn import Turn
 
 if TYPE_CHECKING:
@@ -26,12 +27,8 @@ if TYPE_CHECKING:
     from ._material import Material
     from ._types import MeshLike, SceneLike, Vector
 
-
-class _Built(NamedTuple):
-    """What rays are shot at, and the counts of objects, lights and moves that it was built from."""
-
-    native: _firsthit.Scene
-    counts: tuple[int, int, int]
+    #: The places that objects are at, until one moves: then it holds the version after that move.
+    Version = dict[str, "Version"]
 
 
 class Scene(Queries):
@@ -55,8 +52,8 @@ class Scene(Queries):
 
     def __init__(self) -> None:
         self._objects: list[Object] = []
-        #: How often an object was moved.
-        self._moves = 0
+        #: The version of the objects' places, or one that later versions can be reached from.
+        self._version: Version = {}
         self._lights: list[Light] = []
         self._cameras: tuple[NamedCamera, ...] = ()
         self._background: Sky | Vector | str | None = None
@@ -67,7 +64,7 @@ class Scene(Queries):
         #: Whether the first camera is the one to look through, as in scene files.
         self._has_view = False
         #: What was built last, of which the next takes what did not change.
-        self._built: _Built | None = None
+        self._built: tuple[Built, Version] | None = None
         self._turn = Turn()
 
     @overload
@@ -175,7 +172,7 @@ class Scene(Queries):
         Parameters
         ----------
         identifier : int
-            The object's identifier.
+            The object's identifier, of Python's or NumPy's.
         transform : (4, 4) or (3, 4) array_like, or None
             The affine map from object space to world space, for columns; it must be invertible.
             ``None`` is the identity.
@@ -186,6 +183,8 @@ class Scene(Queries):
             For an identifier that no object has.
         ValueError
             For a transform of a wrong shape, and for one that is not invertible.
+        TypeError
+            For an identifier that is no int.
 
         Examples
         --------
@@ -199,17 +198,28 @@ class Scene(Queries):
         >>> float(scene.shoot((0, 0, 9), (0, 0, -1)).t)
         6.0
         """
+        identifier = index("object", identifier)
         if not 0 <= identifier < len(self._objects):
             raise IndexError(f"there is no object {identifier!r}; there are {len(self._objects)}")
         matrix = np.eye(4) if transform is None else affine(transform)
         with self._turn.taken():
-            native, built = self._current(), self._built
+            # A signal's handler may move objects between any two of these lines.
             self._objects[identifier] = self._objects[identifier]._moved(matrix)
-            self._moves += 1
-            if native is not None and built is not None:
-                # With the counts that it was built from: others may have been added meanwhile.
-                counts = *built.counts[:2], self._moves
-                self._built = _Built(native.moved(identifier, matrix.tolist()), counts)
+            before, after = self._next_version()
+            built, version = self._built or (None, None)
+            # If what is built lacks another move or object, the next call builds it anew.
+            if built is not None and version is before and self._is_all_in(built):
+                self._built = built.moved(identifier, self._objects[identifier]), after
+
+    def _next_version(self) -> tuple[Version, Version]:
+        """Count a move that was made: return the version before it and the one after it."""
+        before = self._version
+        after: Version = {}
+        # One step of the interpreter decides which of two moves is the first.
+        while (later := before.setdefault("next", after)) is not after:
+            before = later
+        self._version = after
+        return before, after
 
     def add_light(self, light: Light) -> None:
         """Add a light. A scene without lights is lit from behind the camera's left shoulder.
@@ -325,7 +335,7 @@ class Scene(Queries):
         bounds = self._native().bounds()
         return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
 
-    def _native(self) -> _firsthit.Scene:
+    def _ready(self) -> Built:
         """Return what rays are shot at: the objects and lights there are now, built."""
         current = self._current()
         if current is not None:
@@ -334,25 +344,26 @@ class Scene(Queries):
             # Another thread may have built it while this one waited.
             return self._current() or self._build()
 
-    def _current(self) -> _firsthit.Scene | None:
-        """Return what was built last, unless something was added since."""
-        built = self._built
-        return built.native if built is not None and built.counts == self._counts() else None
+    def _current(self) -> Built | None:
+        """Return what was built last, unless something was added or moved since."""
+        built, version = self._built or (None, None)
+        return built if built is not None and not version and self._is_all_in(built) else None
 
-    def _counts(self) -> tuple[int, int, int]:
-        """Return what tells whether all is there that was added, where it was moved to."""
-        return len(self._objects), len(self._lights), self._moves
+    def _is_all_in(self, built: Built) -> bool:
+        """Tell whether nothing was added since something was built."""
+        counts = len(built.objects), len(built.lights)
+        return counts == (len(self._objects), len(self._lights))
 
-    def _build(self) -> _firsthit.Scene:
-        # First the moves: one that comes in between then counts as one that was missed.
-        moves, objects, lights, built = self._moves, self._objects[:], self._lights[:], self._built
-        native = _firsthit.Scene(
-            [made._native() for made in objects],
-            [light._native() for light in lights],
-            None if built is None else built.native,
-        )
-        self._built = _Built(native, (len(objects), len(lights), moves))
-        return native
+    def _build(self) -> Built:
+        # First the version: a move that comes in between then counts as one that was missed.
+        version = self._version
+        while version:
+            version = version["next"]
+        objects, lights, last = self._objects[:], self._lights[:], self._built
+        previous = None if last is None else last[0].native
+        built = Built(objects, lights, previous=previous)
+        self._built = built, version
+        return built
 
     def _view(self) -> Camera:
         """Return the camera to look through where nobody says."""
@@ -375,9 +386,12 @@ class Scene(Queries):
         """Copy: the shapes are shared, the lists are not."""
         other = Scene()
         other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
-        # Counted with what it was built from, which is not more than there is.
-        other._built, other._moves = self._built, self._moves
         other._objects, other._lights = list(self._objects), list(self._lights)
+        built = self._current()
+        if built is not None:
+            # Where the objects were when it was built, lest a move come in between.
+            other._objects[: len(built.objects)] = built.objects
+            other._built = built, other._version
         return other
 
 

@@ -2,19 +2,58 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from . import _firsthit
 
 if TYPE_CHECKING:
-    from . import _firsthit
+    from collections.abc import Sequence
+
+    from ._lights import Light
+    from ._object import Object
     from ._types import Vector
+
+
+class Built:
+    """What rays are shot at, and what it was built from, none of which changes.
+
+    It is pickled as what it was built from.
+    """
+
+    def __init__(
+        self,
+        objects: Sequence[Object],
+        lights: Sequence[Light],
+        native: _firsthit.Scene | None = None,
+        previous: _firsthit.Scene | None = None,
+    ) -> None:
+        """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
+        self.objects, self.lights = objects, lights
+        self.native = native or _firsthit.Scene(
+            [made._native() for made in objects], [light._native() for light in lights], previous
+        )
+
+    def moved(self, identifier: int, moved: Object) -> Built:
+        """Return what is built when an object is elsewhere."""
+        objects = list(self.objects)
+        objects[identifier] = moved
+        native = self.native.moved(identifier, moved.transform.tolist())
+        return Built(objects, self.lights, native)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Built, (self.objects, self.lights)
 
 
 class Traceable:
     """What rays can be traced through, and which way is up there: a `Scene`."""
 
+    def _ready(self) -> Built:
+        """Return what rays are shot at, with what it was built from."""
+        raise NotImplementedError
+
     def _native(self) -> _firsthit.Scene:
         """Return what rays are shot at."""
-        raise NotImplementedError
+        return self._ready().native
 
     @property
     def up(self) -> Vector:

@@ -112,7 +112,7 @@ def test_what_is_wrong_is_said(scene, camera, tmp_path):
         frame.save(tmp_path / "a.ply")
     hits = scene.shoot([0, 0, 9], [0, 0, -1])
     with pytest.raises(ValueError, match="holds; name it, or choose"):
-        hits.save(tmp_path / "a.npy")
+        hits.save(tmp_path / "a.npy", ["t", "object"])
     with pytest.raises(ValueError, match="known:"):
         hits.save(tmp_path / "a.xyz")
     with pytest.raises(ValueError, match="channel"):

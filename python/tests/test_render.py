@@ -223,7 +223,7 @@ def test_frames_are_saved_whole_and_show_themselves(tmp_path):
     assert frame._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match=r"known format's extension"):
         frame.save(tmp_path / "out.gif")
-    with pytest.raises(ValueError, match=r"must end in .exr or .npz"):
+    with pytest.raises(ValueError, match=r"must end in \.exr, \.npz, \.ply or \.pcd"):
         fh.render(ball(), small(), channels=("z", "t")).save(tmp_path / "out.png")
     with pytest.raises(fh.FileWriteError):
         frame.save(tmp_path / "none" / "out.png")

@@ -115,3 +115,55 @@ def test_a_region_is_that_part_of_the_picture(samples: int) -> None:
     for wrong, error in [(np.s_[5:5, :], ValueError), (np.s_[::2, :], ValueError), (3, TypeError)]:
         with pytest.raises(error, match="region must"):
             fh.render(scene, camera, region=wrong)
+
+
+@pytest.mark.parametrize("samples", [1, 3])
+@pytest.mark.parametrize("kind", ["perspective", "orthographic", "equirectangular"])
+@pytest.mark.parametrize("region", [np.s_[7:33, 50:], np.s_[0:2, 0:2], np.s_[:, 5:6], np.s_[:, :]])
+def test_an_own_shader_sees_the_pixels_of_the_region_alone(samples, kind, region) -> None:
+    scene = _scene()
+    framing = fh.Camera.framing(scene, rows=60, columns=80)
+    camera = framing
+    if kind == "equirectangular":
+        camera = fh.Camera.equirectangular((0, 0, 3), (1, 0, -1), (0, 0, 1), 60, 80)
+    elif kind == "orthographic":
+        lengths = framing.focal_length, 6.0, 4.5
+        place = framing.position, framing.aim, framing.up
+        camera = fh.Camera(*place, *lengths, 60, 80, "orthographic")
+    seen = []
+
+    def shade(hits: fh.Hits) -> np.ndarray:
+        seen.append(hits.shape)
+        numbers = hits.position.sum(-1) + hits.uv.sum(-1) + hits.origin[..., 0]
+        colors = np.stack([hits.z, hits.range, np.nan_to_num(numbers) + hits.direction[..., 1]], -1)
+        return np.where(np.isfinite(colors), colors, -1)
+
+    reports: list[tuple[int, int]] = []
+    whole = fh.render(scene, camera, samples=samples, shade=shade)["color"]
+    seen.clear()
+    part = fh.render(
+        scene,
+        camera,
+        samples=samples,
+        shade=shade,
+        region=region,
+        progress=lambda done, total: reports.append((done, total)),
+    )["color"]
+    expected = whole[region]
+    assert seen == [expected.shape[:2]] * samples
+    assert part.tobytes() == np.ascontiguousarray(expected).tobytes()
+    # Beside the samples, the first hits of the region's pixels.
+    assert reports[-1] == (expected[..., 0].size * (samples + 1),) * 2
+
+
+def test_an_own_shader_gets_the_pixels_of_a_region_from_the_hits() -> None:
+    camera = fh.Camera.framing(_scene(), rows=6, columns=8)
+    tables = []
+
+    def shade(hits: fh.Hits) -> np.ndarray:
+        tables.append(hits.to_dict("t"))
+        return np.zeros((*hits.shape, 3))
+
+    fh.render(_scene(), camera, samples=1, shade=shade, region=np.s_[2:4, 3:5])
+    assert tables[0]["row"].tolist() == [2, 2, 3, 3]
+    assert tables[0]["column"].tolist() == [3, 4, 3, 4]

@@ -1,0 +1,64 @@
+"""What goes into which file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar, cast
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: The extensions of point clouds: lists of points, with all channels.
+CLOUDS = (".ply", ".pcd")
+
+#: The extensions of files that hold several channels.
+OF_SEVERAL = (".npz", ".exr", *CLOUDS)
+
+_EACH = "{channel}"
+
+_Name = TypeVar("_Name", bound=str)
+
+
+def is_for_each(path: str | os.PathLike[str]) -> bool:
+    """Tell whether each channel gets a file of its own."""
+    return _EACH in os.fspath(path)
+
+
+def is_cloud(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a file is a point cloud."""
+    return Path(path).suffix.lower() in CLOUDS
+
+
+def is_of_several(path: str | os.PathLike[str]) -> bool:
+    """Tell whether several channels can be written to a path."""
+    return is_for_each(path) or Path(path).suffix.lower() in OF_SEVERAL
+
+
+def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Path, list[_Name]]]:
+    """Return the files to write with their channels: one, or one for each channel.
+
+    Raises
+    ------
+    ValueError
+        For point clouds of one channel each.
+    """
+    if not is_for_each(path):
+        return [(Path(path), list(names))]
+    if is_cloud(path):
+        raise ValueError(
+            f"path must not contain {_EACH}: a point cloud holds all channels, "
+            f"got {os.fspath(path)}"
+        )
+    return [(Path(os.fspath(path).replace(_EACH, name)), [name]) for name in names]
+
+
+def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Name]:
+    """Return the names of channels, each once, if they are known and there are any."""
+    asked = cast("list[_Name]", [names] if isinstance(names, str) else list(names))
+    if not asked:
+        raise ValueError(f"channels must be one or more of {', '.join(known)}, got none")
+    for name in asked:
+        if name not in known:
+            raise ValueError(f"channels must be among {', '.join(known)}, got {name!r}")
+    return list(dict.fromkeys(asked))

@@ -1,0 +1,167 @@
+"""Moves: hits of the scene as it was, and moves amid other moves."""
+
+import copy
+import pickle
+
+import firsthit as fh
+import numpy as np
+import pytest
+from support import ball
+from test_reentrancy import output
+
+CAMERA = fh.Camera.look_at((0.6, 0, 5), (0.6, 0, 0), (0, 1, 0), 10, rows=3, columns=3)
+RAY = ([[0.6, 0, 5]], [0, 0, -1])
+
+
+def far():
+    there = np.eye(4)
+    there[0, 3] = 100
+    return there
+
+
+def moved_after(*what):
+    scene = ball()
+    hits = scene.shoot(*what)
+    scene.move(0, far())
+    assert (scene.shoot(*what).object == -1).all()
+    return hits
+
+
+@pytest.mark.parametrize("what", [RAY, (CAMERA,)], ids=["rays", "camera"])
+@pytest.mark.parametrize(
+    "copied",
+    [lambda hits: pickle.loads(pickle.dumps(hits)), copy.copy, copy.deepcopy],
+    ids=["pickle", "copy", "deepcopy"],
+)
+def test_copies_of_hits_are_of_the_scene_as_it_was_shot(what, copied):
+    again, hits = copied(moved_after(*what)), moved_after(*what)
+    for name, array in hits.items():
+        np.testing.assert_array_equal(again.channel(name), array, name)
+    middle = again.position[0] if what == RAY else again.position[1, 1]
+    np.testing.assert_allclose(middle, (0.6, 0, 0.8), atol=1e-12)
+    # Also what was added later is not theirs, and a part is as the whole.
+    np.testing.assert_array_equal(copied(hits[:1]).normal, hits.normal[:1])
+
+
+def test_copies_of_hits_share_what_they_hold():
+    hits = ball().shoot(*RAY)
+    normal = hits.normal
+    for other in (copy.copy(hits), copy.deepcopy(hits)):
+        assert other._built is hits._built
+        assert np.shares_memory(other.t, hits.t)
+        assert np.shares_memory(other.normal, normal)
+        assert other is not hits
+
+
+def test_hits_of_one_shot_that_are_pickled_together_share_the_scene():
+    hits = ball().shoot(CAMERA)
+    whole, part = pickle.loads(pickle.dumps((hits, hits[:1])))
+    assert whole._built is part._built
+
+
+def test_copies_of_scenes_move_on_their_own():
+    scene = ball()
+    scene.shoot(*RAY)
+    other = copy.copy(scene)
+    assert other._native() is scene._native()
+    other.move(0, far())
+    assert (int(scene.shoot(*RAY).object[0]), int(other.shoot(*RAY).object[0])) == (0, -1)
+    scene.move(0, far())
+    other.move(0, None)
+    assert (int(scene.shoot(*RAY).object[0]), int(other.shoot(*RAY).object[0])) == (-1, 0)
+
+
+MOVES = """
+scene = fh.Scene()
+for k in range(30):
+    place = np.eye(4)
+    place[:3, 3] = 3 * k, 0, 0
+    scene.add(fh.Sphere((0, 0, 0), 1), transform=place)
+def anew():
+    other = fh.Scene()
+    for made in scene.objects:
+        other.add(made.shape, transform=made.transform)
+    return other
+def at(height):
+    place = np.eye(4)
+    place[:3, 3] = 0, 0, height
+    return place
+def compare():
+    rays = [[3 * k, 0, 1e4] for k in range(5)], (0, 0, -1)
+    return (scene.shoot(*rays).t == anew().shoot(*rays).t).all()
+scene.shoot((0, 0, 9), (0, 0, -1))
+"""
+
+
+def test_a_move_by_a_signal_s_handler_amid_another_is_not_lost():
+    script = """
+moves, wrong = 0, 0
+def handler(number, frame):
+    global moves
+    moves += 1
+    scene.move(1, at(20 + moves % 100))
+signal.signal(signal.SIGALRM, handler)
+end = time.monotonic() + 1.5
+k = 0
+while time.monotonic() < end:
+    k += 1
+    seen = moves
+    signal.setitimer(signal.ITIMER_REAL, 1e-6 + 1e-5 * (k % 40))
+    while moves == seen:
+        scene.move(0, at(k % 7))
+    if k % 20 == 0:
+        scene.shoot((0, 0, 9), (0, 0, -1))
+    wrong += scene.shoot((0, 0, 1e4), (0, 0, -1)).object != 1
+    height = 21 + moves % 100
+    wrong += abs(1e4 - height - float(scene.shoot((0, 0, 1e4), (0, 0, -1)).t)) > 1e-6
+print(moves > 50, wrong, compare())
+"""
+    assert output(MOVES + script) == ["True", "0", "True"]
+
+
+def test_a_move_at_each_step_of_another_is_not_lost():
+    script = """
+is_inside = False
+def trace(frame, event, argument):
+    global is_inside, left
+    if is_inside or "firsthit" not in frame.f_code.co_filename:
+        return trace
+    frame.f_trace_opcodes = True
+    if event == "opcode":
+        left -= 1
+        if left == 0:
+            is_inside = True
+            scene.move(which, at(50 + step % 9))
+            is_inside = False
+    return trace
+wrong = 0
+for which in (0, 1):
+    for step in range(1, 10_000):
+        left = step
+        sys.settrace(trace)
+        scene.move(0, at(step % 7))
+        sys.settrace(None)
+        if left > 0:
+            break
+        rays = [[0, 0, 1e4]], (0, 0, -1)
+        heights = [made.transform[2, 3] for made in scene.objects[:2]]
+        wrong += abs(1e4 - 1 - max(heights) - float(scene.shoot(*rays).t[0])) > 1e-6
+        if which:
+            wrong += heights != [step % 7, 50 + step % 9]
+print(step > 50, wrong, compare())
+"""
+    assert output(MOVES + script) == ["True", "0", "True"]
+
+
+@pytest.mark.parametrize("wrong", [None, "0", 0.5, True, np.True_, [0]])
+def test_only_an_int_says_which_object_moves(wrong):
+    with pytest.raises(TypeError, match="object must be an int, got"):
+        ball().move(wrong, None)
+
+
+def test_hits_say_which_object_moves():
+    scene = ball()
+    place = np.eye(4)
+    place[2, 3] = 1
+    scene.move(scene.shoot((0, 0, 5), (0, 0, -1)).object, place)
+    assert scene.shoot((0, 0, 5), (0, 0, -1)).t == 3

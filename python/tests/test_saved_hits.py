@@ -1,0 +1,85 @@
+"""What hits and frames go into which file, and what is refused before anything is written."""
+
+import firsthit as fh
+import numpy as np
+import pytest
+from support import ball
+
+CAMERA = fh.Camera.look_at((0.2, 0, 5), (0, 0, 0), (0, 1, 0), 30, rows=6, columns=8)
+RAYS = ([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
+
+
+def names_in(path):
+    return [channel["name"] for channel in fh.read_metadata(path)["channels"]]
+
+
+@pytest.mark.parametrize("channels", [["position"], ["position", "color"], ["position", "t"]])
+@pytest.mark.parametrize("name", ["a.ply", "a.pcd", "A.PLY"])
+def test_a_point_cloud_is_no_picture_whatever_it_holds(channels, name, tmp_path):
+    fh.render(ball(), CAMERA, channels=channels, samples=1).save(tmp_path / name)
+    with pytest.raises(ValueError, match="must hold a picture, got a point cloud, which is a list"):
+        fh.Frame.load(tmp_path / name)
+    assert sorted(names_in(tmp_path / name)) == sorted(channels)
+
+
+@pytest.mark.parametrize("name", ["h.png", "h.npy"])
+def test_a_file_of_one_channel_holds_t(name, tmp_path):
+    hits = ball().shoot(CAMERA)
+    hits.save(tmp_path / name)
+    assert names_in(tmp_path / name) == ["t"]
+    if name == "h.npy":
+        np.testing.assert_array_equal(np.load(tmp_path / name), hits.t)
+
+
+def test_each_channel_of_hits_has_a_file_of_its_own(tmp_path):
+    hits = ball().shoot(CAMERA)
+    hits.save(tmp_path / "{channel}.npy")
+    hits.save(tmp_path / "all-{channel}.npz", ["normal", "z", "normal"])
+    files = {path.name for path in tmp_path.iterdir() if path.suffix != ".json"}
+    assert files == {"t.npy", "object.npy", "primitive.npy", "all-normal.npz", "all-z.npz"}
+    np.testing.assert_array_equal(np.load(tmp_path / "object.npy"), hits.object)
+    np.testing.assert_array_equal(np.load(tmp_path / "all-z.npz")["z"], hits.z)
+
+
+def test_a_name_counts_once(tmp_path):
+    hits = ball().shoot(*RAYS)
+    hits.save(tmp_path / "a.npz", ["t", "normal", "t"])
+    assert names_in(tmp_path / "a.npz") == ["t", "normal"]
+    hits.save(tmp_path / "a.npy", ["t", "t"])
+    np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), hits.t)
+
+
+@pytest.mark.parametrize(
+    ("save", "words"),
+    [
+        (lambda path: ball().shoot(*RAYS).save(path / "a.npz", []), "one or more of t, object"),
+        (lambda path: ball().shoot(*RAYS).save(path / "a.ply", []), "one or more of t, object"),
+        (lambda path: ball().shoot(*RAYS).save(path / "a.npz", ["z"]), "among .*, got 'z'"),
+        (lambda path: ball().shoot(*RAYS).save(path / "a.npz", "range"), "among .*, got 'range'"),
+        (lambda path: ball().shoot(*RAYS).save(path / "{channel}.ply"), "a point cloud holds all"),
+        (
+            lambda path: fh.render(ball(), CAMERA, channels=["position", "t"]).save(
+                path / "x-{channel}.ply"
+            ),
+            "a point cloud holds all channels",
+        ),
+        (lambda path: fh.render(ball(), CAMERA, channels=[]), "one or more of color, t"),
+    ],
+)
+def test_what_is_wrong_is_refused_before_anything_is_written(save, words, tmp_path):
+    with pytest.raises(ValueError, match=words):
+        save(tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_part_of_a_camera_s_hits_does_not_have_its_matrix(tmp_path):
+    hits = ball().shoot(CAMERA)
+    hits.save(tmp_path / "whole.npz")
+    assert fh.read_metadata(tmp_path / "whole.npz")["camera"]["rows"] == 6
+    for part in (hits[::2], hits[::-1], hits[hits.object >= 0]):
+        part.save(tmp_path / "part.npz", ["t", "range", "z", "normal"])
+        assert fh.read_metadata(tmp_path / "part.npz")["camera"] is None
+        np.testing.assert_array_equal(np.load(tmp_path / "part.npz")["z"], part.z)
+    # Points need no grid.
+    hits[::2].save(tmp_path / "part.ply")
+    assert fh.read_metadata(tmp_path / "part.ply")["camera"]["rows"] == 6
