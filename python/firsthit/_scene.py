@@ -165,9 +165,11 @@ class Scene(Queries):
     def move(self, identifier: int, transform: npt.ArrayLike | None) -> None:
         """Move an object: replace its transform.
 
-        Later calls give the results of a scene that is built anew. A move takes microseconds,
-        whatever the size of the scene. Only the boxes above the object are refitted, and now and
-        then the tree over the objects is rebuilt. Calls that are running see the scene as it was.
+        Later calls give the results of a scene that is built anew. Only the boxes above the
+        object are refitted, and now and then the tree over the objects is rebuilt. The list of
+        objects is copied: a move takes some 80 microseconds among a thousand objects, and some
+        milliseconds among tens of thousands, whatever the size of their meshes. Calls that are
+        running see the scene as it was.
 
         Parameters
         ----------

@@ -25,4 +25,4 @@ def test_the_readme_s_example_runs(tmp_path, monkeypatch):
     part, whole = told["part"], fh.render(told["scene"], told["camera"])
     assert (part["color"] == whole["color"][100:200, 300:500]).all()
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"part.glb", "part.png", "out.exr", "out.png", "panorama.png"}
+    assert names == {"part.glb", "part.png", "out.exr", "out.png", "cloud.ply", "panorama.png"}
