@@ -25,6 +25,7 @@ __all__ = [
     "metadata",
     "named_color",
     "occluded",
+    "origin",
     "png",
     "read",
     "render",

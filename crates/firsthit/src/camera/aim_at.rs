@@ -11,7 +11,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for a `target` at `position`, a field of view that
+    /// [`Error::Argument`] for a `target` at `position`, a field of view that
     /// is not between 0 and 180 degrees, and all that [`Camera::new`] refuses.
     pub fn look_at(
         position: DVec3,
@@ -55,7 +55,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for a `support` that is not finite, a lens without a viewplane, and all
+    /// [`Error::Argument`] for a `support` that is not finite, a lens without a viewplane, and all
     /// that [`Camera::new`] refuses.
     pub fn framing(view: View, support: impl Fn(DVec3) -> f64) -> Result<Self> {
         let camera = Self::new(view)?.starting_at(RayStart::Eye);
@@ -83,7 +83,7 @@ impl Viewplane {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for a field of view not between 0 and 180 degrees.
+    /// [`Error::Argument`] for a field of view not between 0 and 180 degrees.
     pub fn with_vertical_fov(
         vertical_fov_degrees: f64,
         rows: usize,
