@@ -1,6 +1,7 @@
 //! The firsthit program: [`run`] takes the arguments and returns the exit code. A file per command.
 
 mod args;
+mod asked;
 mod camera;
 mod commands;
 mod completion;

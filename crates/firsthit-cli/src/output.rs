@@ -14,6 +14,7 @@ use firsthit::scene_file::nearest_word;
 
 use serde_json::{Value, json};
 
+use crate::asked::with_required;
 use crate::console::say;
 use crate::failure::Failure;
 use crate::hits_csv::write_csv;
@@ -142,30 +143,6 @@ pub(crate) fn orders(
         check_all_go_somewhere(&targets, &kinds)?;
     }
     Ok(orders)
-}
-
-/// The channels of a picture's file: those that were asked for, else those that its format is for.
-pub(crate) fn channels(asked: &[String], path: &Path) -> Vec<String> {
-    if !asked.is_empty() {
-        return asked.to_vec();
-    }
-    let format = image::format_of(path);
-    let names = format.map_or(&["color"][..], |format| format.holds.default_channels());
-    names.iter().map(|&name| name.to_owned()).collect()
-}
-
-/// The names of channels, those first that some of the `files` cannot do without.
-pub(crate) fn with_required<'a>(
-    names: &[String],
-    files: impl IntoIterator<Item = &'a PathBuf>,
-) -> Vec<String> {
-    let holds = files
-        .into_iter()
-        .filter_map(|path| image::format_of(path).ok());
-    let required = holds.flat_map(|format| format.holds.required_channels());
-    let required = required.map(|&name| name.to_owned());
-    let required = required.filter(|name| !names.iter().any(|given| given.trim() == name));
-    required.chain(names.iter().cloned()).collect()
 }
 
 /// Refuses to write over what was read.

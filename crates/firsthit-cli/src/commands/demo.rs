@@ -5,6 +5,7 @@ use firsthit::{Shader, Shading, example};
 
 use super::render::{Job, WITHOUT_COLOR, needs_shade, picture, settings};
 use crate::args::DemoArgs;
+use crate::asked;
 use crate::camera::check_size;
 use crate::console::warn;
 use crate::failure::Failure;
@@ -22,7 +23,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     } else {
         &args.output
     };
-    let with_channels = |path: &PathBuf| (path.clone(), output::channels(&args.channels, path));
+    let with_channels = |path: &PathBuf| (path.clone(), asked::channels(&args.channels, path));
     let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
     let orders = output::orders(&outputs, &[], args.run.quiet || args.run.json)?;
     if args.samples.is_some() && !orders.iter().any(needs_shade) {

@@ -12,6 +12,7 @@ use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
 use serde_json::{Value, json};
 
 use crate::args::{LightingArgs, RenderArgs, RunArgs};
+use crate::asked;
 use crate::camera::{Chosen, camera, check, of_file};
 use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
@@ -115,7 +116,7 @@ fn check_legend(args: &RenderArgs, orders: &[Order], inputs: &[PathBuf]) -> Resu
 /// What goes where: as the command line says, else as the file says, else a picture with the file's name.
 fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> {
     let asked = &args.picture.channels;
-    let with_channels = |path: &PathBuf| (path.clone(), output::channels(asked, path));
+    let with_channels = |path: &PathBuf| (path.clone(), asked::channels(asked, path));
     let outputs: Vec<(PathBuf, Vec<String>)> = if !args.picture.output.is_empty() {
         args.picture.output.iter().map(with_channels).collect()
     } else if of_file.is_empty() {

@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::shoot_stream;
 use super::shot::{Counts, shot};
 use crate::args::{ShootArgs, StreamFormat};
+use crate::asked;
 use crate::console::{counted, end_report, report_beside_data, say, warn};
 use crate::failure::Failure;
 use crate::hits_csv::write_csv;
@@ -64,7 +65,7 @@ fn channels(args: &ShootArgs) -> Vec<String> {
         [] => named(&DEFAULT_CHANNELS),
         asked => asked.to_vec(),
     };
-    output::with_required(&asked, &args.output)
+    asked::with_required(&asked, &args.output)
 }
 
 /// Where rays come from.
