@@ -13,6 +13,9 @@ PUBLIC = ROOT.parent / "shared" / "refdata" / "public"
 #: The exit codes that a run may end with whatever it is given: done, bad input, output, limit.
 ORDERLY = {0, 3, 4, 5}
 
+#: What the standard library adds to `memory allocation of N bytes failed`; no program can turn it off.
+SECOND_LINE = "note: run with `RUST_BACKTRACE=1`"
+
 
 def arguments(description: str) -> argparse.Namespace:
     """Read the command line that all the scripts share."""
@@ -35,7 +38,7 @@ class Ended:
         """Say what is wrong with the ending, if anything."""
         if self.code not in ORDERLY:
             return f"exit code {self.code}: {self.lines[-1:]}"
-        others = [line for line in self.lines if not line.startswith("firsthit: warning: ")]
+        others = [line for line in self.lines if not line.startswith(("firsthit: warning: ", SECOND_LINE))]
         if self.code == 0 and others:
             return f"done, and said {others}"
         if self.code != 0 and len(others) != 1:
@@ -53,8 +56,15 @@ def run(command: list, folder: Path, *, memory: int = 0, seconds: float = 60) ->
         if memory:
             resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 
+    # Where memory runs out, the standard library would print a trace of many lines for this variable.
+    environment = {name: value for name, value in os.environ.items() if name != "RUST_BACKTRACE"}
     process = subprocess.Popen(
-        [str(word) for word in command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=limit
+        [str(word) for word in command],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        preexec_fn=limit,
     )
     try:
         _, stderr = process.communicate(timeout=seconds)
