@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
@@ -27,8 +27,18 @@ if TYPE_CHECKING:
     from ._material import Material
     from ._types import MeshLike, SceneLike, Vector
 
-    #: The places that objects are at, until one moves: then it holds the version after that move.
-    Version = dict[str, "Version"]
+#: From so many moves on, all is built anew and the moves are forgotten.
+_MOST_MOVES = 1 << 16
+
+
+class _Last(NamedTuple):
+    """What was built last."""
+
+    built: Built
+    #: The moves since something was built from all objects, by identifiers; more may come.
+    moves: list[int]
+    #: How many of them are in ``built``.
+    count: int
 
 
 class Scene(Queries):
@@ -52,8 +62,8 @@ class Scene(Queries):
 
     def __init__(self) -> None:
         self._objects: list[Object] = []
-        #: The version of the objects' places, or one that later versions can be reached from.
-        self._version: Version = {}
+        #: The identifiers of the objects moved. A move replaces the object, then adds it here.
+        self._moves: list[int] = []
         self._lights: list[Light] = []
         self._cameras: tuple[NamedCamera, ...] = ()
         self._background: Sky | Vector | str | None = None
@@ -63,8 +73,7 @@ class Scene(Queries):
         self._up_is_guessed = False
         #: Whether the first camera is the one to look through, as in scene files.
         self._has_view = False
-        #: What was built last, of which the next takes what did not change.
-        self._built: tuple[Built, Version] | None = None
+        self._last: _Last | None = None
         self._turn = Turn()
 
     @overload
@@ -165,11 +174,12 @@ class Scene(Queries):
     def move(self, identifier: int, transform: npt.ArrayLike | None) -> None:
         """Move an object: replace its transform.
 
-        Later calls give the results of a scene that is built anew. Only the boxes above the
-        object are refitted, and now and then the tree over the objects is rebuilt. The list of
-        objects is copied: a move takes some 80 microseconds among a thousand objects, and some
-        milliseconds among tens of thousands, whatever the size of their meshes. Calls that are
-        running see the scene as it was.
+        Later calls give the results of a scene that is built anew. The move itself takes
+        microseconds. The next call that needs the trees copies the list of objects, once for all
+        moves since the last one, and refits the boxes above the moved objects: among a thousand
+        objects some 100 microseconds, whatever the size of their meshes. If many have moved, and
+        now and then, it builds the tree over the objects anew. Calls that are running see the scene
+        as it was.
 
         Parameters
         ----------
@@ -204,24 +214,12 @@ class Scene(Queries):
         if not 0 <= identifier < len(self._objects):
             raise IndexError(f"there is no object {identifier!r}; there are {len(self._objects)}")
         matrix = np.eye(4) if transform is None else affine(transform)
-        with self._turn.taken():
-            # A signal's handler may move objects between any two of these lines.
-            self._objects[identifier] = self._objects[identifier]._moved(matrix)
-            before, after = self._next_version()
-            built, version = self._built or (None, None)
-            # If what is built lacks another move or object, the next call builds it anew.
-            if built is not None and version is before and self._is_all_in(built):
-                self._built = built.moved(identifier, self._objects[identifier]), after
-
-    def _next_version(self) -> tuple[Version, Version]:
-        """Count a move that was made: return the version before it and the one after it."""
-        before = self._version
-        after: Version = {}
-        # One step of the interpreter decides which of two moves is the first.
-        while (later := before.setdefault("next", after)) is not after:
-            before = later
-        self._version = after
-        return before, after
+        # In this order, and without a lock: a signal's handler or another thread may move and build
+        # between any two of these steps. Who sees the move among the moves sees the object moved.
+        self._objects[identifier] = self._objects[identifier]._moved(matrix)
+        if len(self._moves) >= _MOST_MOVES:
+            self._moves = []
+        self._moves.append(identifier)
 
     def add_light(self, light: Light) -> None:
         """Add a light. A scene without lights is lit from behind the camera's left shoulder.
@@ -348,8 +346,10 @@ class Scene(Queries):
 
     def _current(self) -> Built | None:
         """Return what was built last, unless something was added or moved since."""
-        built, version = self._built or (None, None)
-        return built if built is not None and not version and self._is_all_in(built) else None
+        last = self._last
+        if last is None or last.moves is not self._moves or last.count != len(last.moves):
+            return None
+        return last.built if self._is_all_in(last.built) else None
 
     def _is_all_in(self, built: Built) -> bool:
         """Tell whether nothing was added since something was built."""
@@ -357,14 +357,20 @@ class Scene(Queries):
         return counts == (len(self._objects), len(self._lights))
 
     def _build(self) -> Built:
-        # First the version: a move that comes in between then counts as one that was missed.
-        version = self._version
-        while version:
-            version = version["next"]
-        objects, lights, last = self._objects[:], self._lights[:], self._built
-        previous = None if last is None else last[0].native
-        built = Built(objects, lights, previous=previous)
-        self._built = built, version
+        last = self._last
+        if last is not None and last.moves is self._moves and self._is_all_in(last.built):
+            # First the count: a move that comes in between is then one that was missed.
+            count = len(last.moves)
+            moved = {index: self._objects[index] for index in last.moves[last.count : count]}
+            built = last.built.moved(moved)
+            self._last = _Last(built, last.moves, count)
+            return built
+        # First the new list: a move that comes in between is then missed, or is in already.
+        moves: list[int] = []
+        self._moves = moves
+        previous = None if last is None else last.built.native
+        built = Built(self._objects[:], self._lights[:], previous=previous)
+        self._last = _Last(built, moves, 0)
         return built
 
     def _view(self) -> Camera:
@@ -393,7 +399,7 @@ class Scene(Queries):
         if built is not None:
             # Where the objects were when it was built, lest a move come in between.
             other._objects[: len(built.objects)] = built.objects
-            other._built = built, other._version
+            other._last = _Last(built, other._moves, 0)
         return other
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from . import _firsthit
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from ._lights import Light
     from ._object import Object
@@ -33,12 +33,13 @@ class Built:
             [made._native() for made in objects], [light._native() for light in lights], previous
         )
 
-    def moved(self, identifier: int, moved: Object) -> Built:
-        """Return what is built when an object is elsewhere."""
+    def moved(self, moved: Mapping[int, Object]) -> Built:
+        """Return what is built when some objects are elsewhere; they come by their identifiers."""
         objects = list(self.objects)
-        objects[identifier] = moved
-        native = self.native.moved(identifier, moved.transform.tolist())
-        return Built(objects, self.lights, native)
+        for identifier, there in moved.items():
+            objects[identifier] = there
+        places = [(identifier, there.transform.tolist()) for identifier, there in moved.items()]
+        return Built(objects, self.lights, self.native.moved(places))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Built, (self.objects, self.lights)

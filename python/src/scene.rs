@@ -47,12 +47,17 @@ impl Scene {
         Ok(Self(scene.with_lights(lights)))
     }
 
-    /// The same scene with an object moved.
-    fn moved(&self, py: Python<'_>, identifier: usize, rows: [[f64; 4]; 4]) -> PyResult<Self> {
-        let mut scene = self.0.clone();
-        let moved = scene.move_object(identifier, transform(py, &rows)?);
-        moved.map_err(|error| raise(py, &error))?;
-        Ok(Self(scene))
+    /// The same scene with objects moved, each to the transform beside it.
+    fn moved(&self, py: Python<'_>, places: Vec<(usize, [[f64; 4]; 4])>) -> PyResult<Self> {
+        let places: Vec<(usize, Transform)> = places
+            .iter()
+            .map(|(identifier, rows)| Ok((*identifier, transform(py, rows)?)))
+            .collect::<PyResult<_>>()?;
+        let moved = py.detach(|| {
+            let mut scene = self.0.clone();
+            scene.move_objects(&places).map(|()| scene)
+        });
+        Ok(Self(moved.map_err(|error| raise(py, &error))?))
     }
 
     /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.

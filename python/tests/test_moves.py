@@ -6,6 +6,7 @@ import pickle
 import firsthit as fh
 import numpy as np
 import pytest
+from firsthit import _scene
 from support import ball
 from test_reentrancy import output
 
@@ -151,6 +152,29 @@ for which in (0, 1):
 print(step > 50, wrong, compare())
 """
     assert output(MOVES + script) == ["True", "0", "True"]
+
+
+@pytest.mark.parametrize("most", [1 << 16, 20])
+def test_moves_between_two_calls_go_together(monkeypatch, most):
+    monkeypatch.setattr(_scene, "_MOST_MOVES", most)
+    scene, places = fh.Scene(), np.arange(30.0)
+    for x in places:
+        scene.add(fh.Sphere((x, 0, 0), 0.1))
+    rng = np.random.default_rng(1)
+    for moves in (1, 3, 19, 2, 30, 100, 0, 7):
+        for number, x in zip(rng.integers(0, 30, moves), rng.permutation(300)[:moves], strict=True):
+            there = np.eye(4)
+            there[0, 3] = x - number
+            scene.move(number, there)
+            places[number] = x
+        if moves == 19:
+            places = np.append(places, 500)
+            scene.add(fh.Sphere((500, 0, 0), 0.1))
+        rays = np.stack([np.arange(501.0), np.zeros(501), np.full(501, 9)], -1), (0, 0, -1)
+        seen = scene.shoot(*rays).object
+        assert set(np.flatnonzero(seen >= 0)) == set(places)
+        assert (places[seen[seen >= 0]] == np.flatnonzero(seen >= 0)).all()
+        assert len(scene._moves) <= most
 
 
 @pytest.mark.parametrize("wrong", [None, "0", 0.5, True, np.True_, [0]])

@@ -86,6 +86,7 @@ fn a_moved_object_is_met_as_in_a_scene_built_anew() {
         })
         .collect();
     let mut moved = scene(objects.clone());
+    let mut places = Vec::new();
     for step in 0..200 {
         let object = numbers.below(objects.len());
         let place = numbers.point() * [3.0, 3.0, 3.0, 1e4][step % 4];
@@ -102,10 +103,17 @@ fn a_moved_object_is_met_as_in_a_scene_built_anew() {
             _ => Transform::new(map).unwrap(),
         };
         objects[object] = objects[object].clone().placed(transform);
-        moved.move_object(object, transform).unwrap();
+        // One by one, or several at once.
+        if step < 100 {
+            moved.move_object(object, transform).unwrap();
+        } else {
+            places.push((object, transform));
+        }
         if step % 3 > 0 {
             continue;
         }
+        moved.move_objects(&places).unwrap();
+        places.clear();
         let anew = scene(objects.clone());
         assert_eq!(moved.bounds(), anew.bounds());
         let rays: Vec<Ray> = (0..200)
@@ -122,7 +130,10 @@ fn a_moved_object_is_met_as_in_a_scene_built_anew() {
         assert_eq!(got, expected, "{step}");
         agree(&moved, &rays[0]);
     }
-    assert!(moved.move_object(40, Transform::IDENTITY).is_err());
+    let before = moved.bounds();
+    let far = Transform::translation(DVec3::splat(1e6)).unwrap();
+    assert!(moved.move_objects(&[(0, far), (40, far)]).is_err());
+    assert_eq!(moved.bounds(), before);
 }
 
 #[test]

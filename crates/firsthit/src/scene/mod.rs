@@ -151,14 +151,30 @@ impl Scene {
     ///
     /// [`Error::Argument`] for an object that is not there.
     pub fn move_object(&mut self, object: usize, transform: Transform) -> Result<()> {
+        self.move_objects(&[(object, transform)])
+    }
+
+    /// Moves several objects, each to the transform beside it, as [`move_object`](Self::move_object) one after the other. The tree
+    /// over the objects is built anew at most once.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for an object that is not there; then nothing has moved.
+    pub fn move_objects(&mut self, places: &[(usize, Transform)]) -> Result<()> {
         let count = self.objects.len();
-        let moved = u32::try_from(object).ok().filter(|_| object < count);
-        let Some(moved) = moved else {
-            let got = format!("{object}; there are {count}");
-            return Err(Error::argument("object", "one of the scene's", got));
-        };
-        self.objects[object].place(transform);
-        self.top.moved(&self.objects, moved);
+        let mut moved: Vec<u32> = Vec::with_capacity(places.len());
+        for &(object, _) in places {
+            let identifier = u32::try_from(object).ok().filter(|_| object < count);
+            let Some(identifier) = identifier else {
+                let got = format!("{object}; there are {count}");
+                return Err(Error::argument("object", "one of the scene's", got));
+            };
+            moved.push(identifier);
+        }
+        for &(object, transform) in places {
+            self.objects[object].place(transform);
+        }
+        self.top.moved(&self.objects, &moved);
         self.bounds = OnceLock::new();
         self.fingerprint = OnceLock::new();
         Ok(())

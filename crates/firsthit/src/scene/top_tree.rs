@@ -54,33 +54,41 @@ impl TopTree {
         }
     }
 
-    /// Fits the tree to an object that has been moved; takes as long as the tree is deep, but for a first time. After as many
-    /// moves as there are objects the tree is built anew: fitted boxes overlap more and more.
-    pub(super) fn moved(&mut self, objects: &[Object], moved: u32) {
-        let index = moved as usize;
-        let object = &objects[index];
-        let bounds = object.box_around();
-        let was_loose = self.unconditional.binary_search(&moved).is_ok();
-        self.boxes[index] = bounds;
-        self.moves += 1;
-        if bounds.is_empty() {
-            // It is in no tree, and no ray meets it anywhere.
-            return;
+    /// Fits the tree to objects that have been moved; takes as long as the tree is deep for each of them, but for a first time.
+    /// After as many moves as there are objects the tree is built anew: fitted boxes overlap more and more.
+    pub(super) fn moved(&mut self, objects: &[Object], moved: &[u32]) {
+        for &index in moved {
+            self.boxes[index as usize] = objects[index as usize].box_around();
         }
-        let is_alone = !self.duplicates.contains(moved) && self.duplicates.of(moved).is_empty();
-        let slack = self.tree.slack();
-        let is_loose = is_loose(objects, index, &bounds);
-        if is_alone && was_loose && is_loose {
-            return;
-        }
-        let fits = !was_loose && !is_loose && object.slack() <= slack;
-        if is_alone && fits && self.moves <= objects.len() {
-            let boxes = &self.boxes;
-            let padded = |k: u32| objects[k as usize].padded(boxes[k as usize], slack);
-            self.tree.refit(moved, padded);
-        } else {
+        self.moves += moved.len();
+        let is_fitted =
+            self.moves <= objects.len() && moved.iter().all(|&index| self.fit(objects, index));
+        if !is_fitted {
             *self = Self::new(objects, std::mem::take(&mut self.boxes));
         }
+    }
+
+    /// Fits the tree to an object whose box has changed, if it can be fitted.
+    fn fit(&mut self, objects: &[Object], moved: u32) -> bool {
+        let index = moved as usize;
+        let (object, bounds) = (&objects[index], self.boxes[index]);
+        if bounds.is_empty() {
+            // It is in no tree, and no ray meets it anywhere.
+            return true;
+        }
+        if self.duplicates.contains(moved) || !self.duplicates.of(moved).is_empty() {
+            return false;
+        }
+        let was_loose = self.unconditional.binary_search(&moved).is_ok();
+        let is_loose = is_loose(objects, index, &bounds);
+        let slack = self.tree.slack();
+        if was_loose || is_loose || object.slack() > slack {
+            return was_loose && is_loose;
+        }
+        let boxes = &self.boxes;
+        let padded = |k: u32| objects[k as usize].padded(boxes[k as usize], slack);
+        self.tree.refit(moved, padded);
+        true
     }
 
     /// What the tree takes in memory.
