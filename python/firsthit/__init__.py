@@ -17,13 +17,14 @@ from . import _firsthit
 from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
-from ._frame import Frame, read_metadata, render
+from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
 from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._load import load
 from ._material import Material, Texture
 from ._object import Object
+from ._render import render
 from ._scene import Scene
 from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, lock, threads_or_all
+from ._arrays import lock, threads_or_all
 from ._files import distinct, files, is_cloud, is_of_several
-from ._memory import SMALL, empty
-from ._progress import following, later
-from ._rays import Rays
+from ._progress import following
 from ._rounding import singles, singles_within
 from ._types import ChannelName
 
@@ -22,17 +20,10 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from ._camera import Camera
-    from ._progress import Report
+    from ._source import Arrays, Source
     from ._traceable import Built
     from ._types import DistanceName, IdentifierName, Progress, VectorName
 
-    Arrays = tuple[
-        npt.NDArray[np.float64],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.float64],
-    ]
     Index = npt.ArrayLike | slice | EllipsisType | None | tuple[Any, ...]
 
 #: How many numbers a channel has for each ray, where that is not one.
@@ -43,29 +34,6 @@ _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
     name for name in get_args(ChannelName) if name != "color"
 )
 _OF_RAYS = tuple(name for name in _OF_A_CAMERA if name not in ("range", "z"))
-
-#: What is neither float64 nor one of the arrays.
-_DTYPES: dict[str, type[np.generic]] = {"front": np.bool_, "face": np.int32}
-
-#: Below so many rays, four arrays of theirs are nothing to the system.
-_FEW = SMALL // 16
-
-
-def hits_arrays(length: int) -> Arrays:
-    """Return arrays for so many hits; their elements are anything."""
-    if length < _FEW:
-        return (
-            np.empty(length, np.float64),
-            np.empty(length, np.int32),
-            np.empty(length, np.int32),
-            np.empty((length, 2), np.float64),
-        )
-    return (
-        empty((length,), np.float64),
-        empty((length,), np.int32),
-        empty((length,), np.int32),
-        empty((length, 2), np.float64),
-    )
 
 
 class Hits:
@@ -92,45 +60,19 @@ class Hits:
     #: As many as the rays were shot with.
     _threads: int
     _made: dict[str, npt.NDArray[Any]]
-    _camera: Camera | None = None
-    #: Where no camera makes them, or one makes several for a pixel.
-    _rays: Rays | None = None
+    _source: Source
     #: ``t`` as float32, where distances are to be float32.
     _single: npt.NDArray[np.float32] | None = None
-    #: The camera's pixels, counted row by row, where these are not all.
-    _pixels: npt.NDArray[np.int64] | None = None
 
     @classmethod
     def _of(
-        cls,
-        built: Built,
-        arrays: Arrays,
-        shape: tuple[int, ...],
-        threads: int,
+        cls, built: Built, arrays: Arrays, source: Source, shape: tuple[int, ...], threads: int
     ) -> Hits:
-        """Return hits whose rays are still to be told; ``built`` is what was shot at."""
+        """Return hits of rays with that source and shape; ``built`` is what was shot at."""
         hits = cls.__new__(cls)
-        hits._built, hits._arrays = built, arrays
+        hits._built, hits._arrays, hits._source = built, arrays, source
         hits._shape, hits._threads, hits._made = shape, threads, {}
         return hits
-
-    @classmethod
-    def _of_camera(cls, built: Built, arrays: Arrays, camera: Camera, threads: int) -> Hits:
-        hits = cls._of(built, arrays, (camera.rows, camera.columns), threads)
-        hits._camera = camera
-        return hits
-
-    @classmethod
-    def _of_rays(cls, built: Built, arrays: Arrays, rays: Rays, threads: int) -> Hits:
-        hits = cls._of(built, arrays, rays.shape, threads)
-        hits._rays = rays
-        return hits
-
-    def _at(self, camera: Camera, pixels: npt.NDArray[np.int64]) -> Hits:
-        """Return these hits as those of some pixels of a camera, which makes the rays again."""
-        self._camera, self._rays = camera, None
-        self._shape, self._pixels = pixels.shape, pixels.reshape(-1)
-        return self
 
     def _rounded(self, t_min: npt.NDArray[Any], t_max: npt.NDArray[Any]) -> Hits:
         """Return these hits with distances of float32; the limits are the rays'."""
@@ -228,17 +170,17 @@ class Hits:
     @property
     def origin(self) -> npt.NDArray[Any]:
         """The origins of the rays, in world space, (..., 3), of the type that was given."""
-        return self._both()[0]
+        return self._read_only(self._source.both()[0], 3)
 
     @property
     def direction(self) -> npt.NDArray[Any]:
         """The directions of the rays, in world space, (..., 3), of the type that was given."""
-        return self._both()[1]
+        return self._read_only(self._source.both()[1], 3)
 
     @property
     def channels(self) -> tuple[ChannelName, ...]:
         """The names of the channels of these hits; ``range`` and ``z`` only for a camera's."""
-        return _OF_RAYS if self._camera is None else _OF_A_CAMERA
+        return _OF_RAYS if self._source.camera is None else _OF_A_CAMERA
 
     @overload
     def channel(
@@ -322,13 +264,15 @@ class Hits:
         if name in ("t", "object", "primitive"):
             made = getattr(self, name)
             return made
-        if name in ("range", "z"):
-            self._of_a_camera(name)
-        elif name not in self.channels:
+        if name not in self.channels:
+            if name in ("range", "z"):
+                raise AttributeError(
+                    f"{name} is for hits of a camera: rays alone do not know of one"
+                )
             raise ValueError(f"channel must be among {', '.join(self.channels)}, got {name!r}")
         if name not in self._made:
             with following(progress, len(self._arrays[0])) as report:
-                made = self._compute(name, use, report)
+                made = self._source.compute(name, self._built, self._arrays, use, report)
             is_single = self._single is not None and name in ("range", "z")
             self._made[name] = singles(made) if is_single else made
         return self._read_only(self._made[name], _COMPONENTS.get(name, 1))
@@ -374,9 +318,10 @@ class Hits:
         'normal_z': array([ 1., nan])}
         """
         table: dict[str, npt.NDArray[Any]] = {}
-        if self._camera is not None and self._rays is None:
-            pixels = np.arange(len(self._arrays[0])) if self._pixels is None else self._pixels
-            table["row"], table["column"] = np.divmod(pixels, self._camera.columns)
+        source = self._source
+        if source.camera is not None and source.is_of_pixels:
+            pixels = np.arange(len(self._arrays[0])) if source.pixels is None else source.pixels
+            table["row"], table["column"] = np.divmod(pixels, source.camera.columns)
         names = [channels] if isinstance(channels, str) else channels
         for name in self.channels if names is None else names:
             array = self.channel(name)
@@ -437,16 +382,13 @@ class Hits:
         if is_cloud(path) and "position" not in names:
             names = ["position", *names]
         wanted = files(path, names)
-        says_camera = self._camera is not None and (is_cloud(path) or self._is_whole())
-        camera = self._camera._native if self._camera is not None and says_camera else None
-        origin = _firsthit.origin(self._built.native, camera)
+        camera = self._source.camera
+        says_camera = is_cloud(path) or self._source.is_whole
+        native = camera._native if camera is not None and says_camera else None
+        origin = _firsthit.origin(self._built.native, native)
         for file, held in wanted:
             arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
             _firsthit.write(file, list(self._shape), arrays, origin, None)
-
-    def _is_whole(self) -> bool:
-        """Tell whether these are all pixels of the camera in their places, as it shot them."""
-        return self._pixels is None and self._rays is None
 
     def __getitem__(self, index: Index) -> Hits:
         """Return some of the hits, as for an array of their shape: by a mask, a slice, ..."""
@@ -463,10 +405,7 @@ class Hits:
         some._arrays = t[chosen], identifiers[chosen], primitive[chosen], barycentric[chosen]
         some._shape, some._made = np.shape(numbers), {}
         some._single = None if self._single is None else self._single[chosen]
-        if self._rays is not None:
-            some._rays = self._rays.take(chosen, some._shape)
-        else:
-            some._pixels = chosen if self._pixels is None else self._pixels[chosen]
+        some._source = self._source.take(chosen, some._shape)
         return some
 
     def __len__(self) -> int:
@@ -507,57 +446,3 @@ class Hits:
         """Return one of our arrays in the rays' shape. Only `empty` unlocks it, to use it again."""
         lock(array)
         return array.reshape(self._shape if components == 1 else (*self._shape, components))
-
-    def _of_a_camera(self, name: str) -> Camera:
-        if self._camera is None:
-            raise AttributeError(f"{name} is for hits of a camera: rays alone do not know of one")
-        return self._camera
-
-    def _both(self) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-        if self._rays is not None:
-            return self._rays.origins(), self._rays.directions()
-        if "origin" not in self._made:
-            camera = self._of_a_camera("origin")
-            pixels = self._pixels
-            both = camera.rays() if pixels is None else camera._native.rays_of(pixels)
-            self._made["origin"], self._made["direction"] = both
-        origin, direction = self._made["origin"], self._made["direction"]
-        return self._read_only(origin, 3), self._read_only(direction, 3)
-
-    def _compute(self, name: str, threads: int, report: Report | None) -> npt.NDArray[Any]:
-        if self._rays is None and self._pixels is None:
-            camera = self._of_a_camera(name)._native
-            return _firsthit.channel(
-                self._built.native, name, None, camera, self._arrays, threads, report
-            )
-        if name in ("range", "z"):
-            return self._distance(name, report)
-        return self._compute_of_rays(name, threads, report)
-
-    def _distance(self, name: str, report: Report | None) -> npt.NDArray[Any]:
-        camera, t = self._of_a_camera(name), self._arrays[0]
-        if self._pixels is not None:
-            made: npt.NDArray[Any] = camera._native.distances(name == "range", self._pixels, t)
-        elif name == "z" or camera.projection == "orthographic":
-            along = (self.position - camera.position) @ camera.aim
-            made = np.where(self.object < 0, np.inf, along)
-        else:
-            behind = np.linalg.norm(self.origin - camera.position, axis=-1)
-            made = t + behind.reshape(-1)
-        if report is not None:
-            report(len(t))
-        return made
-
-    def _compute_of_rays(self, name: str, threads: int, report: Report | None) -> npt.NDArray[Any]:
-        rays = self._rays if self._rays is not None else Rays.of(*self._both())
-        pieces = []
-        for part in chunks(rays.length):
-            hits = tuple(np.ascontiguousarray(array[part]) for array in self._arrays)
-            told = later(report, part.start)
-            native = rays.part(part, limits=False)
-            pieces.append(
-                _firsthit.channel(self._built.native, name, native, None, hits, threads, told)
-            )
-        if len(pieces) == 1:
-            return pieces[0]
-        return np.concatenate(pieces) if pieces else np.empty(0, _DTYPES.get(name, np.float64))

@@ -10,10 +10,11 @@ import numpy as np
 from . import _firsthit
 from ._arrays import numbers, threads_or_all
 from ._camera import Camera
-from ._hits import Hits, hits_arrays
+from ._hits import Hits
 from ._progress import following, later
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
 from ._rounding import is_single
+from ._source import Source, hits_arrays
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ class Queries(Traceable):
         """Shoot a camera's rays at what was built."""
         out = hits_arrays(camera.rows * camera.columns)
         _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
-        return Hits._of_camera(built, out, camera, threads)
+        return Hits._of(built, out, Source(camera), (camera.rows, camera.columns), threads)
 
     def _shot_part(
         self,
@@ -131,11 +132,21 @@ class Queries(Traceable):
         """Shoot the rays of a part of a camera's rows and columns at what was built."""
         camera, (top, bottom, left, right) = seen
         pixels = np.arange(top, bottom)[:, None] * camera.columns + np.arange(left, right)
-        rays = Rays.of(*camera._native.rays_of(pixels.reshape(-1)))
-        return self._shot(built, rays, threads, report)._at(camera, pixels)
+        source = Source(camera, pixels.reshape(-1))
+        rays = Rays.of(*(array.reshape(*pixels.shape, 3) for array in source.both()))
+        hits = self._shot(built, rays, threads, report)
+        hits._source = source
+        return hits
 
-    def _shot(self, built: Built, rays: Rays, threads: int, report: Report | None) -> Hits:
-        """Shoot rays at what was built."""
+    def _shot(
+        self,
+        built: Built,
+        rays: Rays,
+        threads: int,
+        report: Report | None,
+        camera: Camera | None = None,
+    ) -> Hits:
+        """Shoot rays at what was built; they may be those of a camera."""
         out = hits_arrays(rays.length)
         # The hits keep the rays, from which they compute what is asked later.
         copies = rays.own()
@@ -148,7 +159,7 @@ class Queries(Traceable):
                 pieces = t[part], identifiers[part], primitive[part], barycentric[part]
                 told = later(report, part.start)
                 _firsthit.shoot(built.native, rays.part(part), copies, threads, pieces, told)
-        return Hits._of_rays(built, out, rays.keep(copies), threads)
+        return Hits._of(built, out, Source(camera, None, rays.keep(copies)), rays.shape, threads)
 
     def occluded(
         self,

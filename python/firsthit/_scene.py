@@ -38,7 +38,7 @@ class _Last(NamedTuple):
     #: The moves since something was built from all objects, by identifiers; more may come.
     moves: list[int]
     #: How many of them are in ``built``.
-    count: int
+    known: int
 
 
 class Scene(Queries):
@@ -347,7 +347,7 @@ class Scene(Queries):
     def _current(self) -> Built | None:
         """Return what was built last, unless something was added or moved since."""
         last = self._last
-        if last is None or last.moves is not self._moves or last.count != len(last.moves):
+        if last is None or last.moves is not self._moves or last.known != len(last.moves):
             return None
         return last.built if self._is_all_in(last.built) else None
 
@@ -359,11 +359,11 @@ class Scene(Queries):
     def _build(self) -> Built:
         last = self._last
         if last is not None and last.moves is self._moves and self._is_all_in(last.built):
-            # First the count: a move that comes in between is then one that was missed.
-            count = len(last.moves)
-            moved = {index: self._objects[index] for index in last.moves[last.count : count]}
+            # First the number: a move that comes in between is then one that was missed.
+            known = len(last.moves)
+            moved = {index: self._objects[index] for index in last.moves[last.known : known]}
             built = last.built.moved(moved)
-            self._last = _Last(built, last.moves, count)
+            self._last = _Last(built, last.moves, known)
             return built
         # First the new list: a move that comes in between is then missed, or is in already.
         moves: list[int] = []

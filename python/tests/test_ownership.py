@@ -95,7 +95,7 @@ def test_rays_keep_their_type_and_what_is_one_for_all():
     origins = np.zeros((1000, 3), np.float32)
     hits = ball().shoot(origins, np.broadcast_to(np.float32([0, 0, 1]), (1000, 3)))
     assert hits.origin.dtype == np.float32
-    assert hits._rays.arrays[1].base.nbytes == 12
+    assert hits._source.rays.arrays[1].base.nbytes == 12
 
 
 def all_hits():

@@ -102,7 +102,7 @@ origins = np.zeros((n, 3), np.float32)
 directions = np.ones((n, 3), np.float32)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 hits = scene.shoot(origins, directions)
-made = sum(array.nbytes for array in (*hits._arrays, *hits._rays.arrays))
+made = sum(array.nbytes for array in (*hits._arrays, *hits._source.rays.arrays))
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024 - made)
 """
 

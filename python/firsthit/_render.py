@@ -1,0 +1,239 @@
+"""Pictures of scenes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import color_of, count, flag, text, threads_or_all
+from ._camera import Camera
+from ._files import distinct
+from ._frame import Frame
+from ._lights import Sky, background_native
+from ._progress import following, later
+from ._rays import Rays
+from ._scene import Scene
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
+    from ._hits import Hits
+    from ._progress import Report
+    from ._traceable import Built
+    from .typing import ChannelName, OwnShade, Progress, ShaderName
+
+#: About how many rays an own shader sees at a time when there are several samples.
+_BATCH = 1 << 18
+
+
+def render(
+    scene: Scene,
+    camera: Camera | None = None,
+    *,
+    channels: ChannelName | Sequence[ChannelName] = ("color",),
+    background: Sky | npt.ArrayLike | None = None,
+    samples: int | None = None,
+    region: tuple[slice, slice] | None = None,
+    shade: ShaderName | OwnShade | None = None,
+    ambient: npt.ArrayLike | None = None,
+    shadows: bool | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Frame:
+    """Make a picture.
+
+    ``fh.render(fh.load(path)).save("out.png")`` writes the picture that the program makes of the
+    same file.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    camera : Camera, optional
+        The camera. If left out, it is the first camera of a scene file (TOML); of other scenes it
+        is `Camera.framing`.
+    channels : str or sequence of str
+        Any of those that the table below lists.
+    background : Sky, (3,) array_like or str, optional
+        The colour of misses: a `Sky`, linear numbers, sRGB as ``"#rrggbb"``, a CSS name, or
+        ``"transparent"``. If left out, `Scene.background`, or a dark blue grey where that is
+        ``None``.
+    samples : int, optional
+        The number of points of a pixel whose mean is its colour. They are the first ``samples``
+        points of a fixed low-discrepancy sequence, the same in every pixel; the first is the
+        centre. All other channels are those of the centre. If left out, this, ``shade``,
+        ``ambient`` and ``shadows`` are those of `Scene.shading`.
+    region : tuple of two slices, optional
+        The part of the picture to make: its rows and its columns, without steps, such as
+        ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for
+        bit. The whole if left out.
+    shade : {"lambert", "unlit", "normal"} or callable, optional
+        How hits get their colour. A function ``shade(hits)`` gets `Hits`, misses included, and
+        returns their linear colours, of shape (..., 3). It is called for each sample, for parts of
+        large pictures, and only for the pixels of the region. ``background``, ``ambient`` and
+        ``shadows`` cannot be given with it.
+    ambient : (3,) array_like or str, optional
+        Ambient light of the shader ``lambert``, linear.
+    shadows : bool, optional
+        Whether objects cast shadows with the shader ``lambert``.
+    threads : int, optional
+        The number of threads; all cores if left out. The result is the same for any number.
+    progress : bool or callable, optional
+        As for `Scene.shoot`; every sample of a pixel and every channel counts.
+
+    Returns
+    -------
+    Frame
+        With the channels asked for, of the shape (rows, columns) of the region, or of the camera.
+
+    Raises
+    ------
+    ValueError
+        For no channel, an unknown channel or shader, a value out of range, a region without pixels
+        or with steps, and colours of a wrong shape from ``shade``.
+    TypeError
+        For a scene, a camera, a region or a flag of another type.
+    MemoryError
+        If the picture does not fit into memory.
+
+    Notes
+    -----
+    ===============================  =================  =====================  ================
+    channel                          type               unit and frame         a miss
+    ===============================  =================  =====================  ================
+    ``color``                        3 or 4 float32     linear Rec. 709        the background
+    ``t``                            float64            length, along the ray  inf
+    ``range``, ``z``                 float64            length, camera         inf
+    ``object``, ``primitive``        int32              identifier             -1
+    ``face``                         int32              identifier             -1
+    ``normal``                       3 float64          length one, world      nan
+    ``position``                     3 float64          length, world          nan
+    ``barycentric``                  3 float64          weights of corners     nan
+    ``uv``                           2 float64          texture coordinates    nan
+    ``front``                        bool               the front was met      False
+    ===============================  =================  =====================  ================
+
+    Lengths are in scene units. ``t`` counts from the ray's start; ``range`` from the camera's
+    position along the ray; ``z`` from the camera's position along its aim. With a transparent
+    background ``color`` has four numbers: the last is alpha, the pixel's coverage, and the others
+    are premultiplied by it.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+    0
+    >>> camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=3, columns=3)
+    >>> frame = fh.render(scene, camera, channels=("color", "z", "object"))
+    >>> float(frame["z"][1, 1])
+    4.0
+    """
+    if not isinstance(scene, Scene) or not isinstance(camera, Camera | None):
+        raise TypeError("render takes a Scene and a Camera")
+    names, said = _names(channels), scene.shading
+    given = {"background": background, "ambient": ambient, "shadows": shadows}
+    if shade is not None and not isinstance(shade, str):
+        for name, value in given.items():
+            if value is not None:
+                raise ValueError(f"{name} does nothing with a shade of one's own; leave it out")
+    shade = said.shade if shade is None else shade
+    ambient = said.ambient if ambient is None else ambient
+    shadows = said.shadows if shadows is None else shadows
+    many = said.samples if samples is None else count("samples", samples)
+    use = threads_or_all(threads)
+    if not 1 <= many < 2**32:
+        raise ValueError(f"samples must be from 1 to 4294967295, got {many}")
+    background = scene.background if background is None else background
+    back = None if background is None else background_native(background)
+    light = None if ambient is None else color_of("ambient", ambient)
+    own = None if isinstance(shade, str) else shade
+    shader = text("shade", shade) if isinstance(shade, str) else "unlit"
+    shading = (shader, back, light, flag("shadows", shadows))
+    asked = [name for name in names if own is None or name != "color"]
+    camera = scene._view() if camera is None else camera
+    part = _part(region, (camera.rows, camera.columns))
+    shape = (part[1] - part[0], part[3] - part[2])
+    work = _firsthit.render_work(shape[0] * shape[1], asked, many)
+    owned = shape[0] * shape[1] * many if own is not None and "color" in names else 0
+    built = scene._ready()
+    with following(progress, work + owned) as report:
+        how = shading, many, part, use
+        arrays, origin = _firsthit.render(built.native, camera._native, asked, *how, report)
+        made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
+        if own is not None and "color" in names:
+            told = later(report, work)
+            colors = _own_colors((scene, built), (camera, part), own, (many, use), told)
+            made["color"] = np.ascontiguousarray(colors)
+    return Frame(shape, {name: made[name] for name in names}, origin)
+
+
+def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:
+    known: list[str] = [name for name, _ in _firsthit.channel_names()]
+    return distinct(channels, known)
+
+
+def _shaped(array: npt.NDArray[Any], shape: tuple[int, int]) -> npt.NDArray[Any]:
+    components = array.size // max(shape[0] * shape[1], 1)
+    return array.reshape(shape if components == 1 else (*shape, components))
+
+
+def _part(region: object, shape: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the first row and the one behind the last, and likewise the columns."""
+    if region is None:
+        return 0, shape[0], 0, shape[1]
+    slices = tuple(region) if isinstance(region, tuple | list) else (region,)
+    if len(slices) != 2 or not all(isinstance(each, slice) for each in slices):
+        raise TypeError(f"region must be two slices, of rows and of columns, got {region!r}")
+    ends = [each.indices(length) for each, length in zip(slices, shape, strict=True)]
+    if any(step != 1 or first >= last for first, last, step in ends):
+        raise ValueError(f"region must have pixels, and no steps, got {region!r}")
+    (top, bottom, _), (left, right, _) = ends
+    return top, bottom, left, right
+
+
+def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
+    colors = np.asarray(shade(hits), dtype=np.float64)
+    wanted = (*hits.shape, 3)
+    if colors.shape != wanted:
+        raise ValueError(f"shade must return colours of shape {wanted}, got {colors.shape}")
+    return colors
+
+
+def _own_colors(
+    scenes: tuple[Scene, Built],
+    seen: tuple[Camera, tuple[int, int, int, int]],
+    shade: OwnShade,
+    how: tuple[int, int],
+    report: Report | None,
+) -> npt.NDArray[np.float32]:
+    (scene, built), (camera, part), (samples, threads) = scenes, seen, how
+    if samples == 1:
+        is_whole = part == _part(None, (camera.rows, camera.columns))
+        hits = (
+            scene._shot_by(built, camera, threads, report)
+            if is_whole
+            else scene._shot_part(built, (camera, part), threads, report)
+        )
+        return _colors(shade, hits).astype(np.float32)
+    top, bottom, left, right = part
+    colors = np.empty((bottom - top, right - left, 3), np.float32)
+    # The rays of whole rows are made, of which those of the region are shot.
+    step = max(1, _BATCH // camera.columns)
+    done = 0
+    for row in range(top, bottom, step):
+        last = min(row + step, bottom)
+        total = np.zeros((last - row, right - left, 3))
+        for sample in range(samples):
+            both = camera._native.rays((row, last), sample)
+            grids = (array.reshape(last - row, camera.columns, 3) for array in both)
+            rays = Rays.of(*(grid[:, left:right] for grid in grids))
+            hits = scene._shot(built, rays, threads, later(report, done), camera)
+            total += _colors(shade, hits)
+            done += rays.length
+        colors[row - top : last - top] = total / samples
+    return colors

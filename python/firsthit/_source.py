@@ -1,0 +1,153 @@
+"""Where the rays of hits come from, and what is computed from them later."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import chunks
+from ._memory import SMALL, empty
+from ._progress import later
+from ._rays import Rays
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._camera import Camera
+    from ._progress import Report
+    from ._traceable import Built
+
+    #: Distances, objects, primitives and two barycentric weights, as the native half fills them.
+    Arrays = tuple[
+        npt.NDArray[np.float64],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.float64],
+    ]
+
+#: What is neither float64 nor one of the arrays.
+_DTYPES: dict[str, type[np.generic]] = {"front": np.bool_, "face": np.int32}
+
+#: Below so many rays, four arrays of theirs are nothing to the system.
+_FEW = SMALL // 16
+
+
+def hits_arrays(length: int) -> Arrays:
+    """Return arrays for so many hits; their elements are anything."""
+    if length < _FEW:
+        return (
+            np.empty(length, np.float64),
+            np.empty(length, np.int32),
+            np.empty(length, np.int32),
+            np.empty((length, 2), np.float64),
+        )
+    return (
+        empty((length,), np.float64),
+        empty((length,), np.int32),
+        empty((length,), np.int32),
+        empty((length, 2), np.float64),
+    )
+
+
+class Source:
+    """The rays of some hits: all pixels of a camera, some of them, or rays in arrays.
+
+    Attributes
+    ----------
+    camera : Camera or None
+        The camera whose pixels they are, or for which the rays were made.
+    pixels : (n,) array of int64, or None
+        The camera's pixels, counted row by row, where these are not all.
+    rays : Rays or None
+        Where no camera makes them, or one makes several for a pixel.
+    """
+
+    __slots__ = ("_both", "camera", "pixels", "rays")
+
+    def __init__(
+        self,
+        camera: Camera | None = None,
+        pixels: npt.NDArray[np.int64] | None = None,
+        rays: Rays | None = None,
+    ) -> None:
+        self.camera, self.pixels, self.rays = camera, pixels, rays
+        self._both: tuple[npt.NDArray[Any], npt.NDArray[Any]] | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle without what can be computed again."""
+        return Source, (self.camera, self.pixels, self.rays)
+
+    @property
+    def is_of_pixels(self) -> bool:
+        """Whether each ray is that of a pixel's centre."""
+        return self.rays is None
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether these are all pixels of a camera in their places."""
+        return self.rays is None and self.pixels is None
+
+    def take(self, chosen: npt.NDArray[np.intp], shape: tuple[int, ...]) -> Source:
+        """Return the source of some of the rays, by their numbers, in another shape."""
+        if self.rays is not None:
+            return Source(self.camera, rays=self.rays.take(chosen, shape))
+        return Source(self.camera, chosen if self.pixels is None else self.pixels[chosen])
+
+    def both(self) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+        """Return origins and directions."""
+        if self.rays is not None:
+            return self.rays.origins(), self.rays.directions()
+        if self._both is None:
+            camera, pixels = self._camera_of("origin"), self.pixels
+            self._both = camera.rays() if pixels is None else camera._native.rays_of(pixels)
+        return self._both
+
+    def compute(
+        self, name: str, built: Built, arrays: Arrays, threads: int, report: Report | None
+    ) -> npt.NDArray[Any]:
+        """Compute a channel of the hits in ``arrays``, flat."""
+        if self.is_whole:
+            camera = self._camera_of(name)._native
+            return _firsthit.channel(built.native, name, None, camera, arrays, threads, report)
+        if name in ("range", "z"):
+            distances = self._distances(name, built, arrays, threads)
+            if report is not None:
+                report(len(distances))
+            return distances
+        return self._compute_of_rays(name, built, arrays, threads, report)
+
+    def _camera_of(self, name: str) -> Camera:
+        if self.camera is None:
+            raise AttributeError(f"{name} is for hits of a camera: rays alone do not know of one")
+        return self.camera
+
+    def _distances(
+        self, name: str, built: Built, arrays: Arrays, threads: int
+    ) -> npt.NDArray[np.float64]:
+        camera, (t, identifiers, *_) = self._camera_of(name), arrays
+        if self.pixels is not None:
+            return camera._native.distances(name == "range", self.pixels, t)
+        if name == "z" or camera.projection == "orthographic":
+            flat = self._compute_of_rays("position", built, arrays, threads, None)
+            along = (flat.reshape(-1, 3) - camera.position) @ camera.aim
+            return np.where(identifiers < 0, np.inf, along)
+        start = self.both()[0].reshape(-1, 3)
+        behind = np.linalg.norm(start - camera.position, axis=-1)
+        distances: npt.NDArray[np.float64] = t + behind
+        return distances
+
+    def _compute_of_rays(
+        self, name: str, built: Built, arrays: Arrays, threads: int, report: Report | None
+    ) -> npt.NDArray[Any]:
+        rays = self.rays if self.rays is not None else Rays.of(*self.both())
+        pieces = []
+        for part in chunks(rays.length):
+            hits = tuple(np.ascontiguousarray(array[part]) for array in arrays)
+            told = later(report, part.start)
+            native = rays.part(part, limits=False)
+            pieces.append(_firsthit.channel(built.native, name, native, None, hits, threads, told))
+        if len(pieces) == 1:
+            return pieces[0]
+        return np.concatenate(pieces) if pieces else np.empty(0, _DTYPES.get(name, np.float64))
