@@ -14,19 +14,8 @@ use std::path::Path;
 use firsthit::Error;
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
-    Channel, Data, Description, Display, FORMATS, Frame, Holds, WriteSettings, format_named,
-    format_of, write,
+    Channel, Data, Display, FORMATS, Frame, Holds, WriteSettings, format_named, format_of, write,
 };
-
-fn channel(name: &'static str, components: usize, data: Data, display: Display) -> Channel {
-    Channel {
-        name,
-        components,
-        data,
-        display,
-        description: Description::default(),
-    }
-}
 
 /// A picture of 2 rows and 3 columns whose second element is a miss.
 fn frame() -> Frame {
@@ -38,15 +27,15 @@ fn frame() -> Frame {
     ];
     let mut frame = Frame::new([2, 3]);
     for channel in [
-        channel("color", 3, Data::Float32(color), Display::Color),
-        channel("t", 1, Data::Float64(t), Display::Distance),
-        channel(
+        Channel::new("color", 3, Data::Float32(color), Display::Color),
+        Channel::new("t", 1, Data::Float64(t), Display::Distance),
+        Channel::new(
             "object",
             1,
             Data::Int32(vec![0, -1, 1, 2, 3, i32::MAX]),
             Display::Identifier,
         ),
-        channel(
+        Channel::new(
             "front",
             1,
             Data::Bool(vec![true, false, true, true, true, false]),
@@ -153,7 +142,7 @@ fn an_npy_file_holds_one_channel_of_a_batch() {
     let mut frame = Frame::new([values.len()]);
     let data = Data::Int32(values.clone());
     frame
-        .push(channel("object", 1, data, Display::Identifier))
+        .push(Channel::new("object", 1, data, Display::Identifier))
         .unwrap();
     write(&frame, &path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
@@ -187,7 +176,12 @@ fn what_a_format_cannot_hold_is_refused_before_the_file_is_touched() {
     );
     let mut batch = Frame::new([1]);
     batch
-        .push(channel("t", 1, Data::Float64(vec![1.0]), Display::Distance))
+        .push(Channel::new(
+            "t",
+            1,
+            Data::Float64(vec![1.0]),
+            Display::Distance,
+        ))
         .unwrap();
     let message = write(&batch, &path).unwrap_err().to_string();
     assert_eq!(

@@ -14,8 +14,8 @@ use std::path::Path;
 use firsthit::channel::KINDS;
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
-    Array, Channel, Data, Description, Display, Frame, Metadata, Numbers, WriteSettings,
-    format_named, is_point_cloud, read, read_bytes,
+    Array, Channel, Data, Display, Frame, Metadata, Numbers, WriteSettings, format_named,
+    is_point_cloud, read, read_bytes,
 };
 use firsthit::{Background, Shader, Shading, example, render};
 
@@ -305,21 +305,11 @@ fn assert_is_that_of(array: &Array, frame: &Frame) {
     }
 }
 
-fn channel(name: &'static str, components: usize, data: Data, display: Display) -> Channel {
-    Channel {
-        name,
-        components,
-        data,
-        display,
-        description: Description::default(),
-    }
-}
-
 fn positions(values: &[f64]) -> Frame {
     let mut frame = Frame::new([values.len() / 3]);
     let data = Data::Float64(values.to_vec());
     frame
-        .push(channel("position", 3, data, Display::Position))
+        .push(Channel::new("position", 3, data, Display::Position))
         .unwrap();
     frame
 }
@@ -340,7 +330,7 @@ fn what_a_cloud_cannot_hold_is_refused_before_the_file_is_touched() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cloud.ply");
     let mut frame = Frame::new([2]);
-    let object = channel("object", 1, Data::Int32(vec![0, 1]), Display::Identifier);
+    let object = Channel::new("object", 1, Data::Int32(vec![0, 1]), Display::Identifier);
     frame.push(object).unwrap();
     let message = frame.save(&path).unwrap_err().to_string();
     assert_eq!(

@@ -264,13 +264,7 @@ mod tests {
     use super::*;
 
     fn colors(display: Display, components: usize, data: Data) -> (Vec<Rgb>, Option<String>) {
-        let channel = Channel {
-            name: "it",
-            components,
-            data,
-            display,
-            description: crate::image::Description::default(),
-        };
+        let channel = Channel::new("it", components, data, display);
         let values: Vec<f64> = (0..channel.data.len())
             .map(|index| channel.data.value(index))
             .collect();

@@ -229,6 +229,17 @@ impl Frame {
 }
 
 impl Channel {
+    /// A channel without a description. [`Frame::push`] checks that all four fit together.
+    pub fn new(name: &'static str, components: usize, data: Data, display: Display) -> Self {
+        Self {
+            name,
+            components,
+            data,
+            display,
+            description: Description::default(),
+        }
+    }
+
     /// The value of a miss, in the words of the metadata.
     pub fn miss(&self) -> &'static str {
         if self.is_transparent() {
@@ -358,21 +369,11 @@ impl Display {
 mod tests {
     use super::*;
 
-    fn channel(name: &'static str, components: usize, data: Data, display: Display) -> Channel {
-        Channel {
-            name,
-            components,
-            data,
-            display,
-            description: Description::default(),
-        }
-    }
-
     #[test]
     fn channels_come_back_by_name_and_in_order() {
         let mut frame = Frame::new([2, 3]);
-        let t = channel("t", 1, Data::Float64(vec![1.0; 6]), Display::Distance);
-        let object = channel("object", 1, Data::Int32(vec![-1; 6]), Display::Identifier);
+        let t = Channel::new("t", 1, Data::Float64(vec![1.0; 6]), Display::Distance);
+        let object = Channel::new("object", 1, Data::Int32(vec![-1; 6]), Display::Identifier);
         frame.push(t.clone()).unwrap();
         frame.push(object.clone()).unwrap();
         assert_eq!(frame.channels(), [t, object.clone()]);
@@ -384,19 +385,19 @@ mod tests {
     #[test]
     fn a_channel_that_does_not_fit_is_refused_with_its_numbers() {
         let mut frame = Frame::new([2, 3]);
-        let short = channel("color", 3, Data::Float32(vec![0.0; 17]), Display::Color);
+        let short = Channel::new("color", 3, Data::Float32(vec![0.0; 17]), Display::Color);
         assert_eq!(
             frame.push(short).unwrap_err().to_string(),
             "color must be as long as the frame's elements times the channel's components, \
              got 17 values for 3 of each element of [2, 3]"
         );
-        let whole = channel("front", 1, Data::Int32(vec![0; 6]), Display::Mask);
+        let whole = Channel::new("front", 1, Data::Int32(vec![0; 6]), Display::Mask);
         assert_eq!(
             frame.push(whole).unwrap_err().to_string(),
             "front must be of the type and the number of components that its display asks for, \
              got 1 int32 as Mask"
         );
-        let front = channel("front", 1, Data::Bool(vec![true; 6]), Display::Mask);
+        let front = Channel::new("front", 1, Data::Bool(vec![true; 6]), Display::Mask);
         frame.push(front.clone()).unwrap();
         assert!(frame.push(front).is_err(), "the name is taken");
     }
@@ -404,7 +405,7 @@ mod tests {
     #[test]
     fn a_shape_that_overflows_is_refused_not_wrapped() {
         let mut frame = Frame::new([usize::MAX, 2]);
-        let empty = channel("t", 1, Data::Float64(vec![]), Display::Distance);
+        let empty = Channel::new("t", 1, Data::Float64(vec![]), Display::Distance);
         assert!(frame.push(empty).is_err());
     }
 }
