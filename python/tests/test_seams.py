@@ -167,3 +167,27 @@ def test_an_own_shader_gets_the_pixels_of_a_region_from_the_hits() -> None:
     fh.render(_scene(), camera, samples=1, shade=shade, region=np.s_[2:4, 3:5])
     assert tables[0]["row"].tolist() == [2, 2, 3, 3]
     assert tables[0]["column"].tolist() == [3, 4, 3, 4]
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_samples_of_a_pixel_have_distances_too(projection: str) -> None:
+    scene = _scene()
+    framed = fh.Camera.framing(scene, rows=12, columns=16)
+    lengths = (framed.focal_length, 9.0, 12.0)
+    camera = fh.Camera(framed.position, framed.aim, framed.up, *lengths, 12, 16, projection)
+    misses = []
+
+    def shade(hits: fh.Hits) -> np.ndarray:
+        missed = hits.object < 0
+        away = hits.position - camera.position
+        z = np.where(missed, np.inf, away @ np.asarray(camera.aim))
+        np.testing.assert_allclose(hits.z, z, rtol=1e-12)
+        along = np.linalg.norm(away, axis=-1)
+        expected = along if projection == "perspective" else z
+        np.testing.assert_allclose(hits.range, np.where(missed, np.inf, expected), rtol=1e-12)
+        misses.append(int(missed.sum()))
+        return np.zeros((*hits.shape, 3))
+
+    fh.render(scene, camera, samples=3, shade=shade)
+    assert len(misses) == 3
+    assert 0 < misses[1] < 12 * 16
