@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) struct Exhaustion(Arc<AtomicBool>);
 
 /// From now on an abort ends the process with the exit code of a limit; after
-/// [`Exhaustion::is_ruled_out`] with that of a bug.
+/// [`Exhaustion::rule_out`] with that of a bug.
 pub(crate) fn catch() -> Exhaustion {
     let likely = Arc::new(AtomicBool::new(true));
     #[cfg(unix)]
@@ -30,8 +30,8 @@ pub(crate) fn catch() -> Exhaustion {
 }
 
 impl Exhaustion {
-    /// There was a panic: an abort that follows is its work.
-    pub(crate) fn is_ruled_out(&self) {
+    /// A panic rules it out: an abort that follows is the panic's.
+    pub(crate) fn rule_out(&self) {
         self.0.store(false, Ordering::Relaxed);
     }
 }

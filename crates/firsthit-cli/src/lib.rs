@@ -48,7 +48,7 @@ where
     let last = Arc::new(Mutex::new(String::new()));
     let noted = Arc::clone(&last);
     std::panic::set_hook(Box::new(move |panic| {
-        exhaustion.is_ruled_out();
+        exhaustion.rule_out();
         if let Ok(mut text) = noted.lock() {
             *text = panic.to_string().replace('\n', " ");
         }

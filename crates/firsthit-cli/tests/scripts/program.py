@@ -13,6 +13,9 @@ PUBLIC = ROOT.parent / "shared" / "refdata" / "public"
 #: The exit codes that a run may end with whatever it is given: done, bad input, output, limit.
 ORDERLY = {0, 3, 4, 5}
 
+#: The exit code where memory runs out, or another limit is reached.
+LIMIT = 5
+
 #: What the standard library adds to `memory allocation of N bytes failed`; no program can turn it off.
 SECOND_LINE = "note: run with `RUST_BACKTRACE=1`"
 
@@ -38,7 +41,9 @@ class Ended:
         """Say what is wrong with the ending, if anything."""
         if self.code not in ORDERLY:
             return f"exit code {self.code}: {self.lines[-1:]}"
-        others = [line for line in self.lines if not line.startswith(("firsthit: warning: ", SECOND_LINE))]
+        others = [line for line in self.lines if not line.startswith("firsthit: warning: ")]
+        if self.code == LIMIT:
+            others = [line for line in others if not line.startswith(SECOND_LINE)]
         if self.code == 0 and others:
             return f"done, and said {others}"
         if self.code != 0 and len(others) != 1:
