@@ -209,7 +209,7 @@ impl Camera {
         self.range_and_z([row, column], t)[0]
     }
 
-    /// The component along `aim` of (hit - `position`), for the hit at `t` on the pixel's ray.
+    /// The component along `aim` of (hit - `position`), for the hit at `t` on the pixel's ray; infinity for a miss.
     pub fn z(&self, row: usize, column: usize, t: f64) -> f64 {
         self.range_and_z([row, column], t)[1]
     }
@@ -217,7 +217,13 @@ impl Camera {
     fn range_and_z(&self, pixel: [usize; 2], t: f64) -> [f64; 2] {
         let reach = self.view.lens.model().reach(&self.pose, self.size(), pixel);
         let range = t + reach.offset;
-        [range, range * reach.cosine]
+        // A miss is infinitely far away in front, also where a panorama looks back.
+        let z = if t == f64::INFINITY {
+            t
+        } else {
+            range * reach.cosine
+        };
+        [range, z]
     }
 }
 
