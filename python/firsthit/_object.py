@@ -29,9 +29,12 @@ class Object:
         name: str,
         transform: npt.NDArray[np.float64] | None,
         materials: tuple[Material, ...],
+        mark: object | None = None,
     ) -> None:
         self._shape, self._name, self._transform = shape, name, transform
         self._materials = materials
+        #: By which it is known wherever it moves.
+        self._mark = mark or object()
 
     @property
     def shape(self) -> Shape:
@@ -65,7 +68,7 @@ class Object:
 
     def _moved(self, matrix: npt.NDArray[np.float64]) -> Object:
         """Return the same object elsewhere."""
-        return Object(self._shape, self._name, matrix, self._materials)
+        return Object(self._shape, self._name, matrix, self._materials, self._mark)
 
     def __repr__(self) -> str:
         return f"Object({self._name!r}, {self._shape!r})"

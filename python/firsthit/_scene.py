@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ._material import Material
     from ._types import MeshLike, SceneLike, Vector
 
-#: From so many moves on, all is built anew and the moves are forgotten.
+#: After so many moves the list of moves begins anew, and the next build starts from all objects.
 _MOST_MOVES = 1 << 16
 
 
@@ -160,7 +160,7 @@ class Scene(Queries):
         else:
             raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
         made = [placed(part, matrix, color, material) for part in parts]
-        # One step of the interpreter, without a lock: a signal's handler may come in between.
+        # One bytecode, in which nothing can intervene. A lock would deadlock in a signal's handler.
         self._objects.extend(made)
         if _foreign.is_scene(shape):
             first = self._identifier(made[0]) if made else 0
@@ -168,8 +168,9 @@ class Scene(Queries):
         return self._identifier(made[0])
 
     def _identifier(self, made: Object) -> int:
-        """Return where an object is that was just added: others may have been added since."""
-        return next(k for k in reversed(range(len(self._objects))) if self._objects[k] is made)
+        """Return where an object is that was just added, and may have moved since."""
+        places = reversed(range(len(self._objects)))
+        return next(k for k in places if self._objects[k]._mark is made._mark)
 
     def move(self, identifier: int, transform: npt.ArrayLike | None) -> None:
         """Move an object: replace its transform.
@@ -179,7 +180,8 @@ class Scene(Queries):
         moves since the last one, and refits the boxes above the moved objects: among a thousand
         objects some 100 microseconds, whatever the size of their meshes. If many have moved, and
         now and then, it builds the tree over the objects anew. Calls that are running see the scene
-        as it was.
+        as it was. `bounds`, and with it `Camera.framing`, then visits the vertices of turned meshes
+        once.
 
         Parameters
         ----------
@@ -214,8 +216,8 @@ class Scene(Queries):
         if not 0 <= identifier < len(self._objects):
             raise IndexError(f"there is no object {identifier!r}; there are {len(self._objects)}")
         matrix = np.eye(4) if transform is None else affine(transform)
-        # In this order, and without a lock: a signal's handler or another thread may move and build
-        # between any two of these steps. Who sees the move among the moves sees the object moved.
+        # The object is replaced before the move is noted: a build that knows of the move then has
+        # the object there. A signal's handler or another thread may move and build at any step.
         self._objects[identifier] = self._objects[identifier]._moved(matrix)
         if len(self._moves) >= _MOST_MOVES:
             self._moves = []
@@ -357,19 +359,31 @@ class Scene(Queries):
         return counts == (len(self._objects), len(self._lights))
 
     def _build(self) -> Built:
+        """Build what there is now, and remember it.
+
+        A signal's handler or another thread may add and move objects at any step. What this build
+        lacks must make it out of date for `_current`. A move that is in and counts as new does no
+        harm: it is made again.
+        """
         last = self._last
         if last is not None and last.moves is self._moves and self._is_all_in(last.built):
-            # First the number: a move that comes in between is then one that was missed.
+            # Moves are counted before the objects are copied: a later one is then beyond the count.
             known = len(last.moves)
-            moved = {index: self._objects[index] for index in last.moves[last.known : known]}
+            # A copy, which shows all objects at one moment.
+            objects = self._objects[:]
+            count = len(last.built.objects)
+            moved = {k: objects[k] for k in last.moves[last.known :] if k < count}
             built = last.built.moved(moved)
             self._last = _Last(built, last.moves, known)
             return built
-        # First the new list: a move that comes in between is then missed, or is in already.
+        # The list is replaced before the objects are copied: a later move is then in the new list.
         moves: list[int] = []
         self._moves = moves
+        lights, objects = self._lights[:], self._objects[:]
+        while len(lights) < len(self._lights):
+            lights, objects = self._lights[:], self._objects[:]
         previous = None if last is None else last.built.native
-        built = Built(self._objects[:], self._lights[:], previous=previous)
+        built = Built(objects, lights, previous=previous)
         self._last = _Last(built, moves, 0)
         return built
 

@@ -34,11 +34,11 @@ class Built:
         )
 
     def moved(self, moved: Mapping[int, Object]) -> Built:
-        """Return what is built when some objects are elsewhere; they come by their identifiers."""
+        """Return what is built when some objects, given by identifier, are elsewhere."""
         objects = list(self.objects)
-        for identifier, there in moved.items():
-            objects[identifier] = there
-        places = [(identifier, there.transform.tolist()) for identifier, there in moved.items()]
+        for identifier, made in moved.items():
+            objects[identifier] = made
+        places = [(identifier, made.transform.tolist()) for identifier, made in moved.items()]
         return Built(objects, self.lights, self.native.moved(places))
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -21,10 +21,10 @@ _here = _Here()
 
 
 class Turn:
-    """A lock for work that is wasted when two threads do it, but right.
+    """A lock that only saves work: two threads that did it at once would both be right.
 
-    A thread that has a turn, of whatever, waits for no other: it would be a signal's handler or a
-    finaliser that runs amid the work, for which the work would then wait. A process that is forked
+    A thread that already has a turn, of any lock, does not wait. It would be a signal's handler or
+    a finaliser that interrupts the work, and the work would wait for it. A process that is forked
     while a thread has its turn does not have that thread, and begins anew.
     """
 

@@ -5,8 +5,12 @@ use pyo3::prelude::*;
 
 use crate::errors::raise;
 use crate::material::{MaterialIn, material};
-use crate::run::run;
+use crate::run::{guarded, run};
 use crate::shape::Shape;
+
+/// With fewer objects than this, the tree over them is built by the calling thread alone. A pool's threads must be the call's own,
+/// since the global pool does not survive `fork`, and making them takes longer than the move.
+const FEW_OBJECTS: usize = 4096;
 
 /// A built scene.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -53,11 +57,15 @@ impl Scene {
             .iter()
             .map(|(identifier, rows)| Ok((*identifier, transform(py, rows)?)))
             .collect::<PyResult<_>>()?;
-        let moved = py.detach(|| {
+        let moved = || {
             let mut scene = self.0.clone();
             scene.move_objects(&places).map(|()| scene)
-        });
-        Ok(Self(moved.map_err(|error| raise(py, &error))?))
+        };
+        if self.0.objects().len() < FEW_OBJECTS {
+            let moved = guarded(|| py.detach(moved))?;
+            return moved.map(Self).map_err(|error| raise(py, &error));
+        }
+        run(py, 0, |_| moved()).map(Self)
     }
 
     /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.
@@ -67,9 +75,10 @@ impl Scene {
     }
 
     /// The two corners of the box around all objects, or `None`.
-    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        let bounds = self.0.bounds();
-        (!bounds.is_empty()).then(|| [bounds.low.to_array(), bounds.high.to_array()])
+    fn bounds(&self, py: Python<'_>) -> PyResult<Option<[[f64; 3]; 2]>> {
+        let bounds = guarded(|| py.detach(|| self.0.bounds()))?;
+        let corners = [bounds.low.to_array(), bounds.high.to_array()];
+        Ok((!bounds.is_empty()).then_some(corners))
     }
 }
 

@@ -1,5 +1,7 @@
 """What several tests share."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import firsthit as fh
@@ -11,6 +13,23 @@ ROOT = Path(__file__).parents[2]
 TESTDATA = ROOT / "testdata"
 
 needs_refdata = pytest.mark.skipif(not REFDATA.is_dir(), reason="../shared/refdata is not here")
+
+#: What scripts of tests begin with.
+PRELUDE = f"""
+import gc, os, resource, signal, sys, threading, time
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import firsthit as fh, numpy as np
+"""
+
+
+def output(script: str, seconds: float = 60) -> list[str]:
+    """Run a script in a process of its own, which must say nothing else; return its words."""
+    command = [sys.executable, "-c", PRELUDE + script]
+    child = subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False)
+    assert child.returncode == 0, child.stderr
+    assert child.stderr == ""
+    return child.stdout.split()
+
 
 #: A unit square at z = 0, facing +z.
 SQUARE = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])

@@ -2,13 +2,13 @@
 
 import copy
 import pickle
+import sys
 
 import firsthit as fh
 import numpy as np
 import pytest
 from firsthit import _scene
-from support import ball
-from test_reentrancy import output
+from support import ball, output
 
 CAMERA = fh.Camera.look_at((0.6, 0, 5), (0.6, 0, 0), (0, 1, 0), 10, rows=3, columns=3)
 RAY = ([[0.6, 0, 5]], [0, 0, -1])
@@ -40,7 +40,7 @@ def test_copies_of_hits_are_of_the_scene_as_it_was_shot(what, copied):
         np.testing.assert_array_equal(again.channel(name), array, name)
     middle = again.position[0] if what == RAY else again.position[1, 1]
     np.testing.assert_allclose(middle, (0.6, 0, 0.8), atol=1e-12)
-    # Also what was added later is not theirs, and a part is as the whole.
+    # A part of the hits is copied as the whole is.
     np.testing.assert_array_equal(copied(hits[:1]).normal, hits.normal[:1])
 
 
@@ -73,11 +73,13 @@ def test_copies_of_scenes_move_on_their_own():
 
 
 MOVES = """
-scene = fh.Scene()
-for k in range(30):
-    place = np.eye(4)
-    place[:3, 3] = 3 * k, 0, 0
-    scene.add(fh.Sphere((0, 0, 0), 1), transform=place)
+def begin():
+    global scene
+    scene = fh.Scene()
+    for k in range(30):
+        place = np.eye(4)
+        place[:3, 3] = 3 * k, 0, 0
+        scene.add(fh.Sphere((0, 0, 0), 1), transform=place)
 def anew():
     other = fh.Scene()
     for made in scene.objects:
@@ -90,6 +92,7 @@ def at(height):
 def compare():
     rays = [[3 * k, 0, 1e4] for k in range(5)], (0, 0, -1)
     return (scene.shoot(*rays).t == anew().shoot(*rays).t).all()
+begin()
 scene.shoot((0, 0, 9), (0, 0, -1))
 """
 
@@ -120,8 +123,29 @@ print(moves > 50, wrong, compare())
     assert output(MOVES + script) == ["True", "0", "True"]
 
 
-def test_a_move_at_each_step_of_another_is_not_lost():
-    script = """
+@pytest.mark.parametrize(
+    ("outer", "inner", "most"),
+    [
+        ("move", "move", 1 << 16),
+        ("move and shoot", "move and shoot", 1 << 16),
+        ("move and shoot", "move and shoot", 3),
+        ("move and shoot", "add, move and shoot", 1 << 16),
+        ("add, move and shoot", "move and shoot", 3),
+    ],
+)
+def test_what_is_done_at_each_step_of_something_else_is_not_lost(outer, inner, most):
+    script = f"""
+fh._scene._MOST_MOVES = {most}
+outer, inner = {outer!r}, {inner!r}
+"""
+    script += """
+def do(what, which, height):
+    if "add" in what:
+        # It is on top of all others until it is moved.
+        which = scene.add(fh.Sphere((0, 0, 0), 1), transform=at(1000))
+    scene.move(which, at(height))
+    if "shoot" in what:
+        scene.shoot((0, 0, 1e4), (0, 0, -1))
 is_inside = False
 def trace(frame, event, argument):
     global is_inside, left
@@ -132,26 +156,125 @@ def trace(frame, event, argument):
         left -= 1
         if left == 0:
             is_inside = True
-            scene.move(which, at(50 + step % 9))
+            do(inner, which, 50 + step % 9)
             is_inside = False
     return trace
 wrong = 0
-for which in (0, 1):
+for which in (0,) if "add" in outer else (0, 1):
     for step in range(1, 10_000):
         left = step
         sys.settrace(trace)
-        scene.move(0, at(step % 7))
+        do(outer, 0, step % 7)
         sys.settrace(None)
         if left > 0:
             break
-        rays = [[0, 0, 1e4]], (0, 0, -1)
-        heights = [made.transform[2, 3] for made in scene.objects[:2]]
-        wrong += abs(1e4 - 1 - max(heights) - float(scene.shoot(*rays).t[0])) > 1e-6
-        if which:
-            wrong += heights != [step % 7, 50 + step % 9]
+        heights = [made.transform[2, 3] for made in scene.objects]
+        top = [height for k, height in enumerate(heights) if k < 2 or k > 29]
+        wrong += abs(1e4 - 1 - max(top) - float(scene.shoot((0, 0, 1e4), (0, 0, -1)).t)) > 1e-6
+        if which or "add" in inner + outer:
+            wrong += (step % 7 not in top) + (50 + step % 9 not in top)
+        if len(heights) > 60:
+            # Not ever more objects.
+            assert compare()
+            begin()
 print(step > 50, wrong, compare())
 """
-    assert output(MOVES + script) == ["True", "0", "True"]
+    assert output(MOVES + script, 120) == ["True", "0", "True"]
+
+
+def test_a_shot_sees_all_objects_at_one_moment():
+    script = """
+scene, height = fh.Scene(), 0
+for k in range(2000):
+    scene.add(fh.Sphere((k, 0, 0), 0.1))
+def handler(number, frame):
+    global height
+    height += 1
+    for k in (0, 1999):
+        scene.move(k, at(height))
+signal.signal(signal.SIGALRM, handler)
+rays = [[0, 0, 1e4], [1999, 0, 1e4]], (0, 0, -1)
+scene.shoot(*rays)
+wrong, k, end = 0, 0, time.monotonic() + 4
+while time.monotonic() < end:
+    k += 1
+    for identifier in range(2000):
+        scene.move(identifier, at(height))
+    signal.setitimer(signal.ITIMER_REAL, 1e-5 * (1 + k % 60))
+    first, last = scene.shoot(*rays).t
+    wrong += abs(first - last) > 0.5
+    time.sleep(1e-3)
+print(height > 50, wrong)
+"""
+    assert output(MOVES + script) == ["True", "0"]
+
+
+def test_an_object_that_is_moved_while_it_is_added_has_its_identifier():
+    script = """
+signal.signal(signal.SIGALRM, lambda *_: scene.move(len(scene.objects) - 1, None))
+ball, wrong, end = fh.Sphere((0, 0, 0), 1), 0, time.monotonic() + 2
+while time.monotonic() < end:
+    scene = fh.Scene()
+    scene.add(ball)
+    for k in range(1, 200):
+        signal.setitimer(signal.ITIMER_REAL, 1e-6 * (1 + k % 40))
+        wrong += scene.add(ball) != k
+    signal.setitimer(signal.ITIMER_REAL, 0)
+print(wrong)
+"""
+    assert output(script) == ["0"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no fork")
+@pytest.mark.parametrize("count", [1000, 20_000])
+def test_a_child_that_is_forked_after_moves_shoots(count):
+    script = f"""
+count = {count}
+"""
+    script += """
+scene, ball = fh.Scene(), fh.Sphere((0, 0, 0), 0.1)
+for k in range(count):
+    scene.add(ball, transform=at(k))
+def moved():
+    for k in range(0, count, 2):
+        scene.move(k, at(k + 0.5))
+    return float(scene.shoot((0, 0, 1e6), (0, 0, -1)).t)
+for _ in range(4):
+    seen = moved()
+child = os.fork()
+if child == 0:
+    signal.alarm(30)
+    os._exit(0 if [moved() for _ in range(4)] == [seen] * 4 else 1)
+print(os.waitpid(child, 0)[1])
+"""
+    assert output(MOVES + script) == ["0"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a limit on the address space is Linux's")
+def test_moves_where_no_thread_is_granted_do_without_or_are_an_error():
+    script = """
+for count in (1000, 6000):
+    scene, ball = fh.Scene(), fh.Sphere((0, 0, 0), 0.1)
+    for k in range(count):
+        scene.add(ball, transform=at(k))
+    scene.shoot((0, 0, 1e6), (0, 0, -1))
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    now = 1024 * int(open("/proc/self/status").read().split("VmSize:")[1].split()[0])
+    resource.setrlimit(resource.RLIMIT_AS, (now + (8 << 20), before[1]))
+    try:
+        for k in range(3 * count):
+            scene.move(k % count, at(k + 0.5))
+        scene.shoot((0, 0, 1e6), (0, 0, -1))
+        print("done")
+    except MemoryError:
+        print("memory")
+    resource.setrlimit(resource.RLIMIT_AS, before)
+    print(float(scene.shoot((0, 0, 1e6), (0, 0, -1)).t) == 1e6 - 3 * count + 0.5 - 0.1)
+"""
+    few, is_right, many, are_right = output(MOVES + script)
+    assert (few, is_right, are_right) == ("done", "True", "True")
+    # The allocator may have kept room for the threads.
+    assert many in ("done", "memory")
 
 
 @pytest.mark.parametrize("most", [1 << 16, 20])
@@ -183,7 +306,7 @@ def test_only_an_int_says_which_object_moves(wrong):
         ball().move(wrong, None)
 
 
-def test_hits_say_which_object_moves():
+def test_an_identifier_from_hits_says_which_object_moves():
     scene = ball()
     place = np.eye(4)
     place[2, 3] = 1

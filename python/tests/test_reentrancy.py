@@ -2,16 +2,12 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from support import PRELUDE, output
 
 #: A scene whose trees take some tenths of a second, and rays that meet it.
-SLOW = f"""
-import sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
-import gc, os, resource, signal, threading, time
-import firsthit as fh, numpy as np
+SLOW = """
 from support import bumpy_sphere
 points, triangles = bumpy_sphere(400, 1)
 scene = fh.Scene()
@@ -19,14 +15,6 @@ scene.add(fh.Mesh(points, triangles))
 def shot():
     return float(scene.shoot((0, 0, 0), (0, 0, 1)).t)
 """
-
-
-def output(script, seconds=60):
-    command = [sys.executable, "-c", SLOW + script]
-    child = subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False)
-    assert child.returncode == 0, child.stderr
-    assert child.stderr == ""
-    return child.stdout.split()
 
 
 def test_a_signal_s_handler_may_use_the_scene_that_is_being_built():
@@ -40,7 +28,7 @@ begun = scene.shoot((0, 0, 0), (0, 0, 1)).t
 signal.setitimer(signal.ITIMER_REAL, 0)
 print(len(seen), seen == [begun])
 """
-    assert output(script) == ["1", "True"]
+    assert output(SLOW + script) == ["1", "True"]
 
 
 def test_what_a_handler_adds_meanwhile_is_there_afterwards():
@@ -54,7 +42,7 @@ signal.setitimer(signal.ITIMER_REAL, 0.06)
 first = int(scene.shoot((0, 0, 0), (0, 0, 1)).object)
 print(added, met, first, int(scene.shoot((0, 0, 0), (0, 0, 1)).object), len(scene.objects))
 """
-    assert output(script) == ["[1]", "[1]", "0", "1", "2"]
+    assert output(SLOW + script) == ["[1]", "[1]", "0", "1", "2"]
 
 
 def test_a_finaliser_may_use_the_scene_that_is_being_built():
@@ -76,7 +64,7 @@ scene.add(Sphere((0, 0, 0), 0.5))
 seen.clear()
 print(shot(), *set(seen))
 """
-    assert output(script) == ["0.5", "0.5"]
+    assert output(SLOW + script) == ["0.5", "0.5"]
 
 
 def test_two_scenes_whose_handlers_use_each_other_do_not_wait_for_ever():
@@ -104,7 +92,7 @@ for thread in threads:
 print(*(thread.is_alive() for thread in threads), flush=True)
 os._exit(0)
 """
-    assert output(script) == ["False", "False"]
+    assert output(SLOW + script) == ["False", "False"]
 
 
 def test_threads_that_come_meanwhile_wait_for_the_one_that_builds():
@@ -121,7 +109,7 @@ for thread in threads:
     thread.join()
 print(len(built))
 """
-    assert output(script) == ["1"]
+    assert output(SLOW + script) == ["1"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no fork")
@@ -144,7 +132,7 @@ is_built.append(True)
 thread.join()
 print(*results)
 """
-    assert output(script) == ["True", "0"]
+    assert output(SLOW + script) == ["True", "0"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no fork")
@@ -169,7 +157,7 @@ while thread.is_alive():
     scene.add_light(fh.PointLight((0, 0, 9)))
 print(len(results), *set(results))
 """
-    assert output(script, 120) == ["20", "0"]
+    assert output(SLOW + script, 120) == ["20", "0"]
 
 
 LIMITED = """
@@ -194,7 +182,7 @@ for work in (
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit on the address space is Linux's")
 @pytest.mark.parametrize("megabytes", [0.1, 2, 4.3, 8, 17, 40, 70, 132, 210, 1000])
 def test_little_address_space_is_an_error_and_no_panic(megabytes):
-    command = [sys.executable, "-c", SLOW + LIMITED, str(int(megabytes * 2**20))]
+    command = [sys.executable, "-c", PRELUDE + SLOW + LIMITED, str(int(megabytes * 2**20))]
     child = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert "panic" not in child.stderr.lower()
     assert "PanicException" not in child.stderr

@@ -198,8 +198,8 @@ impl Frame {
         self.channels
     }
 
-    /// A frame of some of the channels, by their names, in that order. They are copied, but those that are named in no
-    /// later frame can be taken out: `is_last` says which.
+    /// A frame of the named channels, in that order. A channel for which `is_last` holds is taken out of this frame; the
+    /// others are copied. After an error some may have been taken already.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! What there is to see: objects, lights, and the trees over them. Immutable once built.
+//! What there is to see: objects, lights, and the trees over them. Once built, only the objects' transforms change.
 
 #![allow(
     clippy::inline_always,
@@ -135,8 +135,8 @@ impl Scene {
         })
     }
 
-    /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by one that
-    /// is built anew; this takes microseconds, for nothing is built but, now and then, the tree over the objects.
+    /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by
+    /// one that is built anew. This takes microseconds: nothing is built but, now and then, the tree over the objects.
     ///
     /// ```
     /// use firsthit::{DVec3, Object, Scene, Sphere, Transform, shoot};
@@ -154,8 +154,8 @@ impl Scene {
         self.move_objects(&[(object, transform)])
     }
 
-    /// Moves several objects, each to the transform beside it, as [`move_object`](Self::move_object) one after the other. The tree
-    /// over the objects is built anew at most once.
+    /// Moves several objects, each to the transform beside it, as [`move_object`](Self::move_object) one after the other. The
+    /// tree over the objects is built anew at most once.
     ///
     /// # Errors
     ///

@@ -8,8 +8,8 @@ use crate::geometry::{Bounds, Ray};
 /// Up to this many objects are all asked.
 const FEW: usize = 4;
 
-/// Where rounding is larger than this share of the coordinates (the transform all but flattens space), the object is
-/// better off without a box than all others are with wider ones.
+/// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
+/// the boxes of all objects. Then this object goes without a box.
 const LARGEST_SLACK: f64 = 1e-8;
 
 /// See [the module](self).
@@ -54,8 +54,9 @@ impl TopTree {
         }
     }
 
-    /// Fits the tree to objects that have been moved; takes as long as the tree is deep for each of them, but for a first time.
-    /// After as many moves as there are objects the tree is built anew: fitted boxes overlap more and more.
+    /// Fits the tree to objects that were moved. Each takes time in proportion to the tree's depth; the first call
+    /// also finds all leaves. After more moves than there are objects the tree is built anew, since fitted boxes
+    /// overlap more and more.
     pub(super) fn moved(&mut self, objects: &[Object], moved: &[u32]) {
         for &index in moved {
             self.boxes[index as usize] = objects[index as usize].box_around();
@@ -126,8 +127,8 @@ pub(crate) struct OnTheWay<'a> {
 }
 
 impl OnTheWay<'_> {
-    /// The next object that `ray` may meet at a parameter of at most `t_max`. That is not larger than the
-    /// time before, and the others are the same.
+    /// The next object that `ray` may meet at a parameter of at most `t_max`. From call to call `t_max` must not
+    /// grow, and `ray` and `stack` must be the same.
     #[inline(always)]
     pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
         if let Some((&index, rest)) = self.unconditional.split_first() {

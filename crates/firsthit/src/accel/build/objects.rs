@@ -26,15 +26,19 @@ impl Primitives for Boxes {
 
 impl Bvh {
     /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left out. `bounds`
-    /// is called twice for each. `slack` is what the test of a candidate rounds, as a share of the coordinates it works
+    /// is called once for each. `slack` is what the test of a candidate rounds, as a share of the coordinates it works
     /// with.
     ///
-    /// Built by all threads of the current rayon pool, and the same for any number of them.
+    /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer than [`CHUNK`] boxes are the
+    /// calling thread's alone, and need no pool.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
-        let indices = || (0..count).into_par_iter().with_min_len(CHUNK);
-        let all = indices()
-            .map(&bounds)
-            .reduce(|| Bounds::EMPTY, Bounds::union);
+        let boxes: Vec<Bounds> = if (count as usize) < CHUNK {
+            (0..count).map(&bounds).collect()
+        } else {
+            let indices = (0..count).into_par_iter().with_min_len(CHUNK);
+            indices.map(&bounds).collect()
+        };
+        let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         if all.is_empty() {
             return Self {
                 origin: DVec3::ZERO,
@@ -46,11 +50,12 @@ impl Bvh {
             };
         }
         let origin = all.centre();
-        let item = |index: u32| {
-            let bounds = bounds(index);
-            (!bounds.is_empty()).then(|| Item::new(rounded_outwards(bounds, origin), index))
-        };
-        let mut items: Vec<Item> = indices().filter_map(item).collect();
+        let filled = (0..count)
+            .zip(boxes)
+            .filter(|(_, bounds)| !bounds.is_empty());
+        let mut items: Vec<Item> = filled
+            .map(|(index, bounds)| Item::new(rounded_outwards(bounds, origin), index))
+            .collect();
         let Binary { nodes, order } = binary(&mut items, &Boxes);
         Self {
             origin,
