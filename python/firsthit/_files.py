@@ -55,7 +55,10 @@ def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Pa
 
 def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Name]:
     """Return the names of channels, each once, if they are known and there are any."""
-    asked = cast("list[_Name]", [names] if isinstance(names, str) else list(names))
+    try:
+        asked = cast("list[_Name]", [names] if isinstance(names, str) else list(names))
+    except TypeError:
+        raise TypeError(f"channels must be a str or several, got {names!r}") from None
     if not asked:
         raise ValueError(f"channels must be one or more of {', '.join(known)}, got none")
     for name in asked:

@@ -87,27 +87,23 @@ class Frame:
                 f"{os.fspath(path)} must hold a picture, got a point cloud, which is a list of "
                 "points; read_metadata reads its metadata"
             )
-        arrays, said, doubts = _firsthit.read(Path(path))
-        for doubt in doubts:
-            warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=2)
+        arrays, said = _read(path)
         metadata = None if said is None else json.loads(said)
         records = {} if metadata is None else {c["name"]: c for c in metadata["channels"]}
         channels = {}
         for name, shape, values, in_file in arrays:
             if len(shape) < 2:
                 raise ValueError(f"{os.fspath(path)} must hold a picture, got the shape {shape}")
-            dtype = in_file
+            dtype = str(values.dtype) if values.dtype.kind == "f" else in_file
             if name in records:
-                # A stranger's words: NumPy knows types of a gigabyte, and of objects.
+                # Any file can say anything, and NumPy would take names of huge types or of objects.
                 computed = records[name]["dtype"]
                 possible = _AS_UINT32 if in_file == "uint32" else _DTYPES
                 if computed not in possible:
                     wanted = f"{', '.join(possible[:-1])} or {possible[-1]}"
                     raise _wrong(path, name, f"dtype must be {wanted}, got {computed!r}")
-                if in_file == "uint32":
+                if in_file == "uint32":  # How an EXR holds int32 and bool.
                     dtype = computed
-            if values.dtype.kind == "f":
-                dtype = str(values.dtype)
             channels[name or "array"] = values.astype(dtype, copy=False).reshape(shape)
         rows, columns = next((array.shape[:2] for array in channels.values()), (0, 0))
         return cls((rows, columns), channels, said or "{}", metadata)
@@ -259,10 +255,16 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
     FirsthitWarning
         For what is doubtful in the file.
     """
-    _, said, doubts = _firsthit.read(Path(path))
-    for doubt in doubts:
-        warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=2)
+    _, said = _read(path)
     return None if said is None else json.loads(said)
+
+
+def _read(path: str | os.PathLike[str]) -> tuple[list[Any], str | None]:
+    """Return the arrays in a file and the text of its metadata; warn of what is doubtful."""
+    arrays, said, doubts = _firsthit.read(Path(path))
+    for doubt in doubts:
+        warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=3)
+    return arrays, said
 
 
 def _wrong(path: str | os.PathLike[str], name: str | None, what: str) -> FileFormatError:

@@ -264,17 +264,14 @@ class Hits:
         if name in ("t", "object", "primitive"):
             made = getattr(self, name)
             return made
-        if name not in self.channels:
-            if name in ("range", "z"):
-                raise AttributeError(
-                    f"{name} is for hits of a camera: rays alone do not know of one"
-                )
+        if name not in _OF_A_CAMERA:
             raise ValueError(f"channel must be among {', '.join(self.channels)}, got {name!r}")
         if name not in self._made:
             with following(progress, len(self._arrays[0])) as report:
                 made = self._source.compute(name, self._built, self._arrays, use, report)
             is_single = self._single is not None and name in ("range", "z")
-            self._made[name] = singles(made) if is_single else made
+            # Another thread may have made it meanwhile: the first array is everyone's.
+            self._made.setdefault(name, singles(made) if is_single else made)
         return self._read_only(self._made[name], _COMPONENTS.get(name, 1))
 
     def items(self) -> Iterator[tuple[ChannelName, npt.NDArray[Any]]]:
@@ -318,10 +315,9 @@ class Hits:
         'normal_z': array([ 1., nan])}
         """
         table: dict[str, npt.NDArray[Any]] = {}
-        source = self._source
-        if source.camera is not None and source.is_of_pixels:
-            pixels = np.arange(len(self._arrays[0])) if source.pixels is None else source.pixels
-            table["row"], table["column"] = np.divmod(pixels, source.camera.columns)
+        pixels = self._source.rows_and_columns(len(self._arrays[0]))
+        if pixels is not None:
+            table["row"], table["column"] = pixels
         names = [channels] if isinstance(channels, str) else channels
         for name in self.channels if names is None else names:
             array = self.channel(name)

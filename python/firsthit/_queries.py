@@ -82,6 +82,8 @@ class Queries(Traceable):
         ------
         ValueError
             For arrays whose shapes or types do not fit, with their names, and for another dtype.
+        TypeError
+            For a progress that is no bool and no function.
         MemoryError
             If the hits do not fit into memory.
 
@@ -97,7 +99,7 @@ class Queries(Traceable):
         >>> hits.normal[0]
         array([0., 0., 1.])
         """
-        use = 0 if threads is None else threads_or_all(threads)
+        use = threads_or_all(threads)
         single = dtype is not None and is_single(dtype)
         if isinstance(origins, Camera):
             if directions is not None:
@@ -105,61 +107,17 @@ class Queries(Traceable):
             if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, math.inf)):
                 raise ValueError("t_min and t_max must be left out with a camera")
             with following(progress, origins.rows * origins.columns) as report:
-                hits = self._shot_by(self._ready(), origins, use, report)
+                hits = shoot_camera(self._ready(), origins, use, report)
             return hits._rounded(NO_MINIMUM, NO_MAXIMUM) if single else hits
         rays = Rays.of(origins, directions, t_min, t_max)
         limits = rays.arrays[2:]
         if progress is None:
-            hits = self._shot(self._ready(), rays, use, None)
+            # Without a context manager, which takes 1 us of the 11 of a call with one ray.
+            hits = shoot_rays(self._ready(), rays, use, None)
         else:
             with following(progress, rays.length) as report:
-                hits = self._shot(self._ready(), rays, use, report)
+                hits = shoot_rays(self._ready(), rays, use, report)
         return hits._rounded(*limits) if single else hits
-
-    def _shot_by(self, built: Built, camera: Camera, threads: int, report: Report | None) -> Hits:
-        """Shoot a camera's rays at what was built."""
-        out = hits_arrays(camera.rows * camera.columns)
-        _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
-        return Hits._of(built, out, Source(camera), (camera.rows, camera.columns), threads)
-
-    def _shot_part(
-        self,
-        built: Built,
-        seen: tuple[Camera, tuple[int, int, int, int]],
-        threads: int,
-        report: Report | None,
-    ) -> Hits:
-        """Shoot the rays of a part of a camera's rows and columns at what was built."""
-        camera, (top, bottom, left, right) = seen
-        pixels = np.arange(top, bottom)[:, None] * camera.columns + np.arange(left, right)
-        source = Source(camera, pixels.reshape(-1))
-        rays = Rays.of(*(array.reshape(*pixels.shape, 3) for array in source.both()))
-        hits = self._shot(built, rays, threads, report)
-        hits._source = source
-        return hits
-
-    def _shot(
-        self,
-        built: Built,
-        rays: Rays,
-        threads: int,
-        report: Report | None,
-        camera: Camera | None = None,
-    ) -> Hits:
-        """Shoot rays at what was built; they may be those of a camera."""
-        out = hits_arrays(rays.length)
-        # The hits keep the rays, from which they compute what is asked later.
-        copies = rays.own()
-        parts = rays.parts()
-        if len(parts) == 1:
-            _firsthit.shoot(built.native, rays.part(parts[0]), copies, threads, out, report)
-        else:
-            for part in parts:
-                t, identifiers, primitive, barycentric = out
-                pieces = t[part], identifiers[part], primitive[part], barycentric[part]
-                told = later(report, part.start)
-                _firsthit.shoot(built.native, rays.part(part), copies, threads, pieces, told)
-        return Hits._of(built, out, Source(camera, None, rays.keep(copies)), rays.shape, threads)
 
     def occluded(
         self,
@@ -257,7 +215,7 @@ class Queries(Traceable):
         progress: Progress | None,
     ) -> npt.NDArray[_Scalar]:
         """Return what the native half answers to a query, a number for each ray."""
-        use = 0 if threads is None else threads_or_all(threads)
+        use = threads_or_all(threads)
         answers = np.empty(rays.length, dtype)
         # Once: what others add meanwhile is for the next call.
         native = self._native()
@@ -270,3 +228,34 @@ class Queries(Traceable):
 
 def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:
     return bool(np.all(numbers(name, given) == number))
+
+
+def shoot_camera(built: Built, camera: Camera, threads: int, report: Report | None) -> Hits:
+    """Shoot a camera's rays at what was built."""
+    out = hits_arrays(camera.rows * camera.columns)
+    _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
+    return Hits._of(built, out, Source(camera), (camera.rows, camera.columns), threads)
+
+
+def shoot_rays(
+    built: Built,
+    rays: Rays,
+    threads: int,
+    report: Report | None,
+    source: Source | None = None,
+) -> Hits:
+    """Shoot rays at what was built; without a source, the rays are their own."""
+    out = hits_arrays(rays.length)
+    # The hits keep the rays, from which they compute what is asked later.
+    copies = rays.own()
+    parts = rays.parts()
+    if len(parts) == 1:
+        _firsthit.shoot(built.native, rays.part(parts[0]), copies, threads, out, report)
+    else:
+        for part in parts:
+            t, identifiers, primitive, barycentric = out
+            pieces = t[part], identifiers[part], primitive[part], barycentric[part]
+            told = later(report, part.start)
+            _firsthit.shoot(built.native, rays.part(part), copies, threads, pieces, told)
+    kept = rays.keep(copies)
+    return Hits._of(built, out, source or Source(None, None, kept), rays.shape, threads)

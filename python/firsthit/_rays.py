@@ -56,6 +56,9 @@ class Rays:
         #: Whether the memory of origins and directions is ours alone.
         self._are_own = are_own
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Rays, (self.arrays, self.shape, self._are_own)
+
     @classmethod
     def of(cls, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = math.inf) -> Rays:
         """Check what a user gave."""

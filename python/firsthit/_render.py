@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import color_of, count, flag, text, threads_or_all
+from ._arrays import threads_or_all
 from ._camera import Camera
 from ._files import distinct
 from ._frame import Frame
 from ._lights import Sky, background_native
 from ._progress import following, later
+from ._queries import shoot_camera, shoot_rays
 from ._rays import Rays
 from ._scene import Scene
+from ._shading import Shading
+from ._source import Source
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,8 +77,9 @@ def render(
         bit. The whole if left out.
     shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. A function ``shade(hits)`` gets `Hits`, misses included, and
-        returns their linear colours, of shape (..., 3). It is called for each sample, for parts of
-        large pictures, and only for the pixels of the region. ``background``, ``ambient`` and
+        returns their linear colours, of shape (..., 3). With one sample it is called once; with
+        several it is called for each sample, and for parts of large pictures. It only sees the
+        pixels of the region. ``background``, ``ambient`` and
         ``shadows`` cannot be given with it.
     ambient : (3,) array_like or str, optional
         Ambient light of the shader ``lambert``, linear.
@@ -96,7 +101,7 @@ def render(
         For no channel, an unknown channel or shader, a value out of range, a region without pixels
         or with steps, and colours of a wrong shape from ``shade``.
     TypeError
-        For a scene, a camera, a region or a flag of another type.
+        For a scene, a camera, a region, a shader or a flag of another type.
     MemoryError
         If the picture does not fit into memory.
 
@@ -136,40 +141,43 @@ def render(
     if not isinstance(scene, Scene) or not isinstance(camera, Camera | None):
         raise TypeError("render takes a Scene and a Camera")
     names, said = _names(channels), scene.shading
+    own = None if shade is None or isinstance(shade, str) else shade
+    if own is not None and not callable(own):
+        raise TypeError(f"shade must be the name of a shader or a function, got {own!r}")
     given = {"background": background, "ambient": ambient, "shadows": shadows}
-    if shade is not None and not isinstance(shade, str):
+    if own is not None:
         for name, value in given.items():
             if value is not None:
                 raise ValueError(f"{name} does nothing with a shade of one's own; leave it out")
-    shade = said.shade if shade is None else shade
-    ambient = said.ambient if ambient is None else ambient
-    shadows = said.shadows if shadows is None else shadows
-    many = said.samples if samples is None else count("samples", samples)
+    look = Shading(
+        shade if isinstance(shade, str) else said.shade,
+        said.ambient if ambient is None else ambient,
+        said.shadows if shadows is None else shadows,
+        said.samples if samples is None else samples,
+    )
     use = threads_or_all(threads)
-    if not 1 <= many < 2**32:
-        raise ValueError(f"samples must be from 1 to 4294967295, got {many}")
     background = scene.background if background is None else background
     back = None if background is None else background_native(background)
-    light = None if ambient is None else color_of("ambient", ambient)
-    own = None if isinstance(shade, str) else shade
-    shader = text("shade", shade) if isinstance(shade, str) else "unlit"
-    shading = (shader, back, light, flag("shadows", shadows))
+    shader = "unlit" if own is not None else look.shade
+    shading = (shader, back, look.ambient, look.shadows)
     asked = [name for name in names if own is None or name != "color"]
     camera = scene._view() if camera is None else camera
-    part = _part(region, (camera.rows, camera.columns))
-    shape = (part[1] - part[0], part[3] - part[2])
-    work = _firsthit.render_work(shape[0] * shape[1], asked, many)
-    owned = shape[0] * shape[1] * many if own is not None and "color" in names else 0
+    part = _Region.of(region, (camera.rows, camera.columns))
+    pixels = math.prod(part.shape)
+    work = _firsthit.render_work(pixels, asked, look.samples)
+    owned = pixels * look.samples if own is not None and "color" in names else 0
     built = scene._ready()
     with following(progress, work + owned) as report:
-        how = shading, many, part, use
+        how = shading, look.samples, part, use
         arrays, origin = _firsthit.render(built.native, camera._native, asked, *how, report)
-        made = {name: _shaped(array, shape) for name, array in zip(asked, arrays, strict=True)}
+        made = {name: _shaped(array, part) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
+            job = _OwnShading(built, camera, part, own, use)
             told = later(report, work)
-            colors = _own_colors((scene, built), (camera, part), own, (many, use), told)
-            made["color"] = np.ascontiguousarray(colors)
-    return Frame(shape, {name: made[name] for name in names}, origin)
+            made["color"] = (
+                job.centres(told) if look.samples == 1 else job.means(look.samples, told)
+            )
+    return Frame(part.shape, {name: made[name] for name in names}, origin)
 
 
 def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:
@@ -177,63 +185,95 @@ def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:
     return distinct(channels, known)
 
 
-def _shaped(array: npt.NDArray[Any], shape: tuple[int, int]) -> npt.NDArray[Any]:
-    components = array.size // max(shape[0] * shape[1], 1)
-    return array.reshape(shape if components == 1 else (*shape, components))
+def _shaped(array: npt.NDArray[Any], part: _Region) -> npt.NDArray[Any]:
+    components = array.size // max(math.prod(part.shape), 1)
+    return array.reshape(part.shape if components == 1 else (*part.shape, components))
 
 
-def _part(region: object, shape: tuple[int, int]) -> tuple[int, int, int, int]:
-    """Return the first row and the one behind the last, and likewise the columns."""
-    if region is None:
-        return 0, shape[0], 0, shape[1]
-    slices = tuple(region) if isinstance(region, tuple | list) else (region,)
-    if len(slices) != 2 or not all(isinstance(each, slice) for each in slices):
-        raise TypeError(f"region must be two slices, of rows and of columns, got {region!r}")
-    ends = [each.indices(length) for each, length in zip(slices, shape, strict=True)]
-    if any(step != 1 or first >= last for first, last, step in ends):
-        raise ValueError(f"region must have pixels, and no steps, got {region!r}")
-    (top, bottom, _), (left, right, _) = ends
-    return top, bottom, left, right
+class _Region(NamedTuple):
+    """A part of a picture: its first row and the one behind its last, and likewise its columns."""
+
+    top: int
+    bottom: int
+    left: int
+    right: int
+
+    @classmethod
+    def of(cls, region: object, shape: tuple[int, int]) -> _Region:
+        """Check what a user gave, for pictures of a shape."""
+        if region is None:
+            return cls(0, shape[0], 0, shape[1])
+        slices = tuple(region) if isinstance(region, tuple | list) else (region,)
+        if len(slices) != 2 or not all(isinstance(each, slice) for each in slices):
+            raise TypeError(f"region must be two slices, of rows and of columns, got {region!r}")
+        try:
+            ends = [each.indices(length) for each, length in zip(slices, shape, strict=True)]
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"region must be two slices of int: {error}") from None
+        if any(step != 1 or first >= last for first, last, step in ends):
+            raise ValueError(f"region must have pixels, and no steps, got {region!r}")
+        (top, bottom, _), (left, right, _) = ends
+        return cls(top, bottom, left, right)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns)."""
+        return self.bottom - self.top, self.right - self.left
 
 
-def _colors(shade: OwnShade, hits: Hits) -> npt.NDArray[np.float64]:
-    colors = np.asarray(shade(hits), dtype=np.float64)
-    wanted = (*hits.shape, 3)
-    if colors.shape != wanted:
-        raise ValueError(f"shade must return colours of shape {wanted}, got {colors.shape}")
-    return colors
+class _OwnShading(NamedTuple):
+    """The colours that a user's function gives to the pixels of a region."""
 
+    built: Built
+    camera: Camera
+    region: _Region
+    shade: OwnShade
+    threads: int
 
-def _own_colors(
-    scenes: tuple[Scene, Built],
-    seen: tuple[Camera, tuple[int, int, int, int]],
-    shade: OwnShade,
-    how: tuple[int, int],
-    report: Report | None,
-) -> npt.NDArray[np.float32]:
-    (scene, built), (camera, part), (samples, threads) = scenes, seen, how
-    if samples == 1:
-        is_whole = part == _part(None, (camera.rows, camera.columns))
-        hits = (
-            scene._shot_by(built, camera, threads, report)
-            if is_whole
-            else scene._shot_part(built, (camera, part), threads, report)
-        )
-        return _colors(shade, hits).astype(np.float32)
-    top, bottom, left, right = part
-    colors = np.empty((bottom - top, right - left, 3), np.float32)
-    # The rays of whole rows are made, of which those of the region are shot.
-    step = max(1, _BATCH // camera.columns)
-    done = 0
-    for row in range(top, bottom, step):
-        last = min(row + step, bottom)
-        total = np.zeros((last - row, right - left, 3))
-        for sample in range(samples):
-            both = camera._native.rays((row, last), sample)
-            grids = (array.reshape(last - row, camera.columns, 3) for array in both)
-            rays = Rays.of(*(grid[:, left:right] for grid in grids))
-            hits = scene._shot(built, rays, threads, later(report, done), camera)
-            total += _colors(shade, hits)
-            done += rays.length
-        colors[row - top : last - top] = total / samples
-    return colors
+    def centres(self, report: Report | None) -> npt.NDArray[np.float32]:
+        """Return the colours of the pixels' centres."""
+        camera = self.camera
+        if self.region == _Region(0, camera.rows, 0, camera.columns):
+            hits = shoot_camera(self.built, camera, self.threads, report)
+        else:
+            source = Source(camera, self._pixels(self.region.top, self.region.bottom).reshape(-1))
+            grids = (array.reshape(*self.region.shape, 3) for array in source.both())
+            hits = shoot_rays(self.built, Rays.of(*grids), self.threads, report, source)
+        return np.ascontiguousarray(self._colors(hits), np.float32)
+
+    def means(self, samples: int, report: Report | None) -> npt.NDArray[np.float32]:
+        """Return the means of the colours at so many points of each pixel."""
+        (top, bottom, left, right), camera = self.region, self.camera
+        colors = np.empty((*self.region.shape, 3), np.float32)
+        # The rays of whole rows are made, of which those of the region are shot.
+        step = max(1, _BATCH // camera.columns)
+        done = 0
+        for row in range(top, bottom, step):
+            last = min(row + step, bottom)
+            pixels = self._pixels(row, last)
+            total = np.zeros((*pixels.shape, 3))
+            for sample in range(samples):
+                both = camera._native.rays((row, last), sample)
+                grids = (array.reshape(last - row, camera.columns, 3) for array in both)
+                rays = Rays.of(*(grid[:, left:right] for grid in grids))
+                source = Source(camera, pixels.reshape(-1), rays)
+                told = later(report, done)
+                hits = shoot_rays(self.built, rays, self.threads, told, source)
+                total += self._colors(hits)
+                done += rays.length
+            colors[row - top : last - top] = total / samples
+        return colors
+
+    def _pixels(self, row: int, last: int) -> npt.NDArray[np.int64]:
+        """Return the numbers of the region's pixels in some rows."""
+        columns = np.arange(self.region.left, self.region.right)
+        return np.arange(row, last)[:, None] * self.camera.columns + columns
+
+    def _colors(self, hits: Hits) -> npt.NDArray[np.float64]:
+        colors = np.asarray(self.shade(hits))
+        wanted = (*hits.shape, 3)
+        if colors.dtype.kind not in "fiub":
+            raise ValueError(f"shade must return real numbers, got dtype {colors.dtype}")
+        if colors.shape != wanted:
+            raise ValueError(f"shade must return colours of shape {wanted}, got {colors.shape}")
+        return colors.astype(np.float64, copy=False)

@@ -39,7 +39,8 @@ class Shading:
     Raises
     ------
     ValueError
-        For an unknown shader, a colour that makes no sense, and samples below 1.
+        For an unknown shader, a colour that makes no sense, and samples that are not from 1 to
+        4294967295.
     TypeError
         For ``shadows`` that are not ``True`` or ``False``.
     """
@@ -59,7 +60,7 @@ class Shading:
         if not isinstance(shade, str) or shade not in _SHADERS:
             raise ValueError(f"shade must be one of {', '.join(_SHADERS)}, got {shade!r}")
         many = count("samples", samples)
-        if many < 1:
-            raise ValueError(f"samples must be at least 1, got {many}")
+        if not 1 <= many < 2**32:
+            raise ValueError(f"samples must be from 1 to 4294967295, got {many}")
         light = None if ambient is None else color_of("ambient", ambient)
         settle(self, shade=shade, ambient=light, shadows=flag("shadows", shadows), samples=many)

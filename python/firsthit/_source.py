@@ -13,6 +13,8 @@ from ._progress import later
 from ._rays import Rays
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy.typing as npt
 
     from ._camera import Camera
@@ -36,23 +38,18 @@ _FEW = SMALL // 16
 
 def hits_arrays(length: int) -> Arrays:
     """Return arrays for so many hits; their elements are anything."""
-    if length < _FEW:
-        return (
-            np.empty(length, np.float64),
-            np.empty(length, np.int32),
-            np.empty(length, np.int32),
-            np.empty((length, 2), np.float64),
-        )
+    # `empty` would do the same for few, but its checks take 1 us of the 11 of a call with one ray.
+    make: Callable[..., npt.NDArray[Any]] = np.empty if length < _FEW else empty
     return (
-        empty((length,), np.float64),
-        empty((length,), np.int32),
-        empty((length,), np.int32),
-        empty((length, 2), np.float64),
+        make((length,), np.float64),
+        make((length,), np.int32),
+        make((length,), np.int32),
+        make((length, 2), np.float64),
     )
 
 
 class Source:
-    """The rays of some hits: all pixels of a camera, some of them, or rays in arrays.
+    """The rays of some hits: the centres of all or some pixels of a camera, or rays in arrays.
 
     Attributes
     ----------
@@ -61,10 +58,10 @@ class Source:
     pixels : (n,) array of int64, or None
         The camera's pixels, counted row by row, where these are not all.
     rays : Rays or None
-        Where no camera makes them, or one makes several for a pixel.
+        Where no camera makes them, or these are not the centres of pixels.
     """
 
-    __slots__ = ("_both", "camera", "pixels", "rays")
+    __slots__ = ("_made", "camera", "pixels", "rays")
 
     def __init__(
         self,
@@ -73,36 +70,43 @@ class Source:
         rays: Rays | None = None,
     ) -> None:
         self.camera, self.pixels, self.rays = camera, pixels, rays
-        self._both: tuple[npt.NDArray[Any], npt.NDArray[Any]] | None = None
+        #: Origins and directions of pixels, once they were asked for.
+        self._made: dict[str, tuple[npt.NDArray[Any], npt.NDArray[Any]]] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle without what can be computed again."""
         return Source, (self.camera, self.pixels, self.rays)
 
     @property
-    def is_of_pixels(self) -> bool:
-        """Whether each ray is that of a pixel's centre."""
-        return self.rays is None
-
-    @property
     def is_whole(self) -> bool:
-        """Whether these are all pixels of a camera in their places."""
+        """Whether these are the centres of all pixels of a camera, in their places."""
         return self.rays is None and self.pixels is None
+
+    def rows_and_columns(self, length: int) -> tuple[npt.NDArray[Any], npt.NDArray[Any]] | None:
+        """Return the rows and columns of the pixels of so many rays, if they are known."""
+        if self.camera is None or (self.rays is not None and self.pixels is None):
+            return None
+        pixels = np.arange(length) if self.pixels is None else self.pixels
+        return np.divmod(pixels, self.camera.columns)
 
     def take(self, chosen: npt.NDArray[np.intp], shape: tuple[int, ...]) -> Source:
         """Return the source of some of the rays, by their numbers, in another shape."""
-        if self.rays is not None:
-            return Source(self.camera, rays=self.rays.take(chosen, shape))
-        return Source(self.camera, chosen if self.pixels is None else self.pixels[chosen])
+        rays = None if self.rays is None else self.rays.take(chosen, shape)
+        pixels = (
+            self.pixels[chosen] if self.pixels is not None else chosen if rays is None else None
+        )
+        return Source(self.camera, pixels, rays)
 
     def both(self) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
         """Return origins and directions."""
         if self.rays is not None:
             return self.rays.origins(), self.rays.directions()
-        if self._both is None:
+        if "both" not in self._made:
             camera, pixels = self._camera_of("origin"), self.pixels
-            self._both = camera.rays() if pixels is None else camera._native.rays_of(pixels)
-        return self._both
+            both = camera.rays() if pixels is None else camera._native.rays_of(pixels)
+            # Another thread may have made them meanwhile: the first are everyone's.
+            self._made.setdefault("both", both)
+        return self._made["both"]
 
     def compute(
         self, name: str, built: Built, arrays: Arrays, threads: int, report: Report | None
@@ -127,7 +131,7 @@ class Source:
         self, name: str, built: Built, arrays: Arrays, threads: int
     ) -> npt.NDArray[np.float64]:
         camera, (t, identifiers, *_) = self._camera_of(name), arrays
-        if self.pixels is not None:
+        if self.rays is None and self.pixels is not None:
             return camera._native.distances(name == "range", self.pixels, t)
         if name == "z" or camera.projection == "orthographic":
             flat = self._compute_of_rays("position", built, arrays, threads, None)

@@ -43,6 +43,18 @@ def test_sixteen_threads_may_ask_one_scene():
         np.testing.assert_array_equal(t, scene.shoot(np.zeros(3), way).t)
 
 
+def test_threads_that_read_a_channel_at_once_get_the_same_memory():
+    scene = ball()
+    camera = fh.Camera.framing(scene, rows=300, columns=300)
+    for _ in range(5):
+        hits = scene.shoot(camera)
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            made = list(pool.map(lambda name, hits=hits: getattr(hits, name), 4 * ["normal"]))
+            made_again = list(pool.map(lambda name, hits=hits: getattr(hits, name), 4 * ["origin"]))
+        assert all(np.shares_memory(array, hits.normal) for array in made)
+        assert all(np.shares_memory(array, hits.origin) for array in made_again)
+
+
 def test_other_threads_go_on_while_rays_are_shot():
     ticks = []
     done = threading.Event()

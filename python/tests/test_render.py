@@ -194,7 +194,7 @@ def test_the_same_picture_for_any_number_of_threads(threads):
     [
         ({"channels": ("depth",)}, "channels must be among color, t, range, z"),
         ({"samples": 0}, "samples must be from 1 to 4294967295"),
-        ({"shade": "toon"}, "shader must be one of lambert unlit normal, got toon"),
+        ({"shade": "toon"}, "shade must be one of lambert, unlit, normal, got 'toon'"),
         ({"background": (1, 2)}, "background must be three numbers"),
         ({"threads": 0}, "threads must be from 1 to 1024"),
     ],

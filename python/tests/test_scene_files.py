@@ -95,7 +95,7 @@ def test_mistakes_name_file_line_column_and_the_right_word(path):
     ("make", "words"),
     [
         (lambda: fh.Shading("phong"), "shade must be one of lambert, unlit, normal, got 'phong'"),
-        (lambda: fh.Shading(samples=0), "samples must be at least 1, got 0"),
+        (lambda: fh.Shading(samples=0), "samples must be from 1 to 4294967295, got 0"),
         (lambda: fh.Shading(ambient=(1, 2)), "ambient must be three numbers"),
     ],
 )

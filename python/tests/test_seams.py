@@ -191,3 +191,43 @@ def test_samples_of_a_pixel_have_distances_too(projection: str) -> None:
     fh.render(scene, camera, samples=3, shade=shade)
     assert len(misses) == 3
     assert 0 < misses[1] < 12 * 16
+
+
+def test_parts_of_a_panorama_s_hits_miss_as_the_whole_does() -> None:
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, -5), 1))
+    camera = fh.Camera.equirectangular((0, 0, 0), (0, 1, 0), (0, 0, 1), rows=8, columns=8)
+    hits = scene.shoot(camera)
+    assert 0 < (hits.object < 0).sum() < 64
+    for name in ("z", "range"):
+        whole = hits.channel(name)
+        np.testing.assert_array_equal(hits[...].channel(name), whole)
+        assert (whole[hits.object < 0] == np.inf).all()
+
+
+def test_samples_know_their_pixels() -> None:
+    scene = _scene()
+    camera = fh.Camera.framing(scene, rows=6, columns=8)
+
+    def shade(hits: fh.Hits) -> np.ndarray:
+        table = hits[hits.object < 2].to_dict("t")
+        return np.stack([table["row"], table["column"], table["t"]], -1).reshape(*hits.shape, 3)
+
+    colors = fh.render(scene, camera, samples=3, shade=shade, region=np.s_[2:5, 3:])["color"]
+    assert colors[..., 0].tolist() == [[row] * 5 for row in (2, 3, 4)]
+    assert colors[..., 1].tolist() == [[3, 4, 5, 6, 7]] * 3
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "message"),
+    [
+        ({"shade": 5}, TypeError, "shade must be the name of a shader or a function, got 5"),
+        ({"channels": None}, TypeError, "channels must be a str or several, got None"),
+        ({"region": np.s_[0.0:2.0, :]}, TypeError, "region must be two slices of int"),
+        ({"region": np.s_[0:2:0, :]}, ValueError, "region must be two slices of int"),
+        ({"shade": lambda hits: 1j * hits.normal}, ValueError, "must return real numbers"),
+    ],
+)
+def test_what_makes_no_picture_is_told_by_its_name(wrong, error, message) -> None:
+    with pytest.raises(error, match=message):
+        fh.render(_scene(), **{"channels": ("t", "color"), **wrong})

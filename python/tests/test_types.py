@@ -9,7 +9,7 @@ from typing import get_args
 
 import firsthit as fh
 import pytest
-from firsthit import typing
+from firsthit import _firsthit, typing
 from support import ball
 
 CONSUMER = Path(__file__).parent / "typed" / "consumer.py"
@@ -47,15 +47,13 @@ def test_a_user_s_script_runs(script):
 
 
 def test_words_that_are_typed_are_those_that_there_are():
-    from firsthit import _firsthit
-
     channels = [name for name, _ in _firsthit.channel_names()]
     assert list(get_args(typing.ChannelName)) == channels
     parts = (typing.DistanceName, typing.IdentifierName, typing.VectorName)
     words = [word for part in parts for word in get_args(part)]
     assert {"color", "front", *words} == set(channels)
     told = [
-        (typing.ShaderName, lambda word: fh.render(ball(), small(), shade=word)),
+        (typing.ShaderName, natively_shaded),
         (typing.ViewName, lambda word: fh.Camera.framing(ball(), 2, 2, view=word)),
         (typing.Projection, lambda word: small(projection=word)),
         (typing.RayStart, lambda word: small(ray_start=word)),
@@ -69,6 +67,12 @@ def test_words_that_are_typed_are_those_that_there_are():
         assert set(listed.removeprefix("one of ").replace(" or ", " ").split()) == set(
             get_args(kind)
         )
+
+
+def natively_shaded(shader):
+    # Of the native half, which knows all shaders.
+    how = (shader, None, None, True), 1, (0, 2, 0, 2), 0
+    _firsthit.render(ball()._native(), small()._native, ["color"], *how, None)
 
 
 def small(**words):
