@@ -186,6 +186,35 @@ fn directions_may_have_any_length() {
     }
 }
 
+/// In the space of an object that a transform makes tiny, rays are long and far away.
+#[test]
+fn rays_past_tiny_objects_miss() {
+    let (points, triangles) = bumpy_sphere(8, 4);
+    let shapes: [Shape; 6] = [
+        mesh(&points, triangles).into(),
+        Sphere::new(DVec3::ZERO, 1.0).unwrap().into(),
+        Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap().into(),
+        Cylinder::new(DVec3::NEG_Y, DVec3::Y, 0.5).unwrap().into(),
+        Cone::new(DVec3::NEG_Y, DVec3::Y, 0.5, 0.0).unwrap().into(),
+        Disc::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap().into(),
+    ];
+    let mut numbers = Numbers::new(6);
+    for shape in shapes {
+        for size in [1e-99, 1e-80, 1e-60, 1e-30] {
+            let tiny = Transform::new(DAffine3::from_scale(DVec3::splat(size))).unwrap();
+            let scene = scene(vec![Object::new(shape.clone()).placed(tiny)]);
+            let straight = Ray::new(DVec3::Z, DVec3::NEG_Z);
+            assert!(!agree(&scene, &straight).is_miss(), "{shape:?} {size}");
+            for _ in 0..200 {
+                let origin = 10.0 * numbers.point();
+                let ray = Ray::new(origin, 3.0 * numbers.point() - origin);
+                let hit = agree(&scene, &ray);
+                assert!(hit.is_miss(), "{shape:?} {size} {ray:?} {}", hit.t);
+            }
+        }
+    }
+}
+
 /// The corner of a box that reaches farthest along an axis, and a ray past it by about the rounding of the
 /// way into object space: hit or missed, but by both.
 #[test]

@@ -163,8 +163,13 @@ impl Surface for Cone {
         } else {
             0.0
         };
-        self.inside(at + start * ray.direction, ray.direction)?
-            .first(start, ray)
+        let nearest = at + start * ray.direction;
+        // A line that passes outside by more than rounding can be meets nothing. The fourth powers of its numbers may be
+        // out of range.
+        if far && nearest.length() > 2.0 * size + 1e-14 * at.length() {
+            return None;
+        }
+        self.inside(nearest, ray.direction)?.first(start, ray)
     }
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
