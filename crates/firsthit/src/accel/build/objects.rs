@@ -29,8 +29,8 @@ impl Bvh {
     /// is called once for each. `slack` is what the test of a candidate rounds, as a share of the coordinates it works
     /// with.
     ///
-    /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer than [`CHUNK`] boxes are the
-    /// calling thread's alone, and need no pool.
+    /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer than 65,536 boxes are
+    /// the calling thread's alone, and need no pool.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
         let boxes: Vec<Bounds> = if (count as usize) < CHUNK {
             (0..count).map(&bounds).collect()
