@@ -168,7 +168,7 @@ class Scene(Queries):
         return self._identifier(made[0])
 
     def _identifier(self, made: Object) -> int:
-        """Return where an object is that was just added, and may have moved since."""
+        """Return the identifier of an object that was just added; it may have moved since."""
         places = reversed(range(len(self._objects)))
         return next(k for k in places if self._objects[k]._mark is made._mark)
 

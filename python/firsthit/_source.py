@@ -91,10 +91,10 @@ class Source:
 
     def take(self, chosen: npt.NDArray[np.intp], shape: tuple[int, ...]) -> Source:
         """Return the source of some of the rays, by their numbers, in another shape."""
+        if self.is_whole:
+            return Source(self.camera, chosen)
+        pixels = None if self.pixels is None else self.pixels[chosen]
         rays = None if self.rays is None else self.rays.take(chosen, shape)
-        pixels = (
-            self.pixels[chosen] if self.pixels is not None else chosen if rays is None else None
-        )
         return Source(self.camera, pixels, rays)
 
     def both(self) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:

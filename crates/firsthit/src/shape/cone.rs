@@ -164,8 +164,7 @@ impl Surface for Cone {
             0.0
         };
         let nearest = at + start * ray.direction;
-        // A line that passes outside by more than rounding can be meets nothing. The fourth powers of its numbers may be
-        // out of range.
+        // A line far outside, by more than rounding, meets nothing. Here, because the fourth powers below may overflow.
         if far && nearest.length() > 2.0 * size + 1e-14 * at.length() {
             return None;
         }
