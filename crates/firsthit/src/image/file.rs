@@ -384,6 +384,23 @@ mod tests {
         assert_eq!(names(folder.path()), ["a.png"]);
     }
 
+    /// A kill while the content is written must leave nothing behind.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn an_incomplete_file_has_no_name_where_that_can_be() {
+        let folder = tempfile::tempdir().unwrap();
+        if nameless_in(folder.path()).is_none() {
+            return;
+        }
+        let path = folder.path().join("a.png");
+        write_whole(&path, &(), |out| {
+            assert!(names(folder.path()).is_empty());
+            out.write_all(b"new")
+        })
+        .unwrap();
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
     #[test]
     fn a_failure_leaves_the_old_file_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
