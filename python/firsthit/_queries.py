@@ -171,11 +171,12 @@ class Queries(Traceable):
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.uint32]:
-        """Count all hits of each ray.
+        """Count how often each ray crosses a surface.
 
-        Every triangle that a ray meets counts, and of a solid that is not a mesh both the entry and
-        the exit. Surfaces in the same place count separately, and so do two triangles at the edge
-        that they share.
+        Each crossing counts once: at an edge or a corner, the triangles that a ray infinitely
+        little beside it would cross. So a ray enters a closed mesh as often as it leaves, and one
+        that only grazes it counts none or two. A solid that is not a mesh is crossed at both ends.
+        Surfaces in the same place count each.
 
         Parameters
         ----------
@@ -185,7 +186,7 @@ class Queries(Traceable):
         Returns
         -------
         (...) array of uint32
-            The number of hits with ``t_min < t <= t_max``.
+            The number of crossings with ``t_min < t <= t_max``.
 
         Raises
         ------

@@ -29,6 +29,22 @@ def test_count_counts_surfaces_and_copies_of_them() -> None:
     assert (counts == 4).all()
 
 
+def test_count_counts_a_shared_edge_once() -> None:
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    faces = [
+        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+    ]  # fmt: skip
+    scene = fh.Scene()
+    scene.add(fh.Mesh(corners, faces))
+    # Through diagonals of two faces, through two corners, along a face, and past.
+    origins = [[0.5, 0.5, 9], [9, 9, 9], [0.5, 1, 9], [2, 2, 9]]
+    directions = [[0, 0, -1], [-1, -1, -1], [0, 0, -1], [0, 0, -1]]
+    counts = scene.count(origins, directions)
+    assert counts[[0, 1, 3]].tolist() == [2, 2, 0]
+    assert counts[2] in (0, 2)
+
+
 def test_a_moved_object_is_where_it_was_moved_to() -> None:
     scene = _scene()
     before = scene.shoot((0, 0, 9), (0, 0, -1))

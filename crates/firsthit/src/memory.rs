@@ -55,6 +55,11 @@ pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
     Ok(vec)
 }
 
+/// That a vector could not grow, by what it is for.
+pub(crate) fn no_room_for(what: &'static str) -> Error {
+    short_of(what, "more".into())
+}
+
 fn no_room(count: usize) -> Error {
     short_of("elements of a result", count.to_string())
 }

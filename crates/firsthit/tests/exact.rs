@@ -16,30 +16,8 @@ use firsthit::{
     Viewplane,
 };
 use num_rational::BigRational;
-use num_traits::ToPrimitive;
+use support::rational::{cross, dot, exact, minus, nearest, number};
 use support::{Numbers, agree, bits, bumpy_sphere, mesh, scene};
-
-type Exact = [BigRational; 3];
-
-fn number(x: f64) -> BigRational {
-    BigRational::from_float(x).unwrap()
-}
-
-fn exact(v: DVec3) -> Exact {
-    v.to_array().map(number)
-}
-
-fn minus(p: &Exact, q: &Exact) -> Exact {
-    std::array::from_fn(|k| &p[k] - &q[k])
-}
-
-fn cross(p: &Exact, q: &Exact) -> Exact {
-    [(1, 2), (2, 0), (0, 1)].map(|(k, l)| &p[k] * &q[l] - &p[l] * &q[k])
-}
-
-fn dot(p: &Exact, q: &Exact) -> BigRational {
-    &p[0] * &q[0] + &p[1] * &q[1] + &p[2] * &q[2]
-}
 
 /// Where a ray crosses a triangle, edges and corners included.
 fn crossing(ray: &Ray, corners: [DVec3; 3]) -> Option<BigRational> {
@@ -57,20 +35,6 @@ fn crossing(ray: &Ray, corners: [DVec3; 3]) -> Option<BigRational> {
     }
     let t = dot(&n, &a) / slope;
     (t > zero).then_some(t)
-}
-
-/// The float64 nearest to `t`.
-fn nearest(t: &BigRational) -> f64 {
-    let first = t.to_f64().unwrap();
-    let off = |x: &f64| {
-        let off = number(*x) - t;
-        if off < number(0.0) { -off } else { off }
-    };
-    let around = [first.next_down(), first, first.next_up()];
-    around
-        .into_iter()
-        .min_by(|x, y| off(x).cmp(&off(y)))
-        .unwrap()
 }
 
 /// Compares the hit with exact arithmetic over all triangles.

@@ -157,7 +157,7 @@ mod tests {
     use crate::accel::mesh_tree::MeshTree;
     use crate::accel::rays::packet::Packet;
     use crate::geometry::{DVec3, Ray};
-    use crate::shape::triangle::Shear;
+    use crate::shape::triangle::{EdgeRule, Shear};
     use crate::shape::{Mesh, Positions};
     use crate::simd::{self, InstructionSet, Kernel, LANES};
 
@@ -188,7 +188,8 @@ mod tests {
                 }
                 for lane in 0..leaf.filled.count_ones() as usize {
                     let triangle = tree.triangle(leaf, lane) as usize;
-                    let hit = mesh.intersect_triangle(triangle, &Shear::new(&ray));
+                    let hit =
+                        mesh.intersect_triangle(triangle, EdgeRule::Closed, &Shear::new(&ray));
                     let [is_possible, is_certain] = [possible, certain].map(|m| m >> lane & 1 == 1);
                     let Some(hit) = hit.filter(|hit| hit.t > 0.0) else {
                         let is_wrong = is_possible && is_certain && lows[lane] > 0.0;

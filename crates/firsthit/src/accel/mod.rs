@@ -41,6 +41,7 @@ pub(crate) use tile::traverse::{TileScratch, fill_buffer};
 pub(crate) use tile::visibility::{
     BLOCK, ExactTest, TILE, TriangleId, VisibilityBuffer, block_and_lane, row_and_column,
 };
+pub(crate) use traverse::all::{All, CrossingList};
 pub(crate) use traverse::any::Any;
 pub(crate) use traverse::count::Count;
 pub(crate) use traverse::dispatch::Dispatcher;

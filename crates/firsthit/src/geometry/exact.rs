@@ -1,9 +1,11 @@
-//! Determinants of three vectors, whose signs are exact.
+//! Determinants of three vectors, whose signs are exact, and comparisons of their quotients.
 
 #![allow(
     clippy::inline_always,
     reason = "inlined into a kernel, it has the kernel's fused multiply-add"
 )]
+
+use std::cmp::Ordering;
 
 use super::arithmetic::Scalar;
 use super::double::{Double, DoubleVector, product, sum};
@@ -30,20 +32,28 @@ impl Scaled {
     }
 }
 
-/// Two to the power of 300: products of three numbers around this one have rests that float64 can hold.
-const LARGE: f64 = f64::from_bits((1023 + 300) << 52);
+/// Two to the power of `exponent`.
+#[expect(clippy::cast_sign_loss, reason = "small exponents")]
+const fn power(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
 
 /// How many terms a determinant has: six products of three numbers in two parts, each product in four.
 const TERMS: usize = 6 * 8 * 4;
 
 /// The determinant of three vectors times 2^900, in twice the digits. Its sign is exact, and it is zero only where it is zero.
-///
-/// Each product of three is split into a sum of four numbers without rounding. Adding up their sum makes of them, again without
-/// rounding, the sum and what each addition lost, which are far smaller numbers with the same total; and so on until
-/// these cannot matter any more: Ogita, Rump and Oishi, "Accurate sum and dot product", SIAM Journal on Scientific Computing
-/// 26(6), 2005.
 #[inline(always)]
 pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
+    let mut terms = [0.0; TERMS];
+    // Products of three numbers around 2^300 have rests that float64 can hold.
+    let count = fill_with_terms(&mut terms, [p, q, r], power(300));
+    total(&mut terms[..count])
+}
+
+/// Fills `terms` with numbers whose sum is the determinant of three vectors, each times `scale`, without rounding. Returns
+/// how many there are.
+#[inline(always)]
+fn fill_with_terms(terms: &mut [f64; TERMS], [p, q, r]: [&Scaled; 3], scale: f64) -> usize {
     const ORDERS: [([usize; 3], f64); 6] = [
         ([0, 1, 2], 1.0),
         ([1, 2, 0], 1.0),
@@ -52,7 +62,6 @@ pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
         ([1, 0, 2], -1.0),
         ([0, 2, 1], -1.0),
     ];
-    let mut terms = [0.0; TERMS];
     let mut count = 0;
     // Most vectors have no second parts, and most products no rest.
     let mut put = |x: f64| {
@@ -61,7 +70,7 @@ pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
     };
     for ([k, l, m], sign) in ORDERS {
         let parts =
-            |v: &Scaled, axis: usize| [v.vector[axis].high, v.vector[axis].low].map(|x| x * LARGE);
+            |v: &Scaled, axis: usize| [v.vector[axis].high, v.vector[axis].low].map(|x| x * scale);
         for x in parts(p, k) {
             for y in parts(q, l) {
                 if x == 0.0 || y == 0.0 {
@@ -78,14 +87,23 @@ pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
             }
         }
     }
-    let terms = &mut terms[..count.min(TERMS)];
+    count.min(TERMS)
+}
+
+/// The sum of numbers in twice the digits. Its sign is exact, and it is zero only where the sum is zero.
+///
+/// Adding them up makes of them, without rounding, the sum and what each addition lost, which are far smaller numbers with
+/// the same total; and so on until these cannot matter any more: Ogita, Rump and Oishi, "Accurate sum and dot product",
+/// SIAM Journal on Scientific Computing 26(6), 2005.
+#[inline(always)]
+fn total(terms: &mut [f64]) -> Double<f64> {
     let Some(last) = terms.len().checked_sub(1) else {
         return Double {
             high: 0.0,
             low: 0.0,
         };
     };
-    // A few times; of a determinant that is zero until all are zero.
+    // A few times; of a sum that is zero until all are zero.
     loop {
         for k in 1..terms.len() {
             let two = sum(Scalar, terms[k], terms[k - 1]);
@@ -100,8 +118,56 @@ pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
     }
 }
 
+/// A determinant of three vectors without rounding, as a sum of numbers.
+#[derive(Debug)]
+pub(crate) struct Expansion(Vec<f64>);
+
+impl Expansion {
+    pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Self {
+        let mut terms = [0.0; TERMS];
+        // So that products of two determinants stay in float64's range, with their rests.
+        let count = fill_with_terms(&mut terms, [p, q, r], power(100));
+        let terms = &mut terms[..count];
+        // Far fewer, with the same sum.
+        total(terms);
+        Self(terms.iter().copied().filter(|&x| x != 0.0).collect())
+    }
+
+    /// The same, times a power of two.
+    pub(crate) fn times(mut self, power: f64) -> Self {
+        for term in &mut self.0 {
+            *term *= power;
+        }
+        self
+    }
+
+    /// Whether `self / denominator` is less than, equal to or greater than another such quotient.
+    pub(crate) fn compare_quotients(
+        [numerator, denominator]: [&Self; 2],
+        [other, by]: [&Self; 2],
+    ) -> Ordering {
+        let mut terms = Vec::new();
+        for (x, y, sign) in [(numerator, by, 1.0), (other, denominator, -1.0)] {
+            for &x in &x.0 {
+                for &y in &y.0 {
+                    let two = product(Scalar, sign * x, y);
+                    terms.extend([two.high, two.low]);
+                }
+            }
+        }
+        let difference = total(&mut terms).high;
+        let signed = denominator.sign() * by.sign() * difference;
+        signed.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+    }
+
+    fn sign(&self) -> f64 {
+        let sum = total(&mut self.0.clone()).high;
+        if sum == 0.0 { 0.0 } else { sum.signum() }
+    }
+}
+
 /// Two to the power of -40.
-const ENOUGH: f64 = f64::from_bits((1023 - 40) << 52);
+const ENOUGH: f64 = power(-40);
 
 #[cfg(test)]
 mod tests {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::Material;
 use crate::geometry::summary::Short;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
-use crate::shape::triangle::Shear;
+use crate::shape::triangle::{EdgeRule, Shear};
 use crate::shape::{Crossing, Mesh, Shape, Surface};
 
 /// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
@@ -156,9 +156,10 @@ impl Object {
         &self,
         mesh: &Mesh,
         triangle: usize,
+        edges: EdgeRule,
         (ray, shear): (&Ray, &Shear),
     ) -> Option<Crossing> {
-        let hit = mesh.intersect_triangle(triangle, shear)?;
+        let hit = mesh.intersect_triangle(triangle, edges, shear)?;
         let is_cut_out = self.has_cutouts() && self.is_cut_out(mesh, triangle, hit.barycentric);
         (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(triangle as i32))
     }

@@ -1,6 +1,6 @@
 //! The cone: a round body whose radius changes evenly along its axis.
 
-use super::interval::Interval;
+use super::interval::{Interval, held};
 use super::{Crossing, Surface, sines};
 use crate::error::Result;
 #[cfg(feature = "frame")]
@@ -134,6 +134,25 @@ impl Cone {
             before
         })
     }
+
+    /// The stretch of the ray's line that is inside, and the ray's parameter where the stretch has its zero.
+    fn along(&self, ray: &Ray) -> Option<(Interval, f64)> {
+        let at = ray.origin - self.bottom;
+        // From far away the quadratic's terms would be all rounding: start it where the line is nearest.
+        let size = self.height + self.bottom_radius + self.top_radius;
+        let far = at.length_squared() > 64.0 * size * size;
+        let start = if far {
+            -at.dot(ray.direction) / ray.direction.length_squared()
+        } else {
+            0.0
+        };
+        let nearest = at + start * ray.direction;
+        // A line far outside, by more than rounding, meets nothing. Here, because the fourth powers below may overflow.
+        if far && nearest.length() > 2.0 * size + 1e-14 * at.length() {
+            return None;
+        }
+        Some((self.inside(nearest, ray.direction)?, start))
+    }
 }
 
 impl Surface for Cone {
@@ -154,21 +173,15 @@ impl Surface for Cone {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let at = ray.origin - self.bottom;
-        // From far away the quadratic's terms would be all rounding: start it where the line is nearest.
-        let size = self.height + self.bottom_radius + self.top_radius;
-        let far = at.length_squared() > 64.0 * size * size;
-        let start = if far {
-            -at.dot(ray.direction) / ray.direction.length_squared()
-        } else {
-            0.0
-        };
-        let nearest = at + start * ray.direction;
-        // A line far outside, by more than rounding, meets nothing. Here, because the fourth powers below may overflow.
-        if far && nearest.length() > 2.0 * size + 1e-14 * at.length() {
-            return None;
-        }
-        self.inside(nearest, ray.direction)?.first(start, ray)
+        let (inside, start) = self.along(ray)?;
+        inside.first(start, ray)
+    }
+
+    fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+        let ends = self
+            .along(ray)
+            .and_then(|(inside, start)| inside.ends(start));
+        held(ends, ray)
     }
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {

@@ -273,6 +273,27 @@ fn t_counts_in_lengths_of_the_direction_and_t_max_is_included() {
     });
 }
 
+/// All crossings are the first one, and what a ray meets that begins there.
+#[test]
+fn all_crossings_are_those_met_one_after_another() {
+    each_hit(|shape, ray, hit| {
+        if matches!(shape, Shape::Mesh(_)) {
+            return;
+        }
+        let all: Vec<f64> = shape
+            .crossings(ray)
+            .iter()
+            .flatten()
+            .map(|at| at.t)
+            .collect();
+        let next = shape.intersect(&ray.beyond(hit.t)).map(|next| next.t);
+        // Both ends of a solid in one place are both there.
+        let last = next.or((all.len() == 2).then_some(hit.t));
+        let expected: Vec<f64> = [Some(hit.t), last].into_iter().flatten().collect();
+        assert_eq!(all, expected, "{shape:?} {ray:?}");
+    });
+}
+
 /// What a ray meets that begins at its first crossing is the second one, as seen from the other end.
 #[test]
 fn t_min_is_not_included_and_lets_the_next_crossing_through() {

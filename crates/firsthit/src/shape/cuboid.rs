@@ -1,6 +1,6 @@
 //! The box along the axes.
 
-use super::interval::Interval;
+use super::interval::{Interval, held};
 use super::{Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
@@ -53,6 +53,19 @@ impl Cuboid {
     pub fn high(&self) -> DVec3 {
         self.bounds.high
     }
+
+    /// The stretch of the ray's line that is inside.
+    fn inside(&self, ray: &Ray) -> Option<Interval> {
+        let mut inside = Interval::line();
+        for (axis, faces) in [[0, 1], [2, 3], [4, 5]].into_iter().enumerate() {
+            let planes = [
+                (self.bounds.low[axis], faces[0]),
+                (self.bounds.high[axis], faces[1]),
+            ];
+            inside = inside.between(planes, ray.origin[axis], ray.direction[axis])?;
+        }
+        Some(inside)
+    }
 }
 
 impl Surface for Cuboid {
@@ -66,15 +79,11 @@ impl Surface for Cuboid {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let mut inside = Interval::line();
-        for (axis, faces) in [[0, 1], [2, 3], [4, 5]].into_iter().enumerate() {
-            let planes = [
-                (self.bounds.low[axis], faces[0]),
-                (self.bounds.high[axis], faces[1]),
-            ];
-            inside = inside.between(planes, ray.origin[axis], ray.direction[axis])?;
-        }
-        inside.first(0.0, ray)
+        self.inside(ray)?.first(0.0, ray)
+    }
+
+    fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+        held(self.inside(ray).and_then(|inside| inside.ends(0.0)), ray)
     }
 
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {

@@ -64,6 +64,10 @@ impl Surface for Cylinder {
         self.cone.intersect(ray)
     }
 
+    fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+        self.cone.crossings(ray)
+    }
+
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.cone.normal(point, primitive)
     }

@@ -63,19 +63,28 @@ impl Interval {
         self.exit.t - self.enter.t
     }
 
+    /// Both ends, the interval's zero being at the ray's parameter `start`.
+    pub(super) fn ends(self, start: f64) -> Option<[Crossing; 2]> {
+        let moved = |end: Crossing| Crossing {
+            t: end.t + start,
+            ..end
+        };
+        (!self.is_empty()).then(|| [self.enter, self.exit].map(moved))
+    }
+
     /// The first end that `ray` holds, the interval's zero being at the ray's parameter `start`; where
     /// both ends are at the same `t` (the ray touches an edge), the one with the lower primitive.
     pub(super) fn first(self, start: f64, ray: &Ray) -> Option<Crossing> {
-        if self.is_empty() {
-            return None;
-        }
-        let [enter, exit] = [self.enter, self.exit].map(|end| Crossing {
-            t: end.t + start,
-            ..end
-        });
+        let [enter, exit] = self.ends(start)?;
         let touches = enter.t == exit.t && exit.primitive < enter.primitive;
         let ends = if touches { [exit; 2] } else { [enter, exit] };
         ends.into_iter()
             .find(|end| ray.holds(end.t) && end.t.is_finite())
     }
+}
+
+/// Those of a solid's ends that `ray` holds.
+pub(super) fn held(ends: Option<[Crossing; 2]>, ray: &Ray) -> [Option<Crossing>; 2] {
+    let ends = ends.map_or([None; 2], |ends| ends.map(Some));
+    ends.map(|end| end.filter(|end| ray.holds(end.t) && end.t.is_finite()))
 }

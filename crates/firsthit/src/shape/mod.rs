@@ -68,6 +68,12 @@ pub trait Surface {
     /// square float64 can hold (what scenes are shot at with may have any length).
     fn intersect(&self, ray: &Ray) -> Option<Crossing>;
 
+    /// Every crossing that the ray holds, in order. Of a solid both ends, although they may be in one place. (A mesh says
+    /// the first alone: its triangles are asked one by one.)
+    fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+        [self.intersect(ray), None]
+    }
+
     /// The normal at a point of the surface, of length one, outwards for closed shapes.
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3;
 
@@ -118,6 +124,10 @@ macro_rules! shapes {
 
             fn intersect(&self, ray: &Ray) -> Option<Crossing> {
                 match self { $(Self::$kind(shape) => Surface::intersect(shape, ray),)* }
+            }
+
+            fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+                match self { $(Self::$kind(shape) => Surface::crossings(shape, ray),)* }
             }
 
             fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {

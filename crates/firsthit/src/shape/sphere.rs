@@ -1,5 +1,6 @@
 //! The sphere.
 
+use super::interval::held;
 use super::{Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
@@ -44,6 +45,23 @@ impl Sphere {
     pub fn radius(&self) -> f64 {
         self.radius
     }
+
+    /// Where the ray's line enters and where it leaves.
+    fn ends(&self, ray: &Ray) -> Option<[Crossing; 2]> {
+        let from_center = ray.origin - self.center;
+        let a = ray.direction.length_squared();
+        let b = -from_center.dot(ray.direction);
+        let c = from_center.length_squared() - self.radius * self.radius;
+        // From the line's closest point, not from b * b - a * c, which far away is all rounding.
+        let closest = from_center + b / a * ray.direction;
+        let discriminant = self.radius * self.radius - closest.length_squared();
+        if discriminant < 0.0 {
+            return None;
+        }
+        let q = b + b.signum() * (a * discriminant).sqrt();
+        let (t0, t1) = (c / q, q / a);
+        Some([t0.min(t1), t0.max(t1)].map(|t| Crossing::at(t, 0)))
+    }
 }
 
 impl Surface for Sphere {
@@ -61,22 +79,11 @@ impl Surface for Sphere {
     /// Stable roots: Haines, Günther and Akenine-Möller, "Precision Improvements for Ray/Sphere
     /// Intersection", Ray Tracing Gems (2019), chapter 7.
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let from_center = ray.origin - self.center;
-        let a = ray.direction.length_squared();
-        let b = -from_center.dot(ray.direction);
-        let c = from_center.length_squared() - self.radius * self.radius;
-        // From the line's closest point, not from b * b - a * c, which far away is all rounding.
-        let closest = from_center + b / a * ray.direction;
-        let discriminant = self.radius * self.radius - closest.length_squared();
-        if discriminant < 0.0 {
-            return None;
-        }
-        let q = b + b.signum() * (a * discriminant).sqrt();
-        let (t0, t1) = (c / q, q / a);
-        [t0.min(t1), t0.max(t1)]
-            .into_iter()
-            .find(|&t| ray.holds(t))
-            .map(|t| Crossing::at(t, 0))
+        self.ends(ray)?.into_iter().find(|end| ray.holds(end.t))
+    }
+
+    fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+        held(self.ends(ray), ray)
     }
 
     fn normal(&self, point: DVec3, _primitive: i32) -> DVec3 {

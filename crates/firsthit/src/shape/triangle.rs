@@ -9,7 +9,8 @@
 //!    triangle where no two signs differ, and not all are zero.
 //! 5. Compute where (`triangle/place.rs`).
 //!
-//! Edges and corners are part of a triangle, and neighbours agree about their edge. So no ray passes between them.
+//! Edges and corners are part of a triangle, and neighbours agree about their edge. So no ray passes between them. A query
+//! that takes every crossing once has another rule for zeros in step 4: `triangle/crossed.rs`.
 //!
 //! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013.
 //! It departs in step 4: there float64 decides for float32, and the sheared corners are rounded.
@@ -29,6 +30,7 @@
     reason = "inlined into a kernel, it has the kernel's fused multiply-add"
 )]
 
+mod crossed;
 mod place;
 
 pub(crate) use place::{Meeting, Place, Plain, PlainStart, Plane, Start};
@@ -47,6 +49,16 @@ pub struct Shear {
     /// The axis along which the direction is longest, and the two others.
     axes: [usize; 3],
     slope: DVec2,
+}
+
+/// Whether a ray at an edge or corner meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EdgeRule {
+    /// Edges and corners are part of every triangle that has them: between neighbours there is no gap.
+    Closed,
+    /// Each point of an edge belongs to one of two neighbours, as a ray infinitely little beside it would see them: on
+    /// a closed mesh every ray enters as often as it leaves.
+    Once,
 }
 
 /// Where a ray meets a triangle's plane inside the triangle.
@@ -119,13 +131,20 @@ impl Shear {
     /// Where the ray meets the triangle, edges and corners included; `None` past it or along it.
     #[inline(always)]
     pub fn intersect(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
-        self.intersect_by(corners, Doubtful::settle)
+        self.intersect_by(EdgeRule::Closed, corners, Doubtful::settle)
+    }
+
+    /// The same with another rule for edges and corners.
+    #[inline(always)]
+    pub fn intersect_with(&self, edges: EdgeRule, corners: [DVec3; 3]) -> Option<TriangleHit> {
+        self.intersect_by(edges, corners, Doubtful::settle)
     }
 
     /// The same, where a kernel brings its own function to `settle` what float64 cannot decide.
     #[inline(always)]
     pub(crate) fn intersect_by(
         &self,
+        edges: EdgeRule,
         corners: [DVec3; 3],
         settle: impl FnOnce(Doubtful) -> Option<TriangleHit>,
     ) -> Option<TriangleHit> {
@@ -146,7 +165,11 @@ impl Shear {
         if is_met && let Some(place) = meeting.plain() {
             return Some(TriangleHit::new(place));
         }
-        settle(Doubtful { meeting, is_met })
+        settle(Doubtful {
+            meeting,
+            is_met,
+            edges,
+        })
     }
 }
 
@@ -163,6 +186,7 @@ pub(crate) fn locate(
         None => settle(Doubtful {
             meeting,
             is_met: true,
+            edges: EdgeRule::Closed,
         }),
     }
 }
@@ -186,6 +210,7 @@ pub(crate) struct Doubtful {
     meeting: Meeting<f64>,
     /// Whether the ray is known to meet the triangle, and only where it does is left to be computed.
     is_met: bool,
+    edges: EdgeRule,
 }
 
 impl Doubtful {
@@ -223,18 +248,27 @@ impl Doubtful {
             return false;
         }
         let d = self.meeting.direction.map(|high| Double { high, low: 0.0 });
-        let [u, v, w] = if let Some([a, b, c]) = along_axis(&d, &corners) {
+        let sides = if let Some([a, b, c]) = along_axis(&d, &corners) {
             [side(c, b), side(a, c), side(b, a)]
         } else {
-            let d = Scaled::new(&d);
-            let [a, b, c] = corners.map(|corner| Scaled::new(&corner));
-            [(&c, &b), (&a, &c), (&b, &a)].map(|(p, q)| determinant(&d, p, q).high)
+            exact_sides(&Scaled::new(&d), &corners)
         };
+        let [u, v, w] = sides;
+        if self.edges == EdgeRule::Once && (u == 0.0 || v == 0.0 || w == 0.0) {
+            return self.meeting.is_crossed();
+        }
         let is_front = u >= 0.0 && v >= 0.0 && w >= 0.0;
         let is_back = u <= 0.0 && v <= 0.0 && w <= 0.0;
         // Not both: a ray in the triangle's plane, or a triangle without area.
         is_front != is_back
     }
+}
+
+/// Numbers with the exact signs of the sides of a triangle's edges, its corners given relative to the ray's origin.
+#[inline(always)]
+fn exact_sides(d: &Scaled, corners: &[DoubleVector<f64>; 3]) -> [f64; 3] {
+    let [a, b, c] = corners.map(|corner| Scaled::new(&corner));
+    [(&c, &b), (&a, &c), (&b, &a)].map(|(p, q)| determinant(d, p, q).high)
 }
 
 /// The corners across a ray along an axis, if float64 has them without rounding. Such rays are frequent: they are those

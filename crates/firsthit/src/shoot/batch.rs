@@ -20,7 +20,7 @@ use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
 
 /// How many rays a thread takes at a time at most: enough to be worth it, few enough to stop within a moment.
-const BATCH: usize = 1024;
+pub(super) const BATCH: usize = 1024;
 
 /// Rays that need have nothing in common, by all threads of the current rayon pool.
 pub(super) fn trace_array<S: Sink>(
@@ -31,14 +31,25 @@ pub(super) fn trace_array<S: Sink>(
     watch: &dyn Watch,
 ) -> Result<()> {
     each_chunk(sink, BATCH, watch, |index, sink| {
-        let batch = Batch {
-            scene,
-            rays,
-            first: index * BATCH,
-            sink,
-        };
-        simd::run(set, batch);
+        fill_batch(set, scene, rays, index * BATCH, sink);
     })
+}
+
+/// Fills a sink for at most [`BATCH`] rays, from `first` on.
+pub(super) fn fill_batch<S: Sink>(
+    set: InstructionSet,
+    scene: &Scene,
+    rays: &dyn Rays,
+    first: usize,
+    sink: S,
+) {
+    let batch = Batch {
+        scene,
+        rays,
+        first,
+        sink,
+    };
+    simd::run(set, batch);
 }
 
 /// Fills a sink, `size` rays at a time, by all threads of the current rayon pool.

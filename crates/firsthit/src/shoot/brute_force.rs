@@ -2,7 +2,7 @@
 
 use super::engine::Engine;
 use super::query::Answers;
-use super::ray_query::{AnyHit, FirstHit, RayQuery, Sink};
+use super::ray_query::{AnyHit, EveryHit, FirstHit, RayQuery, Sink};
 use super::scaled_ray::ScaledRay;
 use crate::accel::MeshQuery;
 use crate::error::{Error, Result};
@@ -38,6 +38,12 @@ impl Engine for BruteForce {
             Answers::First(hits) => answer_all(scene, rays, hits, watch),
             Answers::Any(found) => answer_all(scene, rays, found, watch),
             Answers::Count(counts) => answer_all(scene, rays, counts, watch),
+            Answers::All(all) => all.fill(scene, rays, watch, |first, lists| {
+                for (index, list) in (first..).zip(lists) {
+                    let EveryHit(found) = answer(scene, &rays.ray(index));
+                    *list = found;
+                }
+            }),
         }
     }
 }
@@ -65,7 +71,7 @@ fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray) -> Q {
         return query;
     };
     for (index, object) in (0..).zip(scene.objects()) {
-        all_crossings(&scaled, object, |crossing| {
+        all_crossings::<Q::InMesh>(&scaled, object, |crossing| {
             if scaled.hit(index, crossing).is_some() {
                 let found = Q::InMesh::of_crossing(Some(crossing));
                 query.take(scene, &scaled, index, found);
@@ -76,20 +82,23 @@ fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray) -> Q {
 }
 
 /// Calls `accept` with every crossing of an object's surface.
-fn all_crossings(scaled: &ScaledRay, object: &Object, mut accept: impl FnMut(Crossing)) {
-    let Some(mut ray) = scaled.in_object(object, scaled.ray.t_max) else {
+fn all_crossings<Q: MeshQuery>(
+    scaled: &ScaledRay,
+    object: &Object,
+    mut accept: impl FnMut(Crossing),
+) {
+    let Some(ray) = scaled.in_object(object, scaled.ray.t_max) else {
         return;
     };
     let Shape::Mesh(mesh) = object.shape() else {
-        while let Some(crossing) = object.shape().intersect(&ray) {
-            accept(crossing);
-            ray = ray.beyond(crossing.t);
-        }
+        let crossings = object.shape().crossings(&ray);
+        crossings.into_iter().flatten().for_each(accept);
         return;
     };
     let shear = Shear::new(&ray);
     for triangle in 0..mesh.triangles().len() {
-        if let Some(crossing) = object.intersect_triangle(mesh, triangle, (&ray, &shear)) {
+        let crossing = object.intersect_triangle(mesh, triangle, Q::EDGES, (&ray, &shear));
+        if let Some(crossing) = crossing {
             accept(crossing);
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 use std::sync::OnceLock;
 
+use super::all::trace_all;
 use super::batch::{Single, trace_array};
 use super::query::Answers;
 use super::ray_query::{AnyHit, FirstHit, RayQuery};
@@ -106,6 +107,7 @@ impl Engine for Cpu {
             Answers::First(hits) => trace_hits(self.0, scene, rays, hits, watch),
             Answers::Any(found) => trace_array(self.0, scene, rays, found, watch),
             Answers::Count(counts) => trace_array(self.0, scene, rays, counts, watch),
+            Answers::All(all) => trace_all(self.0, scene, rays, all, watch),
         }
     }
 }

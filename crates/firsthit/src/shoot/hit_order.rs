@@ -1,11 +1,16 @@
 //! Which of two hits of a ray is the first: the one with the smaller `t`, which of triangles is the float64 nearest to
 //! the exact one; of equal ones the lower (object, primitive).
+//!
+//! Where all crossings are wanted, those of one mesh with equal `t` are in the order of a ray infinitely little beside it
+//! (`triangle/crossed.rs`).
+
+use std::cmp::Ordering;
 
 use super::scaled_ray::ScaledRay;
-use crate::geometry::Hit;
+use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
 use crate::shape::triangle::are_close;
-use crate::shape::{Crossing, Shape};
+use crate::shape::{Crossing, Mesh, Shape};
 
 impl ScaledRay {
     /// Whether `new` is the first of two hits of the ray, each perhaps a miss.
@@ -24,20 +29,84 @@ impl ScaledRay {
         key(new) < key(old)
     }
 
+    /// Brings crossings of the ray into their order; those at one end of a solid before those at the other are so already.
+    pub(super) fn order(&self, scene: &Scene, hits: &mut [Hit]) {
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t));
+        for close in hits.chunk_by_mut(|a, b| are_close(a.t, b.t)) {
+            if close.len() > 1 {
+                self.order_closely(scene, close);
+            }
+        }
+    }
+
+    /// The same for hits with nearly the same `t`, which becomes that of the nearest float64.
+    #[cold]
+    fn order_closely(&self, scene: &Scene, hits: &mut [Hit]) {
+        let (first, last) = self.range();
+        for hit in &mut *hits {
+            // Not out of the ray.
+            hit.t = self.nearest_t(scene, hit).max(first).min(last);
+        }
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.object.cmp(&b.object)));
+        for same in hits.chunk_by_mut(|a, b| (a.t, a.object) == (b.t, b.object)) {
+            let Some((ray, mesh)) = self.in_mesh(scene, &same[0]) else {
+                continue;
+            };
+            same.sort_by_key(|hit| hit.primitive);
+            merge_sort(same, &|one, other| {
+                mesh.compare(&ray, &self.crossing(one), &self.crossing(other)) == Ordering::Less
+            });
+        }
+    }
+
     /// The float64 nearest to the exact `t` of a hit in a triangle.
     fn nearest_t(&self, scene: &Scene, hit: &Hit) -> f64 {
-        let object = usize::try_from(hit.object).map(|index| &scene.objects()[index]);
-        if let Ok(object) = object
-            && let Shape::Mesh(mesh) = object.shape()
-            && let Some(ray) = self.in_object(object, f64::INFINITY)
-        {
-            let crossing = Crossing {
-                t: hit.t / self.t_scale,
-                primitive: hit.primitive,
-                barycentric: hit.barycentric,
-            };
-            return self.t_scale * mesh.nearest_t(&ray, &crossing);
+        self.in_mesh(scene, hit).map_or(hit.t, |(ray, mesh)| {
+            self.t_scale * mesh.nearest_t(&ray, &self.crossing(hit))
+        })
+    }
+
+    /// A hit of a mesh, and the ray in the space of that.
+    fn in_mesh<'a>(&self, scene: &'a Scene, hit: &Hit) -> Option<(Ray, &'a Mesh)> {
+        let object = scene.objects().get(usize::try_from(hit.object).ok()?)?;
+        let Shape::Mesh(mesh) = object.shape() else {
+            return None;
+        };
+        Some((self.in_object(object, f64::INFINITY)?, mesh))
+    }
+
+    /// A hit as its mesh has it.
+    fn crossing(&self, hit: &Hit) -> Crossing {
+        Crossing {
+            t: hit.t / self.t_scale,
+            primitive: hit.primitive,
+            barycentric: hit.barycentric,
         }
-        hit.t
+    }
+}
+
+/// A stable sort that takes any `is_before`: of numbers beyond float64's range the exact comparison is no order, on which the
+/// standard library's may panic.
+fn merge_sort(hits: &mut [Hit], is_before: &impl Fn(&Hit, &Hit) -> bool) {
+    if hits.len() < 2 {
+        return;
+    }
+    let middle = hits.len() / 2;
+    let (low, high) = hits.split_at_mut(middle);
+    merge_sort(low, is_before);
+    merge_sort(high, is_before);
+    let first_half = low.to_vec();
+    let (mut one, mut other) = (0, middle);
+    for place in 0..hits.len() {
+        let Some(hit) = first_half.get(one) else {
+            return;
+        };
+        if other < hits.len() && is_before(&hits[other], hit) {
+            hits[place] = hits[other];
+            other += 1;
+        } else {
+            hits[place] = *hit;
+            one += 1;
+        }
     }
 }

@@ -7,6 +7,7 @@
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
 )]
 
+mod all;
 mod batch;
 mod brute_force;
 mod engine;
@@ -18,10 +19,11 @@ mod scaled_ray;
 mod scene_walk;
 mod tiles;
 
+pub use all::{AllAnswers, AllHits};
 pub use brute_force::BruteForce;
 pub use engine::{Cpu, Engine};
 pub use hits::{HitSlices, Hits};
-pub use query::{Answers, Any, Count, First, Query};
+pub use query::{All, Answers, Any, Count, First, Query};
 
 use crate::error::Result;
 use crate::geometry::{DVec3, Hit, Ray, Rays};

@@ -1,9 +1,10 @@
 //! What can be asked about rays, and where the answers go.
 
+use super::all::{AllAnswers, AllHits};
 use super::hits::{HitSlices, Hits, fit};
 use crate::error::Result;
 
-/// A question about rays, with an answer for each: [`First`], [`Any`] or [`Count`].
+/// A question about rays, with an answer for each: [`First`], [`Any`], [`Count`] or [`All`].
 ///
 /// ```
 /// use firsthit::{DVec3, Object, Ray, Scene, Sphere};
@@ -39,10 +40,40 @@ pub struct First;
 #[derive(Debug, Clone, Copy)]
 pub struct Any;
 
-/// How many times each ray meets a surface: all pairs of (object, primitive) that it meets, and of a solid that is no mesh both
-/// ends. Surfaces in the same place count each, and so do two triangles at the edge that they share.
+/// How many times each ray crosses a surface: how many hits [`All`] has for it.
 #[derive(Debug, Clone, Copy)]
 pub struct Count;
+
+/// Every crossing of each ray with a surface, in order; [`AllHits`] holds them.
+///
+/// Each crossing is there once. A ray through an edge or a corner crosses the triangles that a ray infinitely little beside it
+/// would cross (`shape/triangle/crossed.rs`): through a closed mesh it enters and leaves in turn, and where it only grazes, it
+/// does both or neither. So at an edge [`First`] may see a surface that is not among these. A ray along a triangle does
+/// not cross it. A solid that is no mesh is crossed at both ends. Surfaces in the same place count each.
+///
+/// The order is that of the exact `t`, of equal ones that of (object, primitive); within a mesh at an edge or corner it is the one in
+/// which the ray beside enters and leaves. `t` is as [`First`] has it, and among hits closer than a few units in
+/// the last place the float64 nearest to the exact one: it never decreases.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct All {
+    /// How many of each ray are wanted, the first ones; all for `None`.
+    pub nearest: Option<usize>,
+}
+
+impl Query for All {
+    type Answers = AllHits;
+
+    fn room<'a>(&self, answers: &'a mut AllHits, count: usize) -> Result<Answers<'a>> {
+        let AllHits { offsets, hits } = answers;
+        fit(offsets, count + 1)?;
+        offsets[0] = 0;
+        hits.fit(0)?;
+        Ok(Answers::All(AllAnswers {
+            all: answers,
+            nearest: self.nearest.unwrap_or(usize::MAX),
+        }))
+    }
+}
 
 impl Query for First {
     type Answers = Hits;
@@ -80,6 +111,8 @@ pub enum Answers<'a> {
     Any(&'a mut [bool]),
     /// Those of [`Count`].
     Count(&'a mut [u32]),
+    /// Those of [`All`].
+    All(AllAnswers<'a>),
 }
 
 impl Answers<'_> {
@@ -89,6 +122,7 @@ impl Answers<'_> {
             Self::First(hits) => hits.count(),
             Self::Any(found) => Some(found.len()),
             Self::Count(counts) => Some(counts.len()),
+            Self::All(AllAnswers { all, .. }) => all.offsets.len().checked_sub(1),
         }
     }
 }

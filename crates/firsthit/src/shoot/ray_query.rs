@@ -2,7 +2,7 @@
 
 use super::hits::HitSlices;
 use super::scaled_ray::ScaledRay;
-use crate::accel::{self, MeshQuery};
+use crate::accel::{self, CrossingList, MeshQuery};
 use crate::geometry::Hit;
 use crate::scene::Scene;
 use crate::shape::Crossing;
@@ -12,7 +12,7 @@ use crate::shape::triangle::clear_of;
 pub(super) trait RayQuery: Copy + Send {
     /// What each mesh is asked for it.
     type InMesh: MeshQuery;
-    /// Whether every hit matters, those in the same place too.
+    /// Whether every crossing matters, those in the same place too.
     const ALL: bool = false;
     /// Before anything is met.
     const START: Self;
@@ -106,6 +106,32 @@ impl RayQuery for HitCount {
     }
 }
 
+/// Every hit, in no order.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EveryHit(pub(super) CrossingList);
+
+impl RayQuery for EveryHit {
+    type InMesh = accel::All;
+    const ALL: bool = true;
+    const START: Self = Self(CrossingList::EMPTY);
+
+    #[inline(always)]
+    fn of_mesh(_: u32, list: CrossingList) -> Self {
+        // The only object of a scene is number 0, as in the list.
+        Self(list)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, _: &Scene, scaled: &ScaledRay, object: u32, list: CrossingList) -> f64 {
+        for node in list.nodes() {
+            if scaled.hit(object, node.crossing).is_some() {
+                self.0.push(node.crossing, object);
+            }
+        }
+        f64::INFINITY
+    }
+}
+
 /// Memory for the answers of a query, one for each ray.
 pub(super) trait Sink: Sized + Send {
     /// What the rays are asked.
@@ -175,4 +201,5 @@ macro_rules! slices {
 slices! {
     bool: AnyHit;
     u32: HitCount;
+    CrossingList: EveryHit;
 }

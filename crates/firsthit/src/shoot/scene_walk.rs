@@ -97,7 +97,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                     }
                     self.triangle_by_triangle(l, scratch, scene, (tree, mesh), &ray);
                 }
-                (shape, _) => self.shape(scene, shape, ray),
+                (shape, _) => self.shape(scene, shape, &ray),
             }
         }
         None
@@ -113,13 +113,12 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     }
 
     /// Intersects a shape that is no mesh.
-    fn shape(&mut self, scene: &Scene, shape: &Shape, mut ray: Ray) {
-        while let Some(crossing) = shape.intersect(&ray) {
+    fn shape(&mut self, scene: &Scene, shape: &Shape, ray: &Ray) {
+        if Q::ALL {
+            let crossings = shape.crossings(ray).into_iter().flatten();
+            crossings.for_each(|crossing| self.cross(scene, crossing));
+        } else if let Some(crossing) = shape.intersect(ray) {
             self.cross(scene, crossing);
-            if !Q::ALL {
-                return;
-            }
-            ray = ray.beyond(crossing.t);
         }
     }
 
@@ -148,9 +147,11 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             (tree, mesh),
             (ray, Q::ALL),
             |triangle, t_max| {
-                let Some(crossing) =
-                    object.intersect_triangle(mesh, triangle as usize, (ray, &Shear::new(ray)))
-                else {
+                let edges = <Q::InMesh as MeshQuery>::EDGES;
+                let ray_and_shear = (ray, &Shear::new(ray));
+                let crossing =
+                    object.intersect_triangle(mesh, triangle as usize, edges, ray_and_shear);
+                let Some(crossing) = crossing else {
                     return t_max;
                 };
                 self.cross(scene, crossing);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use firsthit::shape::triangle::Shear;
+use firsthit::shape::triangle::{EdgeRule, Shear};
 use firsthit::shoot::{Any, Cpu, First, trace_with};
 use firsthit::{DVec3, Object, Ray, Scene};
 
@@ -119,7 +119,7 @@ fn point_inside(scene: &Scene, numbers: &mut Numbers) -> Option<DVec3> {
         let is_odd = |direction: DVec3| {
             let shear = Shear::new(&Ray::new(point, direction));
             let met = (0..mesh.triangles().len())
-                .filter_map(|triangle| mesh.intersect_triangle(triangle, &shear));
+                .filter_map(|triangle| mesh.intersect_triangle(triangle, EdgeRule::Closed, &shear));
             met.filter(|hit| hit.t > 0.0).count() % 2 == 1
         };
         (0..3).all(|_| is_odd(numbers.point())).then_some(point)

@@ -19,7 +19,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use firsthit::scene::AlphaMode;
-use firsthit::shoot::{Any, BruteForce, Count, Cpu, Engine, First, trace, trace_with};
+use firsthit::shoot::{
+    All, AllHits, Any, BruteForce, Count, Cpu, Engine, First, trace, trace_with,
+};
 use firsthit::{
     DAffine3, DVec3, Hit, Hits, InstructionSet, Material, Object, Ray, Rays, Scene, Transform,
 };
@@ -53,18 +55,26 @@ fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
     let expected: Vec<Hit> = (0..rays.len())
         .map(|k| BruteForce.first_hit(scene, &rays.ray(k)))
         .collect();
-    let expected_counts = trace_with(&BruteForce, scene, rays, Count, &()).unwrap();
+    let every = All::default();
+    let expected_all = trace_with(&BruteForce, scene, rays, every, &()).unwrap();
     for set in sets() {
         let engine = Cpu::with(set);
         let hits = trace_with(&engine, scene, rays, First, &()).unwrap();
         let any = trace_with(&engine, scene, rays, Any, &()).unwrap();
         let counts = trace_with(&engine, scene, rays, Count, &()).unwrap();
+        let all = trace_with(&engine, scene, rays, every, &()).unwrap();
         for (k, expected) in expected.iter().enumerate() {
             let (ray, hit) = (rays.ray(k), hits.get(k));
             let what = || format!("{set:?} {k} {ray:?}: {hit:?}, brute force says {expected:?}");
             assert_eq!(bits(&hit), bits(expected), "{}", what());
             assert_eq!(any[k], !expected.is_miss(), "any hit: {}", what());
-            assert_eq!(counts[k], expected_counts[k], "count: {}", what());
+            let of_ray = |all: &AllHits| -> Vec<_> {
+                let range = all.offsets[k]..all.offsets[k + 1];
+                range.map(|index| bits(&all.hits.get(index))).collect()
+            };
+            let crossings = of_ray(&all);
+            assert_eq!(crossings, of_ray(&expected_all), "all hits: {}", what());
+            assert_eq!(counts[k] as usize, crossings.len(), "count: {}", what());
             if k % 64 == 0 {
                 assert_eq!(
                     engine.any_hit(scene, &ray),

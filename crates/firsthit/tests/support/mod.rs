@@ -11,6 +11,8 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+pub mod rational;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

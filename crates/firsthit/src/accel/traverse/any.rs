@@ -45,7 +45,7 @@ impl MeshQuery for Any {
         }
         let leaf = &ray.tree.leaves[leaf as usize];
         let is_inside = is_certain && low > self.limits.t_min_high && high < self.limits.t_max_low;
-        if is_inside || ray.intersect(l, leaf, lane).is_some() {
+        if is_inside || ray.intersect(l, Self::EDGES, leaf, lane).is_some() {
             self.is_found = true;
             self.limit = -1.0;
         }
@@ -82,7 +82,7 @@ impl Visitor for Any {
             if self.is_found {
                 break;
             }
-            self.is_found = ray.intersect(l, leaf, lane).is_some();
+            self.is_found = ray.intersect(l, Self::EDGES, leaf, lane).is_some();
         }
         if self.is_found {
             self.limit = -1.0;

@@ -1,8 +1,8 @@
-//! The count: how many triangles does a ray meet?
+//! The count: how many triangles does a ray cross?
 //!
 //! 1. Drop a candidate that is before `t_min`, by its depths.
 //! 2. Count a candidate that is certain to be met, and certainly between `t_min` and `t_max`.
-//! 3. For any other candidate the exact test decides.
+//! 3. For any other candidate the exact test decides. At an edge it counts one neighbour (`triangle/crossed.rs`).
 //!
 //! A triangle counts once for itself and once for each copy in its place, which the tree leaves out.
 
@@ -11,6 +11,7 @@ use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
 use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
+use crate::shape::triangle::EdgeRule;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
 /// The state of a counting query: see [the module](self).
@@ -21,6 +22,7 @@ pub(crate) struct Count {
 
 impl MeshQuery for Count {
     type Found = u32;
+    const EDGES: EdgeRule = EdgeRule::Once;
     const NONE: u32 = 0;
 
     #[inline(always)]
@@ -42,7 +44,7 @@ impl MeshQuery for Count {
         }
         let leaf = &ray.tree.leaves[leaf as usize];
         let is_inside = is_certain && low > self.limits.t_min_high && high < self.limits.t_max_low;
-        if is_inside || ray.intersect(l, leaf, lane).is_some() {
+        if is_inside || ray.intersect(l, Self::EDGES, leaf, lane).is_some() {
             let copies = ray.tree.copies_of(ray.tree.triangle(leaf, lane)).len();
             self.count += u32::try_from(1 + copies).unwrap_or(u32::MAX);
         }

@@ -53,7 +53,7 @@ impl First {
     #[inline(always)]
     fn compare<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, lane: usize) {
         let leaf = &ray.tree.leaves[leaf as usize];
-        let Some(new) = ray.intersect(l, leaf, lane) else {
+        let Some(new) = ray.intersect(l, Self::EDGES, leaf, lane) else {
             return;
         };
         let old = self.best.located(l, ray);

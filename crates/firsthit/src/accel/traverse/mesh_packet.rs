@@ -4,7 +4,7 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::rays::packet::Packet;
 use crate::geometry::{DVec3, Ray};
-use crate::shape::triangle::{self, Doubtful, Shear, TriangleHit};
+use crate::shape::triangle::{self, Doubtful, EdgeRule, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Kernel, Lanes};
 
@@ -58,14 +58,31 @@ impl MeshRay<'_> {
     pub(super) fn intersect<L: Lanes>(
         &self,
         l: L,
+        edges: EdgeRule,
         leaf: &Meshlet,
         lane: usize,
     ) -> Option<Crossing> {
         let corners = self.tree.corners(self.mesh, leaf, lane);
         let ray = self.packet.ray(self.lane);
-        let hit =
-            Shear::new(&ray).intersect_by(corners, |doubtful| l.call(SettleExactly(doubtful)))?;
+        let settle = |doubtful| l.call(SettleExactly(doubtful));
+        let hit = Shear::new(&ray).intersect_by(edges, corners, settle)?;
         ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
+    }
+
+    /// The exact test for a triangle of the mesh, by its index.
+    #[inline(always)]
+    pub(super) fn intersect_triangle<L: Lanes>(
+        &self,
+        l: L,
+        edges: EdgeRule,
+        triangle: u32,
+    ) -> Option<Crossing> {
+        let corners = self.mesh.corners(triangle as usize);
+        let ray = self.packet.ray(self.lane);
+        let settle = |doubtful| l.call(SettleExactly(doubtful));
+        let hit = Shear::new(&ray).intersect_by(edges, corners, settle)?;
+        ray.holds(hit.t)
+            .then(|| hit.crossing(triangle.cast_signed()))
     }
 
     /// The corners of the triangle in a lane of a leaf.

@@ -1,5 +1,6 @@
 //! Rays through trees.
 
+pub(super) mod all;
 pub(super) mod any;
 mod coherent;
 pub(super) mod count;

@@ -2,12 +2,13 @@
 //!
 //! A traversal finds leaves; [`filter`](crate::accel::filter) says which triangles of a leaf a ray may meet, and
 //! between which depths. A [`Visitor`] sees these candidates and narrows the ray. A [`MeshQuery`] is a visitor with an
-//! answer: a file each for the first hit, any hit and the count.
+//! answer: a file each for the first hit, any hit, the count and all crossings.
 
 use super::mesh_packet::MeshRay;
 use crate::accel::filter::Candidates;
 use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
+use crate::shape::triangle::EdgeRule;
 use crate::simd::Lanes;
 
 /// Sees the candidates of one ray.
@@ -24,6 +25,8 @@ pub(crate) trait Visitor {
 pub(crate) trait MeshQuery: Visitor {
     /// The answer.
     type Found: Copy;
+    /// Whether a ray at an edge meets one neighbour or both.
+    const EDGES: EdgeRule = EdgeRule::Closed;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;
     /// The query before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).

@@ -1,13 +1,20 @@
 //! A ray and the triangles of a mesh: where they meet, and which of two crossings is first.
 
+use std::cmp::Ordering;
+
 use crate::geometry::Ray;
-use crate::shape::triangle::{Meeting, Shear, TriangleHit, are_close};
+use crate::shape::triangle::{EdgeRule, Meeting, Shear, TriangleHit, are_close};
 use crate::shape::{Crossing, Mesh};
 
 impl Mesh {
     /// Where the ray of `shear` meets a triangle, wherever that is along the ray.
-    pub fn intersect_triangle(&self, triangle: usize, shear: &Shear) -> Option<TriangleHit> {
-        shear.intersect(self.corners(triangle))
+    pub fn intersect_triangle(
+        &self,
+        triangle: usize,
+        edges: EdgeRule,
+        shear: &Shear,
+    ) -> Option<TriangleHit> {
+        shear.intersect_with(edges, self.corners(triangle))
     }
 
     /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller
@@ -30,17 +37,36 @@ impl Mesh {
     /// The float64 nearest to the exact `t` of a crossing.
     #[inline]
     pub(crate) fn nearest_t(&self, ray: &Ray, crossing: &Crossing) -> f64 {
-        let corners = usize::try_from(crossing.primitive).map(|triangle| self.corners(triangle));
-        corners.map_or(crossing.t, |corners| {
-            Meeting::new(ray.origin, ray.direction, corners).nearest_t()
-        })
+        let meeting = self.meeting(ray, crossing);
+        meeting.map_or(crossing.t, |meeting| meeting.nearest_t())
+    }
+
+    /// The order along a ray of two crossings with the same nearest `t`: see `triangle/crossed.rs`. Of triangles in one place the
+    /// lower index is first.
+    pub(crate) fn compare(&self, ray: &Ray, one: &Crossing, other: &Crossing) -> Ordering {
+        let [first, second] = [one, other].map(|crossing| self.meeting(ray, crossing));
+        let order = match (first, second) {
+            (Some(first), Some(second)) => first.compare(&second),
+            _ => Ordering::Equal,
+        };
+        order.then(one.primitive.cmp(&other.primitive))
+    }
+
+    #[inline]
+    fn meeting(&self, ray: &Ray, crossing: &Crossing) -> Option<Meeting<f64>> {
+        let triangle = usize::try_from(crossing.primitive).ok()?;
+        Some(Meeting::new(
+            ray.origin,
+            ray.direction,
+            self.corners(triangle),
+        ))
     }
 
     /// The first crossing of a ray that is ready for triangles, by brute force.
     pub(crate) fn first_crossing(&self, ray: &Ray, shear: &Shear) -> Option<Crossing> {
         let mut first: Option<Crossing> = None;
         for (triangle, primitive) in (0..self.triangles.len()).zip(0..) {
-            if let Some(hit) = self.intersect_triangle(triangle, shear)
+            if let Some(hit) = self.intersect_triangle(triangle, EdgeRule::Closed, shear)
                 && ray.holds(hit.t)
             {
                 let new = hit.crossing(primitive);

@@ -14,7 +14,7 @@ use crate::accel::{
 };
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
-use crate::shape::triangle::Shear;
+use crate::shape::triangle::{EdgeRule, Shear};
 use crate::shoot::batch::{Memory, SingleRay};
 use crate::shoot::hits::HitSlices;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
@@ -232,8 +232,9 @@ impl Kernel for Decision<'_> {
         let object = &self.scene.objects()[index as usize];
         let ray = scaled.in_object(object, scaled.ray.t_max)?;
         let corners = tree.corners_at(mesh, leaf_lane);
-        let hit =
-            Shear::new(&ray).intersect_by(corners, |doubtful| l.call(SettleExactly(doubtful)))?;
+        let hit = Shear::new(&ray).intersect_by(EdgeRule::Closed, corners, |doubtful| {
+            l.call(SettleExactly(doubtful))
+        })?;
         let primitive = tree.triangle_at(leaf_lane).cast_signed();
         let crossing = hit.crossing(primitive);
         ray.holds(hit.t)

@@ -1,0 +1,173 @@
+//! Every crossing of many rays.
+//!
+//! 1. Gather the crossings of some rays at a time in lists, in no order.
+//! 2. Bring those of each ray into their order (`hit_order.rs`).
+//! 3. Put all side by side, in the order of the rays.
+
+use rayon::prelude::*;
+
+use super::batch::{BATCH, fill_batch};
+use super::hits::{HitSlices, Hits};
+use super::scaled_ray::ScaledRay;
+use crate::accel::{CrossingList, InstructionSet};
+use crate::error::{Error, Result};
+use crate::geometry::summary::summary;
+use crate::geometry::{Hit, Ray, Rays};
+use crate::memory;
+use crate::scene::Scene;
+use crate::watch::Watch;
+
+/// What many rays met, all of it: the hits of the ray `k` are those from `offsets[k]` to `offsets[k + 1]`, in their order.
+///
+/// ```
+/// use firsthit::{DVec3, Object, Ray, Scene, Sphere};
+/// use firsthit::shoot::{All, trace};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let rays = [
+///     Ray::new(DVec3::new(2.0, 0.0, 5.0), DVec3::NEG_Z),
+///     Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z),
+/// ];
+/// let all = trace(&scene, &rays[..], All::default(), &())?;
+/// assert_eq!(all.offsets, [0, 0, 2]);
+/// assert_eq!(all.hits.t, [4.0, 6.0]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone, Default)]
+pub struct AllHits {
+    /// Where the hits of each ray begin, and in the end how many hits there are: one more than rays.
+    pub offsets: Vec<usize>,
+    /// The hits of all rays.
+    pub hits: Hits,
+}
+
+// Rays are many.
+summary!(AllHits, "AllHits", |all| "rays": all.offsets.len().saturating_sub(1), "hits": all.hits.len());
+
+/// Where all hits go: see [`All`](super::All).
+#[derive(Debug)]
+pub struct AllAnswers<'a> {
+    pub(super) all: &'a mut AllHits,
+    /// How many of each ray are wanted.
+    pub(super) nearest: usize,
+}
+
+impl AllAnswers<'_> {
+    /// Fills it with hits that `find` gathers, for the rays from a first one to before another; by all threads of the current
+    /// rayon pool.
+    pub(super) fn fill(
+        self,
+        scene: &Scene,
+        rays: &dyn Rays,
+        watch: &dyn Watch,
+        find: impl Fn(usize, &mut [CrossingList]) + Sync,
+    ) -> Result<()> {
+        let Self { all, nearest } = self;
+        let gather = |number: usize| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            let first = number * BATCH;
+            let mut lists = [CrossingList::EMPTY; BATCH];
+            let lists = &mut lists[..(rays.len() - first).min(BATCH)];
+            CrossingList::forget_all();
+            find(first, lists);
+            let ordered = Ordered::new(scene, rays, (first, lists), nearest);
+            if !CrossingList::forget_all() {
+                return Err(memory::no_room_for("hits of rays"));
+            }
+            watch.advance(lists.len() as u64);
+            ordered
+        };
+        let chunks: Vec<Ordered> = match rays.len().div_ceil(BATCH) {
+            // Few rays need no other thread.
+            0 => Vec::new(),
+            1 => vec![gather(0)?],
+            count => (0..count)
+                .into_par_iter()
+                .map(gather)
+                .collect::<Result<_>>()?,
+        };
+        let AllHits { offsets, hits } = all;
+        let mut end = 0;
+        let counts = chunks.iter().flat_map(|chunk| &chunk.counts);
+        for (offset, &count) in offsets[1..].iter_mut().zip(counts) {
+            end += count as usize;
+            *offset = end;
+        }
+        hits.fit(end)?;
+        let mut left = hits.slices();
+        let mut parts = Vec::with_capacity(chunks.len());
+        for chunk in chunks {
+            let (part, after) = left.split_at(chunk.hits.len());
+            parts.push((chunk, part));
+            left = after;
+        }
+        let copy = |(chunk, mut part): (Ordered, HitSlices<'_>)| {
+            for (index, hit) in chunk.hits.iter().enumerate() {
+                part.put(index, hit);
+            }
+        };
+        if parts.len() == 1 {
+            parts.into_iter().for_each(copy);
+        } else {
+            parts.into_par_iter().for_each(copy);
+        }
+        Ok(())
+    }
+}
+
+/// The hits of some rays, those of each in their order.
+struct Ordered {
+    counts: Vec<u32>,
+    hits: Vec<Hit>,
+}
+
+impl Ordered {
+    fn new(
+        scene: &Scene,
+        rays: &dyn Rays,
+        (first, lists): (usize, &[CrossingList]),
+        nearest: usize,
+    ) -> Result<Self> {
+        let mut counts = Vec::with_capacity(lists.len());
+        let mut hits = Vec::new();
+        let mut of_ray = Vec::new();
+        for (index, list) in (first..).zip(lists) {
+            of_ray.clear();
+            let ray: Ray = rays.ray(index);
+            if let Some(scaled) = ScaledRay::new(&ray) {
+                for node in list.nodes() {
+                    reserve(&mut of_ray, 1)?;
+                    // What is in the list is a hit of the ray.
+                    of_ray.extend(scaled.hit(node.object, node.crossing));
+                }
+                of_ray.reverse();
+                scaled.order(scene, &mut of_ray);
+            }
+            of_ray.truncate(nearest);
+            counts.push(u32::try_from(of_ray.len()).unwrap_or(u32::MAX));
+            reserve(&mut hits, of_ray.len())?;
+            hits.extend_from_slice(&of_ray);
+        }
+        Ok(Self { counts, hits })
+    }
+}
+
+fn reserve(hits: &mut Vec<Hit>, count: usize) -> Result<()> {
+    let refused = |_| memory::no_room_for("hits of rays");
+    hits.try_reserve(count).map_err(refused)
+}
+
+/// [`AllAnswers::fill`] by trees.
+pub(super) fn trace_all(
+    set: InstructionSet,
+    scene: &Scene,
+    rays: &dyn Rays,
+    answers: AllAnswers<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
+    answers.fill(scene, rays, watch, |first, lists| {
+        fill_batch(set, scene, rays, first, lists);
+    })
+}
