@@ -123,7 +123,8 @@ pub use accel::InstructionSet;
 pub use camera::{Camera, Lens, Projection, RayStart, View, Viewplane};
 pub use error::{Error, Result};
 pub use geometry::{
-    Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Hit, Ray, Rays, Transform,
+    Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Departure, Filtered, Hit, Ray, RayFilter,
+    Rays, Side, SurfaceId, Transform,
 };
 #[cfg(feature = "load")]
 pub use load::load;

@@ -8,6 +8,7 @@ use super::node::Node;
 use super::space::Space;
 use crate::geometry::DVec3;
 use crate::shape::Mesh;
+use crate::shape::triangle::DeparturePoint;
 use crate::simd::{LANES, Lanes};
 
 /// A 16-wide tree over the triangles of one mesh.
@@ -45,6 +46,14 @@ impl MeshTree {
         let first = self.copies.partition_point(|&[of, _]| of < triangle);
         let count = self.copies[first..].partition_point(|&[of, _]| of == triangle);
         &self.copies[first..first + count]
+    }
+
+    /// Whether float32 can tell what is ahead of a point that a ray leaves: whether how far its origin may be off that is
+    /// nothing beside the rounding of float32.
+    #[inline(always)]
+    pub(crate) fn is_sharp_from(&self, point: &DeparturePoint) -> bool {
+        const SHARP: f64 = 1.0 / (1_u64 << 30) as f64;
+        point.off * self.space.scale < SHARP
     }
 
     /// Whether rays from `origin` are too far away for depths in float64; see `traverse/distant.rs`.

@@ -1,4 +1,4 @@
-//! Determinants of three vectors, whose signs are exact, and comparisons of their quotients.
+//! Determinants of three vectors, whose signs are exact; sums and products without rounding.
 
 #![allow(
     clippy::inline_always,
@@ -118,19 +118,48 @@ fn total(terms: &mut [f64]) -> Double<f64> {
     }
 }
 
-/// A determinant of three vectors without rounding, as a sum of numbers.
+/// A number without rounding, as a sum of numbers.
 #[derive(Debug)]
 pub(crate) struct Expansion(Vec<f64>);
 
 impl Expansion {
+    /// The sum of `terms`.
+    pub(crate) fn of(mut terms: Vec<f64>) -> Self {
+        // Far fewer, with the same sum.
+        total(&mut terms);
+        terms.retain(|&x| x != 0.0);
+        Self(terms)
+    }
+
+    /// The sum of two.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self::of(self.0.iter().chain(&other.0).copied().collect())
+    }
+
+    /// The difference of two.
+    pub(crate) fn minus(&self, other: &Self) -> Self {
+        let minus = other.0.iter().map(|x| -x);
+        Self::of(self.0.iter().copied().chain(minus).collect())
+    }
+
+    /// The product of two, where no part of it is too small for float64.
+    pub(crate) fn product(&self, other: &Self) -> Self {
+        let mut terms = Vec::with_capacity(2 * self.0.len() * other.0.len());
+        for &x in &self.0 {
+            for &y in &other.0 {
+                let two = product(Scalar, x, y);
+                terms.extend([two.high, two.low]);
+            }
+        }
+        Self::of(terms)
+    }
+
+    /// The determinant of three vectors.
     pub(crate) fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Self {
         let mut terms = [0.0; TERMS];
         // So that products of two determinants stay in float64's range, with their rests.
         let count = fill_with_terms(&mut terms, [p, q, r], power(100));
-        let terms = &mut terms[..count];
-        // Far fewer, with the same sum.
-        total(terms);
-        Self(terms.iter().copied().filter(|&x| x != 0.0).collect())
+        Self::of(terms[..count].to_vec())
     }
 
     /// The same, times a power of two.
@@ -160,9 +189,15 @@ impl Expansion {
         signed.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
     }
 
-    fn sign(&self) -> f64 {
-        let sum = total(&mut self.0.clone()).high;
-        if sum == 0.0 { 0.0 } else { sum.signum() }
+    /// The nearest float64, or next to it, with the exact sign.
+    pub(crate) fn value(&self) -> f64 {
+        total(&mut self.0.clone()).high
+    }
+
+    /// -1, 0 or 1.
+    pub(crate) fn sign(&self) -> f64 {
+        let value = self.value();
+        if value == 0.0 { 0.0 } else { value.signum() }
     }
 }
 

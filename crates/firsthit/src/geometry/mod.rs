@@ -11,6 +11,7 @@ pub(crate) mod exact;
 mod grid;
 mod hit;
 mod ray;
+mod ray_filter;
 mod require;
 pub(crate) mod summary;
 mod transform;
@@ -22,7 +23,8 @@ pub use color_names::{COLOR_NAMES, color_of, meant_as_levels};
 pub use digest::Digest;
 pub use grid::PixelGrid;
 pub use hit::Hit;
-pub use ray::{Ray, Rays};
+pub use ray::{Filtered, Ray, Rays};
+pub use ray_filter::{Departure, RayFilter, Side, SurfaceId};
 pub(crate) use require::{require, require_direction, require_finite, require_positive};
 pub use transform::Transform;
 

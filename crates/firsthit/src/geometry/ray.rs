@@ -1,4 +1,4 @@
-use super::{DVec3, PixelGrid};
+use super::{DVec3, PixelGrid, RayFilter};
 
 /// The points `origin + t * direction` with `t_min < t <= t_max`, in world space unless said otherwise.
 ///
@@ -125,6 +125,70 @@ pub trait Rays: Sync {
     /// `t_max`.
     fn grid(&self) -> Option<PixelGrid> {
         None
+    }
+
+    /// Whether some of the rays do not meet everything. They are traced one by one then, never in tiles.
+    fn is_filtered(&self) -> bool {
+        false
+    }
+
+    /// What the ray `index` does not meet; asked for where [`Rays::is_filtered`].
+    fn filter(&self, _index: usize) -> RayFilter {
+        RayFilter::NONE
+    }
+}
+
+/// Rays that do not meet everything: one filter for all of them, or one for each.
+#[derive(Debug, Clone, Copy)]
+pub struct Filtered<'a, R: ?Sized> {
+    rays: &'a R,
+    common: RayFilter,
+    each: &'a [RayFilter],
+}
+
+impl<'a, R: Rays + ?Sized> Filtered<'a, R> {
+    /// One filter for all rays.
+    pub fn new(rays: &'a R, filter: RayFilter) -> Self {
+        let common = filter;
+        Self {
+            rays,
+            common,
+            each: &[],
+        }
+    }
+
+    /// A filter for each ray; those beyond the end of `filters` meet everything.
+    pub fn each(rays: &'a R, filters: &'a [RayFilter]) -> Self {
+        Self {
+            each: filters,
+            ..Self::new(rays, RayFilter::NONE)
+        }
+    }
+}
+
+impl<R: Rays + ?Sized> Rays for Filtered<'_, R> {
+    fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self.rays.ray(index)
+    }
+
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        self.rays.read(first, rays);
+    }
+
+    fn grid(&self) -> Option<PixelGrid> {
+        self.rays.grid()
+    }
+
+    fn is_filtered(&self) -> bool {
+        !self.common.is_none() || !self.each.is_empty()
+    }
+
+    fn filter(&self, index: usize) -> RayFilter {
+        self.each.get(index).copied().unwrap_or(self.common)
     }
 }
 

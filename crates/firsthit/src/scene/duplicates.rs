@@ -29,6 +29,9 @@ impl Duplicates {
             of: HashMap::new(),
         };
         for ((index, object), bounds) in (0_u32..).zip(objects).zip(bounds) {
+            if object.is_hidden() {
+                continue;
+            }
             let ends = [bounds.low, bounds.high].map(|end| end.to_array().map(f64::to_bits));
             let [[a, b, c], [d, e, f]] = ends;
             let earlier = first.entry([a, b, c, d, e, f]).or_default();

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::{MapRole, Material, Object, Scene};
-use crate::geometry::{Color, DVec2, DVec3, Hit, Ray};
+use crate::geometry::{Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId};
 use crate::shape::{Mesh, Shape, Surface};
 
 /// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything else is computed when it is
@@ -97,6 +97,40 @@ impl<'a> SurfaceInteraction<'a> {
         } else {
             transform.world_from_object().transform_point3(point)
         }
+    }
+
+    /// A ray from the hit on, and the filter that goes with it: it meets neither the surface it leaves, nor the neighbours that touch
+    /// it at the start, but everything else, however near. No offset is needed.
+    ///
+    /// ```
+    /// use firsthit::shoot::{First, trace};
+    /// use firsthit::{DVec3, Filtered, Object, Ray, Scene, Sphere, shoot};
+    ///
+    /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+    /// let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+    /// let hit = shoot(&scene, ray.origin, ray.direction);
+    /// let surface = scene.interaction(&ray, &hit).expect("the ray hits the sphere");
+    /// let (inwards, filter) = surface.leave(DVec3::NEG_Z);
+    /// let hits = trace(&scene, &Filtered::new(&[inwards], filter), First, &())?;
+    /// assert_eq!(hits.t, [2.0]);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn leave(&self, direction: DVec3) -> (Ray, RayFilter) {
+        let Hit {
+            object,
+            primitive,
+            barycentric,
+            ..
+        } = *self.hit;
+        let departure = Departure {
+            surface: SurfaceId { object, primitive },
+            barycentric,
+        };
+        let filter = RayFilter {
+            departure: Some(departure),
+            ..RayFilter::NONE
+        };
+        (Ray::new(self.position(), direction), filter)
     }
 
     /// The geometric normal in the world: the face's own, of length one, outwards for closed shapes. NaN for a triangle

@@ -119,7 +119,9 @@ impl Scene {
         InstructionSet::current()?;
         let trees = mesh_trees(&objects, before)?;
         let boxes: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
-        let bounds = around(boxes.iter().copied());
+        let visible = objects.iter().zip(&boxes);
+        let visible = visible.filter(|(object, _)| !object.is_hidden());
+        let bounds = around(visible.map(|(_, &bounds)| bounds));
         let top = TopTree::new(&objects, boxes);
         Ok(Self {
             objects,
@@ -161,16 +163,8 @@ impl Scene {
     ///
     /// [`Error::Argument`] for an object that is not there; then nothing has moved.
     pub fn move_objects(&mut self, places: &[(usize, Transform)]) -> Result<()> {
-        let count = self.objects.len();
-        let mut moved: Vec<u32> = Vec::with_capacity(places.len());
-        for &(object, _) in places {
-            let identifier = u32::try_from(object).ok().filter(|_| object < count);
-            let Some(identifier) = identifier else {
-                let got = format!("{object}; there are {count}");
-                return Err(Error::argument("object", "one of the scene's", got));
-            };
-            moved.push(identifier);
-        }
+        let moved = places.iter().map(|&(object, _)| self.check_object(object));
+        let moved = moved.collect::<Result<Vec<u32>>>()?;
         for &(object, transform) in places {
             self.objects[object].place(transform);
         }
@@ -178,6 +172,35 @@ impl Scene {
         self.bounds = OnceLock::new();
         self.fingerprint = OnceLock::new();
         Ok(())
+    }
+
+    /// Hides objects from all rays, or shows them: `true` beside an object hides it. They keep their identifiers. Only the tree over the
+    /// objects is built anew.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for an object that is not there; then nothing has changed.
+    pub fn hide_objects(&mut self, objects: &[(usize, bool)]) -> Result<()> {
+        for &(object, _) in objects {
+            self.check_object(object)?;
+        }
+        for &(object, is_hidden) in objects {
+            self.objects[object].hide(is_hidden);
+        }
+        self.top.rebuild(&self.objects);
+        self.bounds = OnceLock::new();
+        self.fingerprint = OnceLock::new();
+        Ok(())
+    }
+
+    /// The number of an object as trees have it.
+    fn check_object(&self, object: usize) -> Result<u32> {
+        let count = self.objects.len();
+        let identifier = u32::try_from(object).ok().filter(|_| object < count);
+        identifier.ok_or_else(|| {
+            let got = format!("{object}; there are {count}");
+            Error::argument("object", "one of the scene's", got)
+        })
     }
 
     /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.
@@ -228,15 +251,16 @@ impl Scene {
         &self.lights
     }
 
-    /// The smallest box around all objects in the world, infinite ones left out; empty without any.
+    /// The smallest box around all objects in the world, infinite and hidden ones left out; empty without any.
     pub fn bounds(&self) -> Bounds {
         // By one thread: a pool's thread that waited here could take up work that asks for the bounds itself.
-        let exactly = || around(self.objects.iter().map(Object::bounds));
+        let visible = || self.objects.iter().filter(|object| !object.is_hidden());
+        let exactly = || around(visible().map(Object::bounds));
         *self.bounds.get_or_init(exactly)
     }
 
     /// The support function: the largest dot product of `direction` with a point of the scene, for a direction of any length.
-    /// Infinite objects are left out; minus infinity for a scene without others.
+    /// Infinite and hidden objects are left out; minus infinity for a scene without others.
     ///
     /// It is exact for every shape, where [`bounds`](Self::bounds) is a box around it.
     ///
@@ -276,7 +300,9 @@ impl Scene {
     pub(crate) fn plain_mesh(&self, index: u32) -> Option<(&Mesh, &MeshTree)> {
         let object = self.objects.get(index as usize)?;
         match (object.shape(), self.mesh_tree(index as usize)) {
-            (Shape::Mesh(mesh), Some(tree)) if tree.has_nodes() && !object.has_cutouts() => {
+            (Shape::Mesh(mesh), Some(tree))
+                if tree.has_nodes() && !object.has_cutouts() && !object.is_hidden() =>
+            {
                 Some((mesh, tree))
             }
             _ => None,
@@ -350,7 +376,7 @@ impl Scene {
 pub(crate) fn support(objects: &[Object], direction: DVec3) -> f64 {
     let bound = |(index, object): (usize, &Object)| (object.support_bound(direction), index);
     let mut bounds: Vec<(f64, usize)> = objects.par_iter().enumerate().map(bound).collect();
-    bounds.retain(|&(bound, _)| bound < f64::INFINITY);
+    bounds.retain(|&(bound, index)| bound < f64::INFINITY && !objects[index].is_hidden());
     bounds.par_sort_unstable_by(|(a, _), (b, _)| b.total_cmp(a));
     let mut farthest = f64::NEG_INFINITY;
     for (bound, index) in bounds {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::Material;
 use crate::geometry::summary::Short;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
-use crate::shape::triangle::{EdgeRule, Shear};
+use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
 use crate::shape::{Crossing, Mesh, Shape, Surface};
 
 /// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
@@ -29,6 +29,8 @@ pub struct Object {
     materials: Arc<[Material]>,
     has_cutouts: bool,
     is_out_of_range: bool,
+    mask: u32,
+    is_hidden: bool,
 }
 
 /// A summary: of its materials their number.
@@ -60,6 +62,8 @@ impl Object {
             transform: Transform::IDENTITY,
             materials: Arc::default(),
             has_cutouts: false,
+            mask: u32::MAX,
+            is_hidden: false,
         }
     }
 
@@ -94,6 +98,32 @@ impl Object {
             materials,
             ..self
         }
+    }
+
+    /// The same object with another mask: a ray meets it when their masks have a bit in common. An object and a ray that
+    /// nobody gave a mask have all bits.
+    pub fn masked(self, mask: u32) -> Self {
+        Self { mask, ..self }
+    }
+
+    /// The same object, hidden from all rays, or shown.
+    pub fn hidden(self, is_hidden: bool) -> Self {
+        Self { is_hidden, ..self }
+    }
+
+    /// Its mask; see [`Object::masked`].
+    pub fn mask(&self) -> u32 {
+        self.mask
+    }
+
+    /// Whether no ray meets it.
+    pub fn is_hidden(&self) -> bool {
+        self.is_hidden
+    }
+
+    /// Hides it, or shows it.
+    pub(super) fn hide(&mut self, is_hidden: bool) {
+        self.is_hidden = is_hidden;
     }
 
     /// Its name; may be empty, need not be unique.
@@ -147,21 +177,18 @@ impl Object {
 
     /// Where a ray meets a triangle of its mesh that is not cut out there.
     #[cold]
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        reason = "a mesh holds at most `i32::MAX` triangles"
-    )]
     pub(crate) fn intersect_triangle(
         &self,
         mesh: &Mesh,
-        triangle: usize,
-        edges: EdgeRule,
+        triangle: u32,
+        (edges, filter): (EdgeRule, &MeshFilter),
         (ray, shear): (&Ray, &Shear),
     ) -> Option<Crossing> {
-        let hit = mesh.intersect_triangle(triangle, edges, shear)?;
-        let is_cut_out = self.has_cutouts() && self.is_cut_out(mesh, triangle, hit.barycentric);
-        (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(triangle as i32))
+        let number = triangle as usize;
+        let numbered = (triangle, mesh.corners(number));
+        let hit = filter.intersect((ray, shear), edges, numbered, Doubtful::settle)?;
+        let is_cut_out = self.has_cutouts() && self.is_cut_out(mesh, number, hit.barycentric);
+        (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(triangle.cast_signed()))
     }
 
     /// Whether its material is cut out where a triangle was hit: then there is no hit.

@@ -32,14 +32,15 @@ impl TopTree {
         let duplicates = Duplicates::new(objects, &boxes);
         let count = u32::try_from(objects.len()).expect("identifiers are numbers of 31 bits");
         let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
-        let loose = (0..count).filter(|&k| is_loose(k) && !duplicates.contains(k));
+        let is_out = |k: u32| duplicates.contains(k) || objects[k as usize].is_hidden();
+        let loose = (0..count).filter(|&k| is_loose(k) && !is_out(k));
         let unconditional = loose.collect();
         let slack = (0..count)
             .filter(|&k| !is_loose(k))
             .map(|k| objects[k as usize].slack())
             .fold(Bvh::OBJECTS, f64::max);
         let padded = |k: u32| {
-            if is_loose(k) || duplicates.contains(k) {
+            if is_loose(k) || is_out(k) {
                 Bounds::EMPTY
             } else {
                 objects[k as usize].padded(boxes[k as usize], slack)
@@ -65,15 +66,20 @@ impl TopTree {
         let is_fitted =
             self.moves <= objects.len() && moved.iter().all(|&index| self.fit(objects, index));
         if !is_fitted {
-            *self = Self::new(objects, std::mem::take(&mut self.boxes));
+            self.rebuild(objects);
         }
+    }
+
+    /// Builds the tree anew, after objects were hidden or shown.
+    pub(super) fn rebuild(&mut self, objects: &[Object]) {
+        *self = Self::new(objects, std::mem::take(&mut self.boxes));
     }
 
     /// Fits the tree to an object whose box has changed, if it can be fitted.
     fn fit(&mut self, objects: &[Object], moved: u32) -> bool {
         let index = moved as usize;
         let (object, bounds) = (&objects[index], self.boxes[index]);
-        if bounds.is_empty() {
+        if bounds.is_empty() || object.is_hidden() {
             // It is in no tree, and no ray meets it anywhere.
             return true;
         }

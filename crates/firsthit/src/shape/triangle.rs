@@ -31,8 +31,12 @@
 )]
 
 mod crossed;
+mod departure;
+mod filter;
 mod place;
 
+pub(crate) use departure::DeparturePoint;
+pub(crate) use filter::MeshFilter;
 pub(crate) use place::{Meeting, Place, Plain, PlainStart, Plane, Start};
 
 use super::Crossing;
@@ -128,6 +132,19 @@ impl Shear {
         )
     }
 
+    /// The sides of a triangle.
+    #[inline(always)]
+    fn seen(&self, corners: [DVec3; 3]) -> Seen {
+        let (a, a_largest) = self.sheared(corners[0]);
+        let (b, b_largest) = self.sheared(corners[1]);
+        let (c, c_largest) = self.sheared(corners[2]);
+        Seen {
+            sides: [area(c, b), area(a, c), area(b, a)],
+            largest: a_largest.max(b_largest).max(c_largest),
+            across: a.abs().max(b.abs()).max(c.abs()).max_element(),
+        }
+    }
+
     /// Where the ray meets the triangle, edges and corners included; `None` past it or along it.
     #[inline(always)]
     pub fn intersect(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
@@ -148,15 +165,9 @@ impl Shear {
         corners: [DVec3; 3],
         settle: impl FnOnce(Doubtful) -> Option<TriangleHit>,
     ) -> Option<TriangleHit> {
-        let (a, a_largest) = self.sheared(corners[0]);
-        let (b, b_largest) = self.sheared(corners[1]);
-        let (c, c_largest) = self.sheared(corners[2]);
-        let (u, v, w) = (area(c, b), area(a, c), area(b, a));
-        // See the error bounds above; and more where products are subnormal.
-        let largest = a_largest.max(b_largest).max(c_largest);
-        let across = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let doubt = 20.0 * f64::EPSILON * largest * across + f64::MIN_POSITIVE;
-        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+        let seen = self.seen(corners);
+        let doubt = seen.doubt();
+        let (least, most) = seen.least_and_most();
         if least < -doubt && most > doubt {
             return None;
         }
@@ -170,6 +181,35 @@ impl Shear {
             is_met,
             edges,
         })
+    }
+}
+
+/// A triangle as a ray sees it.
+struct Seen {
+    /// The sides of its edges, rounded.
+    sides: [f64; 3],
+    /// The largest coordinate before the shear, and across the ray.
+    largest: f64,
+    across: f64,
+}
+
+impl Seen {
+    /// More than the sides are off by: see the error bounds above; and more where products are subnormal.
+    #[inline(always)]
+    fn doubt(&self) -> f64 {
+        20.0 * f64::EPSILON * self.largest * self.across + f64::MIN_POSITIVE
+    }
+
+    #[inline(always)]
+    fn least_and_most(&self) -> (f64, f64) {
+        let [u, v, w] = self.sides;
+        (u.min(v).min(w), u.max(v).max(w))
+    }
+
+    #[inline(always)]
+    fn sum(&self) -> f64 {
+        let [u, v, w] = self.sides;
+        u + v + w
     }
 }
 

@@ -136,7 +136,12 @@ impl Ordered {
         for (index, list) in (first..).zip(lists) {
             of_ray.clear();
             let ray: Ray = rays.ray(index);
-            if let Some(scaled) = ScaledRay::new(&ray) {
+            let scaled = if rays.is_filtered() {
+                ScaledRay::filtered(&ray, &rays.filter(index))
+            } else {
+                ScaledRay::new(&ray)
+            };
+            if let Some(scaled) = scaled {
                 for node in list.nodes() {
                     reserve(&mut of_ray, 1)?;
                     // What is in the list is a hit of the ray.

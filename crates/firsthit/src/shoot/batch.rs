@@ -178,7 +178,12 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
             let Instance {
                 tree, mesh, ray, ..
             } = instance;
-            let found = accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray);
+            let found = if Q::IS_FILTERED {
+                let filtered = (&ray, walk.mesh_filter(scene));
+                accel::query_mesh_filtered::<L, Q::InMesh>(l, scratch, (tree, mesh), filtered)
+            } else {
+                accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray)
+            };
             walk.take(scene, found);
         }
         walk.query
@@ -201,7 +206,9 @@ impl<S: Sink> Kernel for Batch<'_, S> {
         let mut memory = Memory::take();
         debug_assert!(self.sink.len() <= BATCH, "there are as many stacks as that");
         match (self.scene.objects(), self.scene.plain_mesh(0)) {
-            ([object], Some(mesh)) => self.through_mesh(l, &mut memory, object, mesh),
+            ([object], Some(mesh)) if !S::Query::IS_FILTERED => {
+                self.through_mesh(l, &mut memory, object, mesh)
+            }
             _ => self.through_scene(l, &mut memory),
         }
         memory.give_back();
@@ -277,7 +284,8 @@ impl<S: Sink> Batch<'_, S> {
         let mut walks: Vec<SceneWalk<'_, S::Query>> = Vec::with_capacity(count);
         for index in 0..count {
             let ray = self.rays.ray(self.first + index);
-            walks.push(SceneWalk::new(scene, &ray, S::Query::START, f64::INFINITY));
+            let query = S::Query::begin(self.rays, self.first + index);
+            walks.push(SceneWalk::new(scene, &ray, query, f64::INFINITY));
         }
         let mut instances = Vec::with_capacity(count);
         // The rays that may meet more.
@@ -354,15 +362,23 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
                 memory.packets.push(Packet::default());
             }
             let packet = &mut memory.packets[firsts.len()];
-            for (lane, (_, instance)) in chunk.iter().enumerate() {
+            for (lane, (index, instance)) in chunk.iter().enumerate() {
                 packet.put(lane, &instance.ray);
+                if Q::IS_FILTERED {
+                    packet.set_filter(lane, walks[*index].mesh_filter(scene));
+                }
             }
             firsts.push((count, chunk.len()));
             count += chunk.len();
         }
     }
     for (packet, &(first, length)) in memory.packets.iter_mut().zip(&firsts) {
-        packet.prepare(l, instances[first].1.tree, length);
+        let tree = instances[first].1.tree;
+        if Q::IS_FILTERED {
+            packet.prepare_filtered(l, tree, length);
+        } else {
+            packet.prepare(l, tree, length);
+        }
     }
     let at_mesh = |(packet, &(first, _)): (_, &(usize, usize))| {
         let Instance { tree, mesh, .. } = instances[first].1;

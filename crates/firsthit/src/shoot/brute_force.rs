@@ -1,14 +1,15 @@
 //! Brute force: every ray against everything, in float64. Slow, and right by construction.
 
 use super::engine::Engine;
+use super::filter;
 use super::query::Answers;
 use super::ray_query::{AnyHit, EveryHit, FirstHit, RayQuery, Sink};
 use super::scaled_ray::ScaledRay;
 use crate::accel::MeshQuery;
 use crate::error::{Error, Result};
-use crate::geometry::{Hit, Ray, Rays};
-use crate::scene::{Object, Scene};
-use crate::shape::{Crossing, Shape, Surface, triangle::Shear};
+use crate::geometry::{Hit, Ray, RayFilter, Rays};
+use crate::scene::Scene;
+use crate::shape::{Crossing, Shape, triangle::Shear};
 use crate::watch::Watch;
 
 /// The reference: what every faster engine is tested against.
@@ -17,12 +18,12 @@ pub struct BruteForce;
 
 impl Engine for BruteForce {
     fn first_hit(&self, scene: &Scene, ray: &Ray) -> Hit {
-        let FirstHit(hit) = answer(scene, ray);
+        let FirstHit(hit) = answer(scene, ray, &RayFilter::NONE);
         hit
     }
 
     fn any_hit(&self, scene: &Scene, ray: &Ray) -> bool {
-        let AnyHit(is_hit) = answer(scene, ray);
+        let AnyHit(is_hit) = answer(scene, ray, &RayFilter::NONE);
         is_hit
     }
 
@@ -40,7 +41,7 @@ impl Engine for BruteForce {
             Answers::Count(counts) => answer_all(scene, rays, counts, watch),
             Answers::All(all) => all.fill(scene, rays, watch, |first, lists| {
                 for (index, list) in (first..).zip(lists) {
-                    let EveryHit(found) = answer(scene, &rays.ray(index));
+                    let EveryHit(found) = answer_of(scene, rays, index);
                     *list = found;
                 }
             }),
@@ -58,20 +59,29 @@ fn answer_all<S: Sink>(
         if watch.is_stopped() {
             return Err(Error::Interrupted);
         }
-        sink.put(index, &answer(scene, &rays.ray(index)));
+        sink.put(index, &answer_of(scene, rays, index));
         watch.advance(1);
     }
     Ok(())
 }
 
+fn answer_of<Q: RayQuery>(scene: &Scene, rays: &dyn Rays, index: usize) -> Q {
+    let filter = if rays.is_filtered() {
+        rays.filter(index)
+    } else {
+        RayFilter::NONE
+    };
+    answer(scene, &rays.ray(index), &filter)
+}
+
 /// Shows all hits of a ray to a query.
-fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray) -> Q {
+fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray, filter: &RayFilter) -> Q {
     let mut query = Q::START;
-    let Some(scaled) = ScaledRay::new(ray) else {
+    let Some(scaled) = ScaledRay::filtered(ray, filter) else {
         return query;
     };
-    for (index, object) in (0..).zip(scene.objects()) {
-        all_crossings::<Q::InMesh>(&scaled, object, |crossing| {
+    for index in 0..u32::try_from(scene.objects().len()).unwrap_or(u32::MAX) {
+        all_crossings::<Q::InMesh>(scene, (&scaled, filter), index, |crossing| {
             if scaled.hit(index, crossing).is_some() {
                 let found = Q::InMesh::of_crossing(Some(crossing));
                 query.take(scene, &scaled, index, found);
@@ -81,23 +91,30 @@ fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray) -> Q {
     query
 }
 
-/// Calls `accept` with every crossing of an object's surface.
+/// Calls `accept` with every crossing of an object's surface that the ray meets.
 fn all_crossings<Q: MeshQuery>(
-    scaled: &ScaledRay,
-    object: &Object,
+    scene: &Scene,
+    (scaled, filter): (&ScaledRay, &RayFilter),
+    index: u32,
     mut accept: impl FnMut(Crossing),
 ) {
-    let Some(ray) = scaled.in_object(object, scaled.ray.t_max) else {
+    let object = &scene.objects()[index as usize];
+    if !filter::sees(filter, object) {
+        return;
+    }
+    let t_max = scaled.ray.t_max;
+    let Some((ray, of_mesh)) = filter::in_object(scene, (scaled, filter), index, t_max) else {
         return;
     };
     let Shape::Mesh(mesh) = object.shape() else {
-        let crossings = object.shape().crossings(&ray);
+        let crossings = filter::crossings(filter, index, object.shape(), &ray);
         crossings.into_iter().flatten().for_each(accept);
         return;
     };
     let shear = Shear::new(&ray);
-    for triangle in 0..mesh.triangles().len() {
-        let crossing = object.intersect_triangle(mesh, triangle, Q::EDGES, (&ray, &shear));
+    for triangle in 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX) {
+        let how = (Q::EDGES, &of_mesh);
+        let crossing = object.intersect_triangle(mesh, triangle, how, (&ray, &shear));
         if let Some(crossing) = crossing {
             accept(crossing);
         }

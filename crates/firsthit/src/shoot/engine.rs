@@ -4,9 +4,9 @@ use std::fmt::Debug;
 use std::sync::OnceLock;
 
 use super::all::trace_all;
-use super::batch::{Single, trace_array};
+use super::batch::{Single, fill_batch, trace_array};
 use super::query::Answers;
-use super::ray_query::{AnyHit, FirstHit, RayQuery};
+use super::ray_query::{AnyHit, FilteredSink, FirstHit, RayQuery};
 use super::tiles::trace_hits;
 use crate::accel::InstructionSet;
 use crate::error::Result;
@@ -103,11 +103,32 @@ impl Engine for Cpu {
         watch: &dyn Watch,
     ) -> Result<()> {
         assert_eq!(answers.count(), Some(rays.len()), "an answer for each ray");
+        if rays.is_filtered() {
+            return trace_filtered(self.0, scene, rays, answers, watch);
+        }
         match answers {
             Answers::First(hits) => trace_hits(self.0, scene, rays, hits, watch),
             Answers::Any(found) => trace_array(self.0, scene, rays, found, watch),
             Answers::Count(counts) => trace_array(self.0, scene, rays, counts, watch),
             Answers::All(all) => trace_all(self.0, scene, rays, all, watch),
         }
+    }
+}
+
+/// The answers for rays that do not meet everything.
+fn trace_filtered(
+    set: InstructionSet,
+    scene: &Scene,
+    rays: &dyn Rays,
+    answers: Answers<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
+    match answers {
+        Answers::First(hits) => trace_array(set, scene, rays, FilteredSink(hits), watch),
+        Answers::Any(found) => trace_array(set, scene, rays, FilteredSink(found), watch),
+        Answers::Count(counts) => trace_array(set, scene, rays, FilteredSink(counts), watch),
+        Answers::All(all) => all.fill(scene, rays, watch, |first, lists| {
+            fill_batch(set, scene, rays, first, FilteredSink(lists));
+        }),
     }
 }

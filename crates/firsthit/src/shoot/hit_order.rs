@@ -1,6 +1,8 @@
 //! Which of two hits of a ray is the first: the one with the smaller `t`, which of triangles is the float64 nearest to
 //! the exact one; of equal ones the lower (object, primitive).
 //!
+//! Of a ray that leaves a triangle `t` itself decides: it is measured from a rounded start.
+//!
 //! Where all crossings are wanted, those of one mesh with equal `t` are in the order of a ray infinitely little beside it
 //! (`triangle/crossed.rs`).
 
@@ -31,6 +33,11 @@ impl ScaledRay {
 
     /// Brings crossings of the ray into their order; those at one end of a solid before those at the other are so already.
     pub(super) fn order(&self, scene: &Scene, hits: &mut [Hit]) {
+        if self.is_departing {
+            let ids = |hit: &Hit| (hit.object, hit.primitive);
+            hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(ids(a).cmp(&ids(b))));
+            return;
+        }
         hits.sort_by(|a, b| a.t.total_cmp(&b.t));
         for close in hits.chunk_by_mut(|a, b| are_close(a.t, b.t)) {
             if close.len() > 1 {
@@ -61,6 +68,9 @@ impl ScaledRay {
 
     /// The float64 nearest to the exact `t` of a hit in a triangle.
     fn nearest_t(&self, scene: &Scene, hit: &Hit) -> f64 {
+        if self.is_departing {
+            return hit.t;
+        }
         self.in_mesh(scene, hit).map_or(hit.t, |(ray, mesh)| {
             self.t_scale * mesh.nearest_t(&ray, &self.crossing(hit))
         })

@@ -11,6 +11,7 @@ mod all;
 mod batch;
 mod brute_force;
 mod engine;
+mod filter;
 mod hit_order;
 mod hits;
 mod query;
@@ -18,12 +19,14 @@ mod ray_query;
 mod scaled_ray;
 mod scene_walk;
 mod tiles;
+mod visible;
 
 pub use all::{AllAnswers, AllHits};
 pub use brute_force::BruteForce;
 pub use engine::{Cpu, Engine};
 pub use hits::{HitSlices, Hits};
 pub use query::{All, Answers, Any, Count, First, Query};
+pub use visible::{Viewpoint, visible};
 
 use crate::error::Result;
 use crate::geometry::{DVec3, Hit, Ray, Rays};
@@ -130,5 +133,13 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
 
     fn grid(&self) -> Option<crate::geometry::PixelGrid> {
         self.0.grid()
+    }
+
+    fn is_filtered(&self) -> bool {
+        self.0.is_filtered()
+    }
+
+    fn filter(&self, index: usize) -> crate::geometry::RayFilter {
+        self.0.filter(index)
     }
 }

@@ -3,7 +3,7 @@
 use super::hits::HitSlices;
 use super::scaled_ray::ScaledRay;
 use crate::accel::{self, CrossingList, MeshQuery};
-use crate::geometry::Hit;
+use crate::geometry::{Hit, RayFilter, Rays};
 use crate::scene::Scene;
 use crate::shape::Crossing;
 use crate::shape::triangle::clear_of;
@@ -14,8 +14,20 @@ pub(super) trait RayQuery: Copy + Send {
     type InMesh: MeshQuery;
     /// Whether every crossing matters, those in the same place too.
     const ALL: bool = false;
+    /// Whether there are rays that do not meet everything.
+    const IS_FILTERED: bool = false;
     /// Before anything is met.
     const START: Self;
+    /// Before a ray, by its index, has met anything.
+    #[inline(always)]
+    fn begin(_rays: &dyn Rays, _index: usize) -> Self {
+        Self::START
+    }
+    /// What the ray does not meet.
+    #[inline(always)]
+    fn filter(&self) -> &RayFilter {
+        &RayFilter::NONE
+    }
     /// After the only object of a scene.
     fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self;
     /// Takes what an object was found to do to the ray. Returns the `t_max` of the scaled ray from here on, which the
@@ -129,6 +141,75 @@ impl RayQuery for EveryHit {
             }
         }
         f64::INFINITY
+    }
+}
+
+/// A query for a ray that does not meet everything.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FilteredQuery<Q> {
+    pub(super) query: Q,
+    pub(super) filter: RayFilter,
+}
+
+impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
+    type InMesh = accel::FilteredQuery<Q::InMesh>;
+    const ALL: bool = Q::ALL;
+    const IS_FILTERED: bool = true;
+    const START: Self = Self {
+        query: Q::START,
+        filter: RayFilter::NONE,
+    };
+
+    fn begin(rays: &dyn Rays, index: usize) -> Self {
+        Self {
+            filter: rays.filter(index),
+            ..Self::START
+        }
+    }
+
+    #[inline(always)]
+    fn filter(&self) -> &RayFilter {
+        &self.filter
+    }
+
+    #[inline(always)]
+    fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self {
+        Self {
+            query: Q::of_mesh(object, found),
+            ..Self::START
+        }
+    }
+
+    #[inline(always)]
+    fn take(
+        &mut self,
+        scene: &Scene,
+        scaled: &ScaledRay,
+        object: u32,
+        found: <Self::InMesh as MeshQuery>::Found,
+    ) -> f64 {
+        self.query.take(scene, scaled, object, found)
+    }
+}
+
+/// Takes the answers for rays that do not meet everything.
+pub(super) struct FilteredSink<S>(pub(super) S);
+
+impl<S: Sink> Sink for FilteredSink<S> {
+    type Query = FilteredQuery<S::Query>;
+
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn split_at(self, index: usize) -> (Self, Self) {
+        let (before, after) = self.0.split_at(index);
+        (Self(before), Self(after))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, index: usize, answer: &Self::Query) {
+        self.0.put(index, &answer.query);
     }
 }
 

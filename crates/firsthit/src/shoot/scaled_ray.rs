@@ -1,6 +1,6 @@
 //! A ray whose direction is scaled by a power of two, so that its square is in float64's range.
 
-use crate::geometry::{Hit, Ray, moderation};
+use crate::geometry::{Hit, Ray, RayFilter, moderation};
 use crate::scene::Object;
 use crate::shape::Crossing;
 
@@ -11,6 +11,8 @@ pub(super) struct ScaledRay {
     pub(super) t_scale: f64,
     /// The ray as the caller has it.
     original: Ray,
+    /// Whether it leaves a triangle: then its `t` is measured from a rounded start.
+    pub(super) is_departing: bool,
 }
 
 impl ScaledRay {
@@ -30,6 +32,17 @@ impl ScaledRay {
             },
             t_scale,
             original: *ray,
+            is_departing: false,
+        })
+    }
+
+    /// The same for a ray that does not meet everything.
+    #[inline(always)]
+    pub(super) fn filtered(ray: &Ray, filter: &RayFilter) -> Option<Self> {
+        let is_departing = filter.departure.is_some();
+        Self::new(ray).map(|scaled| Self {
+            is_departing,
+            ..scaled
         })
     }
 

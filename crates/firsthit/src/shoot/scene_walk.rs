@@ -5,12 +5,13 @@
 //! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray or for many, and hands
 //!    the result to [`SceneWalk::take`].
 
+use super::filter;
 use super::ray_query::RayQuery;
 use super::scaled_ray::ScaledRay;
 use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::Ray;
 use crate::scene::{OnTheWay, Scene};
-use crate::shape::triangle::Shear;
+use crate::shape::triangle::{MeshFilter, Shear};
 use crate::shape::{Crossing, Mesh, Shape, Surface};
 use crate::simd::Lanes;
 
@@ -38,7 +39,11 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     /// Begins with `ray`; `query` knows what that has met already, at `t_max` or before.
     #[inline(always)]
     pub(super) fn new(scene: &'a Scene, ray: &Ray, query: Q, t_max: f64) -> Self {
-        let scaled = ScaledRay::new(ray);
+        let scaled = if Q::IS_FILTERED {
+            ScaledRay::filtered(ray, query.filter())
+        } else {
+            ScaledRay::new(ray)
+        };
         // A ray may begin behind its origin. Below zero `t_max` says that nothing matters any more, so it stays above.
         let within = |scaled: &ScaledRay| {
             let t_max = scaled.ray.t_max.min(t_max / scaled.t_scale);
@@ -70,7 +75,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 copy
             } else {
                 let index = self.objects.next(&scaled.ray, self.t_max, stack)?;
-                if Q::ALL {
+                if Q::ALL || Q::IS_FILTERED {
                     self.duplicates = scene.duplicates().of(index);
                 }
                 index
@@ -79,7 +84,17 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 continue;
             }
             let object = &scene.objects()[index as usize];
-            let Some(ray) = scaled.in_object(object, self.t_max) else {
+            if Q::IS_FILTERED && !filter::sees(self.query.filter(), object) {
+                continue;
+            }
+            let ray = if Q::IS_FILTERED {
+                let scaled_and_filter = (scaled, self.query.filter());
+                let in_object = filter::in_object(scene, scaled_and_filter, index, self.t_max);
+                in_object.map(|(ray, _)| ray)
+            } else {
+                scaled.in_object(object, self.t_max)
+            };
+            let Some(ray) = ray else {
                 continue;
             };
             self.object = index;
@@ -87,6 +102,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 (Shape::Mesh(mesh), Some(tree)) => {
                     let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
+                    let is_near = is_near && (!Q::IS_FILTERED || self.is_sharp(scene, tree));
                     if is_plain && is_near && tree.has_nodes() {
                         return Some(Instance {
                             object: index,
@@ -103,6 +119,19 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         None
     }
 
+    /// What the ray does not meet of the last object's mesh.
+    pub(super) fn mesh_filter(&self, scene: &Scene) -> MeshFilter {
+        filter::mesh_filter(scene, self.query.filter(), self.object)
+    }
+
+    /// Whether float32 can tell what is ahead of the start.
+    fn is_sharp(&self, scene: &Scene, tree: &MeshTree) -> bool {
+        let filter = self.mesh_filter(scene);
+        filter
+            .departure()
+            .is_none_or(|point| tree.is_sharp_from(point))
+    }
+
     /// Takes what the last mesh was found to do to the ray.
     #[inline(always)]
     pub(super) fn take(&mut self, scene: &Scene, found: <Q::InMesh as MeshQuery>::Found) {
@@ -114,7 +143,12 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
 
     /// Intersects a shape that is no mesh.
     fn shape(&mut self, scene: &Scene, shape: &Shape, ray: &Ray) {
-        if Q::ALL {
+        if Q::IS_FILTERED {
+            let filter = self.query.filter();
+            let crossings = filter::crossings(filter, self.object, shape, ray);
+            let crossings = crossings.into_iter().flatten();
+            crossings.for_each(|crossing| self.cross(scene, crossing));
+        } else if Q::ALL {
             let crossings = shape.crossings(ray).into_iter().flatten();
             crossings.for_each(|crossing| self.cross(scene, crossing));
         } else if let Some(crossing) = shape.intersect(ray) {
@@ -141,16 +175,22 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         ray: &Ray,
     ) {
         let object = &scene.objects()[self.object as usize];
+        let filter = if Q::IS_FILTERED {
+            self.mesh_filter(scene)
+        } else {
+            MeshFilter::NONE
+        };
+        let off = filter.departure().map_or(0.0, |point| point.off);
         accel::each_candidate(
             l,
             scratch,
             (tree, mesh),
-            (ray, Q::ALL),
+            (ray, off, Q::ALL || Q::IS_FILTERED),
             |triangle, t_max| {
                 let edges = <Q::InMesh as MeshQuery>::EDGES;
                 let ray_and_shear = (ray, &Shear::new(ray));
                 let crossing =
-                    object.intersect_triangle(mesh, triangle as usize, edges, ray_and_shear);
+                    object.intersect_triangle(mesh, triangle, (edges, &filter), ray_and_shear);
                 let Some(crossing) = crossing else {
                     return t_max;
                 };

@@ -3,8 +3,11 @@
 //! `enter.rs` takes them into the space of an object, `prepare.rs` makes them ready for its tree, and `limits.rs` says
 //! where they begin and end. [`TreeRay`] is one of them, with the meaning of its numbers.
 
+use std::ops::Index;
+
 use super::tree_ray::TreeRay;
 use crate::geometry::{DVec3, Ray};
+use crate::shape::triangle::MeshFilter;
 use crate::simd::{LANES, Lanes, WIDE};
 
 /// How many rays are in a packet.
@@ -40,13 +43,41 @@ pub(crate) struct Packet {
     pub(super) t_max_low: [f32; RAYS],
     /// The rays whose direction is longest along y, and along z.
     pub(super) is_along: [u16; 2],
+    /// What the rays do not meet; see [`Packet::set_filter`].
+    pub(in crate::accel) filters: Filters,
+    /// The rays that leave a triangle.
+    pub(in crate::accel) departing: u16,
     /// The rays that may meet something.
     pub(crate) alive: u16,
     /// The rays that start too far away for float64; see `traverse/distant.rs`.
     pub(crate) distant: u16,
 }
 
+/// A filter for each ray of a packet; only queries for filtered rays look at them.
+#[derive(Debug, Clone)]
+pub(in crate::accel) struct Filters(Box<[MeshFilter; RAYS]>);
+
+impl Default for Filters {
+    fn default() -> Self {
+        Self(Box::new([MeshFilter::NONE; RAYS]))
+    }
+}
+
+impl Index<usize> for Filters {
+    type Output = MeshFilter;
+
+    #[inline(always)]
+    fn index(&self, lane: usize) -> &MeshFilter {
+        &self.0[lane]
+    }
+}
+
 impl Packet {
+    /// Says what the ray in a lane does not meet.
+    pub(crate) fn set_filter(&mut self, lane: usize, filter: MeshFilter) {
+        self.filters.0[lane % RAYS] = filter;
+    }
+
     /// Puts a ray into a lane.
     #[inline(always)]
     pub(crate) fn put(&mut self, lane: usize, ray: &Ray) {

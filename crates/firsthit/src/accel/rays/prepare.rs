@@ -95,6 +95,21 @@ impl Packet {
         self.prepare_blurred(l, tree, count, 0.0);
     }
 
+    /// The same for rays with [filters](Packet::set_filter). They leave triangles only where `MeshTree::is_sharp_from` says so.
+    #[inline(always)]
+    pub(crate) fn prepare_filtered<L: Lanes>(&mut self, l: L, tree: &MeshTree, count: usize) {
+        let mut off: f64 = 0.0;
+        let mut departing = 0;
+        for lane in 0..count.min(RAYS) {
+            if let Some(point) = self.filters[lane].departure() {
+                off = off.max(point.off * tree.space.scale);
+                departing |= 1 << lane;
+            }
+        }
+        self.prepare_blurred(l, tree, count, off);
+        self.departing = departing;
+    }
+
     /// The same for rays that may be off by `off` across their direction, in units of the tree.
     #[inline(always)]
     pub(in crate::accel) fn prepare_blurred<L: Lanes>(
@@ -104,6 +119,7 @@ impl Packet {
         count: usize,
         off: f64,
     ) {
+        self.departing = 0;
         let (first, first_distant) = self.prepare_half(l, tree, 0, off);
         // One ray alone is common.
         let (second, second_distant) = if count > WIDE {

@@ -128,6 +128,11 @@ impl MeshQuery for All {
     }
 
     #[inline(always)]
+    fn see<L: Lanes>(&mut self, _: L, _: &MeshRay<'_>, crossing: Crossing) {
+        self.list.push(crossing, 0);
+    }
+
+    #[inline(always)]
     fn deferred(&self) -> Option<(u32, usize)> {
         None
     }

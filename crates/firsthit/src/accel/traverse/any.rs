@@ -52,6 +52,12 @@ impl MeshQuery for Any {
     }
 
     #[inline(always)]
+    fn see<L: Lanes>(&mut self, _: L, _: &MeshRay<'_>, _: Crossing) {
+        self.is_found = true;
+        self.limit = -1.0;
+    }
+
+    #[inline(always)]
     fn deferred(&self) -> Option<(u32, usize)> {
         None
     }

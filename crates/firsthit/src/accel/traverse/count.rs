@@ -46,8 +46,14 @@ impl MeshQuery for Count {
         let is_inside = is_certain && low > self.limits.t_min_high && high < self.limits.t_max_low;
         if is_inside || ray.intersect(l, Self::EDGES, leaf, lane).is_some() {
             let copies = ray.tree.copies_of(ray.tree.triangle(leaf, lane)).len();
-            self.count += u32::try_from(1 + copies).unwrap_or(u32::MAX);
+            let times = u32::try_from(1 + copies).unwrap_or(u32::MAX);
+            self.count = self.count.saturating_add(times);
         }
+    }
+
+    #[inline(always)]
+    fn see<L: Lanes>(&mut self, _: L, _: &MeshRay<'_>, _: Crossing) {
+        self.count = self.count.saturating_add(1);
     }
 
     #[inline(always)]

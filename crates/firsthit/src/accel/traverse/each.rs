@@ -19,7 +19,7 @@ use crate::simd::{Lanes, set_bits};
 /// What ends a traversal, in place of a `t_max`.
 pub(crate) const END: f64 = f64::NEG_INFINITY;
 
-/// Calls `visit(triangle, t_max)` with each triangle that `ray` may meet at a parameter of at most `t_max`, in any
+/// Calls `visit(triangle, t_max)` with each triangle that `ray`, or one `off` beside it, may meet at a parameter of at most `t_max`, in any
 /// order, and perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
@@ -28,15 +28,17 @@ pub(crate) fn each_candidate<L: Lanes>(
     l: L,
     scratch: &mut Scratch,
     (tree, mesh): (&MeshTree, &Mesh),
-    (ray, with_copies): (&Ray, bool),
+    (ray, off, with_copies): (&Ray, f64, bool),
     visit: impl FnMut(u32, f64) -> f64,
 ) {
+    // In units of the tree.
+    let unsure = off * tree.space.scale;
     let approach = if !tree.has_nodes() {
         Approach::Somewhere
     } else if tree.is_distant(ray.origin) || ray.t_min == f64::NEG_INFINITY {
         Approach::new(&tree.space, ray)
     } else if ray.t_min >= 0.0 {
-        return each_ahead(l, scratch, (tree, mesh), (ray, 0.0, with_copies), visit);
+        return each_ahead(l, scratch, (tree, mesh), (ray, unsure, with_copies), visit);
     } else {
         // Begin a little earlier: the place at `t_min` is rounded twice, by a product and a sum.
         let size = ray.origin.abs() + ray.at(ray.t_min).abs();
@@ -49,7 +51,7 @@ pub(crate) fn each_candidate<L: Lanes>(
         } else {
             let after = |t_max: f64| clear_of(t_max - t) + 2.0 * earlier;
             let ahead = Ray::new(begin, ray.direction).up_to(after(ray.t_max));
-            let off = rounding * tree.space.scale;
+            let off = rounding * tree.space.scale + unsure;
             let mut visit = visit;
             let ahead = (&ahead, off, with_copies);
             return each_ahead(l, scratch, (tree, mesh), ahead, |triangle, _| {
@@ -66,7 +68,13 @@ pub(crate) fn each_candidate<L: Lanes>(
                 let is_over = visit(triangle, ray.t_max) == END;
                 if is_over { END } else { f64::INFINITY }
             };
-            each_ahead(l, scratch, (tree, mesh), (&near, off, with_copies), visit);
+            each_ahead(
+                l,
+                scratch,
+                (tree, mesh),
+                (&near, off + unsure, with_copies),
+                visit,
+            );
         }
         Approach::Somewhere => {
             let mut t_max = ray.t_max;

@@ -53,22 +53,9 @@ impl First {
     #[inline(always)]
     fn compare<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, lane: usize) {
         let leaf = &ray.tree.leaves[leaf as usize];
-        let Some(new) = ray.intersect(l, Self::EDGES, leaf, lane) else {
-            return;
-        };
-        let old = self.best.located(l, ray);
-        let crossing = match old {
-            Some(old) if !ray.precedes(l, &new, &old) => old,
-            _ => new,
-        };
-        let low = ray.packet.depth_below(ray.lane, crossing.t);
-        let high = ray.packet.depth_above(ray.lane, crossing.t);
-        self.best = Best::Located {
-            crossing,
-            low,
-            high,
-        };
-        self.limit = self.limit.min(high);
+        if let Some(new) = ray.intersect(l, Self::EDGES, leaf, lane) {
+            self.see(l, ray, new);
+        }
     }
 }
 
@@ -83,6 +70,23 @@ impl MeshQuery for First {
             limit: limits.t_max_high,
             limits,
         }
+    }
+
+    #[inline(always)]
+    fn see<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, new: Crossing) {
+        let old = self.best.located(l, ray);
+        let crossing = match old {
+            Some(old) if !ray.precedes(l, &new, &old) => old,
+            _ => new,
+        };
+        let low = ray.packet.depth_below(ray.lane, crossing.t);
+        let high = ray.packet.depth_above(ray.lane, crossing.t);
+        self.best = Best::Located {
+            crossing,
+            low,
+            high,
+        };
+        self.limit = self.limit.min(high);
     }
 
     #[inline(always)]

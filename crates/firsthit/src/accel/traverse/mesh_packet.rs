@@ -2,9 +2,9 @@
 
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
-use crate::accel::rays::packet::Packet;
+use crate::accel::rays::packet::{Packet, RAYS};
 use crate::geometry::{DVec3, Ray};
-use crate::shape::triangle::{self, Doubtful, EdgeRule, Shear, TriangleHit};
+use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Kernel, Lanes};
 
@@ -85,6 +85,31 @@ impl MeshRay<'_> {
             .then(|| hit.crossing(triangle.cast_signed()))
     }
 
+    /// What the ray does not meet.
+    #[inline(always)]
+    pub(super) fn filter(&self) -> &MeshFilter {
+        &self.packet.filters[self.lane % RAYS]
+    }
+
+    /// The exact test for a triangle of the mesh that the ray's filter may leave out.
+    #[inline(always)]
+    pub(super) fn intersect_filtered<L: Lanes>(
+        &self,
+        l: L,
+        edges: EdgeRule,
+        triangle: u32,
+    ) -> Option<Crossing> {
+        let corners = self.mesh.corners(triangle as usize);
+        let ray = self.packet.ray(self.lane);
+        let settle = |doubtful| l.call(SettleExactly(doubtful));
+        let ray_and_shear = (&ray, &Shear::new(&ray));
+        let hit = self
+            .filter()
+            .intersect(ray_and_shear, edges, (triangle, corners), settle)?;
+        ray.holds(hit.t)
+            .then(|| hit.crossing(triangle.cast_signed()))
+    }
+
     /// The corners of the triangle in a lane of a leaf.
     #[inline(always)]
     pub(super) fn corners(&self, leaf: u32, lane: usize) -> [DVec3; 3] {
@@ -116,10 +141,14 @@ impl MeshRay<'_> {
         ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
     }
 
-    /// Whether `new` comes before `old`: by the float64 nearest to the exact `t`, then by the triangle's index.
+    /// Whether `new` comes before `old`: by the float64 nearest to the exact `t`, then by the triangle's index. Of a ray that
+    /// leaves a triangle, by `t` as it is: it is measured from the rounded start.
     #[inline(always)]
     pub(super) fn precedes<L: Lanes>(&self, l: L, new: &Crossing, old: &Crossing) -> bool {
         if triangle::are_close(new.t, old.t) {
+            if self.packet.departing >> (self.lane % RAYS) & 1 == 1 {
+                return (new.t, new.primitive) < (old.t, old.primitive);
+            }
             let ray = self.packet.ray(self.lane);
             let nearest = |crossing| l.call(NearestT(self.mesh, &ray, crossing));
             (nearest(new), new.primitive) < (nearest(old), old.primitive)

@@ -8,6 +8,7 @@ mod deferred;
 pub(super) mod dispatch;
 mod distant;
 pub(super) mod each;
+pub(super) mod filtered;
 pub(super) mod first;
 mod frustum;
 mod frustum_leaf;

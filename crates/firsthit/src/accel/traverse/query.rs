@@ -27,6 +27,8 @@ pub(crate) trait MeshQuery: Visitor {
     type Found: Copy;
     /// Whether a ray at an edge meets one neighbour or both.
     const EDGES: EdgeRule = EdgeRule::Closed;
+    /// Whether traversals of packets serve it; see `dispatch.rs`.
+    const IN_PACKETS: bool = true;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;
     /// The query before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).
@@ -41,6 +43,8 @@ pub(crate) trait MeshQuery: Visitor {
         depths: (f32, f32),
         is_certain: bool,
     );
+    /// Sees a crossing that the exact test has found.
+    fn see<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, crossing: Crossing);
     /// The triangle that is the answer, as a leaf and a lane of it, if where it is met is not computed yet.
     fn deferred(&self) -> Option<(u32, usize)>;
     /// The answer, after the last leaf.

@@ -18,6 +18,7 @@ use crate::accel::node::LEAF;
 use crate::accel::rays::packet::Packet;
 use crate::geometry::Ray;
 use crate::shape::Mesh;
+use crate::shape::triangle::MeshFilter;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
 /// Memory for traversals, to be used again.
@@ -44,9 +45,32 @@ pub(crate) fn query_mesh<L: Lanes, Q: MeshQuery>(
     (tree, mesh): (&MeshTree, &Mesh),
     ray: &Ray,
 ) -> Q::Found {
+    scratch.packet.put(0, ray);
+    scratch.packet.prepare(l, tree, 1);
+    query_prepared::<L, Q>(l, scratch, (tree, mesh))
+}
+
+/// The same for a ray that does not meet everything, where [`MeshTree::is_sharp_from`] holds.
+#[inline(always)]
+pub(crate) fn query_mesh_filtered<L: Lanes, Q: MeshQuery>(
+    l: L,
+    scratch: &mut Scratch,
+    (tree, mesh): (&MeshTree, &Mesh),
+    (ray, filter): (&Ray, MeshFilter),
+) -> Q::Found {
+    scratch.packet.put(0, ray);
+    scratch.packet.set_filter(0, filter);
+    scratch.packet.prepare_filtered(l, tree, 1);
+    query_prepared::<L, Q>(l, scratch, (tree, mesh))
+}
+
+#[inline(always)]
+fn query_prepared<L: Lanes, Q: MeshQuery>(
+    l: L,
+    scratch: &mut Scratch,
+    (tree, mesh): (&MeshTree, &Mesh),
+) -> Q::Found {
     let Scratch { stack, packet, .. } = scratch;
-    packet.put(0, ray);
-    packet.prepare(l, tree, 1);
     if packet.alive == 0 {
         return Q::NONE;
     }

@@ -81,7 +81,7 @@ impl Meeting<f64> {
 }
 
 /// The sign of the first number of `(p - q) x d` that is not zero.
-fn perturbed_side(d: &Scaled, p: &Vector, q: &Vector) -> f64 {
+pub(super) fn perturbed_side(d: &Scaled, p: &Vector, q: &Vector) -> f64 {
     let along = Scaled::new(&between(Scalar, p, q));
     (0..3)
         .map(|axis| determinant(&unit(axis), &along, d).high)

@@ -12,7 +12,7 @@ use super::batch::{each_chunk, trace_array};
 use super::hits::HitSlices;
 use crate::accel::InstructionSet;
 use crate::error::Result;
-use crate::geometry::{PixelGrid, Ray, Rays};
+use crate::geometry::{PixelGrid, Ray, RayFilter, Rays};
 use crate::scene::Scene;
 use crate::simd;
 use crate::watch::Watch;
@@ -67,5 +67,13 @@ impl Rays for Later<'_> {
 
     fn read(&self, first: usize, rays: &mut [Ray]) {
         self.rays.read(self.first + first, rays);
+    }
+
+    fn is_filtered(&self) -> bool {
+        self.rays.is_filtered()
+    }
+
+    fn filter(&self, index: usize) -> RayFilter {
+        self.rays.filter(self.first + index)
     }
 }

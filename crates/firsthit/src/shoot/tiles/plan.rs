@@ -58,7 +58,7 @@ impl<'a> Plan<'a> {
         let mut is_tiled = vec![false; scene.objects().len()];
         let mut meshes = Vec::new();
         for (index, object) in (0..).zip(scene.objects()) {
-            if scene.duplicates().contains(index) {
+            if scene.duplicates().contains(index) || object.is_hidden() {
                 is_tiled[index as usize] = true;
             } else if scene.plain_mesh(index).is_some() {
                 is_tiled[index as usize] = true;

@@ -1,0 +1,111 @@
+//! Any query, for rays that do not meet everything: some leave a triangle, or cull a side, or skip triangles.
+//!
+//! 1. Hand a candidate to the query where the filter cannot matter: it is met for certain, and ahead of the ray's start for certain,
+//!    no side is culled, and it is not skipped.
+//! 2. For any other candidate, and for each copy in its place, the exact test of [`MeshFilter`] decides.
+
+use super::mesh_packet::MeshRay;
+use super::query::{MeshQuery, Visitor};
+use crate::accel::filter::Candidates;
+use crate::accel::rays::limits::Limits;
+use crate::shape::Crossing;
+use crate::shape::triangle::EdgeRule;
+use crate::simd::{Aligned, LANES, Lanes, set_bits};
+
+#[cfg(doc)]
+use crate::shape::triangle::MeshFilter;
+
+/// The state of a query for filtered rays: see [the module](self).
+pub(crate) struct FilteredQuery<Q> {
+    query: Q,
+    limits: Limits,
+}
+
+impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
+    type Found = Q::Found;
+    const EDGES: EdgeRule = Q::EDGES;
+    const NONE: Self::Found = Q::NONE;
+    const IN_PACKETS: bool = false;
+
+    #[inline(always)]
+    fn new(limits: Limits) -> Self {
+        Self {
+            query: Q::new(limits),
+            limits,
+        }
+    }
+
+    #[inline(always)]
+    fn visit_one<L: Lanes>(
+        &mut self,
+        l: L,
+        ray: &MeshRay<'_>,
+        (leaf, lane): (u32, usize),
+        (low, high): (f32, f32),
+        is_certain: bool,
+    ) {
+        if high < self.limits.t_min_low || low > self.query.limit() {
+            return;
+        }
+        let tree = ray.tree;
+        let triangle = || tree.triangle(&tree.leaves[leaf as usize], lane);
+        let is_ahead = is_certain && low > self.limits.t_min_high;
+        if is_ahead && ray.filter().is_transparent_to(triangle) {
+            return self
+                .query
+                .visit_one(l, ray, (leaf, lane), (low, high), is_certain);
+        }
+        let triangle = triangle();
+        let copies = tree.copies_of(triangle).iter().map(|&[_, copy]| copy);
+        for triangle in std::iter::once(triangle).chain(copies) {
+            if let Some(crossing) = ray.intersect_filtered(l, Self::EDGES, triangle) {
+                self.query.see(l, ray, crossing);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn see<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, crossing: Crossing) {
+        self.query.see(l, ray, crossing);
+    }
+
+    #[inline(always)]
+    fn deferred(&self) -> Option<(u32, usize)> {
+        self.query.deferred()
+    }
+
+    #[inline(always)]
+    fn finish<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Self::Found {
+        self.query.finish(l, ray)
+    }
+
+    #[inline(always)]
+    fn of_crossing(crossing: Option<Crossing>) -> Self::Found {
+        Q::of_crossing(crossing)
+    }
+}
+
+impl<Q: MeshQuery> Visitor for FilteredQuery<Q> {
+    const ORDERED: bool = Q::ORDERED;
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let mut lows = Aligned([0.0; LANES]);
+        let mut highs = lows;
+        l.store(candidates.low, &mut lows.0);
+        l.store(candidates.high, &mut highs.0);
+        for lane in set_bits(candidates.possible) {
+            let is_certain = candidates.certain >> lane & 1 == 1;
+            let depths = (lows.0[lane], highs.0[lane]);
+            self.visit_one(l, ray, (leaf, lane), depths, is_certain);
+            if self.query.limit() < 0.0 {
+                return;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.query.limit()
+    }
+}

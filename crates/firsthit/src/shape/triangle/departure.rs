@@ -1,0 +1,239 @@
+//! Rays that leave a triangle: what is ahead of the point they start at?
+//!
+//! The point is `P = a + v (b - a) + w (c - a)`, in exact arithmetic on the corners and weights. The ray's origin is P rounded
+//! to float64, which may be on the other side of the triangle, or of a neighbour. So a triangle is met where the ray from P
+//! itself meets it, at an exact `t > 0`: never the one that is left, for that is met at zero; nor a neighbour that touches it in P.
+//!
+//! 1. Compute the sides as for a ray from the origin, and `t`. Where rounding and the distance from the origin to P cannot
+//!    matter, they decide.
+//! 2. Elsewhere compute the sides' and `t`'s signs without rounding, from P.
+//! 3. `t` is the one from the origin. Where that is not positive, it is the exact one, rounded.
+//!
+//! # Error bounds
+//!
+//! Let no coordinate of P be more than h off the origin's, M be the largest coordinate before the shear and X that across the ray.
+//!
+//! - h is 13 * 2^-53 of the largest corner's coordinate (see `SurfaceInteraction::position`); `OFF` allows 16.
+//! - A coordinate across the ray is off by 2 h, for slopes are at most 1. So a side is off by 8 h X + 8 h^2; the test takes twice as
+//!   much.
+//! - Let S be the sum of the sides, which is `n.d` in units of the direction's longest component. A step of h moves
+//!   the plane along the ray by `n.h / n.d`: at most h + 32 h X M / S. The test takes twice as much.
+
+use super::crossed::perturbed_side;
+use super::place::Meeting;
+use super::{Doubtful, EdgeRule, Shear, TriangleHit};
+use crate::geometry::arithmetic::Scalar;
+use crate::geometry::double::{Double, difference, sum};
+use crate::geometry::exact::{Expansion, Scaled};
+use crate::geometry::{DVec2, DVec3, Ray};
+
+/// How far the origin may be off the point, as a share of the largest coordinate of a corner.
+const OFF: f64 = 8.0 * f64::EPSILON;
+
+/// The point of a triangle that a ray leaves; see [the module](self).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DeparturePoint {
+    corners: [DVec3; 3],
+    /// Those of the corners 1 and 2: neither is negative, and together they are at most 1. The first may need two numbers.
+    weights: [[f64; 2]; 2],
+    /// The point, rounded: where the ray starts.
+    pub(crate) rounded: DVec3,
+    /// No coordinate of the point is farther off that.
+    pub(crate) off: f64,
+}
+
+impl DeparturePoint {
+    pub(crate) fn new(corners: [DVec3; 3], barycentric: DVec2) -> Self {
+        // A NaN becomes zero.
+        let within = |weight: f64| weight.max(0.0).min(1.0);
+        let [v, w] = [within(barycentric.x), within(barycentric.y)];
+        let both = sum(Scalar, v, w);
+        let v = if both.high > 1.0 || (both.high == 1.0 && both.low > 0.0) {
+            let Double { high, low } = difference(Scalar, 1.0, w);
+            [high, low]
+        } else {
+            [v, 0.0]
+        };
+        let [a, b, c] = corners;
+        let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+        Self {
+            corners,
+            weights: [v, [w, 0.0]],
+            rounded: a + (v[0] * (b - a) + w * (c - a)),
+            off: OFF * largest + f64::MIN_POSITIVE,
+        }
+    }
+
+    /// Where a ray from the point meets a triangle ahead of it. The ray's origin is the rounded point.
+    #[inline(always)]
+    pub(super) fn intersect(
+        &self,
+        ray: &Ray,
+        shear: &Shear,
+        edges: EdgeRule,
+        corners: [DVec3; 3],
+    ) -> Option<TriangleHit> {
+        let seen = shear.seen(corners);
+        let doubt = seen.doubt() + 16.0 * self.off * (seen.across + self.off);
+        let (least, most) = seen.least_and_most();
+        if least < -doubt && most > doubt {
+            return None;
+        }
+        let meeting = Meeting::new(ray.origin, ray.direction, corners);
+        let is_met = least > doubt || most < -doubt;
+        if is_met && let Some(place) = meeting.plain() {
+            let depth = place[0] * ray.direction.abs().max_element();
+            let steep = seen.across * seen.largest / seen.sum().abs();
+            let moved = 64.0 * self.off * (1.0 + steep);
+            // Written so that a NaN settles nothing.
+            if depth > moved {
+                return Some(TriangleHit::new(place));
+            }
+            if depth < -moved {
+                return None;
+            }
+        }
+        self.settle(meeting, edges, corners)
+    }
+
+    /// The same in exact arithmetic.
+    #[cold]
+    #[inline(never)]
+    fn settle(
+        &self,
+        meeting: Meeting<f64>,
+        edges: EdgeRule,
+        corners: [DVec3; 3],
+    ) -> Option<TriangleHit> {
+        let direction = DVec3::from(meeting.direction);
+        let exact = Exact::new(self, direction, corners)?;
+        if !exact.meets(edges, &meeting) {
+            return None;
+        }
+        let t = exact.t().filter(|&t| t > 0.0)?;
+        let doubtful = Doubtful {
+            meeting,
+            is_met: true,
+            edges,
+        };
+        let hit = doubtful.settle()?;
+        let t = if hit.t > 0.0 { hit.t } else { t };
+        Some(TriangleHit { t, ..hit })
+    }
+}
+
+/// A vector without rounding.
+type ExactVector = [Expansion; 3];
+
+/// A triangle as seen from the point, without rounding. Lengths are in units of a power of two, and so is the direction.
+struct Exact {
+    /// From the point to the corners.
+    relative: [ExactVector; 3],
+    direction: ExactVector,
+    /// The first corner to the two others.
+    edges: [ExactVector; 2],
+    /// A unit of `t`, in units of the two.
+    unit_of_t: f64,
+}
+
+/// Two to the power of `exponent`.
+#[expect(clippy::cast_sign_loss, reason = "small exponents")]
+const fn power(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// Brings a number to around 2^150, so that products of five keep all their digits.
+fn unit_of(largest: f64) -> f64 {
+    f64::from_bits(largest.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
+}
+
+impl Exact {
+    /// `None` where a number is not finite.
+    fn new(point: &DeparturePoint, direction: DVec3, corners: [DVec3; 3]) -> Option<Self> {
+        let all = point.corners.iter().chain(&corners);
+        let largest = all.fold(0.0, |largest: f64, corner| {
+            largest.max(corner.abs().max_element())
+        });
+        let longest = direction.abs().max_element();
+        let is_finite = corners
+            .iter()
+            .chain(&point.corners)
+            .all(|corner| corner.is_finite());
+        if !(is_finite && direction.is_finite()) {
+            return None;
+        }
+        let [unit, of_direction] = [unit_of(largest), unit_of(longest)];
+        let scaled = |x: f64, unit: f64| x / unit * power(150);
+        let [v, w] = point.weights.map(|weight| Expansion::of(weight.to_vec()));
+        let start = [0, 1, 2].map(|axis| {
+            let [a, b, c] = point.corners.map(|corner| scaled(corner[axis], unit));
+            let along_b = v.product(&Expansion::of(vec![b, -a]));
+            let along_c = w.product(&Expansion::of(vec![c, -a]));
+            Expansion::of(vec![a]).plus(&along_b).plus(&along_c)
+        });
+        let relative = corners.map(|corner| {
+            [0, 1, 2]
+                .map(|axis| Expansion::of(vec![scaled(corner[axis], unit)]).minus(&start[axis]))
+        });
+        let [a, b, c] = corners;
+        let edges = [b, c].map(|corner| {
+            [0, 1, 2]
+                .map(|axis| Expansion::of(vec![scaled(corner[axis], unit), -scaled(a[axis], unit)]))
+        });
+        let direction =
+            [0, 1, 2].map(|axis| Expansion::of(vec![scaled(direction[axis], of_direction)]));
+        Some(Self {
+            relative,
+            direction,
+            edges,
+            unit_of_t: unit / of_direction,
+        })
+    }
+
+    /// Whether the line meets the triangle.
+    fn meets(&self, rule: EdgeRule, meeting: &Meeting<f64>) -> bool {
+        let [a, b, c] = &self.relative;
+        let side = |p, q| determinant(&self.direction, p, q).sign();
+        let mut sides = [side(c, b), side(a, c), side(b, a)];
+        if rule == EdgeRule::Once && sides.contains(&0.0) {
+            if sides == [0.0; 3] {
+                return false;
+            }
+            let d = Scaled::new(&meeting.direction.map(|high| Double { high, low: 0.0 }));
+            let [a, b, c] = &meeting.corners;
+            for (side, [p, q]) in sides.iter_mut().zip([[c, b], [a, c], [b, a]]) {
+                if *side == 0.0 {
+                    *side = perturbed_side(&d, p, q);
+                }
+            }
+            return sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0);
+        }
+        let is_front = sides.iter().all(|&side| side >= 0.0);
+        let is_back = sides.iter().all(|&side| side <= 0.0);
+        is_front != is_back
+    }
+
+    /// Where the line crosses the triangle's plane, with the exact sign; `None` where it is along that.
+    fn t(&self) -> Option<f64> {
+        let [e, f] = &self.edges;
+        let slope = determinant(e, f, &self.direction);
+        let height = determinant(e, f, &self.relative[0]);
+        let sign = height.sign() * slope.sign();
+        if slope.sign() == 0.0 {
+            return None;
+        }
+        let size = (height.value() / slope.value()).abs() * self.unit_of_t;
+        // Not rounded to zero.
+        Some(sign * size.max(f64::MIN_POSITIVE))
+    }
+}
+
+fn determinant(p: &ExactVector, q: &ExactVector, r: &ExactVector) -> Expansion {
+    let minor = |k: usize, l: usize| q[k].product(&r[l]).minus(&q[l].product(&r[k]));
+    let parts = [
+        p[0].product(&minor(1, 2)),
+        p[1].product(&minor(2, 0)),
+        p[2].product(&minor(0, 1)),
+    ];
+    parts[0].plus(&parts[1]).plus(&parts[2])
+}

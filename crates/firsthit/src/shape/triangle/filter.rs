@@ -1,0 +1,96 @@
+//! What a ray does not meet of one mesh, in the mesh's space: see [`RayFilter`](crate::geometry::RayFilter).
+
+use super::{DeparturePoint, Doubtful, EdgeRule, Shear, TriangleHit};
+use crate::geometry::arithmetic::Scalar;
+use crate::geometry::double::{Double, between};
+use crate::geometry::exact::{Scaled, determinant};
+use crate::geometry::{DVec3, Ray, Side};
+
+/// No triangle has this number.
+const NO_TRIANGLE: u32 = u32::MAX;
+
+/// See [the module](self).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MeshFilter {
+    /// Triangles that are not met.
+    skip: [u32; 2],
+    cull: Option<Side>,
+    /// The triangle that the ray leaves, if it is one of this mesh, and where.
+    departure: Option<(u32, DeparturePoint)>,
+}
+
+impl MeshFilter {
+    /// The ray meets everything.
+    pub(crate) const NONE: Self = Self {
+        skip: [NO_TRIANGLE; 2],
+        cull: None,
+        departure: None,
+    };
+
+    /// The ray does not meet one side, nor `skip`. It leaves a triangle, perhaps of another mesh in the same space.
+    pub(crate) fn new(
+        skip: [Option<u32>; 2],
+        cull: Option<Side>,
+        departure: Option<(Option<u32>, DeparturePoint)>,
+    ) -> Self {
+        let number = |triangle: Option<u32>| triangle.unwrap_or(NO_TRIANGLE);
+        Self {
+            skip: skip.map(number),
+            cull,
+            departure: departure.map(|(triangle, point)| (number(triangle), point)),
+        }
+    }
+
+    /// Where the ray starts, if it leaves a triangle.
+    pub(crate) fn departure(&self) -> Option<&DeparturePoint> {
+        self.departure.as_ref().map(|(_, point)| point)
+    }
+
+    /// Whether a triangle that is ahead of the start for certain is met wherever a ray without a filter meets it.
+    #[inline(always)]
+    pub(crate) fn is_transparent_to(&self, triangle: impl FnOnce() -> u32) -> bool {
+        self.cull.is_none() && (self.skip == [NO_TRIANGLE; 2] || !self.skip.contains(&triangle()))
+    }
+
+    /// Where the ray meets a triangle, if it does; `settle` is as in [`Shear::intersect_by`].
+    #[inline(always)]
+    pub(crate) fn intersect(
+        &self,
+        (ray, shear): (&Ray, &Shear),
+        edges: EdgeRule,
+        (triangle, corners): (u32, [DVec3; 3]),
+        settle: impl FnOnce(Doubtful) -> Option<TriangleHit>,
+    ) -> Option<TriangleHit> {
+        if self.skip.contains(&triangle) {
+            return None;
+        }
+        let hit = match &self.departure {
+            Some((left, _)) if *left == triangle => None,
+            Some((_, point)) => point.intersect(ray, shear, edges, corners),
+            None => shear.intersect_by(edges, corners, settle),
+        }?;
+        let is_met = self
+            .cull
+            .is_none_or(|side| side != side_met(ray.direction, corners));
+        is_met.then_some(hit)
+    }
+}
+
+/// Which side of a triangle a ray meets, exactly: the front against the normal.
+fn side_met(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Side {
+    let (e, f) = (b - a, c - a);
+    let along = e.cross(f).dot(direction);
+    // Each product of three numbers is rounded at most seven times, and there are six.
+    let largest = |v: DVec3| v.abs().max_element();
+    let doubt = 32.0 * f64::EPSILON * largest(e) * largest(f) * largest(direction);
+    let along = if along.abs() > doubt + f64::MIN_POSITIVE {
+        along
+    } else {
+        let [a, b, c] = [a, b, c].map(|corner| corner.to_array());
+        let e = Scaled::new(&between(Scalar, &b, &a));
+        let f = Scaled::new(&between(Scalar, &c, &a));
+        let d = direction.to_array().map(|high| Double { high, low: 0.0 });
+        determinant(&e, &f, &Scaled::new(&d)).high
+    };
+    if along < 0.0 { Side::Front } else { Side::Back }
+}

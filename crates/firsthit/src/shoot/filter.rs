@@ -1,0 +1,144 @@
+//! What a ray does not meet, object by object: a [`RayFilter`] brought into an object's space.
+
+use super::scaled_ray::ScaledRay;
+use crate::geometry::{DVec3, Ray, RayFilter, Side, SurfaceId};
+use crate::scene::{Object, Scene};
+use crate::shape::triangle::{DeparturePoint, MeshFilter};
+use crate::shape::{Crossing, Shape, Surface};
+
+/// Whether a ray sees an object at all.
+#[inline(always)]
+pub(super) fn sees(filter: &RayFilter, object: &Object) -> bool {
+    !object.is_hidden() && object.mask() & filter.mask != 0
+}
+
+/// What a ray does not meet of the mesh of an object.
+pub(super) fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
+    let of_object = |surface: SurfaceId| {
+        let is_there = u32::try_from(surface.object) == Ok(index);
+        is_there.then(|| u32::try_from(surface.primitive).ok())?
+    };
+    let departure =
+        departure_point(scene, filter, index).map(|(surface, point)| (of_object(surface), point));
+    let skip = filter.skip.map(|surface| surface.and_then(of_object));
+    MeshFilter::new(skip, filter.cull, departure)
+}
+
+/// The point that the ray leaves, where it is a triangle's in the space of this object.
+fn departure_point(
+    scene: &Scene,
+    filter: &RayFilter,
+    index: u32,
+) -> Option<(SurfaceId, DeparturePoint)> {
+    let departure = filter.departure.as_ref()?;
+    let SurfaceId { object, primitive } = departure.surface;
+    let left = scene.objects().get(usize::try_from(object).ok()?)?;
+    let here = &scene.objects()[index as usize];
+    let mesh = left.mesh()?;
+    let triangle = usize::try_from(primitive).ok()?;
+    let is_same_space = left.transform() == here.transform();
+    (is_same_space && triangle < mesh.triangles().len()).then(|| {
+        let corners = mesh.corners(triangle);
+        let point = DeparturePoint::new(corners, departure.barycentric);
+        (departure.surface, point)
+    })
+}
+
+/// Transforms round, so that a surface that touches the one that is left may seem to be ahead of it or behind. From an object of
+/// another transform, only what is beyond this share of the largest coordinate is met.
+const TRANSFORMS: f64 = 4096.0 * f64::EPSILON;
+
+/// The largest number that the place of a start and of an object in the world is computed from.
+fn largest_coordinate(scene: &Scene, scaled: &ScaledRay, left: SurfaceId, object: &Object) -> f64 {
+    let translation = |object: &Object| object.transform().world_from_object().translation;
+    let left = usize::try_from(left.object).ok();
+    let left = left.and_then(|left| scene.objects().get(left));
+    let left = left.map_or(DVec3::ZERO, translation);
+    let largest = scaled.ray.origin.abs().max(left.abs());
+    largest.max(translation(object).abs()).max_element()
+}
+
+/// A ray in an object's space, and what it does not meet of the object's mesh.
+pub(super) fn in_object(
+    scene: &Scene,
+    (scaled, from): (&ScaledRay, &RayFilter),
+    index: u32,
+    t_max: f64,
+) -> Option<(Ray, MeshFilter)> {
+    let object = &scene.objects()[index as usize];
+    let mut ray = scaled.in_object(object, t_max)?;
+    let filter = mesh_filter(scene, from, index);
+    if let Some(point) = filter.departure() {
+        ray.origin = point.rounded;
+    } else if let Some(departure) = from.departure
+        && u32::try_from(departure.surface.object) != Ok(index)
+    {
+        let coordinate = largest_coordinate(scene, scaled, departure.surface, object);
+        let beyond = TRANSFORMS * coordinate / scaled.ray.direction.abs().max_element();
+        ray.t_min = ray.t_min.max(beyond);
+    }
+    ray.is_valid().then_some((ray, filter))
+}
+
+/// The crossings of a ray in object space with a shape that is no mesh.
+pub(super) fn crossings(
+    filter: &RayFilter,
+    index: u32,
+    shape: &Shape,
+    ray: &Ray,
+) -> [Option<Crossing>; 2] {
+    let is_here = |surface: &SurfaceId| u32::try_from(surface.object) == Ok(index);
+    let left = filter.departure.map(|departure| departure.surface);
+    let left = left.filter(is_here);
+    let skipped = filter.skip.map(|surface| surface.filter(is_here));
+    if left.is_none() && skipped == [None; 2] {
+        return shape.crossings(ray).map(|crossing| {
+            crossing.filter(|crossing| is_not_culled(filter, shape, ray, crossing))
+        });
+    }
+    let line = Ray {
+        t_min: f64::NEG_INFINITY,
+        t_max: f64::INFINITY,
+        ..*ray
+    };
+    let mut crossings = shape.crossings(&line);
+    if let Some(surface) = left {
+        // Out of a convex shape nothing more of it is ahead; into one, the far end. A flat shape is left behind.
+        let normal = shape.normal(ray.origin, surface.primitive);
+        let is_inwards = ray.direction.dot(normal) < 0.0;
+        if !is_inwards {
+            return [None; 2];
+        }
+        crossings[0] = None;
+    }
+    for (surface, end) in skipped.iter().zip([0.0, 1.0]) {
+        if let Some(surface) = surface {
+            leave_out(&mut crossings, surface.primitive, end);
+        }
+    }
+    crossings.map(|crossing| {
+        crossing
+            .filter(|crossing| ray.holds(crossing.t) && is_not_culled(filter, shape, ray, crossing))
+    })
+}
+
+/// Leaves out the crossing of a part of a shape that is nearest to a parameter.
+fn leave_out(crossings: &mut [Option<Crossing>; 2], primitive: i32, end: f64) {
+    let distance = |crossing: &Option<Crossing>| {
+        let same = crossing.filter(|crossing| crossing.primitive == primitive);
+        same.map_or(f64::INFINITY, |crossing| (crossing.t - end).abs())
+    };
+    let [first, second] = crossings.each_ref().map(distance);
+    if first.min(second) < f64::INFINITY {
+        crossings[usize::from(second < first)] = None;
+    }
+}
+
+fn is_not_culled(filter: &RayFilter, shape: &Shape, ray: &Ray, crossing: &Crossing) -> bool {
+    filter.cull.is_none_or(|culled| {
+        let point: DVec3 = ray.at(crossing.t);
+        let along = ray.direction.dot(shape.normal(point, crossing.primitive));
+        let side = if along < 0.0 { Side::Front } else { Side::Back };
+        side != culled
+    })
+}

@@ -1,0 +1,102 @@
+//! Lines of sight: does one point see another?
+
+use super::{Any, trace};
+use crate::error::Result;
+use crate::geometry::{DVec3, Ray, RayFilter, Rays, SurfaceId};
+use crate::scene::Scene;
+use crate::watch::Watch;
+
+/// A point at an end of a line of sight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewpoint {
+    /// Where it is in the world.
+    pub position: DVec3,
+    /// The surface that it lies on, if any: that does not hide it.
+    pub surface: Option<SurfaceId>,
+}
+
+impl Viewpoint {
+    /// A point on no surface.
+    pub const fn new(position: DVec3) -> Self {
+        Self {
+            position,
+            surface: None,
+        }
+    }
+}
+
+/// Whether the two points of each pair see each other: whether nothing is between them, at `0 < t < 1` on the ray from one to
+/// the other.
+///
+/// The answer does not depend on which comes first: the ray goes from the point with the lower coordinates, by `x`, then `y`,
+/// then `z`. A point sees itself; one that is not finite, or beyond 10^150, sees no other. The answers are in the order of the pairs.
+///
+/// ```
+/// use firsthit::shoot::{Viewpoint, visible};
+/// use firsthit::{DVec3, Object, Scene, Sphere};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let [a, b, c] = [-2.0, 2.0, 3.0].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
+/// assert_eq!(visible(&scene, &[[a, b], [b, c]], &())?, [false, true]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// Those of [`trace`].
+pub fn visible(scene: &Scene, pairs: &[[Viewpoint; 2]], watch: &dyn Watch) -> Result<Vec<bool>> {
+    let sights = Sights(pairs);
+    let mut answers = trace(scene, &sights, Any, watch)?;
+    for (index, answer) in answers.iter_mut().enumerate() {
+        let [a, b] = pairs[index].map(|end| end.position);
+        *answer = if a == b {
+            a.is_finite()
+        } else {
+            sights.ray(index).is_valid() && !*answer
+        };
+    }
+    Ok(answers)
+}
+
+/// The rays of lines of sight.
+struct Sights<'a>(&'a [[Viewpoint; 2]]);
+
+impl Sights<'_> {
+    /// The ends of a line in their own order.
+    fn ordered(&self, index: usize) -> [Viewpoint; 2] {
+        let [a, b] = self.0[index];
+        let key = |end: &Viewpoint| {
+            // Zero has one sign.
+            let place = (end.position + 0.0).to_array().map(f64::to_bits);
+            let total = place.map(|bits| bits ^ if bits >> 63 == 1 { u64::MAX } else { 1 << 63 });
+            let surface = end
+                .surface
+                .map(|surface| (surface.object, surface.primitive));
+            (total, surface)
+        };
+        if key(&b) < key(&a) { [b, a] } else { [a, b] }
+    }
+}
+
+impl Rays for Sights<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Its direction may be zero or infinite: then it meets nothing.
+    fn ray(&self, index: usize) -> Ray {
+        let [from, to] = self.ordered(index).map(|end| end.position);
+        Ray::new(from, to - from).up_to(1.0_f64.next_down())
+    }
+
+    fn is_filtered(&self) -> bool {
+        self.0.iter().flatten().any(|end| end.surface.is_some())
+    }
+
+    fn filter(&self, index: usize) -> RayFilter {
+        RayFilter {
+            skip: self.ordered(index).map(|end| end.surface),
+            ..RayFilter::NONE
+        }
+    }
+}

@@ -1,0 +1,319 @@
+//! Rays that do not meet everything: masks, culled sides, skipped and left surfaces. Trees against brute force, bit for bit; rays
+//! that leave triangles also against rational arithmetic.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+mod support;
+
+use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, Hits, trace, trace_with};
+use firsthit::{
+    Cone, Cuboid, DAffine3, DQuat, DVec2, DVec3, Departure, Disc, Filtered, InstructionSet, Mesh,
+    Object, Plane, Ray, RayFilter, Scene, Side, Sphere, SurfaceId, Transform,
+};
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+use support::rational::{Exact, cross, dot, exact, minus, number};
+use support::{Numbers, bumpy_sphere, mesh, scene};
+
+/// A closed mesh twice, once moved and turned, soups with copies of triangles, and one of each other shape.
+fn everything(seed: u64) -> Scene {
+    let mut numbers = Numbers::new(seed);
+    let (points, triangles) = bumpy_sphere(6, seed);
+    let bumpy = mesh(&points, triangles);
+    let turned = DAffine3::from_scale_rotation_translation(
+        DVec3::new(0.5, -1.5, 1.0),
+        DQuat::from_rotation_y(0.7),
+        DVec3::new(0.3, 0.1, -0.2),
+    );
+    let mut soup: Vec<DVec3> = (0..90).map(|_| 1.5 * numbers.point()).collect();
+    let again: Vec<DVec3> = soup[..30].to_vec();
+    soup.extend(again);
+    let mut corners: Vec<[u32; 3]> = (0..40).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    for turned_over in &mut corners[34..] {
+        turned_over.swap(1, 2);
+    }
+    let mut objects = vec![
+        Object::new(bumpy.clone()),
+        Object::new(bumpy.clone()).placed(Transform::new(turned).unwrap()),
+        Object::new(mesh(&soup, corners)),
+        Object::new(bumpy),
+        Object::new(Sphere::new(0.5 * numbers.point(), 0.8).unwrap()),
+        Object::new(Cuboid::new(DVec3::splat(-0.6), DVec3::splat(0.5)).unwrap()),
+        Object::new(Cone::new(DVec3::ZERO, DVec3::Z, 0.9, 0.3).unwrap()),
+        Object::new(Plane::new(0.1 * numbers.point(), numbers.point()).unwrap()),
+        Object::new(Disc::new(DVec3::ZERO, numbers.point(), 1.1).unwrap()),
+    ];
+    for object in &mut objects {
+        let bits = 1 << numbers.below(3) | 1 << numbers.below(3);
+        *object = object.clone().masked(bits).hidden(numbers.below(9) == 0);
+    }
+    scene(objects)
+}
+
+/// Rays of all kinds of filters; many leave surfaces.
+fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec<RayFilter>) {
+    let mut numbers = Numbers::new(seed);
+    let starts: Vec<Ray> = (0..count)
+        .map(|_| Ray::new(2.0 * numbers.point(), numbers.point()))
+        .collect();
+    let hits = trace(scene, &starts, First, &()).unwrap();
+    let (mut rays, mut filters) = (Vec::new(), Vec::new());
+    for (k, start) in starts.iter().enumerate() {
+        let mut filter = RayFilter::NONE;
+        let mut ray = *start;
+        let hit = hits.get(k);
+        let surface = SurfaceId {
+            object: hit.object,
+            primitive: hit.primitive,
+        };
+        if k % 2 == 0 && !hit.is_miss() {
+            let way = numbers.point();
+            let mut snapped = hit;
+            if k % 8 == 0 && hit.barycentric.is_finite() {
+                // At an edge, a corner, or the middle.
+                snapped.barycentric =
+                    [DVec2::X, DVec2::new(0.25, 0.75), DVec2::ZERO, DVec2::Y][numbers.below(4)];
+            }
+            let left = scene.interaction(start, &snapped).unwrap().leave(way);
+            (ray, filter) = left;
+        } else if k % 3 == 0 {
+            ray = Ray::new(start.at(hit.t.min(9.0)), numbers.point()).up_to(1.0);
+            filter.skip = [Some(surface), None];
+        } else if k % 3 == 1 {
+            ray = Ray::new(start.origin, start.direction * hit.t.min(9.0)).up_to(1.0);
+            filter.skip = [None, Some(surface)];
+        }
+        if k % 5 == 0 {
+            filter.mask = 1 << numbers.below(4);
+        }
+        if k % 7 < 2 {
+            filter.cull = Some([Side::Front, Side::Back][k % 7]);
+        }
+        if k % 11 == 0 {
+            ray = Ray {
+                direction: 1e-120 * ray.direction,
+                ..ray
+            };
+        }
+        if k % 13 == 0 {
+            ray = ray.beyond(0.3);
+        }
+        rays.push(ray);
+        filters.push(filter);
+    }
+    (rays, filters)
+}
+
+fn same(fast: &Hits, slow: &Hits) {
+    for k in 0..slow.len().max(fast.len()) {
+        let (fast, slow) = (fast.get(k), slow.get(k));
+        assert_eq!(support::bits(&fast), support::bits(&slow), "{k}");
+    }
+}
+
+#[test]
+fn trees_and_brute_force_agree_on_every_instruction_set() {
+    for seed in 0..5 {
+        let scene = everything(seed);
+        let (rays, filters) = filtered(&scene, 700, seed + 100);
+        let rays = Filtered::each(&rays, &filters);
+        let first = trace_with(&BruteForce, &scene, &rays, First, &()).unwrap();
+        let any = trace_with(&BruteForce, &scene, &rays, Any, &()).unwrap();
+        let count = trace_with(&BruteForce, &scene, &rays, Count, &()).unwrap();
+        let all = trace_with(&BruteForce, &scene, &rays, All::default(), &()).unwrap();
+        assert!(any.iter().filter(|&&hit| hit).count() > 60);
+        for set in InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available())
+        {
+            let cpu = Cpu::with(set);
+            same(
+                &trace_with(&cpu, &scene, &rays, First, &()).unwrap(),
+                &first,
+            );
+            assert_eq!(trace_with(&cpu, &scene, &rays, Any, &()).unwrap(), any);
+            assert_eq!(trace_with(&cpu, &scene, &rays, Count, &()).unwrap(), count);
+            let fast = trace_with(&cpu, &scene, &rays, All::default(), &()).unwrap();
+            assert_eq!(fast.offsets, all.offsets);
+            same(&fast.hits, &all.hits);
+        }
+    }
+}
+
+/// Whether a closed triangle is met by a ray from an exact point, ahead of that.
+fn is_met(from: &Exact, d: &Exact, corners: [DVec3; 3]) -> bool {
+    let [a, b, c] = corners.map(|corner| minus(&exact(corner), from));
+    let sides = [(&c, &b), (&a, &c), (&b, &a)].map(|(p, q)| dot(d, &cross(p, q)));
+    let is_front = !sides.iter().any(Signed::is_negative);
+    let is_back = !sides.iter().any(Signed::is_positive);
+    if is_front == is_back {
+        return false;
+    }
+    let n = cross(&minus(&b, &a), &minus(&c, &a));
+    let slope = dot(&n, d);
+    !slope.is_zero() && (dot(&n, &a) / slope).is_positive()
+}
+
+/// The point of a triangle with these weights.
+fn point_of(corners: [DVec3; 3], barycentric: DVec2) -> Exact {
+    let [a, b, c] = corners.map(exact);
+    let w = number(barycentric.y);
+    let v = number(barycentric.x).min(BigRational::one() - &w);
+    let (e, f) = (minus(&b, &a), minus(&c, &a));
+    std::array::from_fn(|k| &a[k] + &v * &e[k] + &w * &f[k])
+}
+
+/// What a ray that leaves a triangle meets, by rational arithmetic.
+fn met_from(mesh: &Mesh, start: (usize, DVec2), way: DVec3) -> Vec<i32> {
+    let from = point_of(mesh.corners(start.0), start.1);
+    let d = exact(way);
+    (0..mesh.triangles().len())
+        .filter(|&triangle| is_met(&from, &d, mesh.corners(triangle)))
+        .map(|triangle| triangle as i32)
+        .collect()
+}
+
+fn leaving(triangle: usize, barycentric: DVec2) -> RayFilter {
+    let surface = SurfaceId {
+        object: 0,
+        primitive: triangle as i32,
+    };
+    RayFilter {
+        departure: Some(Departure {
+            surface,
+            barycentric,
+        }),
+        ..RayFilter::NONE
+    }
+}
+
+/// Weights inside, at edges, at corners, and beside those by a last digit.
+fn weights(numbers: &mut Numbers) -> DVec2 {
+    let v = numbers.unit();
+    let tiny = f64::EPSILON * numbers.unit();
+    match numbers.below(8) {
+        0 => DVec2::new(v, 1.0 - v),
+        1 => DVec2::new(v, 0.0),
+        2 => DVec2::new(tiny, v),
+        3 => [DVec2::ZERO, DVec2::X, DVec2::Y][numbers.below(3)],
+        4 => DVec2::new(1.0 - tiny, tiny),
+        5 => DVec2::splat(0.5),
+        6 => DVec2::new(v, (1.0 - v).next_up()),
+        _ => DVec2::new(v, (1.0 - v) * numbers.unit()),
+    }
+}
+
+#[test]
+fn rays_that_leave_meet_what_exact_arithmetic_says() {
+    let (mut met, mut near) = (0, 0);
+    for seed in 0..6 {
+        let mut numbers = Numbers::new(seed);
+        let (points, triangles) = bumpy_sphere(3, seed);
+        let digits = [1e17, 4.0, 1e17, 1e3][seed as usize % 4];
+        let away = [0.0, 0.0, 1e6, 0.0][seed as usize % 4];
+        let place = |p: &DVec3| (3.0 * *p * digits).round() / digits + away;
+        let points: Vec<DVec3> = points.iter().map(place).collect();
+        let mesh = mesh(&points, triangles);
+        let scene = scene(vec![Object::new(mesh.clone())]);
+        let (mut rays, mut filters, mut expected) = (Vec::new(), Vec::new(), Vec::new());
+        for k in 0..400 {
+            let triangle = numbers.below(mesh.triangles().len());
+            let at = weights(&mut numbers);
+            let [a, b, c] = mesh.corners(triangle);
+            let way = match k % 4 {
+                0 => numbers.point(),
+                // In the triangle's plane, along its edge, at another vertex.
+                1 => 0.5 * (b - a) + 0.25 * (c - a),
+                2 => c - b,
+                _ => points[numbers.below(points.len())] - a,
+            };
+            if way == DVec3::ZERO {
+                continue;
+            }
+            let origin = a + (at.x * (b - a) + at.y * (c - a));
+            rays.push(Ray::new(origin, way));
+            filters.push(leaving(triangle, at));
+            expected.push(met_from(&mesh, (triangle, at), way));
+        }
+        let rays = Filtered::each(&rays, &filters);
+        let hits = trace(&scene, &rays, First, &()).unwrap();
+        let any = trace(&scene, &rays, Any, &()).unwrap();
+        for (k, expected) in expected.iter().enumerate() {
+            assert_eq!(
+                any[k],
+                !expected.is_empty(),
+                "{k} {:?}",
+                rays_at(&filters, k)
+            );
+            let hit = hits.get(k);
+            assert_eq!(hit.is_miss(), expected.is_empty());
+            if !hit.is_miss() {
+                assert!(
+                    expected.contains(&hit.primitive),
+                    "{k}: {hit:?} {expected:?}"
+                );
+                assert!(hit.t > 0.0);
+                near += usize::from(hit.t < 1e-12);
+            }
+            met += expected.len();
+        }
+    }
+    assert!(met > 1000 && near > 50, "{met} {near}");
+}
+
+fn rays_at(filters: &[RayFilter], k: usize) -> Option<Departure> {
+    filters[k].departure
+}
+
+/// From outside of a closed mesh that is convex, a ray that leaves never comes back; into it, it leaves once.
+#[test]
+fn closed_convex_meshes_are_left_for_good() {
+    let corner = |k: u32| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
+    let turn = DQuat::from_rotation_x(0.3) * DQuat::from_rotation_y(1.1);
+    for (seed, far) in [(1, 0.0), (2, 1e5), (3, 1e9)] {
+        let points: Vec<DVec3> = (0..8).map(|k| turn * corner(k) / 3.0 + far).collect();
+        let quads = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let triangles: Vec<[u32; 3]> = quads
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect();
+        let mesh = mesh(&points, triangles);
+        let scene = scene(vec![Object::new(mesh.clone())]);
+        let mut numbers = Numbers::new(seed);
+        let (mut rays, mut filters) = (Vec::new(), Vec::new());
+        for _ in 0..20_000 {
+            let triangle = numbers.below(12);
+            let at = weights(&mut numbers);
+            let [a, b, c] = mesh.corners(triangle);
+            let n = (b - a).cross(c - a);
+            let way = numbers.point();
+            let way = if way.dot(n) < 0.0 { -way } else { way };
+            rays.push(Ray::new(a + (at.x * (b - a) + at.y * (c - a)), way));
+            filters.push(leaving(triangle, at));
+        }
+        let found = trace(&scene, &Filtered::each(&rays, &filters), Any, &()).unwrap();
+        // Rounded corners are not quite convex: a few rays along a face may meet what is over it.
+        let met = found.iter().filter(|&&met| met).count();
+        assert!(met < if far == 0.0 { 5 } else { 300 }, "{far}: {met}");
+        let inwards: Vec<Ray> = rays
+            .iter()
+            .map(|ray| Ray::new(ray.origin, -ray.direction))
+            .collect();
+        let counts = trace(&scene, &Filtered::each(&inwards, &filters), Any, &()).unwrap();
+        let missed = counts.iter().filter(|&&met| !met).count();
+        // At an edge a ray into one face may be out of the other.
+        assert!(missed < 12_000, "{missed}");
+    }
+}
