@@ -243,6 +243,13 @@ pub(crate) struct ShootArgs {
     /// Hits have a t up to this, itself included [default: inf]
     #[arg(long, value_name = "T", value_parser = values::t_max, allow_hyphen_values = true)]
     pub(crate) t_max: Option<f64>,
+    /// Write every hit of each ray, in order, not only the first: an element for each hit, with the channel ray before the
+    /// others, the number of its ray. Each crossing of a surface counts once, at edges too
+    #[arg(long)]
+    pub(crate) all: bool,
+    /// As --all, but at most the first K hits of each ray
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true, conflicts_with = "all")]
+    pub(crate) nearest: Option<u32>,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]

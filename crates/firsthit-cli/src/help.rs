@@ -47,6 +47,7 @@ Examples:
   firsthit shoot part.stl origins.npy directions.npy -o hits.npz \\
       --channels t,object,normal
   firsthit shoot part.stl rays.npy -o scan.ply
+  firsthit shoot part.stl rays.npy --all -o crossings.csv
   echo 0,0,10,0,0,-1 | firsthit shoot part.stl - --channels t,object,position
 
 Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
@@ -55,7 +56,7 @@ with six numbers in a line. Directions may have any length; t is in units of the
 
 A program can keep shoot running behind a pipe: it sends a line and reads the answer before it sends the next line. The header \
 comes with the first answer. Comments and blank lines have no answer. A wrong line ends the run with exit code 3, after the \
-answers to the lines before it.";
+answers to the lines before it. With --all or --nearest all lines are read first: a ray without hits has no line.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

@@ -67,7 +67,21 @@ enum Make {
     Distance(usize),
     /// From a shader, by `render`.
     Color,
+    /// By whoever has [`AllHits`](crate::shoot::AllHits).
+    Ray,
 }
+
+/// The number of the ray that each hit belongs to, where a ray may have several. It is no channel of a picture, so not among
+/// [`KINDS`]; [`AllHits::ray_numbers`](crate::shoot::AllHits::ray_numbers) has its data.
+pub const RAY: &Kind = &Kind {
+    name: "ray",
+    about: "number of the ray, from 0",
+    components: 1,
+    display: Display::Identifier,
+    unit: Unit::None,
+    frame: None,
+    make: Make::Ray,
+};
 
 /// Every channel. A new one is a new row.
 pub const KINDS: &[Kind] = &[
@@ -264,7 +278,8 @@ const CHUNK: usize = 1 << 12;
 /// there is none, [`Error::Interrupted`] when `watch` stops it.
 pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
     for kind in kinds {
-        if kind.needs_shade() || (kind.needs_sensor() && shots.sensor.is_none()) {
+        let is_made_elsewhere = matches!(kind.make, Make::Color | Make::Ray);
+        if is_made_elsewhere || (kind.needs_sensor() && shots.sensor.is_none()) {
             let expected = "one that rays without a camera have";
             return Err(Error::argument("channel", expected, kind.name));
         }
@@ -314,7 +329,7 @@ impl Kind {
             }
             Make::Identifier(_) | Make::Integer(_) => Data::Int32(filled(count, -1)?),
             Make::Flag(_) => Data::Bool(filled(count, false)?),
-            Make::Color => {
+            Make::Color | Make::Ray => {
                 return Err(Error::argument(
                     "channel",
                     "one without a shader",

@@ -3,14 +3,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use firsthit::channel::Kind;
+use firsthit::channel::{Kind, RAY};
 use firsthit::image::{Frame, Holds, WriteSettings, format_of};
 use firsthit::render::work;
+use firsthit::shoot::All;
 use firsthit::{Rays as _, Scene};
 use serde_json::{Value, json};
 
 use super::shoot_stream;
-use super::shot::{Counts, shot};
+use super::shot::{Counts, shot, shot_all};
 use crate::args::{ShootArgs, StreamFormat};
 use crate::asked;
 use crate::console::{counted, end_report, report_beside_data, say, warn};
@@ -68,6 +69,12 @@ fn channels(args: &ShootArgs) -> Vec<String> {
     asked::with_required(&asked, &args.output)
 }
 
+/// Which hits are asked for, where these are not the first ones.
+fn several(args: &ShootArgs) -> Option<All> {
+    let nearest = args.nearest.map(|k| k as usize);
+    (args.all || nearest.is_some()).then_some(All { nearest })
+}
+
 /// Where rays come from.
 enum Source {
     Arrays(RayArrays),
@@ -92,11 +99,15 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
     if args.output.is_empty() || args.output.iter().any(|path| path == Path::new("-")) {
         report_beside_data();
     }
-    let kinds = output::kinds(
+    let mut kinds = output::kinds(
         &channels(args),
         output::Source::Rays,
         args.run.quiet || args.run.json,
     )?;
+    let several = several(args);
+    if several.is_some() {
+        kinds.insert(0, RAY);
+    }
     let sinks = sinks(args, &kinds)?;
     let started = Instant::now();
     with_threads(&args.run, || {
@@ -107,7 +118,9 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         } = loading::read(&args.file, &args.load, None)?;
         warn(&warnings);
         let counts = match source {
-            Source::Arrays(rays) => all_at_once(&rays, &scene, &kinds, &sinks, interrupted)?,
+            Source::Arrays(rays) => {
+                all_at_once(&rays, &scene, (several, &kinds), &sinks, interrupted)?
+            }
             Source::Stdin(feed) => {
                 let is_stopped = || interrupted.load(Ordering::Relaxed);
                 if rays::is_text(&feed.mark(&is_stopped)?) {
@@ -115,7 +128,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
                     shoot_stream::answer(&feed, lines, (&scene, &kinds), interrupted)?
                 } else {
                     let rays = rays::read_bytes(feed.all(&is_stopped)?, ends)?;
-                    all_at_once(&rays, &scene, &kinds, &sinks, interrupted)?
+                    all_at_once(&rays, &scene, (several, &kinds), &sinks, interrupted)?
                 }
             }
         };
@@ -128,6 +141,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
                 "outputs": sinks.as_json(&kinds),
                 "rays": counts.rays,
                 "hits": counts.hits,
+                "crossings": several.map(|_| counts.crossings),
                 "objects": scene.objects().len(),
                 "triangles": scene.triangles(),
                 "seconds": seconds,
@@ -135,8 +149,10 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
             end_report(done).map_err(|error| Failure::stdout(&error))?;
         } else if !args.run.quiet {
             let share = 100.0 * counts.hits as f64 / counts.rays.max(1) as f64;
+            let crossings = counted(counts.crossings, "hit");
+            let crossings = several.map_or(String::new(), |_| format!(", {crossings}"));
             say(format_args!(
-                "{}: {}, {share:.1} % hit, {seconds:.2} s",
+                "{}: {}, {share:.1} % hit{crossings}, {seconds:.2} s",
                 sinks.names(),
                 counted(counts.rays, "ray"),
             ));
@@ -152,7 +168,9 @@ fn source(
     ends: (Option<f64>, Option<f64>),
 ) -> Result<Source, Failure> {
     let is_pipe = args.rays.as_path() == Path::new("-") && args.directions.is_none();
+    // A ray without hits has no line among all hits, for which a program would wait.
     if is_pipe
+        && several(args).is_none()
         && sinks.is_csv_stream()
         && let Some(feed) = Feed::new()
     {
@@ -164,14 +182,17 @@ fn source(
 fn all_at_once(
     rays: &RayArrays,
     scene: &Scene,
-    kinds: &[&Kind],
+    (several, kinds): (Option<All>, &[&Kind]),
     sinks: &Sinks,
     interrupted: &AtomicBool,
 ) -> Result<Counts, Failure> {
     let is_quiet = sinks.is_quiet;
     let total = work(rays.len(), kinds, 1);
     let progress = Progress::new(total, is_quiet, interrupted);
-    let (frame, counts) = shot(scene, rays, kinds, &progress)?;
+    let (frame, counts) = match several {
+        Some(query) => shot_all(scene, rays, (query, kinds), &progress)?,
+        None => shot(scene, rays, kinds, &progress)?,
+    };
     drop(progress);
     // Files first: a reader of standard output who has had enough ends the program.
     output::write(&frame, &sinks.files, WriteSettings::default(), interrupted)?;

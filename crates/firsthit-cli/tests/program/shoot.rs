@@ -123,6 +123,57 @@ fn t_min_begins_rays_and_is_no_hit_itself() {
 }
 
 #[test]
+fn every_hit_is_there_with_the_number_of_its_ray() {
+    let lab = Lab::with("cube_binary.stl", "cube.stl");
+    // Down through the cube, past it, and from its middle; the first one through a diagonal of two faces.
+    let info: serde_json::Value =
+        serde_json::from_str(lab.ok("info cube.stl --json").text()).unwrap();
+    let bounds = |end: usize, axis: usize| info["bounds"][end][axis].as_f64().unwrap();
+    let [x, y, z] = [0, 1, 2].map(|axis| 0.5 * (bounds(0, axis) + bounds(1, axis)));
+    let height = bounds(1, 2) - bounds(0, 2);
+    let above = bounds(1, 2) + 1.0;
+    let rays = format!("{x},{y},{above},0,0,-1\n1e3,1e3,0,0,0,1\n{x},{y},{z},0,0,1\n");
+    lab.write("rays.csv", &rays);
+    let outcome = lab.pipe("shoot cube.stl - --all --channels t,front", rays.as_bytes());
+    let far = 1.0 + height;
+    let half = 0.5 * height;
+    let lines = format!("ray,t,front\n0,1,1\n0,{far},0\n2,{half},0\n");
+    assert_eq!(outcome.text(), lines);
+    assert!(
+        outcome.stderr.contains("3 rays, 66.7 % hit, 3 hits, "),
+        "{}",
+        outcome.stderr
+    );
+    let outcome = lab.ok("shoot cube.stl rays.csv --nearest 1 -o a.npz -o a.csv -o a.ply --json");
+    let said: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
+    assert_eq!(
+        (&said["rays"], &said["hits"], &said["crossings"]),
+        (&3.into(), &2.into(), &2.into())
+    );
+    assert_eq!(said["outputs"][0]["channels"][0], "ray");
+    let arrays = lab.npz("a.npz");
+    assert_eq!(arrays["ray"].values, [0.0, 2.0]);
+    assert_eq!(arrays["t"].values, [1.0, half]);
+    assert_eq!(
+        String::from_utf8(lab.read("a.csv"))
+            .unwrap()
+            .lines()
+            .count(),
+        3
+    );
+    lab.ok("shoot cube.stl rays.csv --all -o {channel}.npy");
+    assert_eq!(array(&lab.read("ray.npy")).values, [0.0, 0.0, 2.0]);
+    assert!(lab.ok("info a.ply").text().contains("ray"));
+    lab.fails("shoot cube.stl rays.csv --all --nearest 2", 2, "--nearest");
+    lab.fails("shoot cube.stl rays.csv --nearest 0", 2, "--nearest");
+    lab.fails(
+        "shoot cube.stl rays.csv --all -o t.npy --channels t",
+        2,
+        "holds one channel of several",
+    );
+}
+
+#[test]
 fn rays_that_make_no_sense_miss_alone() {
     let lab = Lab::with_square();
     let rays = "0,0,1,0,0,-1\nnan,0,1,0,0,-1\n0,0,1,0,0,0\n0,0,1,0,inf,-1\n0,0,2,0,0,-1\n";

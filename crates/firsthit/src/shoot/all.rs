@@ -44,6 +44,71 @@ pub struct AllHits {
 // Rays are many.
 summary!(AllHits, "AllHits", |all| "rays": all.offsets.len().saturating_sub(1), "hits": all.hits.len());
 
+impl AllHits {
+    /// For each hit the number of its ray.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] when there is no memory for them, and for more rays than an identifier can name.
+    pub fn ray_numbers(&self) -> Result<Vec<i32>> {
+        let mut numbers = Vec::new();
+        let room = numbers.try_reserve_exact(self.hits.len());
+        room.map_err(|_| memory::no_room_for("numbers of rays"))?;
+        for (ray, ends) in self.offsets.windows(2).enumerate() {
+            let number = i32::try_from(ray).map_err(|_| Error::Limit {
+                what: "rays with all their hits",
+                got: self.offsets.len().to_string(),
+                limit: i32::MAX.to_string(),
+            })?;
+            numbers.extend(std::iter::repeat_n(number, ends[1] - ends[0]));
+        }
+        Ok(numbers)
+    }
+}
+
+/// A ray for each hit: of the rays that were shot, those whose numbers are given, as often as they are. With these, what is known of
+/// first hits can be asked about all hits.
+///
+/// ```
+/// use firsthit::shoot::{All, RaysOfHits, trace};
+/// use firsthit::{DVec3, Object, Ray, Rays, Scene, Sphere};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let rays = [Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z)];
+/// let all = trace(&scene, &rays[..], All::default(), &())?;
+/// let numbers = all.ray_numbers()?;
+/// let repeated = RaysOfHits::new(&rays[..], &numbers);
+/// for k in 0..all.hits.len() {
+///     let (hit, ray) = (all.hits.get(k), repeated.ray(k));
+///     let normal = scene.interaction(&ray, &hit).map(|surface| surface.normal());
+///     assert_eq!(normal, Some([DVec3::Z, DVec3::NEG_Z][k]));
+/// }
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct RaysOfHits<'a, R: ?Sized> {
+    rays: &'a R,
+    numbers: &'a [i32],
+}
+
+impl<'a, R: Rays + ?Sized> RaysOfHits<'a, R> {
+    /// Of `rays`, those with the [numbers](AllHits::ray_numbers).
+    pub fn new(rays: &'a R, numbers: &'a [i32]) -> Self {
+        Self { rays, numbers }
+    }
+}
+
+impl<R: Rays + ?Sized> Rays for RaysOfHits<'_, R> {
+    fn len(&self) -> usize {
+        self.numbers.len()
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        let number = usize::try_from(self.numbers[index]);
+        self.rays.ray(number.expect("numbers count from 0"))
+    }
+}
+
 /// Where all hits go: see [`All`](super::All).
 #[derive(Debug)]
 pub struct AllAnswers<'a> {

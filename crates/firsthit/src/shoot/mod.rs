@@ -21,7 +21,7 @@ mod scene_walk;
 mod tiles;
 mod visible;
 
-pub use all::{AllAnswers, AllHits};
+pub use all::{AllAnswers, AllHits, RaysOfHits};
 pub use brute_force::BruteForce;
 pub use engine::{Cpu, Engine};
 pub use hits::{HitSlices, Hits};
