@@ -14,6 +14,7 @@ identifiers and ``nan`` elsewhere.
 """
 
 from . import _firsthit
+from ._all_hits import AllHits
 from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
@@ -33,6 +34,7 @@ from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 __version__ = _firsthit.version()
 
 __all__ = [
+    "AllHits",
     "Box",
     "Camera",
     "Cone",

@@ -32,6 +32,7 @@ __all__ = [
     "render_work",
     "run_program",
     "shoot",
+    "shoot_all",
     "shoot_camera",
     "srgb_levels",
     "version",
@@ -178,6 +179,20 @@ def shoot(
     out: _Hits,
     report: _Report | None,
 ) -> None: ...
+def shoot_all(
+    scene: Scene,
+    rays: _Rays,
+    count: int,
+    nearest: int | None,
+    threads: int,
+    report: _Report | None,
+) -> tuple[
+    npt.NDArray[np.uintp],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.int32],
+    npt.NDArray[np.int32],
+    npt.NDArray[np.float64],
+]: ...
 def shoot_camera(
     scene: Scene, camera: Camera, threads: int, out: _Hits, report: _Report | None
 ) -> None: ...

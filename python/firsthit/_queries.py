@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, TypeVar, overload
 
 import numpy as np
 
 from . import _firsthit
+from ._all_hits import checked, shoot_all, shoot_nearest
 from ._arrays import numbers, threads_or_all
 from ._camera import Camera
 from ._hits import Hits
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from ._all_hits import AllHits
     from ._progress import Report
     from ._traceable import Built
     from ._types import Progress
@@ -206,6 +208,98 @@ class Queries(Traceable):
         """
         rays = Rays.of(origins, directions, t_min, t_max)
         return self._answers(_firsthit.count, np.uint32, rays, threads, progress)
+
+    @overload
+    def shoot_all(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        k: None = None,
+        *,
+        t_min: npt.ArrayLike = 0.0,
+        t_max: npt.ArrayLike = math.inf,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> AllHits: ...
+
+    @overload
+    def shoot_all(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        k: int,
+        *,
+        t_min: npt.ArrayLike = 0.0,
+        t_max: npt.ArrayLike = math.inf,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Hits: ...
+
+    def shoot_all(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        k: int | None = None,
+        *,
+        t_min: npt.ArrayLike = 0.0,
+        t_max: npt.ArrayLike = math.inf,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> AllHits | Hits:
+        """Find every hit of each ray, or the first ``k``, in order.
+
+        Each crossing of a surface is there once, as `count` counts them: a ray enters and leaves
+        every closed mesh in turn. At an edge `shoot` may see a surface that the ray only touches
+        and that is not among these.
+
+        Parameters
+        ----------
+        origins, directions, t_min, t_max, threads, progress
+            As for `shoot`; no camera, but ``scene.shoot_all(*camera.rays())``.
+        k : int, optional
+            How many hits of each ray are wanted at most; all if left out.
+
+        Returns
+        -------
+        AllHits or Hits
+            Without ``k`` an `AllHits` of the rays' shape. With ``k`` a `Hits` of shape (..., k):
+            ``t[..., j]`` is that of the hit ``j`` of each ray; after the last hit come misses.
+            Hits are in the order of their exact ``t``, of equal ones in that of (object,
+            primitive).
+
+        Raises
+        ------
+        ValueError
+            For arrays whose shapes or types do not fit, with their names, and for a ``k`` that is
+            not positive.
+        MemoryError
+            If the hits do not fit into memory.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=3))
+        1
+        >>> met = scene.shoot_all([[0, 0, 5], [0, 2, 0]], [0, 0, -1])
+        >>> met.counts, met.object
+        (array([4, 1]), array([1, 0, 0, 1, 1], dtype=int32))
+        >>> met[0].t, met[0].front
+        (array([2., 4., 6., 8.]), array([ True,  True, False, False]))
+        >>> scene.shoot_all([[0, 0, 5], [0, 2.9, 0]], [0, 0, -1], k=2).object
+        array([[ 1,  0],
+               [ 1, -1]], dtype=int32)
+        """
+        wanted = None if k is None else checked(k)
+        use = threads_or_all(threads)
+        rays = Rays.of(origins, directions, t_min, t_max)
+        built = self._ready()
+        with following(progress, rays.length) as report:
+            if wanted is None:
+                return shoot_all(built, rays, use, report)
+            return shoot_nearest(built, rays, wanted, use, report)
 
     def _answers(
         self,

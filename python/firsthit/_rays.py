@@ -119,6 +119,19 @@ class Rays:
         self._are_own = (True, True)
         return self
 
+    def copied(self) -> Rays:
+        """Return the same rays with their limits; nobody else has their origins and directions."""
+        limits = self.arrays[2:]
+        copies = self.own()
+        for copy, array in zip(copies, self.arrays[:2], strict=True):
+            if copy is not None:
+                np.copyto(copy, array)
+        return Rays((*self.keep(copies).arrays[:2], *limits), self.shape)
+
+    def unlimited(self) -> Rays:
+        """Return the same rays without limits."""
+        return Rays((*self.arrays[:2], NO_MINIMUM, NO_MAXIMUM), self.shape, self._are_own)
+
     def origins(self) -> npt.NDArray[Any]:
         """Return the starts as a read-only view of the shape (..., 3)."""
         return self._view(self.arrays[0])

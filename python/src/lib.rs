@@ -37,7 +37,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::shape::{Mesh, Shape};
     #[pymodule_export]
-    use crate::shoot::{channel, channel_names, count, occluded, shoot, shoot_camera};
+    use crate::shoot::{channel, channel_names, count, occluded, shoot, shoot_all, shoot_camera};
 
     #[pymodule_init]
     #[expect(clippy::unnecessary_wraps, reason = "as PyO3 calls it")]

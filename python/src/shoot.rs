@@ -1,14 +1,14 @@
 //! Rays to hits, and what can be asked about them.
 
-use firsthit::Rays;
 use firsthit::channel::{KINDS, Shots, kind, make};
 use firsthit::sensor::Sensor;
-use firsthit::shoot::{Answers, Cpu, Engine, HitSlices};
-use numpy::PyReadwriteArray1;
+use firsthit::shoot::{All, AllHits, Answers, Cpu, Engine, HitSlices, trace};
+use firsthit::{DVec2, Rays};
+use numpy::{PyArray1, PyReadwriteArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, RaySlices, not_contiguous};
+use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, RaySlices, collected, not_contiguous};
 use crate::camera::Camera;
 use crate::errors::raise;
 use crate::frame::array;
@@ -72,6 +72,57 @@ pub(crate) fn shoot_camera<'py>(
     }
     run_reported(py, threads, report, |stop| {
         Cpu::default().trace(&scene.0, camera, Answers::First(out), stop)
+    })
+}
+
+/// Offsets, `t`, objects, primitives and pairs of weights, one pair after the other.
+type AllOut<'py> = (
+    Bound<'py, PyArray1<usize>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
+/// All hits of `count` rays in arrays, or the `nearest` ones of each.
+#[pyfunction]
+pub(crate) fn shoot_all<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    rays: RayArrays<'py>,
+    count: usize,
+    nearest: Option<usize>,
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<AllOut<'py>> {
+    let rays = rays.slices(count)?;
+    let (report, query) = (report.as_ref(), All { nearest });
+    let AllHits { offsets, hits } = if count < FEW {
+        let traced = guarded(|| trace(&scene.0, &rays, query, &()))?;
+        let all = traced.map_err(|error| raise(py, &error))?;
+        report_done(report, count)?;
+        all
+    } else {
+        run_reported(py, threads, report, |stop| {
+            trace(&scene.0, &rays, query, stop)
+        })?
+    };
+    Ok((
+        PyArray1::from_vec(py, offsets),
+        PyArray1::from_vec(py, hits.t),
+        PyArray1::from_vec(py, hits.object),
+        PyArray1::from_vec(py, hits.primitive),
+        PyArray1::from_vec(py, flat(hits.barycentric)?),
+    ))
+}
+
+/// Pairs as numbers.
+fn flat(pairs: Vec<DVec2>) -> PyResult<Vec<f64>> {
+    bytemuck::allocation::try_cast_vec(pairs).or_else(|(_, pairs)| {
+        collected(
+            2 * pairs.len(),
+            pairs.iter().flat_map(|pair| pair.to_array()),
+        )
     })
 }
 

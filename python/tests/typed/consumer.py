@@ -76,6 +76,13 @@ def hits(scene: fh.Scene, camera: fh.Camera) -> None:
     rays = scene.shoot([[0, 0, 9], [1, 0, 9]], [0, 0, -1], t_max=np.array([5, np.inf]))
     scene.shoot([0, 0, 9], [0, 0, -1], dtype=np.float32)
     assert_type(rays.position, Doubles)
+    met = scene.shoot_all([[0, 0, 9], [1, 0, 9]], [0, 0, -1])
+    assert_type(met, fh.AllHits)
+    assert_type(met.t, Doubles)
+    assert_type(met.offsets, npt.NDArray[np.int64])
+    assert_type(met.hits, fh.Hits)
+    assert_type(met.normal, Doubles)
+    assert_type(scene.shoot_all([0, 0, 9], [0, 0, -1], k=3), fh.Hits)
     assert_type(scene.occluded([0, 0, 9], [0, 0, -1]), npt.NDArray[np.bool_])
 
 

@@ -1,0 +1,366 @@
+"""Everything that rays met."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import chunks, lock
+from ._hits import Hits
+from ._progress import later
+from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
+from ._source import Source
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    import numpy.typing as npt
+
+    from ._hits import Index
+    from ._progress import Report
+    from ._source import Arrays
+    from ._traceable import Built
+    from ._types import ChannelName, Progress
+
+#: So many hits no memory holds, and NumPy's error for such shapes is another one.
+_MOST = 1 << 48
+
+
+class AllHits:
+    """Every hit of rays, one after the other: the hits of each ray in order, ray by ray.
+
+    The rays' shape is written (...) below, and m is the number of all hits. ``all[k]`` is what the
+    ray ``k`` met, a `Hits` of shape (n,); of rays of more axes it takes an index for each of them,
+    such as ``all[2, 3]``. Any other index, such as a mask or a slice, leads to the `AllHits` of
+    some of the rays. Iterating goes along the first axis.
+
+    All arrays are read-only.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+    0
+    >>> met = scene.shoot_all([[0, 0, 5], [0, 3, 5], [0, 0, 0]], [0, 0, -1])
+    >>> met.t, met.ray
+    (array([4., 6., 1.]), array([0, 0, 2]))
+    >>> [hits.t.tolist() for hits in met]
+    [[4.0, 6.0], [], [1.0]]
+    """
+
+    def __init__(self) -> None:
+        raise TypeError("AllHits are made by Scene.shoot_all")
+
+    #: The scene as it was shot.
+    _built: Built
+    _arrays: Arrays
+    #: The rays without their limits.
+    _rays: Rays
+    _offsets: npt.NDArray[np.int64]
+    #: As many as the rays were shot with.
+    _threads: int
+    #: All hits as `Hits`, once they were asked for.
+    _flat: Hits | None
+
+    @classmethod
+    def _of(
+        cls,
+        built: Built,
+        arrays: Arrays,
+        rays: Rays,
+        offsets: npt.NDArray[np.int64],
+        threads: int,
+    ) -> AllHits:
+        """Return the hits in ``arrays`` of rays, those of each between two offsets."""
+        made = cls.__new__(cls)
+        made._built, made._arrays, made._rays = built, arrays, rays
+        made._offsets, made._threads, made._flat = offsets, threads, None
+        return made
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The rays' shape."""
+        return self._rays.shape
+
+    @property
+    def offsets(self) -> npt.NDArray[np.int64]:
+        """Where the hits of each ray begin, and last m: (n + 1,) int64 for n rays, row by row."""
+        lock(self._offsets)
+        return self._offsets
+
+    @property
+    def counts(self) -> npt.NDArray[np.int64]:
+        """The number of each ray's hits, (...) int64."""
+        counts = np.diff(self._offsets).reshape(self.shape)
+        lock(counts)
+        return counts
+
+    @property
+    def ray(self) -> npt.NDArray[np.int64]:
+        """The number of each hit's ray, (m,) int64; rays are counted row by row."""
+        numbers = np.repeat(np.arange(self._rays.length), np.diff(self._offsets))
+        lock(numbers)
+        return numbers
+
+    @property
+    def hits(self) -> Hits:
+        """All hits in a row, a `Hits` of shape (m,), each with its ray: for channels and files."""
+        if self._flat is None:
+            made = len(self._arrays[0])
+            source = Source(None, None, self._rays.take(self.ray, (made,)))
+            self._flat = Hits._of(self._built, self._arrays, source, (made,), self._threads)
+        return self._flat
+
+    @property
+    def t(self) -> npt.NDArray[np.float64]:
+        """The ray parameters of the hits, (m,) float64, in units of the direction's length."""
+        lock(self._arrays[0])
+        return self._arrays[0]
+
+    @property
+    def object(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the objects, (m,) int32."""
+        lock(self._arrays[1])
+        return self._arrays[1]
+
+    @property
+    def primitive(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the objects' parts, such as triangles, (m,) int32."""
+        lock(self._arrays[2])
+        return self._arrays[2]
+
+    @property
+    def face(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the polygons that became triangles, (m,) int32."""
+        return self.hits.face
+
+    @property
+    def barycentric(self) -> npt.NDArray[np.float64]:
+        """The weights of the triangle's corners, (m, 3) float64; NaN for other shapes."""
+        return self.hits.barycentric
+
+    @property
+    def position(self) -> npt.NDArray[np.float64]:
+        """The points that are hit, in world space and scene units, (m, 3) float64."""
+        return self.hits.position
+
+    @property
+    def normal(self) -> npt.NDArray[np.float64]:
+        """The geometric normals, in world space, (m, 3) float64, of length one."""
+        return self.hits.normal
+
+    @property
+    def front(self) -> npt.NDArray[np.bool_]:
+        """Whether the ray met the front, to which the normal points, (m,) bool.
+
+        It enters a solid there, or a closed mesh whose triangles face outwards.
+        """
+        return self.hits.front
+
+    @property
+    def uv(self) -> npt.NDArray[np.float64]:
+        """The texture coordinates, (m, 2) float64; NaN where there are none."""
+        return self.hits.uv
+
+    @property
+    def origin(self) -> npt.NDArray[Any]:
+        """The origins of the rays, in world space, (..., 3), of the type that was given."""
+        return self._rays.origins()
+
+    @property
+    def direction(self) -> npt.NDArray[Any]:
+        """The directions of the rays, in world space, (..., 3), of the type that was given."""
+        return self._rays.directions()
+
+    @property
+    def channels(self) -> tuple[ChannelName, ...]:
+        """The names of the channels of these hits."""
+        return self.hits.channels
+
+    def channel(
+        self, name: ChannelName, *, threads: int | None = None, progress: Progress | None = None
+    ) -> npt.NDArray[Any]:
+        """Return a channel, as the attribute of its name; see `Hits.channel`.
+
+        Parameters
+        ----------
+        name : str
+            One of `channels`.
+        threads : int, optional
+            The number of threads; as many as the rays were shot with if left out.
+        progress : bool or callable, optional
+            As for `Scene.shoot`; it counts hits.
+
+        Returns
+        -------
+        (m,) or (m, k) array
+            As the attribute.
+
+        Raises
+        ------
+        ValueError
+            For a name that is none of `channels`.
+        MemoryError
+            If the array does not fit into memory.
+        """
+        return self.hits.channel(name, threads=threads, progress=progress)
+
+    def to_dict(
+        self, channels: ChannelName | Sequence[ChannelName] | None = None
+    ) -> dict[str, npt.NDArray[Any]]:
+        """Return the hits as a table: its columns by name.
+
+        Parameters
+        ----------
+        channels : str or sequence of str, optional
+            Some of `channels`; all of them if left out.
+
+        Returns
+        -------
+        dict of str to (m,) array
+            A row for each hit: first ``ray``, then the columns of `Hits.to_dict`.
+
+        Raises
+        ------
+        ValueError
+            As `channel`.
+        """
+        return {"ray": self.ray, **self.hits.to_dict(channels)}
+
+    def __getitem__(self, index: Index) -> Any:
+        """Return the `Hits` of one ray, or the `AllHits` of some of the rays."""
+        if isinstance(index, str):
+            raise TypeError(f"AllHits take numbers, a mask or a slice; write .channel({index!r})")
+        numbers = np.arange(self._rays.length).reshape(self.shape)[cast("Any", index)]
+        chosen = np.ascontiguousarray(np.reshape(numbers, -1))
+        if np.ndim(numbers) == 0:
+            one = int(chosen[0])
+            part = slice(int(self._offsets[one]), int(self._offsets[one + 1]))
+            return self._hits_of(chosen, part)
+        starts, counts = self._offsets[chosen], np.diff(self._offsets)[chosen]
+        offsets = _offsets(counts)
+        places = np.arange(offsets[-1]) + np.repeat(starts - offsets[:-1], counts)
+        t, identifiers, primitive, weights = self._arrays
+        arrays = t[places], identifiers[places], primitive[places], weights[places]
+        rays = self._rays.take(chosen, np.shape(numbers))
+        return AllHits._of(self._built, arrays, rays, offsets, self._threads)
+
+    def _hits_of(self, ray: npt.NDArray[np.intp], part: slice) -> Hits:
+        """Return the hits of a single ray."""
+        t, identifiers, primitive, weights = self._arrays
+        arrays = t[part], identifiers[part], primitive[part], weights[part]
+        shape = (len(arrays[0]),)
+        source = Source(None, None, Rays(self._rays.take(ray, ()).arrays, shape))
+        return Hits._of(self._built, arrays, source, shape, self._threads)
+
+    def __len__(self) -> int:
+        """Return the number of rays along the first axis."""
+        if not self.shape:
+            raise TypeError("the hits of one ray have no length; their number is counts")
+        return self.shape[0]
+
+    def __bool__(self) -> bool:
+        """Return True, also if there are no rays: the length must not decide."""
+        return True
+
+    def __iter__(self) -> Iterator[Any]:
+        """Yield what each ray met, along the first axis."""
+        return (self[k] for k in range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"AllHits(shape={self.shape}, {len(self._arrays[0]):,} hits)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle with the scene as it was shot, and without what can be computed again."""
+        return {**self.__dict__, "_flat": None}
+
+    def __copy__(self) -> AllHits:
+        """Copy: what hits hold does not change, and is shared."""
+        other = AllHits.__new__(AllHits)
+        other.__dict__.update(self.__dict__)
+        return other
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> AllHits:
+        """Copy as `copy.copy` does."""
+        return self.__copy__()
+
+
+def _offsets(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Return where each of several lists begins that lie one after the other, and their end."""
+    offsets = np.zeros(len(counts) + 1, np.int64)
+    np.cumsum(counts, out=offsets[1:])
+    return offsets
+
+
+def shoot_all(built: Built, rays: Rays, threads: int, report: Report | None) -> AllHits:
+    """Find every hit of rays; the rays' arrays are copied."""
+    rays = rays.copied()
+    pieces: list[Arrays] = []
+    counts = np.zeros(rays.length, np.int64)
+    for part in chunks(rays.length):
+        met = _shot(built, rays, part, None, threads, report)
+        counts[part] = np.diff(met[0])
+        pieces.append(met[1])
+    return AllHits._of(built, _joined(pieces), rays.unlimited(), _offsets(counts), threads)
+
+
+def shoot_nearest(built: Built, rays: Rays, k: int, threads: int, report: Report | None) -> Hits:
+    """Find the first ``k`` hits of each ray; the rays' arrays are copied."""
+    rays = rays.copied()
+    length = rays.length
+    if length * k >= _MOST:
+        raise MemoryError(f"{length} times {k} hits do not fit into memory")
+    t, identifiers = np.full((length, k), np.inf), np.full((length, k), -1, np.int32)
+    primitive, weights = identifiers.copy(), np.full((length, k, 2), np.nan)
+    for part in chunks(length):
+        offsets, met = _shot(built, rays, part, k, threads, report)
+        counts = np.diff(offsets)
+        row = np.repeat(np.arange(part.start, part.stop), counts)
+        column = np.arange(offsets[-1]) - np.repeat(offsets[:-1], counts)
+        for all_of_it, found in zip((t, identifiers, primitive, weights), met, strict=True):
+            all_of_it[row, column] = found
+    arrays = t.reshape(-1), identifiers.reshape(-1), primitive.reshape(-1), weights.reshape(-1, 2)
+    # An axis more, along which rays are repeated.
+    ends = [array[..., None, :] if array.ndim > 1 else array for array in rays.arrays[:2]]
+    shape = (*rays.shape, k)
+    source = Source(None, None, Rays((*ends, NO_MINIMUM, NO_MAXIMUM), shape))
+    return Hits._of(built, arrays, source, shape, threads)
+
+
+def _shot(
+    built: Built, rays: Rays, part: slice, k: int | None, threads: int, report: Report | None
+) -> tuple[npt.NDArray[np.int64], Arrays]:
+    """Return the offsets and the hits of some of the rays."""
+    told, count = later(report, part.start), part.stop - part.start
+    native = rays.part(part)
+    offsets, t, identifiers, primitive, weights = _firsthit.shoot_all(
+        built.native, native, count, k, threads, told
+    )
+    return offsets.astype(np.int64), (t, identifiers, primitive, weights.reshape(-1, 2))
+
+
+def _joined(pieces: list[Arrays]) -> Arrays:
+    """Return one set of arrays in place of several; each array's pieces go once it is made."""
+    if len(pieces) == 1:
+        return pieces[0]
+    if not pieces:
+        empty = np.empty(0, np.int32)
+        return np.empty(0), empty, empty.copy(), np.empty((0, 2))
+    columns: list[list[npt.NDArray[Any]]] = [list(column) for column in zip(*pieces, strict=True)]
+    pieces.clear()
+    made = []
+    for column in columns:
+        made.append(np.concatenate(column))
+        column.clear()
+    t, identifiers, primitive, weights = made
+    return t, identifiers, primitive, weights
+
+
+def checked(k: int) -> int:
+    """Return how many hits of each ray are wanted."""
+    if isinstance(k, bool | np.bool_) or not hasattr(k, "__index__") or not 1 <= k < 2**63:
+        raise ValueError(f"k must be a whole number from 1 on, or None for all hits, got {k!r}")
+    return int(k)
