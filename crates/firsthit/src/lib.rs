@@ -101,6 +101,7 @@ pub mod image;
 mod io;
 #[cfg(feature = "load")]
 pub mod load;
+pub mod measure;
 mod memory;
 #[cfg(feature = "frame")]
 pub mod render;

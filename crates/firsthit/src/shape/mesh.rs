@@ -2,6 +2,7 @@
 //! `mesh/crossing.rs`.
 
 mod attributes;
+mod closed;
 mod crossing;
 #[cfg(feature = "frame")]
 mod digest;
@@ -42,6 +43,7 @@ pub struct Mesh {
     alphas: Option<Attribute<1>>,
     slots: Option<Vec<u32>>,
     properties: Vec<Property>,
+    closed: closed::Closed,
 }
 
 /// A summary: meshes are large.
@@ -121,6 +123,7 @@ impl Mesh {
             alphas: None,
             slots: None,
             properties: Vec::new(),
+            closed: closed::Closed::default(),
         })
     }
 

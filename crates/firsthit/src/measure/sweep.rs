@@ -1,0 +1,173 @@
+//! The way from rays to rows of answers: block by block, so that only the crossings of one block are in memory.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::winding::winding_number;
+use super::{By, Rule, rules};
+use crate::error::{Error, Result};
+use crate::geometry::{DVec3, Ray, Rays};
+use crate::scene::Scene;
+use crate::shoot::{All, AllHits, Cpu, trace_into};
+use crate::watch::Watch;
+
+/// Rays whose crossings are in memory at a time.
+const BLOCK: usize = 1 << 14;
+
+/// Rays that a thread takes at a time.
+const PIECE: usize = 64;
+
+/// Fewer rays than this, with little to add up for each, are done by the calling thread alone.
+const FEW: usize = 512;
+
+/// So many solid angles take about a tenth of a second.
+const FEW_ANGLES: u64 = 1 << 21;
+
+/// A scene, by what it is known to be inside each of its objects, and which of them are open.
+pub(super) struct Solids<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) rules: Vec<Rule>,
+    /// The objects whose winding number counts.
+    pub(super) open: Vec<usize>,
+}
+
+/// Crossings of some rays, and those of one of them.
+pub(super) struct Met<'a> {
+    all: &'a AllHits,
+    range: Range<usize>,
+}
+
+impl<'a> Met<'a> {
+    /// The objects that are crossed, in the order of the crossings.
+    pub(super) fn objects(&self) -> impl Iterator<Item = usize> + use<'a> {
+        let objects = self.all.hits.object[self.range.clone()].iter();
+        // Of hits, none is -1.
+        objects.map(|&object| object.cast_unsigned() as usize)
+    }
+
+    /// The same, each with its `t`.
+    pub(super) fn crossings(&self) -> impl Iterator<Item = (f64, usize)> + use<'a> {
+        let t = self.all.hits.t[self.range.clone()].iter().copied();
+        t.zip(self.objects())
+    }
+}
+
+impl<'a> Solids<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Result<Self> {
+        let rules = rules(scene)?;
+        let open = (0..rules.len()).filter(|&k| rules[k] == Rule::WindingNumber);
+        let open = open.collect();
+        Ok(Self { scene, rules, open })
+    }
+
+    /// Whether a point is in an open object, as its winding number says. Nothing is, that is not in the mesh's box.
+    pub(super) fn is_in_open(
+        &self,
+        object: usize,
+        point: DVec3,
+        watch: &dyn Watch,
+    ) -> Result<bool> {
+        let object = &self.scene.objects()[object];
+        let Some(mesh) = object.mesh() else {
+            return Ok(false);
+        };
+        // A ray from there, since that is how it comes to the object elsewhere.
+        let ray = Ray::new(point, DVec3::Z);
+        let point = object.transform().ray_in_object(&ray).origin;
+        let bounds = mesh.bounds();
+        let is_in_box = bounds.low.cmple(point).all() && point.cmple(bounds.high).all();
+        // Either way round: by parity a mesh that faces inwards holds the same points.
+        Ok(is_in_box && winding_number(mesh, point, watch)?.abs() > 0.5)
+    }
+
+    fn is_little(&self, rays: usize) -> bool {
+        let meshes = self
+            .open
+            .iter()
+            .filter_map(|&k| self.scene.objects()[k].mesh());
+        let triangles: u64 = meshes.map(|mesh| mesh.triangles().len() as u64).sum();
+        rays < FEW && triangles.saturating_mul(rays as u64) < FEW_ANGLES
+    }
+
+    /// Makes a row of `answers` for each ray, from all it crosses beyond its `t_min`, its end being of no account; with the memory that
+    /// `state` makes for some rays.
+    pub(super) fn sweep<T: Send, S>(
+        &self,
+        rays: &dyn Rays,
+        (by, answers): (By, &mut [T]),
+        watch: &dyn Watch,
+        state: impl Fn() -> Result<S> + Sync,
+        answer: impl Fn(&mut S, &Ray, &Met<'_>, &mut [T]) -> Result<()> + Sync,
+    ) -> Result<()> {
+        let width = by.width(self.scene);
+        if width == 0 {
+            watch.advance(rays.len() as u64);
+            return Ok(());
+        }
+        let (engine, mut all) = (Cpu::default(), AllHits::default());
+        let is_little = self.is_little(rays.len());
+        for (number, answers) in answers.chunks_mut(BLOCK * width).enumerate() {
+            let (first, count) = (number * BLOCK, answers.len() / width);
+            let part = Part { rays, first, count };
+            trace_into(
+                &engine,
+                self.scene,
+                &part,
+                (All::default(), &mut all),
+                &Stop(watch),
+            )?;
+            let all = &all;
+            let piece = |(number, answers): (usize, &mut [T])| {
+                if watch.is_stopped() {
+                    return Err(Error::Interrupted);
+                }
+                let mut state = state()?;
+                let rows = (number * PIECE..).zip(answers.chunks_mut(width));
+                for (index, row) in rows {
+                    let range = all.offsets[index]..all.offsets[index + 1];
+                    let ray = rays.ray(first + index);
+                    answer(&mut state, &ray, &Met { all, range }, row)?;
+                }
+                watch.advance((answers.len() / width) as u64);
+                Ok(())
+            };
+            if is_little {
+                answers
+                    .chunks_mut(PIECE * width)
+                    .enumerate()
+                    .try_for_each(piece)?;
+            } else {
+                let pieces = answers.par_chunks_mut(PIECE * width).enumerate();
+                pieces.try_for_each(piece)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Some of many rays, without their ends.
+struct Part<'a> {
+    rays: &'a dyn Rays,
+    first: usize,
+    count: usize,
+}
+
+impl Rays for Part<'_> {
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self.rays.ray(self.first + index).up_to(f64::INFINITY)
+    }
+}
+
+/// Stops what another stops, without counting: rays are done when they have their answers.
+struct Stop<'a>(&'a dyn Watch);
+
+impl Watch for Stop<'_> {
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped()
+    }
+}

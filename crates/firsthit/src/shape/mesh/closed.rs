@@ -1,0 +1,171 @@
+//! Whether a mesh is closed, so that every ray crosses it in pairs.
+//!
+//! 1. Vertices in one place, to the last bit, are one; 0 and -0 are one number.
+//! 2. Count for each edge, whatever its direction, how many times triangles have it. An edge without a length does not count.
+//! 3. The mesh is closed if every number is even.
+//!
+//! Then the triangles are a cycle modulo 2: no line that avoids their edges crosses them an odd number of times. Which way triangles
+//! face is of no account. A triangle that is there twice closes nothing. Collinear corners count as others do: they close the seam
+//! where one long edge meets two short ones.
+
+use std::cmp::Ordering;
+use std::sync::OnceLock;
+
+use super::Mesh;
+use crate::error::Result;
+use crate::geometry::DVec3;
+use crate::memory;
+
+/// What [`Mesh::is_closed`] found out; equal to any other, since it follows from the triangles.
+#[derive(Clone, Default)]
+pub(super) struct Closed(OnceLock<bool>);
+
+impl PartialEq for Closed {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Mesh {
+    /// Whether every edge belongs to an even number of triangles; an edge is where its two ends are, so vertices in one place need
+    /// not be one. Every ray then enters and leaves the mesh in turn. Remembered once it is found out.
+    ///
+    /// ```
+    /// use firsthit::{Mesh, Positions};
+    ///
+    /// let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let sides = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// assert!(Mesh::new(Positions::compact(points.clone()), sides.clone())?.is_closed()?);
+    /// assert!(!Mesh::new(Positions::compact(points), sides[1..].to_vec())?.is_closed()?);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`](crate::Error::Limit) when there is no memory to sort the edges.
+    pub fn is_closed(&self) -> Result<bool> {
+        let Closed(known) = &self.closed;
+        if let Some(&is_closed) = known.get() {
+            return Ok(is_closed);
+        }
+        // Not while others wait: one of a pool's threads may be among them.
+        let is_closed = self.has_even_edges()?;
+        Ok(*known.get_or_init(|| is_closed))
+    }
+
+    fn has_even_edges(&self) -> Result<bool> {
+        let places = Places::new(self)?;
+        let mut edges: Vec<u64> = Vec::new();
+        let room = edges.try_reserve_exact(3 * self.triangles.len());
+        room.map_err(|_| memory::no_room_for("edges of a mesh"))?;
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(|vertex| u64::from(places.of(vertex)));
+            let sides = [(a, b), (b, c), (c, a)];
+            let sides = sides.into_iter().filter(|(p, q)| p != q);
+            edges.extend(sides.map(|(p, q)| p.min(q) << 32 | p.max(q)));
+        }
+        edges.sort_unstable();
+        let mut uses = edges.chunk_by(|one, other| one == other);
+        Ok(uses.all(|same| same.len().is_multiple_of(2)))
+    }
+}
+
+/// A number for the place of each vertex that triangles have.
+struct Places {
+    /// The vertices, in the order of their indices.
+    vertices: Vec<u32>,
+    numbers: Vec<u32>,
+}
+
+impl Places {
+    fn new(mesh: &Mesh) -> Result<Self> {
+        let corners = mesh.triangles.as_flattened();
+        let mut vertices = memory::filled(corners.len(), 0)?;
+        vertices.copy_from_slice(corners);
+        vertices.sort_unstable();
+        vertices.dedup();
+        // Adding zero makes the negative one positive.
+        let place = |k: u32| mesh.positions.get(vertices[k as usize]) + DVec3::ZERO;
+        let mut order = memory::filled(vertices.len(), 0)?;
+        for (index, k) in order.iter_mut().zip(0..) {
+            *index = k;
+        }
+        order.sort_unstable_by(|&k, &l| compare(place(k), place(l)));
+        let mut numbers = memory::filled(vertices.len(), 0)?;
+        let mut number = 0;
+        for pair in order.windows(2) {
+            number += u32::from(place(pair[0]) != place(pair[1]));
+            numbers[pair[1] as usize] = number;
+        }
+        Ok(Self { vertices, numbers })
+    }
+
+    fn of(&self, vertex: u32) -> u32 {
+        let found = self.vertices.binary_search(&vertex);
+        self.numbers[found.expect("every corner's vertex is there")]
+    }
+}
+
+fn compare(p: DVec3, q: DVec3) -> Ordering {
+    let coordinates = p.to_array().into_iter().zip(q.to_array());
+    let mut orders = coordinates.map(|(x, y)| x.total_cmp(&y));
+    orders
+        .find(|order| order.is_ne())
+        .unwrap_or(Ordering::Equal)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::shape::{Mesh, Positions};
+
+    fn is_closed(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> bool {
+        let mesh = Mesh::new(Positions::compact(points.to_vec()), triangles.to_vec()).unwrap();
+        let answer = mesh.is_closed().unwrap();
+        assert_eq!(mesh.is_closed().unwrap(), answer, "remembered");
+        assert_eq!(mesh.clone(), mesh);
+        answer
+    }
+
+    const TIPS: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    const SIDES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+    #[test]
+    fn vertices_in_one_place_are_one_and_so_are_both_zeros() {
+        let mut soup: Vec<_> = SIDES
+            .as_flattened()
+            .iter()
+            .map(|&k| TIPS[k as usize])
+            .collect();
+        for (k, point) in soup.iter_mut().enumerate() {
+            *point = point.map(|x| if x == 0.0 && k % 2 == 0 { -0.0 } else { x });
+        }
+        let triangles: Vec<_> = (0..4).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        assert!(is_closed(&soup, &triangles));
+        soup[4][0] = soup[4][0].next_up();
+        assert!(!is_closed(&soup, &triangles));
+    }
+
+    #[test]
+    fn which_way_a_triangle_faces_is_of_no_account_but_that_it_is_there_twice_is() {
+        let mut sides = SIDES;
+        sides[2].swap(0, 1);
+        assert!(is_closed(&TIPS, &sides));
+        let twice = [&SIDES[..], &SIDES[1..2]].concat();
+        assert!(!is_closed(&TIPS, &twice));
+        assert!(is_closed(&TIPS, &[]));
+        assert!(!is_closed(&TIPS, &SIDES[..1]));
+    }
+
+    /// The seam from 0 to 1 has a vertex halfway on one side alone.
+    #[test]
+    fn collinear_corners_close_a_seam() {
+        let points = [&TIPS[..], &[[0.5, 0.0, 0.0]]].concat();
+        let mut sides = vec![[0, 2, 4], [4, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        assert!(!is_closed(&points, &sides));
+        sides.push([0, 4, 1]);
+        assert!(is_closed(&points, &sides));
+        // What has no length is no edge.
+        sides.extend([[0, 0, 0], [1, 1, 2]]);
+        assert!(is_closed(&points, &sides));
+    }
+}
