@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use crate::error::Result;
+#[cfg(feature = "fhs")]
+use crate::fhs;
 use crate::io::{FORMATS, Format, Report, format_of, read};
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
@@ -12,6 +14,8 @@ pub use crate::io::{LoadSettings, Loaded};
 /// The formats that this crate was compiled with.
 fn formats() -> impl Iterator<Item = &'static Format> + Clone {
     let formats = FORMATS.iter();
+    #[cfg(feature = "fhs")]
+    let formats = formats.chain([&fhs::FORMAT]);
     #[cfg(feature = "scene-file")]
     let formats = formats.chain([&scene_file::FORMAT]);
     formats
@@ -48,8 +52,14 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
     // A folder is refused as such, before its extension is.
     read::refuse_folder(path)?;
     let format = format_of(path, formats())?;
+    let mut report = Report::new(path, *settings);
+    #[cfg(feature = "fhs")]
+    if format.name == fhs::FORMAT.name && !read::is_named_as_packed(path) {
+        let block = read::mapped_file(path)?;
+        return fhs::open_mapped(block.into(), &mut report);
+    }
     let bytes = read::regular_file(path, settings.max_memory)?;
-    format.load(bytes.into(), &mut Report::new(path, *settings))
+    format.load(bytes.into(), &mut report)
 }
 
 /// Reads a file's content from memory. Messages call it `name`; the extension of `name` tells the format.
@@ -83,7 +93,7 @@ mod tests {
             of("x.3ds").unwrap_err().to_string(),
             "x.3ds: the extension names no known format; \
              it must be one of .gltf (glTF), .glb (glTF), .obj (OBJ), .ply (PLY), .stl (STL), \
-             .toml (scene file)"
+             .fhs (built scene), .toml (scene file)"
         );
         assert!(of("noextension").is_err());
     }

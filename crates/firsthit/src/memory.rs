@@ -1,9 +1,11 @@
-//! Whether there is memory, asked before it is needed; and what comes in large pages.
+//! Whether there is memory, asked before it is needed; what comes in large pages; and arrays in shared memory.
 
 use bytemuck::Zeroable;
 
 use crate::error::{Error, Result};
 use crate::simd;
+pub use crate::simd::Storage;
+pub(crate) use crate::simd::{BLOCK_ALIGNMENT, Block};
 
 /// Refuses what would take more memory than the system gives at this moment.
 ///

@@ -62,8 +62,17 @@ impl World {
     /// # Errors
     ///
     /// Those of [`Scene::new`].
-    pub fn into_scene(mut self) -> Result<Scene> {
-        let scene = Scene::new(std::mem::take(&mut self.objects))?;
+    pub fn into_scene(self) -> Result<Scene> {
+        self.into_scene_after(None)
+    }
+
+    /// The same; what a scene `before` has in common with it is not built again.
+    pub(crate) fn into_scene_after(mut self, before: Option<&Scene>) -> Result<Scene> {
+        let objects = std::mem::take(&mut self.objects);
+        let scene = match before {
+            Some(before) => before.with_objects(objects)?,
+            None => Scene::new(objects)?,
+        };
         let up = self.up_in(&scene);
         Ok(scene.with_lights(self.lights).with_up(up))
     }

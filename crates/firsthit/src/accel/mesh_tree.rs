@@ -7,6 +7,7 @@ use super::meshlet::Meshlet;
 use super::node::Node;
 use super::space::Space;
 use crate::geometry::DVec3;
+use crate::memory::Storage;
 use crate::shape::Mesh;
 use crate::shape::triangle::DeparturePoint;
 use crate::simd::{LANES, Lanes};
@@ -21,24 +22,24 @@ pub struct MeshTree {
     /// Whether vertices in the same place are one to a leaf; see `build/weld.rs`.
     pub(super) is_welded: bool,
     /// The root first. None for a mesh that is empty or has a coordinate beyond 1e90 ([`Space::new`]).
-    pub(super) nodes: Vec<Node>,
-    pub(super) leaves: Vec<Meshlet>,
+    pub(super) nodes: Storage<Node>,
+    pub(super) leaves: Storage<Meshlet>,
     /// The triangles' indices, those of a leaf side by side.
-    pub(super) order: Vec<u32>,
+    pub(super) order: Storage<u32>,
     /// Pairs of the lowest of some triangles with the same corners, and another of them; sorted. Only the lowest is in
     /// a leaf, since it wins every tie.
-    pub(super) copies: Vec<[u32; 2]>,
+    pub(super) copies: Storage<[u32; 2]>,
     /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
     pub(super) cost: f64,
 }
 
 impl MeshTree {
-    /// What the tree takes in memory.
+    /// What the tree takes in memory, or in a mapped file.
     pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>()
-            + self.leaves.capacity() * size_of::<Meshlet>()
-            + self.order.capacity() * size_of::<u32>()
-            + self.copies.capacity() * size_of::<[u32; 2]>()
+        size_of_val::<[_]>(&self.nodes)
+            + size_of_val::<[_]>(&self.leaves)
+            + size_of_val::<[_]>(&self.order)
+            + size_of_val::<[_]>(&self.copies)
     }
 
     /// The copies of a triangle of a leaf: the second of each pair.

@@ -7,7 +7,7 @@ use crate::simd::LANES;
 /// Triangles over vertices of their own, in the tree's space, as float32. Plain data: every byte of it has a meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Meshlet {
+pub(crate) struct Meshlet {
     /// The vertices, an array for each axis. Unused lanes repeat the first vertex.
     pub(super) vertices: [[f32; LANES]; 3],
     /// For each corner, the triangles' vertices.

@@ -26,6 +26,8 @@ mod meshlet;
 mod node;
 mod rays;
 mod space;
+#[cfg(feature = "fhs")]
+mod stored;
 mod tile;
 mod traverse;
 
@@ -34,8 +36,14 @@ pub use bvh::Bvh;
 pub(crate) use bvh::{Walk, WalkStack};
 pub(crate) use locate8::{Corners, InLanes, RayBundle, SharedTriangle, locate8};
 pub use mesh_tree::MeshTree;
+#[cfg(feature = "fhs")]
+pub(crate) use meshlet::Meshlet;
+#[cfg(feature = "fhs")]
+pub(crate) use node::Node;
 pub(crate) use rays::enter::product_along;
 pub(crate) use rays::packet::{Packet, RAYS};
+#[cfg(feature = "fhs")]
+pub(crate) use stored::{TreeFacts, TreeParts};
 pub(crate) use tile::frustum::{TileCamera, TileFrustum};
 pub(crate) use tile::traverse::{TileScratch, fill_buffer};
 pub(crate) use tile::visibility::{

@@ -12,7 +12,7 @@ pub(super) const LEAF: u32 = 1 << 31;
 /// Boxes side by side, and what is in them.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(crate) struct Node {
     /// The boxes' ends: low x, high x, low y, high y, low z, high z. The box of a child that is not there begins at
     /// plus infinity and ends at minus infinity, so no ray meets it.
     pub(super) planes: [[f32; WIDTH]; 6],

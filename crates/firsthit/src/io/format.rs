@@ -43,6 +43,11 @@ impl Format {
             (self.read)(&bytes, report)
         };
         let world = read(report).map_err(|fault| fault.into_error(&path))?;
+        self.loaded(world, report)
+    }
+
+    /// What was read of a file, with all that the format says beside it.
+    pub(crate) fn loaded(&self, world: World, report: &mut Report) -> Result<Loaded> {
         if let Some(error) = report.strict_error() {
             return Err(error);
         }
@@ -51,9 +56,11 @@ impl Format {
             warnings: report.take_lines(),
             files: report.source.take_files(),
             vertices: report.vertices,
+            scene: report.scene.take(),
             world: World {
                 up: if is_up_stated { world.up } else { self.up },
-                up_is_guessed: !is_up_stated && !self.rules_up,
+                // A file that was made from another may say so itself.
+                up_is_guessed: world.up_is_guessed || (!is_up_stated && !self.rules_up),
                 ..world
             },
         })

@@ -19,6 +19,8 @@ pub struct Loaded {
     /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
     /// formats `None`: the objects' buffers tell.
     pub vertices: Option<u64>,
+    /// The scene of the world's objects, where the file holds it built, as `.fhs` files do.
+    pub scene: Option<Scene>,
 }
 
 // The world's own, and counts.
@@ -27,7 +29,7 @@ summary!(
 );
 
 impl Loaded {
-    /// The scene of the world, see [`World::into_scene`].
+    /// The scene of the world, see [`World::into_scene`]. Trees that the file holds are not built again.
     ///
     /// ```
     /// use std::path::Path;
@@ -46,6 +48,6 @@ impl Loaded {
     ///
     /// Those of [`Scene::new`].
     pub fn into_scene(self) -> Result<Scene> {
-        self.world.into_scene()
+        self.world.into_scene_after(self.scene.as_ref())
     }
 }

@@ -8,21 +8,15 @@ use super::fault::Checked;
 use super::gzip;
 use super::memory_budget::size_in_words;
 use super::report::Report;
+use super::source::without_gz;
 use crate::error::{Error, Place, Result};
+use crate::memory::Block;
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
 /// file is mapped: one that shrinks meanwhile would end the process. More than `most` bytes are refused.
 pub(crate) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
-    let refuse = |source| Error::Read {
-        path: path.to_owned(),
-        source,
-    };
-    // Asked before opening: to open a pipe waits for its other end.
-    check_regular(&fs::metadata(path).map_err(refuse)?).map_err(refuse)?;
-    let file = File::open(path).map_err(refuse)?;
-    let metadata = file.metadata().map_err(refuse)?;
-    check_regular(&metadata).map_err(refuse)?;
-    let size = metadata.len();
+    let refuse = |source| refused(path, source);
+    let (file, size) = opened(path)?;
     let too_large = |limit: &str| Error::TooLarge {
         path: path.to_owned(),
         place: Place::File,
@@ -44,16 +38,47 @@ pub(crate) fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The whole content of a regular file, mapped where the system can do that. For files of our own that are replaced and
+/// never changed: one that shrinks meanwhile ends the process.
+pub(crate) fn mapped_file(path: &Path) -> Result<Block> {
+    let (file, size) = opened(path)?;
+    let length = usize::try_from(size).map_err(|_| io::ErrorKind::FileTooLarge.into());
+    let mapped = length.and_then(|length| Block::map(&file, length));
+    mapped.map_err(|source| refused(path, source))
+}
+
+/// Whether a file's name says that it is packed by gzip.
+pub(crate) fn is_named_as_packed(path: &Path) -> bool {
+    without_gz(path) != path
+}
+
+/// A regular file and its size.
+fn opened(path: &Path) -> Result<(File, u64)> {
+    let open = || {
+        // Asked before opening: to open a pipe waits for its other end.
+        check_regular(&fs::metadata(path)?)?;
+        let file = File::open(path)?;
+        let metadata = file.metadata()?;
+        check_regular(&metadata)?;
+        Ok((file, metadata.len()))
+    };
+    open().map_err(|source| refused(path, source))
+}
+
+fn refused(path: &Path, source: io::Error) -> Error {
+    Error::Read {
+        path: path.to_owned(),
+        source,
+    }
+}
+
 /// Fails for a folder, in the words that [`regular_file`] has for one.
 pub(crate) fn refuse_folder(path: &Path) -> Result<()> {
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => check_regular(&metadata),
         _ => Ok(()),
     }
-    .map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
-    })
+    .map_err(|source| refused(path, source))
 }
 
 /// The content of a file that a scene names, unpacked. It is charged to the scene's memory budget.

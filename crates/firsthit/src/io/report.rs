@@ -7,6 +7,7 @@ use super::settings::LoadSettings;
 use super::source::Source;
 use super::warnings::Warnings;
 use crate::error::{Error, Place};
+use crate::scene::Scene;
 
 /// All about the reading of one file but its content.
 #[derive(Debug)]
@@ -17,6 +18,8 @@ pub(crate) struct Report {
     pub(crate) warnings: Warnings,
     /// See [`Loaded::vertices`](super::Loaded::vertices).
     pub(crate) vertices: Option<u64>,
+    /// See [`Loaded::scene`](super::Loaded::scene).
+    pub(crate) scene: Option<Scene>,
 }
 
 impl Report {
@@ -27,6 +30,7 @@ impl Report {
             budget: MemoryBudget::new(settings.max_memory),
             warnings: Warnings::default(),
             vertices: None,
+            scene: None,
         }
     }
 

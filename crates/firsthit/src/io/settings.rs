@@ -13,6 +13,8 @@ pub struct LoadSettings {
     pub max_memory: u64,
     /// How many texels a texture may have across or down, and the root of how many bytes it may have in all.
     pub max_texture: u32,
+    /// Whether the checksums of a `.fhs` file are compared with all of its content. Its structure is checked in any case.
+    pub verify: bool,
 }
 
 impl Default for LoadSettings {
@@ -22,6 +24,7 @@ impl Default for LoadSettings {
             strict: false,
             max_memory: 8 << 30,
             max_texture: 16_384,
+            verify: false,
         }
     }
 }

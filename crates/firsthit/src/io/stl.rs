@@ -29,7 +29,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
             });
         }
         report.budget.charge_growth(facets.len())?;
-        (Positions::Single(read_binary(facets)), None)
+        (Positions::Single(read_binary(facets).into()), None)
     } else {
         let (points, name) = read_text(&text::decode(bytes), report)?;
         (Positions::compact(points), name)

@@ -234,7 +234,7 @@ pub(super) fn face_attribute(mesh: &Mesh, values: Vec<[f32; 3]>) -> Attribute<3>
         .map(|triangle| [mesh.face(triangle) as u32; 3])
         .collect();
     Attribute {
-        values,
+        values: values.into(),
         corners: Some(corners),
     }
 }

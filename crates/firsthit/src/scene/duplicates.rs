@@ -47,6 +47,35 @@ impl Duplicates {
         found
     }
 
+    /// Those that the second object of each pair is of the first; `None` where it is that of none, of a later one, or of two.
+    #[cfg(feature = "fhs")]
+    pub(super) fn from_pairs(objects: usize, pairs: &[[u32; 2]]) -> Option<Self> {
+        let mut found = Self {
+            is_duplicate: vec![false; objects],
+            of: HashMap::new(),
+        };
+        for &[first, other] in pairs {
+            let is_duplicate = found.is_duplicate.get_mut(other as usize)?;
+            if first >= other || *is_duplicate {
+                return None;
+            }
+            *is_duplicate = true;
+            found.of.entry(first).or_default().push(other);
+        }
+        let is_first = |first: &u32| !found.contains(*first);
+        found.of.keys().all(is_first).then_some(found)
+    }
+
+    /// Each duplicate after the object that it is one of, in the order of the duplicates.
+    #[cfg(feature = "fhs")]
+    pub(crate) fn pairs(&self) -> Vec<[u32; 2]> {
+        let of = self.of.iter();
+        let pairs = of.flat_map(|(&first, others)| others.iter().map(move |&other| [first, other]));
+        let mut pairs: Vec<[u32; 2]> = pairs.collect();
+        pairs.sort_unstable_by_key(|&[_, other]| other);
+        pairs
+    }
+
     /// Whether an object is in the place of an earlier one.
     pub(crate) fn contains(&self, object: u32) -> bool {
         self.is_duplicate[object as usize]

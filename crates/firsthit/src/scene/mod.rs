@@ -14,6 +14,8 @@ mod light;
 mod likely_up;
 mod material;
 mod object;
+#[cfg(feature = "fhs")]
+mod stored;
 mod texture;
 mod top_tree;
 
@@ -30,6 +32,8 @@ pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 
 pub(crate) use duplicates::Duplicates;
+#[cfg(feature = "fhs")]
+pub(crate) use stored::SceneParts;
 pub(crate) use top_tree::OnTheWay;
 use top_tree::TopTree;
 
@@ -118,16 +122,21 @@ impl Scene {
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;
         let trees = mesh_trees(&objects, before)?;
-        let boxes: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
-        let visible = objects.iter().zip(&boxes);
-        let visible = visible.filter(|(object, _)| !object.is_hidden());
-        let bounds = around(visible.map(|(_, &bounds)| bounds));
-        let top = TopTree::new(&objects, boxes);
+        let unmoved = before.filter(|before| before.is_in_place(&objects));
+        let (top, bounds) = if let Some(before) = unmoved {
+            (before.top.clone(), before.bounds.clone())
+        } else {
+            let boxes: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
+            let visible = objects.iter().zip(&boxes);
+            let visible = visible.filter(|(object, _)| !object.is_hidden());
+            let bounds = around(visible.map(|(_, &bounds)| bounds));
+            (TopTree::new(&objects, boxes), OnceLock::from(bounds))
+        };
         Ok(Self {
             objects,
             trees,
             top,
-            bounds: OnceLock::from(bounds),
+            bounds,
             lights: Vec::new(),
             has_own_lights: true,
             up: None,
@@ -135,6 +144,12 @@ impl Scene {
             #[cfg(feature = "frame")]
             digests: Arc::default(),
         })
+    }
+
+    /// Whether these are its objects in their places, whatever they look like.
+    fn is_in_place(&self, objects: &[Object]) -> bool {
+        let mut pairs = self.objects.iter().zip(objects);
+        self.objects.len() == objects.len() && pairs.all(|(one, other)| one.is_in_place_of(other))
     }
 
     /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by

@@ -126,6 +126,18 @@ impl Object {
         self.is_hidden = is_hidden;
     }
 
+    /// Whether it is another object in the same place, whatever they look like, as far as this can be told in constant time.
+    pub(super) fn is_in_place_of(&self, other: &Self) -> bool {
+        let is_same = match (&self.shape, &other.shape) {
+            (Shape::Mesh(mesh), Shape::Mesh(other)) => Arc::ptr_eq(mesh, other),
+            (shape, other) => shape == other,
+        };
+        // What is cut out hides no duplicate.
+        let are_cut_alike = self.has_cutouts == other.has_cutouts;
+        let are_seen_alike = are_cut_alike && self.is_hidden == other.is_hidden;
+        is_same && are_seen_alike && self.transform == other.transform
+    }
+
     /// Its name; may be empty, need not be unique.
     pub fn name(&self) -> &str {
         &self.name

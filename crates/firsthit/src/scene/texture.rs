@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
 use crate::geometry::{Color, DVec2, srgb_decode};
+use crate::memory::Storage;
 
 /// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0 is the
 /// top one.
@@ -21,7 +22,7 @@ use crate::geometry::{Color, DVec2, srgb_decode};
 pub struct Texture {
     columns: usize,
     rows: usize,
-    texels: Vec<[u8; 4]>,
+    texels: Storage<[u8; 4]>,
 }
 
 // Texels are many.
@@ -33,7 +34,8 @@ impl Texture {
     /// # Errors
     ///
     /// [`Error::Argument`] without texels, and when there are not `columns * rows` of them.
-    pub fn new(columns: usize, rows: usize, texels: Vec<[u8; 4]>) -> Result<Self> {
+    pub fn new(columns: usize, rows: usize, texels: impl Into<Storage<[u8; 4]>>) -> Result<Self> {
+        let texels = texels.into();
         if texels.is_empty() || columns.checked_mul(rows) != Some(texels.len()) {
             let got = format!("{} for {columns} x {rows}", texels.len());
             let expected = "columns times rows, at least one";

@@ -30,6 +30,15 @@ impl TopTree {
     /// Of objects with these boxes around them, at most `i32::MAX`.
     pub(super) fn new(objects: &[Object], boxes: Vec<Bounds>) -> Self {
         let duplicates = Duplicates::new(objects, &boxes);
+        Self::with_duplicates(objects, boxes, duplicates)
+    }
+
+    /// The same where the duplicates are known.
+    pub(super) fn with_duplicates(
+        objects: &[Object],
+        boxes: Vec<Bounds>,
+        duplicates: Duplicates,
+    ) -> Self {
         let count = u32::try_from(objects.len()).expect("identifiers are numbers of 31 bits");
         let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
         let is_out = |k: u32| duplicates.contains(k) || objects[k as usize].is_hidden();
@@ -96,6 +105,12 @@ impl TopTree {
         let padded = |k: u32| objects[k as usize].padded(boxes[k as usize], slack);
         self.tree.refit(moved, padded);
         true
+    }
+
+    /// A box around each object.
+    #[cfg(feature = "fhs")]
+    pub(super) fn boxes(&self) -> &[Bounds] {
+        &self.boxes
     }
 
     /// What the tree takes in memory.

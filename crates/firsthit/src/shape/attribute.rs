@@ -5,14 +5,15 @@ use std::fmt::{self, Debug, Formatter};
 use crate::error::{Error, Result};
 use crate::geometry::require;
 use crate::geometry::summary::Count;
+use crate::memory::Storage;
 
 /// Values at the corners of a mesh's triangles: normals, texture coordinates, colours.
 #[derive(Clone, PartialEq)]
 pub struct Attribute<const N: usize> {
     /// The values.
-    pub values: Vec<[f32; N]>,
+    pub values: Storage<[f32; N]>,
     /// For each triangle the indices of its corners' values; `None`: the indices of its vertices.
-    pub corners: Option<Vec<[u32; 3]>>,
+    pub corners: Option<Storage<[u32; 3]>>,
 }
 
 /// A summary: they are many.
@@ -29,7 +30,7 @@ impl<const N: usize> Attribute<N> {
     /// A value for each vertex.
     pub fn per_vertex(values: Vec<[f32; N]>) -> Self {
         Self {
-            values,
+            values: values.into(),
             corners: None,
         }
     }

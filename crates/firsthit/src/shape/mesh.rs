@@ -6,7 +6,12 @@ mod closed;
 mod crossing;
 #[cfg(feature = "frame")]
 mod digest;
+#[cfg(feature = "fhs")]
+mod stored;
 mod surface;
+
+#[cfg(feature = "fhs")]
+pub(crate) use stored::{MeshParts, are_below};
 
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
@@ -15,6 +20,7 @@ use super::attribute::check_indices;
 use super::{Attribute, Positions, Property};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, moderation, unit};
+use crate::memory::Storage;
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
 ///
@@ -34,14 +40,14 @@ use crate::geometry::{Bounds, DVec3, moderation, unit};
 #[derive(Clone, PartialEq)]
 pub struct Mesh {
     positions: Arc<Positions>,
-    triangles: Vec<[u32; 3]>,
+    triangles: Storage<[u32; 3]>,
     bounds: Bounds,
-    faces: Option<Vec<u32>>,
+    faces: Option<Storage<u32>>,
     normals: Option<Attribute<3>>,
     uvs: Option<Attribute<2>>,
     colors: Option<Attribute<3>>,
     alphas: Option<Attribute<1>>,
-    slots: Option<Vec<u32>>,
+    slots: Option<Storage<u32>>,
     properties: Vec<Property>,
     closed: closed::Closed,
 }
@@ -114,7 +120,7 @@ impl Mesh {
         };
         Ok(Self {
             positions,
-            triangles,
+            triangles: triangles.into(),
             bounds,
             faces: None,
             normals: None,

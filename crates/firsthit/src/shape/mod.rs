@@ -24,10 +24,14 @@ pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
 pub use mesh::Mesh;
+#[cfg(feature = "fhs")]
+pub(crate) use mesh::{MeshParts, are_below};
 pub use plane::Plane;
 pub use positions::Positions;
 pub use property::{Property, PropertyOf, PropertyValues};
 pub use sphere::Sphere;
+
+pub use crate::memory::Storage;
 
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;

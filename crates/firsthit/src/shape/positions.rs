@@ -4,6 +4,7 @@ use std::fmt::{self, Debug, Formatter};
 
 use crate::geometry::summary::Count;
 use crate::geometry::{DVec3, single};
+use crate::memory::Storage;
 
 /// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
 /// which halves the memory, float64 otherwise.
@@ -19,9 +20,9 @@ use crate::geometry::{DVec3, single};
 #[derive(Clone, PartialEq)]
 pub enum Positions {
     /// Every coordinate is a float32.
-    Single(Vec<[f32; 3]>),
+    Single(Storage<[f32; 3]>),
     /// At least one coordinate needs float64.
-    Double(Vec<[f64; 3]>),
+    Double(Storage<[f64; 3]>),
 }
 
 /// A summary: they are many.
@@ -43,7 +44,7 @@ impl Positions {
         if points.iter().flatten().all(|&x| f64::from(single(x)) == x) {
             Self::Single(points.iter().map(|point| point.map(single)).collect())
         } else {
-            Self::Double(points)
+            Self::Double(points.into())
         }
     }
 

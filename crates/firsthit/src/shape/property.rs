@@ -5,6 +5,7 @@ use std::fmt::{self, Debug, Formatter};
 use crate::error::Result;
 use crate::geometry::summary::Count;
 use crate::geometry::{require, single};
+use crate::memory::Storage;
 
 /// Numbers that a file gives to a mesh by name, such as a scan's quality: one for each vertex or polygon. Rays do
 /// not ask for them.
@@ -31,9 +32,9 @@ pub enum PropertyOf {
 #[derive(Clone, PartialEq)]
 pub enum PropertyValues {
     /// Numbers that float32 holds exactly.
-    Single(Vec<f32>),
+    Single(Storage<f32>),
     /// Others.
-    Double(Vec<f64>),
+    Double(Storage<f64>),
 }
 
 /// A summary: they are many.
@@ -74,8 +75,8 @@ impl PropertyValues {
     /// Adds one; as float32 where that is what is kept.
     pub(crate) fn push(&mut self, value: f64) {
         match self {
-            Self::Single(values) => values.push(single(value)),
-            Self::Double(values) => values.push(value),
+            Self::Single(values) => values.edit(|values| values.push(single(value))),
+            Self::Double(values) => values.edit(|values| values.push(value)),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Lanes and instruction sets: the only room with `unsafe` code.
+//! Lanes, instruction sets and shared memory: the only room with `unsafe` code.
 //!
 //! A kernel is written once, generic over [`Lanes`], in plain safe code. [`run`] compiles it for every
 //! instruction set and calls the version that was asked for. [`Portable`](portable::Portable) says in plain
@@ -19,19 +19,23 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod block;
 mod lanes;
 mod mask;
 mod pages;
 mod portable;
 mod set;
 mod stack;
+mod storage;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub(crate) use block::{BLOCK_ALIGNMENT, Block};
 pub(crate) use lanes::{Aligned, LANES, Lanes, WIDE};
 pub(crate) use mask::set_bits;
 pub(crate) use pages::prefer_large_pages;
 pub use set::InstructionSet;
+pub use storage::Storage;
 
 /// A computation with lanes.
 pub(crate) trait Kernel {

@@ -21,7 +21,7 @@ use crate::accel::meshlet::Meshlet;
 use crate::accel::node::WIDTH;
 use crate::accel::space::{CHUNK, Space};
 use crate::geometry::DVec3;
-use crate::memory;
+use crate::memory::{self, Storage};
 use crate::shape::Mesh;
 
 impl MeshTree {
@@ -35,10 +35,10 @@ impl MeshTree {
             },
             is_exact: false,
             is_welded: false,
-            nodes: Vec::new(),
-            leaves: Vec::new(),
+            nodes: Storage::default(),
+            leaves: Storage::default(),
             order: (0..count(mesh.triangles().len())).collect(),
-            copies: Vec::new(),
+            copies: Storage::default(),
             cost: 0.0,
         }
     }
@@ -87,10 +87,10 @@ impl MeshTree {
             is_exact: space.is_exact(mesh, &points),
             is_welded: sharing.is_welded,
             space,
-            nodes,
-            copies: copies(mesh, &order, &ranges),
-            leaves,
-            order,
+            nodes: nodes.into(),
+            copies: copies(mesh, &order, &ranges).into(),
+            leaves: leaves.into(),
+            order: order.into(),
             cost: 0.0,
         };
         tree.cost = tree.expected_cost();

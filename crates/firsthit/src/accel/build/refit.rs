@@ -19,7 +19,7 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::{LEAF, Node};
 use crate::accel::space::Space;
-use crate::memory;
+use crate::memory::{self, Storage};
 use crate::shape::Mesh;
 use crate::simd::LANES;
 
@@ -71,10 +71,10 @@ impl MeshTree {
             is_exact: space.is_exact(mesh, &points),
             is_welded: self.is_welded,
             space,
-            nodes,
-            leaves,
-            order: memory::copy(&self.order),
-            copies: Vec::new(),
+            nodes: nodes.into(),
+            leaves: leaves.into(),
+            order: memory::copy(&self.order).into(),
+            copies: Storage::default(),
             cost: self.cost,
         };
         (tree.expected_cost() <= WORST * self.cost).then_some(tree)
@@ -188,7 +188,7 @@ mod tests {
     fn what_was_left_out_is_not_forgotten() {
         let at = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
         let twice = |up: f64| {
-            let positions = [at(0.0), at(up)].concat();
+            let positions = [at(0.0), at(up)].concat().into();
             let triangles = (0..40).map(|k| if k % 2 == 0 { [0, 1, 2] } else { [3, 4, 5] });
             Mesh::new(Positions::Double(positions), triangles.collect()).unwrap()
         };

@@ -12,7 +12,7 @@ pub(in crate::accel) struct Stack {
 
 /// A tree has no more levels than the binary one it is made from: `SAH_DEPTH`, then 31 halvings of at most 2^31 items,
 /// the leaf, and one to spare.
-const LEVELS: usize = SAH_DEPTH as usize + 33;
+pub(in crate::accel) const LEVELS: usize = SAH_DEPTH as usize + 33;
 /// A power of two: each level leaves up to 15 behind.
 const STACK: usize = 2048;
 /// In a higher stack [`Stack::pop_any`] takes the last entry, so what is above this belongs to one way down the tree.

@@ -115,7 +115,7 @@ fn plain(values: &mut Values<'_, '_>, index: Index, shared: &mut Shared) -> Chec
         return Ok(Rc::clone(known));
     }
     let positions = if component(values.document, index)? == Component::Float32 {
-        Positions::Single(values.all("POSITION", index, &Shape::VEC3)?)
+        Positions::Single(values.all("POSITION", index, &Shape::VEC3)?.into())
     } else {
         Positions::compact(values.all("POSITION", index, &Shape::VEC3)?)
     };

@@ -184,8 +184,8 @@ impl Gather {
             }
         }
         is_complete.then_some(Attribute {
-            values: taken,
-            corners: Some(corners),
+            values: taken.into(),
+            corners: Some(corners.into()),
         })
     }
 }

@@ -109,7 +109,7 @@ fn model(
     let mut properties = vertices.named.into_properties();
     properties.extend(faces.named.into_properties());
     let shared = Vertices::new(match vertices.points {
-        Positions::Double(points) => Positions::compact(points),
+        Positions::Double(points) => Positions::compact(points.into_vec()),
         single @ Positions::Single(_) => single,
     });
     warn_if_empty(&surface, &shared, report);
@@ -138,7 +138,8 @@ fn model(
         ..Material::default()
     });
     if let Some(mut colors) = colors {
-        mend(&mut colors.values, mend::Kind::Colors, &Place::File, report);
+        let kind = mend::Kind::Colors;
+        (colors.values).edit(|values| mend(values, kind, &Place::File, report));
         mesh = mesh.with_colors(colors)?;
     }
     let object = Object::new(Arc::new(mesh)).named(name);

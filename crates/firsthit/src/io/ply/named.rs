@@ -3,6 +3,7 @@
 use super::body::Table;
 use super::header::{Element, Kind, Type};
 use crate::error::escape_controls;
+use crate::memory::Storage;
 use crate::shape::{Property, PropertyOf, PropertyValues};
 
 /// The named numbers of an element's rows.
@@ -27,8 +28,10 @@ impl NamedRows {
             };
             rows.places.push(Some(rows.named.len()));
             let values = match kind {
-                Type::Int32 | Type::Uint32 | Type::Float64 => PropertyValues::Double(Vec::new()),
-                _ => PropertyValues::Single(Vec::new()),
+                Type::Int32 | Type::Uint32 | Type::Float64 => {
+                    PropertyValues::Double(Storage::default())
+                }
+                _ => PropertyValues::Single(Storage::default()),
             };
             let name = escape_controls(&property.name);
             rows.named.push(Property { name, of, values });
@@ -39,8 +42,8 @@ impl NamedRows {
     pub(super) fn reserve(&mut self, count: usize) {
         for property in &mut self.named {
             match &mut property.values {
-                PropertyValues::Single(values) => values.reserve_exact(count),
-                PropertyValues::Double(values) => values.reserve_exact(count),
+                PropertyValues::Single(values) => values.edit(|values| values.reserve_exact(count)),
+                PropertyValues::Double(values) => values.edit(|values| values.reserve_exact(count)),
             }
         }
     }

@@ -7,6 +7,7 @@ use super::named::NamedRows;
 use crate::geometry::single;
 use crate::io::fault::{Checked, Fault};
 use crate::io::report::Report;
+use crate::memory::Storage;
 use crate::shape::{Positions, PropertyOf};
 
 /// The properties that are read, by all the names they go by.
@@ -65,9 +66,9 @@ impl VertexRows {
             slots,
             levels: Levels::new(r.map_or(Type::Uint8, |(_, kind)| kind)),
             points: if single {
-                Positions::Single(Vec::new())
+                Positions::Single(Storage::default())
             } else {
-                Positions::Double(Vec::new())
+                Positions::Double(Storage::default())
             },
             normals: (nx.is_some() && ny.is_some() && nz.is_some()).then(Vec::new),
             uvs: (u.is_some() && v.is_some()).then(Vec::new),
@@ -134,9 +135,12 @@ impl VertexRows {
         let [x, y, z, nx, ny, nz, u, v, r, g, b] = columns;
         match &mut self.points {
             Positions::Single(points) => {
-                points.extend(table.columns([x, y, z]).map(|point| point.map(single)));
+                let rows = table.columns([x, y, z]).map(|point| point.map(single));
+                points.edit(|points| points.extend(rows));
             }
-            Positions::Double(points) => points.extend(table.columns([x, y, z])),
+            Positions::Double(points) => {
+                points.edit(|points| points.extend(table.columns([x, y, z])));
+            }
         }
         if let Some(normals) = &mut self.normals {
             normals.extend(table.columns([nx, ny, nz]).map(|normal| normal.map(single)));
@@ -154,8 +158,8 @@ impl VertexRows {
     fn reserve(&mut self, count: usize) {
         self.named.reserve(count);
         match &mut self.points {
-            Positions::Single(points) => points.reserve_exact(count),
-            Positions::Double(points) => points.reserve_exact(count),
+            Positions::Single(points) => points.edit(|points| points.reserve_exact(count)),
+            Positions::Double(points) => points.edit(|points| points.reserve_exact(count)),
         }
         let vectors = self.normals.iter_mut().chain(&mut self.colors);
         vectors.for_each(|values| values.reserve_exact(count));
@@ -166,8 +170,8 @@ impl VertexRows {
 
     fn push(&mut self, [x, y, z, nx, ny, nz, u, v, r, g, b]: [f64; NAMES.len()]) {
         match &mut self.points {
-            Positions::Single(points) => points.push([x, y, z].map(single)),
-            Positions::Double(points) => points.push([x, y, z]),
+            Positions::Single(points) => points.edit(|points| points.push([x, y, z].map(single))),
+            Positions::Double(points) => points.edit(|points| points.push([x, y, z])),
         }
         if let Some(normals) = &mut self.normals {
             normals.push([nx, ny, nz].map(single));

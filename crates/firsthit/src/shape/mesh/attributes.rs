@@ -21,7 +21,7 @@ impl Mesh {
         if let Some(&face) = faces.iter().find(|&&face| i32::try_from(face).is_err()) {
             return Err(Error::argument("faces", "below 2^31", face));
         }
-        self.faces = Some(faces);
+        self.faces = Some(faces.into());
         Ok(self)
     }
 
@@ -79,7 +79,7 @@ impl Mesh {
             let expected = "one for each triangle";
             return Err(Error::argument("slots", expected, slots.len()));
         }
-        self.slots = Some(slots);
+        self.slots = Some(slots.into());
         Ok(self)
     }
 

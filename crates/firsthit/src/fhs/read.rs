@@ -1,0 +1,288 @@
+//! Puts a scene together from its sections.
+
+use std::sync::Arc;
+
+use serde_json::error::Category;
+
+use super::layout::{Element, Sections};
+use super::look::{LightRecord, MaterialRecord, direction_of, missing};
+use super::number::{Number, Triple};
+use super::record::{
+    AttributeRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord, Record,
+    ShapeRecord, TextureRecord, ValuesRecord,
+};
+use super::sensor::CameraRecord;
+use crate::accel::{MeshTree, TreeFacts, TreeParts};
+use crate::error::{Error, Result, escape_controls};
+use crate::geometry::{Bounds, DAffine3, DMat3, DVec3, Transform};
+use crate::io::Report;
+use crate::io::fault::{Checked, Fault};
+use crate::memory::{self, Block};
+use crate::scene::{Material, Object, Scene, SceneParts, Texture};
+use crate::shape::{
+    Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, MeshParts, Plane, Positions, Property,
+    PropertyOf, PropertyValues, Shape, Sphere,
+};
+use crate::world::World;
+
+/// The world of a file; its scene, which is built, goes to `report`.
+pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
+    let mut sections = Sections::open(block)?;
+    if report.settings.verify {
+        sections.verify()?;
+    }
+    let record = record(&mut sections)?;
+    let meshes = meshes(&record, &mut sections)?;
+    let looks = looks(&record, &mut sections)?;
+    let objects = objects(&record.objects, &meshes, &looks)?;
+    let trees = record.objects.iter().map(|object| match object.shape {
+        ShapeRecord::Mesh(mesh) => meshes.get(mesh).map(|(_, tree)| Arc::clone(tree)),
+        _ => None,
+    });
+    let boxes = sections.take::<[f64; 6]>(record.boxes)?;
+    let boxes = boxes.iter().map(|&[a, b, c, d, e, f]| Bounds {
+        low: DVec3::new(a, b, c),
+        high: DVec3::new(d, e, f),
+    });
+    let duplicates = sections.take::<[u32; 2]>(record.duplicates)?;
+    sections.finish()?;
+    let scene = Scene::from_parts(SceneParts {
+        objects: objects.clone(),
+        trees: trees.collect(),
+        boxes: boxes.collect(),
+        duplicates: duplicates.to_vec(),
+        bounds: record.bounds.map_or(Bounds::EMPTY, bounds_of),
+    });
+    report.scene = Some(of_record(scene)?);
+    of_record(described(record, objects))
+}
+
+/// All but the scene.
+fn described(record: Record, objects: Vec<Object>) -> Result<World> {
+    let up = DVec3::from(record.up);
+    Ok(World {
+        objects,
+        cameras: record
+            .cameras
+            .iter()
+            .map(CameraRecord::camera)
+            .collect::<Result<_>>()?,
+        lights: record
+            .lights
+            .iter()
+            .map(LightRecord::light)
+            .collect::<Result<_>>()?,
+        has_view: record.has_view && !record.cameras.is_empty(),
+        background: record.shading.background()?,
+        shader: record.shading.shader()?,
+        samples: record.shading.samples()?,
+        outputs: Vec::new(),
+        // Zero says that nothing is known.
+        up: if up == DVec3::ZERO {
+            up
+        } else {
+            direction_of(record.up)?
+        },
+        up_is_guessed: record.up_is_guessed,
+    })
+}
+
+/// What parsing the record takes, in times its length: an object's bytes and those of its record, over the fewest characters
+/// that describe one.
+const TIMES_RECORD: usize = 16;
+
+fn record(sections: &mut Sections) -> Checked<Record> {
+    let text = sections.take::<u8>(0)?;
+    memory::check("the file's record", text.len().saturating_mul(TIMES_RECORD))?;
+    serde_json::from_slice(&text).map_err(|error| {
+        let what = match error.classify() {
+            Category::Eof => "the record ends too early".to_owned(),
+            _ => format!("the record: {}", escape_controls(&error.to_string())),
+        };
+        Fault::file(what)
+    })
+}
+
+/// What a constructor refuses of the record's.
+fn of_record<T>(made: Result<T>) -> Checked<T> {
+    made.map_err(|error| match error {
+        Error::Argument { .. } => Fault::file(format!("the record: {error}")),
+        other => other.into(),
+    })
+}
+
+fn bounds_of([low, high]: [Triple; 2]) -> Bounds {
+    Bounds {
+        low: low.into(),
+        high: high.into(),
+    }
+}
+
+type Built = (Arc<Mesh>, Arc<MeshTree>);
+
+fn meshes(record: &Record, sections: &mut Sections) -> Checked<Vec<Built>> {
+    let mut vertices = Vec::new();
+    for positions in &record.positions {
+        let positions = match *positions {
+            PositionsRecord::Single(points) => Positions::Single(sections.take(points)?),
+            PositionsRecord::Double(points) => Positions::Double(sections.take(points)?),
+        };
+        let is_finite = positions.are_finite();
+        vertices.push((Arc::new(positions), is_finite));
+    }
+    let mesh = |mesh: &MeshRecord| built(mesh, &vertices, sections);
+    record.meshes.iter().map(mesh).collect()
+}
+
+fn built(
+    record: &MeshRecord,
+    vertices: &[(Arc<Positions>, bool)],
+    sections: &mut Sections,
+) -> Checked<Built> {
+    let positions = vertices.get(record.positions);
+    let positions = positions.ok_or_else(|| missing("the positions of a mesh", record.positions));
+    let (positions, is_finite) = of_record(positions)?;
+    let properties = record.properties.iter();
+    let parts = MeshParts {
+        positions: Arc::clone(positions),
+        is_finite: *is_finite,
+        triangles: sections.take(record.triangles)?,
+        bounds: bounds_of(record.bounds),
+        faces: record.faces.map(|faces| sections.take(faces)).transpose()?,
+        slots: record.slots.map(|slots| sections.take(slots)).transpose()?,
+        normals: attribute(record.normals.as_ref(), sections)?,
+        uvs: attribute(record.uvs.as_ref(), sections)?,
+        colors: attribute(record.colors.as_ref(), sections)?,
+        alphas: attribute(record.alphas.as_ref(), sections)?,
+        properties: properties
+            .map(|named| property(named, sections))
+            .collect::<Checked<_>>()?,
+    };
+    let tree = &record.tree;
+    let tree = TreeParts {
+        nodes: sections.take(tree.nodes)?,
+        leaves: sections.take(tree.leaves)?,
+        order: sections.take(tree.order)?,
+        copies: sections.take(tree.copies)?,
+        facts: TreeFacts {
+            is_exact: tree.exact,
+            is_welded: tree.welded,
+            cost: tree.cost.0,
+        },
+    };
+    let mesh = Mesh::from_parts(parts).map_err(Fault::file)?;
+    let tree = MeshTree::from_parts(&mesh, tree).map_err(Fault::file)?;
+    Ok((Arc::new(mesh), Arc::new(tree)))
+}
+
+fn attribute<const N: usize>(
+    record: Option<&AttributeRecord>,
+    sections: &mut Sections,
+) -> Checked<Option<Attribute<N>>>
+where
+    [f32; N]: Element,
+{
+    let Some(record) = record else {
+        return Ok(None);
+    };
+    let corners = record.corners.map(|corners| sections.take(corners));
+    Ok(Some(Attribute {
+        values: sections.take(record.values)?,
+        corners: corners.transpose()?,
+    }))
+}
+
+fn property(record: &PropertyRecord, sections: &mut Sections) -> Checked<Property> {
+    Ok(Property {
+        name: escape_controls(&record.name),
+        of: if record.of_faces {
+            PropertyOf::Faces
+        } else {
+            PropertyOf::Vertices
+        },
+        values: match record.values {
+            ValuesRecord::Single(values) => PropertyValues::Single(sections.take(values)?),
+            ValuesRecord::Double(values) => PropertyValues::Double(sections.take(values)?),
+        },
+    })
+}
+
+/// The lists of materials.
+type Looks = Vec<Arc<[Material]>>;
+
+fn looks(record: &Record, sections: &mut Sections) -> Checked<Looks> {
+    let mut textures = Vec::new();
+    for &TextureRecord {
+        columns,
+        rows,
+        texels,
+    } in &record.textures
+    {
+        let texels = sections.take(texels)?;
+        textures.push(Arc::new(of_record(Texture::new(columns, rows, texels))?));
+    }
+    let maps = record.maps.iter().map(|map| map.map(&textures));
+    let maps = of_record(maps.collect::<Result<Vec<_>>>())?;
+    let list = |list: &Vec<MaterialRecord>| {
+        let materials = list.iter().map(|material| material.material(&maps));
+        materials.collect::<Result<Arc<[Material]>>>()
+    };
+    of_record(record.materials.iter().map(list).collect())
+}
+
+/// So many looks at a material are more than any honest file asks for.
+const MOST_LOOKS: usize = 1 << 28;
+
+fn objects(records: &[ObjectRecord], meshes: &[Built], looks: &Looks) -> Checked<Vec<Object>> {
+    let mut objects = Vec::new();
+    let room = objects.try_reserve_exact(records.len());
+    room.map_err(|_| memory::no_room_for("the file's objects"))?;
+    let mut looked: usize = 0;
+    for record in records {
+        let mut object = of_record(shape(&record.shape, meshes).map(Object::new))?;
+        object = object.named(escape_controls(&record.name));
+        if let Some(columns) = record.transform {
+            object = object.placed(of_record(transform(columns))?);
+        }
+        if let Some(number) = record.materials {
+            let list = looks.get(number);
+            let list = of_record(list.ok_or_else(|| missing("a list of materials", number)))?;
+            // Each of a list is asked whether it is cut out.
+            looked = looked.saturating_add(list.len());
+            if looked > MOST_LOOKS {
+                return Err(Fault::file("the record: objects with too many materials"));
+            }
+            object = object.with_materials(Arc::clone(list));
+        }
+        objects.push(object);
+    }
+    Ok(objects)
+}
+
+fn transform(columns: [Triple; 4]) -> Result<Transform> {
+    let [x, y, z, moved] = columns.map(DVec3::from);
+    let matrix = DMat3::from_cols(x, y, z);
+    Transform::new(DAffine3::from_mat3_translation(matrix, moved))
+}
+
+fn shape(record: &ShapeRecord, meshes: &[Built]) -> Result<Shape> {
+    Ok(match *record {
+        ShapeRecord::Mesh(number) => {
+            let mesh = meshes.get(number);
+            let (mesh, _) = mesh.ok_or_else(|| missing("a mesh", number))?;
+            Arc::clone(mesh).into()
+        }
+        ShapeRecord::Sphere(center, Number(radius)) => Sphere::new(center.into(), radius)?.into(),
+        ShapeRecord::Plane(point, normal) => Plane::new(point.into(), normal.into())?.into(),
+        ShapeRecord::Disc(center, normal, Number(radius)) => {
+            Disc::new(center.into(), normal.into(), radius)?.into()
+        }
+        ShapeRecord::Box(low, high) => Cuboid::new(low.into(), high.into())?.into(),
+        ShapeRecord::Cylinder(bottom, top, Number(radius)) => {
+            Cylinder::new(bottom.into(), top.into(), radius)?.into()
+        }
+        ShapeRecord::Cone(bottom, top, Number(bottom_radius), Number(top_radius)) => {
+            Cone::new(bottom.into(), top.into(), bottom_radius, top_radius)?.into()
+        }
+    })
+}

@@ -1,0 +1,128 @@
+//! The record: all of a scene that is no array. Sections are named by their numbers, other things by their places in the
+//! record's lists.
+
+use serde::{Deserialize, Serialize};
+
+use super::look::{LightRecord, MapRecord, MaterialRecord, ShadingRecord};
+use super::number::{Number, Triple};
+use super::sensor::CameraRecord;
+
+/// A section, by its number.
+pub(super) type Section = usize;
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Record {
+    pub(super) positions: Vec<PositionsRecord>,
+    pub(super) meshes: Vec<MeshRecord>,
+    pub(super) textures: Vec<TextureRecord>,
+    /// Textures on surfaces.
+    pub(super) maps: Vec<MapRecord>,
+    /// The lists of materials that objects have.
+    pub(super) materials: Vec<Vec<MaterialRecord>>,
+    pub(super) objects: Vec<ObjectRecord>,
+    /// A box around each object.
+    pub(super) boxes: Section,
+    /// Pairs of an object and a later one in its place.
+    pub(super) duplicates: Section,
+    /// The low and the high corner of the box around everything finite, if there is anything.
+    pub(super) bounds: Option<[Triple; 2]>,
+    pub(super) lights: Vec<LightRecord>,
+    pub(super) cameras: Vec<CameraRecord>,
+    pub(super) shading: ShadingRecord,
+    /// Whether the first camera is the one to look through.
+    pub(super) has_view: bool,
+    pub(super) up: Triple,
+    pub(super) up_is_guessed: bool,
+}
+
+/// Vertices, which meshes share.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum PositionsRecord {
+    Single(Section),
+    Double(Section),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshRecord {
+    pub(super) positions: usize,
+    pub(super) triangles: Section,
+    pub(super) bounds: [Triple; 2],
+    pub(super) faces: Option<Section>,
+    pub(super) slots: Option<Section>,
+    pub(super) normals: Option<AttributeRecord>,
+    pub(super) uvs: Option<AttributeRecord>,
+    pub(super) colors: Option<AttributeRecord>,
+    pub(super) alphas: Option<AttributeRecord>,
+    pub(super) properties: Vec<PropertyRecord>,
+    pub(super) tree: TreeRecord,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AttributeRecord {
+    pub(super) values: Section,
+    /// None where there is a value for each vertex.
+    pub(super) corners: Option<Section>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PropertyRecord {
+    pub(super) name: String,
+    pub(super) of_faces: bool,
+    pub(super) values: ValuesRecord,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ValuesRecord {
+    Single(Section),
+    Double(Section),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TreeRecord {
+    pub(super) nodes: Section,
+    pub(super) leaves: Section,
+    pub(super) order: Section,
+    pub(super) copies: Section,
+    pub(super) exact: bool,
+    pub(super) welded: bool,
+    pub(super) cost: Number,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TextureRecord {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) texels: Section,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectRecord {
+    pub(super) name: String,
+    pub(super) shape: ShapeRecord,
+    /// World from object: the images of x, y and z, and that of the origin.
+    pub(super) transform: Option<[Triple; 4]>,
+    /// The list of its materials, if it has any.
+    pub(super) materials: Option<usize>,
+}
+
+/// A shape, by the arguments of its constructor.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ShapeRecord {
+    Mesh(usize),
+    Sphere(Triple, Number),
+    Plane(Triple, Triple),
+    Disc(Triple, Triple, Number),
+    Box(Triple, Triple),
+    Cylinder(Triple, Triple, Number),
+    Cone(Triple, Triple, Number, Number),
+}

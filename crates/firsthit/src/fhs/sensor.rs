@@ -1,0 +1,208 @@
+//! Cameras, to the record and back.
+
+use serde::{Deserialize, Serialize};
+
+use super::number::{Number, Triple};
+use crate::camera::{
+    Aim, Description, Equirectangular, Lens, Opening, Projection, RayStart, StandardView, View,
+    Viewplane,
+};
+use crate::error::{Result, escape_controls};
+use crate::world::NamedCamera;
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraRecord {
+    name: String,
+    own_name: String,
+    position: Triple,
+    aim: Triple,
+    up: Triple,
+    rows: usize,
+    columns: usize,
+    /// None of a panorama.
+    viewplane: Option<ViewplaneRecord>,
+    has_size: bool,
+    description: Option<DescriptionRecord>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ViewplaneRecord {
+    focal_length: Number,
+    width: Number,
+    height: Number,
+    parallel: bool,
+    ray_start: String,
+}
+
+/// A camera as a scene file describes it, in part.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DescriptionRecord {
+    position: Option<Triple>,
+    aim: Option<AimRecord>,
+    up: Option<Triple>,
+    opening: Option<OpeningRecord>,
+    projection: Option<String>,
+    ray_start: Option<String>,
+    columns: Option<usize>,
+    rows: Option<usize>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum AimRecord {
+    Along(Triple),
+    At(Triple),
+    Centre,
+    View(String),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum OpeningRecord {
+    Fov(Number),
+    /// Its width, height and distance.
+    Viewplane(Number, Number, Option<Number>),
+}
+
+impl CameraRecord {
+    pub(super) fn new(camera: &NamedCamera) -> Self {
+        let View {
+            position,
+            aim,
+            up,
+            rows,
+            columns,
+            lens,
+        } = camera.view;
+        let viewplane = match lens {
+            Lens::Flat(viewplane) => Some(ViewplaneRecord {
+                focal_length: Number(viewplane.focal_length),
+                width: Number(viewplane.width),
+                height: Number(viewplane.height),
+                parallel: viewplane.parallel,
+                ray_start: viewplane.ray_start.name().to_owned(),
+            }),
+            Lens::Equirectangular(Equirectangular {}) => None,
+        };
+        Self {
+            name: camera.name.clone(),
+            own_name: camera.own_name.clone(),
+            position: position.into(),
+            aim: aim.into(),
+            up: up.into(),
+            rows,
+            columns,
+            viewplane,
+            has_size: camera.has_size,
+            description: camera.description.as_ref().map(DescriptionRecord::new),
+        }
+    }
+
+    /// The camera. Whether its numbers make sense is checked when it is used, as with those of other files.
+    pub(super) fn camera(&self) -> Result<NamedCamera> {
+        let lens = match &self.viewplane {
+            None => Lens::Equirectangular(Equirectangular {}),
+            Some(viewplane) => Lens::Flat(Viewplane {
+                focal_length: viewplane.focal_length.0,
+                width: viewplane.width.0,
+                height: viewplane.height.0,
+                parallel: viewplane.parallel,
+                ray_start: viewplane.ray_start.parse()?,
+            }),
+        };
+        let view = View {
+            position: self.position.into(),
+            aim: self.aim.into(),
+            up: self.up.into(),
+            rows: self.rows,
+            columns: self.columns,
+            lens,
+        };
+        let description = self.description.as_ref();
+        Ok(NamedCamera {
+            name: escape_controls(&self.name),
+            own_name: escape_controls(&self.own_name),
+            view,
+            has_size: self.has_size,
+            description: description
+                .map(DescriptionRecord::description)
+                .transpose()?,
+        })
+    }
+}
+
+impl DescriptionRecord {
+    fn new(described: &Description) -> Self {
+        let Description {
+            position,
+            aim,
+            up,
+            opening,
+            projection,
+            ray_start,
+            columns,
+            rows,
+        } = *described;
+        Self {
+            position: position.map(Triple::from),
+            aim: aim.map(|aim| match aim {
+                Aim::Along(direction) => AimRecord::Along(direction.into()),
+                Aim::At(point) => AimRecord::At(point.into()),
+                Aim::Centre => AimRecord::Centre,
+                Aim::View(view) => AimRecord::View(view.name().to_owned()),
+            }),
+            up: up.map(Triple::from),
+            opening: opening.map(|opening| match opening {
+                Opening::Fov(degrees) => OpeningRecord::Fov(Number(degrees)),
+                Opening::Viewplane {
+                    width,
+                    height,
+                    focal_length,
+                } => {
+                    let focal_length = focal_length.map(Number);
+                    OpeningRecord::Viewplane(Number(width), Number(height), focal_length)
+                }
+            }),
+            projection: projection.map(|projection| projection.name().to_owned()),
+            ray_start: ray_start.map(|start| start.name().to_owned()),
+            columns,
+            rows,
+        }
+    }
+
+    fn description(&self) -> Result<Description> {
+        let aim = self.aim.as_ref().map(|aim| {
+            Ok(match aim {
+                AimRecord::Along(direction) => Aim::Along((*direction).into()),
+                AimRecord::At(point) => Aim::At((*point).into()),
+                AimRecord::Centre => Aim::Centre,
+                AimRecord::View(name) => Aim::View(name.parse::<StandardView>()?),
+            })
+        });
+        let opening = self.opening.as_ref().map(|opening| match *opening {
+            OpeningRecord::Fov(Number(degrees)) => Opening::Fov(degrees),
+            OpeningRecord::Viewplane(Number(width), Number(height), focal_length) => {
+                Opening::Viewplane {
+                    width,
+                    height,
+                    focal_length: focal_length.map(|Number(length)| length),
+                }
+            }
+        });
+        let projection = self.projection.as_deref().map(str::parse::<Projection>);
+        let ray_start = self.ray_start.as_deref().map(str::parse::<RayStart>);
+        Ok(Description {
+            position: self.position.map(Into::into),
+            aim: aim.transpose()?,
+            up: self.up.map(Into::into),
+            opening,
+            projection: projection.transpose()?,
+            ray_start: ray_start.transpose()?,
+            columns: self.columns,
+            rows: self.rows,
+        })
+    }
+}

@@ -1,0 +1,356 @@
+//! Takes a scene apart, and writes its sections.
+
+use std::collections::HashMap;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::layout::{BEFORE_DIGEST, Element, Kind, MAGIC, Sum, UNIT, VERSION, sum_of_structure};
+use super::look::{LightRecord, MapRecord, MaterialRecord, ShadingRecord};
+use super::number::{Number, Triple};
+use super::record::{
+    AttributeRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord, Record, Section,
+    ShapeRecord, TextureRecord, TreeRecord, ValuesRecord,
+};
+use super::sensor::CameraRecord;
+use crate::accel::MeshTree;
+use crate::error::{Error, Result};
+use crate::geometry::{Bounds, DAffine3};
+use crate::image::write_whole;
+use crate::memory;
+use crate::scene::{Material, Object, Scene, Texture};
+use crate::shape::{Attribute, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape};
+use crate::watch::Watch;
+use crate::world::World;
+
+/// Writes a built scene to a `.fhs` file, which [`open`](super::open) maps: its trees are not built again.
+///
+/// The file appears whole or not at all, as all outputs do; a file of that name is replaced, and those who have it open keep
+/// theirs. `world` says what the scene itself does not: cameras, lights, the background, how to shade, which way is up. Its
+/// objects are not asked, since they are the scene's, and outputs stay behind. Control characters in names are escaped
+/// when the file is opened.
+///
+/// The same scene gives the same bytes on every machine.
+///
+/// # Errors
+///
+/// [`Error::Write`] when the system refuses, [`Error::Limit`] where memory is short, and [`Error::Interrupted`] when `watch`
+/// stops it.
+pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Result<()> {
+    if cfg!(target_endian = "big") {
+        let source = io::Error::other("built scenes are not written on big-endian machines");
+        let path = path.to_owned();
+        return Err(Error::Write { path, source });
+    }
+    let records = scene.objects().len().saturating_mul(RECORD_BYTES);
+    memory::check("the description of the scene's objects", records)?;
+    let boxes = scene.boxes().iter();
+    let boxes: Vec<[f64; 6]> = boxes
+        .map(|Bounds { low, high }| [low.x, low.y, low.z, high.x, high.y, high.z])
+        .collect();
+    let duplicates = scene.duplicates().pairs();
+    let mut parts = Parts::default();
+    let record = record(scene, world, (&boxes, &duplicates), &mut parts);
+    let record = serde_json::to_vec(&record).map_err(io::Error::from);
+    let record = record.map_err(|source| {
+        let path = path.to_owned();
+        Error::Write { path, source }
+    })?;
+    let sections = parts.sections(&record);
+    let Some(sums) = sums(&sections, watch) else {
+        return Err(Error::Interrupted);
+    };
+    let (header, table) = header_and_table(&sections, &sums, &record);
+    write_whole(path, watch, |out| {
+        out.write_all(&header)?;
+        out.write_all(&table)?;
+        for (_, bytes) in &sections {
+            out.write_all(bytes)?;
+            let padding = bytes.len().next_multiple_of(UNIT) - bytes.len();
+            out.write_all(&[0; UNIT].get(..padding).unwrap_or_default())?;
+        }
+        Ok(())
+    })
+}
+
+/// What describing an object takes, more or less.
+const RECORD_BYTES: usize = 2048;
+
+/// A section: what it is an array of, and its bytes.
+type Part<'a> = (Kind, &'a [u8]);
+
+/// So many bytes are hashed between two looks at the watch.
+const PIECE: usize = 1 << 24;
+
+/// The checksums of all sections, or `None` when `watch` stops it.
+fn sums(sections: &[Part<'_>], watch: &dyn Watch) -> Option<Vec<Sum>> {
+    let sum = |(_, bytes): &Part<'_>| {
+        let mut hasher = blake3::Hasher::new();
+        for piece in bytes.chunks(PIECE) {
+            if watch.is_stopped() {
+                return None;
+            }
+            hasher.update(piece);
+        }
+        Some(*hasher.finalize().as_bytes())
+    };
+    sections.par_iter().map(sum).collect()
+}
+
+fn header_and_table(sections: &[Part<'_>], sums: &[Sum], record: &[u8]) -> ([u8; UNIT], Vec<u8>) {
+    let mut table = Vec::with_capacity(UNIT * sections.len());
+    let mut next = UNIT * (sections.len() + 1);
+    for ((kind, bytes), sum) in sections.iter().zip(sums) {
+        table.extend((*kind as u32).to_le_bytes());
+        table.extend([0; 4]);
+        table.extend((next as u64).to_le_bytes());
+        table.extend((bytes.len() as u64).to_le_bytes());
+        table.extend([0; 8]);
+        table.extend(sum);
+        next += bytes.len().next_multiple_of(UNIT);
+    }
+    let mut header = Vec::with_capacity(UNIT);
+    header.extend(MAGIC);
+    header.extend(VERSION.to_le_bytes());
+    header.extend([0; 4]);
+    header.extend((next as u64).to_le_bytes());
+    header.extend((sections.len() as u64).to_le_bytes());
+    debug_assert_eq!(header.len(), BEFORE_DIGEST);
+    header.extend(sum_of_structure(&header, &table, record));
+    let mut whole = [0; UNIT];
+    whole.copy_from_slice(&header);
+    (whole, table)
+}
+
+/// Things that many share, each once, by where they are in memory.
+struct Shared<'a, T> {
+    numbers: HashMap<*const T, usize>,
+    list: Vec<&'a Arc<T>>,
+}
+
+impl<T> Default for Shared<'_, T> {
+    fn default() -> Self {
+        Self {
+            numbers: HashMap::new(),
+            list: Vec::new(),
+        }
+    }
+}
+
+impl<'a, T> Shared<'a, T> {
+    /// The number of a thing.
+    fn number(&mut self, thing: &'a Arc<T>) -> usize {
+        *self.numbers.entry(Arc::as_ptr(thing)).or_insert_with(|| {
+            self.list.push(thing);
+            self.list.len() - 1
+        })
+    }
+}
+
+/// The sections so far, but for the record, which is the first.
+#[derive(Default)]
+struct Parts<'a>(Vec<Part<'a>>);
+
+impl<'a> Parts<'a> {
+    fn add<T: Element>(&mut self, values: &'a [T]) -> Section {
+        self.0.push((T::KIND, bytemuck::cast_slice(values)));
+        self.0.len()
+    }
+
+    fn sections<'b>(self, record: &'b [u8]) -> Vec<Part<'b>>
+    where
+        'a: 'b,
+    {
+        let mut sections: Vec<Part<'b>> = vec![(Kind::Record, record)];
+        sections.extend(self.0);
+        sections
+    }
+
+    fn attribute<const N: usize>(
+        &mut self,
+        attribute: Option<&'a Attribute<N>>,
+    ) -> Option<AttributeRecord>
+    where
+        [f32; N]: Element,
+    {
+        attribute.map(|attribute| AttributeRecord {
+            values: self.add(&attribute.values),
+            corners: attribute.corners.as_ref().map(|corners| self.add(corners)),
+        })
+    }
+
+    fn property(&mut self, property: &'a Property) -> PropertyRecord {
+        PropertyRecord {
+            name: property.name.clone(),
+            of_faces: property.of == PropertyOf::Faces,
+            values: match &property.values {
+                PropertyValues::Single(values) => ValuesRecord::Single(self.add(values)),
+                PropertyValues::Double(values) => ValuesRecord::Double(self.add(values)),
+            },
+        }
+    }
+
+    fn mesh(&mut self, mesh: &'a Mesh, tree: &'a MeshTree, positions: usize) -> MeshRecord {
+        let (arrays, facts) = (tree.arrays(), tree.facts());
+        MeshRecord {
+            positions,
+            triangles: self.add(mesh.triangles()),
+            bounds: corners(mesh.bounds()),
+            faces: mesh.faces().map(|faces| self.add(faces)),
+            slots: mesh.slots().map(|slots| self.add(slots)),
+            normals: self.attribute(mesh.normals()),
+            uvs: self.attribute(mesh.uvs()),
+            colors: self.attribute(mesh.colors()),
+            alphas: self.attribute(mesh.alphas()),
+            properties: mesh
+                .properties()
+                .iter()
+                .map(|property| self.property(property))
+                .collect(),
+            tree: TreeRecord {
+                nodes: self.add(arrays.nodes),
+                leaves: self.add(arrays.leaves),
+                order: self.add(arrays.order),
+                copies: self.add(arrays.copies),
+                exact: facts.is_exact,
+                welded: facts.is_welded,
+                cost: Number(facts.cost),
+            },
+        }
+    }
+}
+
+fn corners(Bounds { low, high }: Bounds) -> [Triple; 2] {
+    [low, high].map(Triple::from)
+}
+
+/// What objects share.
+#[derive(Default)]
+struct Tables<'a> {
+    meshes: Shared<'a, Mesh>,
+    positions: Shared<'a, Positions>,
+    textures: Shared<'a, Texture>,
+    /// Lists of materials, by where they are in memory.
+    lists: HashMap<*const [Material], usize>,
+    materials: Vec<Vec<MaterialRecord>>,
+    maps: Vec<MapRecord>,
+}
+
+impl<'a> Tables<'a> {
+    fn object(&mut self, object: &'a Object) -> ObjectRecord {
+        let transform = object.transform();
+        ObjectRecord {
+            name: object.name().to_owned(),
+            shape: self.shape(object.shape()),
+            transform: (!transform.is_identity()).then(|| columns(transform.world_from_object())),
+            materials: (!object.materials().is_empty()).then(|| self.list(object)),
+        }
+    }
+
+    fn list(&mut self, object: &'a Object) -> usize {
+        let list = object.materials();
+        if let Some(&known) = self.lists.get(&Arc::as_ptr(list)) {
+            return known;
+        }
+        let records = list.iter().map(|material| {
+            MaterialRecord::new(material, |map| {
+                let texture = self.textures.number(&map.texture);
+                self.maps.push(MapRecord::new(map, texture));
+                self.maps.len() - 1
+            })
+        });
+        let records = records.collect();
+        self.materials.push(records);
+        self.lists
+            .insert(Arc::as_ptr(list), self.materials.len() - 1);
+        self.materials.len() - 1
+    }
+
+    fn shape(&mut self, shape: &'a Shape) -> ShapeRecord {
+        match shape {
+            Shape::Mesh(mesh) => ShapeRecord::Mesh(self.meshes.number(mesh)),
+            Shape::Sphere(sphere) => {
+                ShapeRecord::Sphere(sphere.center().into(), Number(sphere.radius()))
+            }
+            Shape::Plane(plane) => ShapeRecord::Plane(plane.point().into(), plane.facing().into()),
+            Shape::Disc(disc) => {
+                let (center, facing) = (disc.center().into(), disc.facing().into());
+                ShapeRecord::Disc(center, facing, Number(disc.radius()))
+            }
+            Shape::Box(cuboid) => ShapeRecord::Box(cuboid.low().into(), cuboid.high().into()),
+            Shape::Cylinder(cylinder) => {
+                let (bottom, top) = (cylinder.bottom().into(), cylinder.top().into());
+                ShapeRecord::Cylinder(bottom, top, Number(cylinder.radius()))
+            }
+            Shape::Cone(cone) => {
+                let radii = [cone.bottom_radius(), cone.top_radius()].map(Number);
+                let [bottom_radius, top_radius] = radii;
+                let (bottom, top) = (cone.bottom().into(), cone.top().into());
+                ShapeRecord::Cone(bottom, top, bottom_radius, top_radius)
+            }
+        }
+    }
+}
+
+fn columns(affine: &DAffine3) -> [Triple; 4] {
+    let (m, t) = (affine.matrix3, affine.translation);
+    [m.x_axis, m.y_axis, m.z_axis, t].map(Triple::from)
+}
+
+fn record<'a>(
+    scene: &'a Scene,
+    world: &World,
+    (boxes, duplicates): (&'a [[f64; 6]], &'a [[u32; 2]]),
+    parts: &mut Parts<'a>,
+) -> Record {
+    let mut tables = Tables::default();
+    let mut trees = Vec::new();
+    let mut objects = Vec::new();
+    for (k, object) in scene.objects().iter().enumerate() {
+        objects.push(tables.object(object));
+        // The first object with a mesh has its tree, as all have.
+        if tables.meshes.list.len() > trees.len() {
+            trees.extend(scene.shared_tree(k));
+        }
+    }
+    let meshes = tables.meshes.list.iter().zip(trees).map(|(mesh, tree)| {
+        let positions = tables.positions.number(mesh.positions());
+        parts.mesh(mesh, tree, positions)
+    });
+    let meshes = meshes.collect();
+    let positions = tables
+        .positions
+        .list
+        .iter()
+        .map(|positions| match &***positions {
+            Positions::Single(points) => PositionsRecord::Single(parts.add(points)),
+            Positions::Double(points) => PositionsRecord::Double(parts.add(points)),
+        });
+    let positions = positions.collect();
+    let textures = tables.textures.list.iter().map(|texture| TextureRecord {
+        columns: texture.columns(),
+        rows: texture.rows(),
+        texels: parts.add(texture.texels()),
+    });
+    let textures = textures.collect();
+    let bounds = scene.bounds();
+    Record {
+        positions,
+        meshes,
+        textures,
+        maps: tables.maps,
+        materials: tables.materials,
+        objects,
+        boxes: parts.add(boxes),
+        duplicates: parts.add(duplicates),
+        bounds: (!bounds.is_empty()).then(|| corners(bounds)),
+        lights: world.lights.iter().map(LightRecord::new).collect(),
+        cameras: world.cameras.iter().map(CameraRecord::new).collect(),
+        shading: ShadingRecord::new(world),
+        has_view: world.has_view,
+        up: world.up.into(),
+        up_is_guessed: world.up_is_guessed,
+    }
+}

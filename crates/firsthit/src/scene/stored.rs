@@ -1,0 +1,85 @@
+//! A built scene taken apart, and put together again from parts that nobody vouches for.
+
+use std::sync::{Arc, OnceLock};
+
+use super::duplicates::Duplicates;
+use super::top_tree::TopTree;
+use super::{Object, Scene};
+use crate::accel::{InstructionSet, MeshTree};
+use crate::error::{Error, Result};
+use crate::geometry::Bounds;
+
+/// All that a scene is made from but its lights.
+#[derive(Debug)]
+pub(crate) struct SceneParts {
+    pub(crate) objects: Vec<Object>,
+    /// For each object the tree of its mesh, if it has one.
+    pub(crate) trees: Vec<Option<Arc<MeshTree>>>,
+    /// A box around each object.
+    pub(crate) boxes: Vec<Bounds>,
+    /// Objects, each with a later one in its place.
+    pub(crate) duplicates: Vec<[u32; 2]>,
+    /// See [`Scene::bounds`].
+    pub(crate) bounds: Bounds,
+}
+
+impl Scene {
+    /// The tree of an object's mesh, as objects share it.
+    pub(crate) fn shared_tree(&self, object: usize) -> Option<&Arc<MeshTree>> {
+        self.trees.get(object)?.as_ref()
+    }
+
+    /// A box around each object.
+    pub(crate) fn boxes(&self) -> &[Bounds] {
+        self.top.boxes()
+    }
+
+    /// The scene of these parts, as [`Scene::new`] makes it of its objects. What takes long to find, the boxes and the
+    /// duplicates, is taken as it is: what is wrong there makes wrong answers and no more.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for what does not fit together, and the errors of [`Scene::new`].
+    pub(crate) fn from_parts(parts: SceneParts) -> Result<Self> {
+        let SceneParts {
+            objects,
+            trees,
+            boxes,
+            duplicates,
+            bounds,
+        } = parts;
+        InstructionSet::current()?;
+        let count = objects.len();
+        let refuse = |expected, got: String| Err(Error::argument("objects", expected, got));
+        if i32::try_from(count).is_err() || trees.len() != count || boxes.len() != count {
+            let got = format!("{count} objects with {} boxes", boxes.len());
+            return refuse("as many as their boxes", got);
+        }
+        let is_nothing = |object: &Object| object.mesh().is_some() && object.triangles() == 0;
+        let mut boxed = objects.iter().zip(&boxes);
+        if let Some((object, _)) =
+            boxed.find(|(object, around)| around.is_empty() != is_nothing(object))
+        {
+            return refuse("in boxes, unless they are empty", format!("{object:?}"));
+        }
+        let Some(duplicates) = Duplicates::from_pairs(count, &duplicates) else {
+            return refuse(
+                "each a duplicate of one earlier object at most",
+                "others".into(),
+            );
+        };
+        let top = TopTree::with_duplicates(&objects, boxes, duplicates);
+        Ok(Self {
+            objects,
+            trees,
+            top,
+            bounds: OnceLock::from(bounds),
+            lights: Vec::new(),
+            has_own_lights: true,
+            up: None,
+            fingerprint: OnceLock::new(),
+            #[cfg(feature = "frame")]
+            digests: Arc::default(),
+        })
+    }
+}
