@@ -30,6 +30,7 @@ TARGETS = {
     "gzip": {"stl"},
     "gltf": {"gltf", "glb"},
     "scene_file": {"toml"},
+    "fhs": {"fhs"},
     "output": {"exr", "png", "npz", "npy"},
 }
 
@@ -44,6 +45,18 @@ def with_library(path: Path, content: bytes) -> bytes:
     return b"".join(
         [content[:start], b"mtllib a.mtl", content[end:], b"\n#mtl\n", library.read_bytes()]
     )
+
+
+def built(folder: Path) -> None:
+    """Build small files of several formats, if the program is built."""
+    if not PROGRAM.is_file():
+        print("fhs: no target/release/firsthit to make seeds with")
+        return
+    for folder_of in FOLDERS[:2]:
+        for path in folder_of.rglob("*"):
+            if path.suffix in {".glb", ".obj", ".ply", ".stl", ".toml"}:
+                output = folder / f"{path.name}.fhs"
+                subprocess.run([PROGRAM, "build", path, "-q", "-o", output], check=False)
 
 
 def outputs(folder: Path) -> None:
@@ -66,6 +79,7 @@ def main() -> None:
     """Write the seeds of all targets, or of those that are named."""
     with tempfile.TemporaryDirectory() as made:
         outputs(Path(made))
+        built(Path(made))
         seed([*FOLDERS, Path(made)])
 
 

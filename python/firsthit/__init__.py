@@ -22,7 +22,7 @@ from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
 from ._lights import DirectionalLight, PointLight, Sky, SpotLight
-from ._load import load
+from ._load import load, open  # noqa: A004 - fh.open
 from ._material import Material, Texture
 from ._object import Object
 from ._render import render
@@ -62,6 +62,7 @@ __all__ = [
     "Texture",
     "info",
     "load",
+    "open",
     "read_metadata",
     "render",
 ]

@@ -25,12 +25,14 @@ __all__ = [
     "metadata",
     "named_color",
     "occluded",
+    "open",
     "origin",
     "png",
     "read",
     "render",
     "render_work",
     "run_program",
+    "save",
     "shoot",
     "shoot_all",
     "shoot_camera",
@@ -75,6 +77,7 @@ class _Model(TypedDict):
     up: _Vector
     up_is_guessed: bool
     warnings: list[str]
+    scene: Scene | None
 
 def version() -> str: ...
 def instruction_set() -> str: ...
@@ -171,6 +174,17 @@ def srgb_levels() -> list[float]: ...
 def named_color(text: str, others: Sequence[str]) -> tuple[list[float] | None, str | None]: ...
 def meant_as_levels(color: Sequence[float]) -> str | None: ...
 def load(path: Path, strict: bool, max_memory: int, max_texture: int) -> _Model: ...
+def open(path: Path, verify: bool) -> _Model: ...
+def save(
+    path: Path,
+    scene: Scene,
+    cameras: Sequence[tuple[str, Camera, bool]],
+    background: Sequence[_Vector] | None,
+    shading: tuple[str, _Vector | None, bool, int] | None,
+    has_view: bool,
+    up: _Vector,
+    up_is_guessed: bool,
+) -> None: ...
 def shoot(
     scene: Scene,
     rays: _Rays,

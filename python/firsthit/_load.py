@@ -30,7 +30,7 @@ def load(
     max_memory: int = 8 << 30,
     max_texture: int = 16384,
 ) -> Scene:
-    """Read a 3D file: a mesh, or a scene file (TOML).
+    """Read a 3D file: a mesh, a scene file (TOML), or a built scene (.fhs, see `open`).
 
     Parameters
     ----------
@@ -73,6 +73,59 @@ def load(
     model = _firsthit.load(Path(path), flag("strict", strict), *limits)
     for doubt in model["warnings"]:
         warnings.warn(doubt, FirsthitWarning, stacklevel=2)
+    return _scene_of(model)
+
+
+def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noqa: A001 - fh.open
+    """Open a scene that `Scene.save`, or ``firsthit build``, wrote to a ``.fhs`` file.
+
+    The file is mapped into memory as it is, with its trees: nothing is read or built, and processes
+    that open the same file share its memory. What is indexed is checked, so that no file does
+    harm. The answers are those of the scene that was saved, to the last bit.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    verify : bool
+        Whether to compare all of the file with its checksums, which takes longer. Without it only
+        the structure is compared; wrong coordinates in a damaged file make wrong answers.
+
+    Returns
+    -------
+    Scene
+        The scene. The file must not be changed in place while the scene is in use: the system ends
+        a process that reads what was cut off. `Scene.save` never does that, since it replaces a
+        file.
+
+    Raises
+    ------
+    FileReadError
+        If the system refuses to read it; also an `OSError`.
+    FileFormatError
+        For a file of another kind or version, one that is not whole, and one that does not fit
+        together; also a `ValueError`. Both are `FileError`, with path and place.
+    TypeError
+        For ``verify`` that is not ``True`` or ``False``.
+    MemoryError
+        If memory is short.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> import tempfile
+    >>> scene = fh.Scene()
+    >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     scene.save(f"{folder}/ball.fhs")
+    ...     opened = fh.open(f"{folder}/ball.fhs")
+    >>> float(opened.shoot((0, 0, 9), (0, 0, -1)).t)
+    8.0
+    """
+    return _scene_of(_firsthit.open(Path(path), flag("verify", verify)))
+
+
+def _scene_of(model: _firsthit._Model) -> Scene:
     scene = Scene()
     scene.up = model["up"]
     scene._up_is_guessed = model["up_is_guessed"]
@@ -97,6 +150,8 @@ def load(
             scene.background = Sky(*background) if len(background) == 3 else background[0]
     if model["shading"] is not None:
         scene.shading = Shading(*model["shading"])
+    if model["scene"] is not None:
+        scene._take_built(model["scene"])
     return scene
 
 

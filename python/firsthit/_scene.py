@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
-from . import _foreign
+from . import _firsthit, _foreign
 from ._arrays import color_of, index, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
-from ._lights import TRANSPARENT, Light, Sky, is_transparent
+from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._object import Object, affine, placed
 from ._queries import Queries
 from ._shading import Shading
@@ -20,6 +21,7 @@ from ._traceable import Built
 from ._turn import Turn
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Sequence
 
     import numpy.typing as npt
@@ -239,6 +241,50 @@ class Scene(Queries):
         if not isinstance(light, Light):
             raise TypeError(f"light must be a light, got {light!r}")
         self._lights.append(light)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save the scene, built, to a ``.fhs`` file, which `open` maps into memory as it is.
+
+        The file holds objects, meshes with their trees, materials, textures, lights, cameras, names
+        and what pictures are made with by default. It appears whole or not at all. A file of that
+        name is replaced; those who have it open keep theirs.
+
+        Parameters
+        ----------
+        path : path-like
+            The file; its name should end with ``.fhs``.
+
+        Raises
+        ------
+        FileWriteError
+            If the system refuses to write it; also an `OSError`.
+        ValueError
+            For a `shading` with more than 65,536 samples.
+        MemoryError
+            If memory is short.
+
+        Examples
+        --------
+        See `open`.
+        """
+        built, shading, background = self._ready(), self._shading, self._background
+        _firsthit.save(
+            Path(path),
+            built.native,
+            [(made.name, made.camera._native, made.has_size) for made in self._cameras],
+            None if background is None else background_native(background),
+            None
+            if shading == Shading()
+            else (shading.shade, shading.ambient, shading.shadows, shading.samples),
+            self._has_view,
+            self._up,
+            self._up_is_guessed,
+        )
+
+    def _take_built(self, native: _firsthit.Scene) -> None:
+        """Take what is built from the objects and lights there are, lest it be built again."""
+        built = Built(self._objects[:], self._lights[:], native)
+        self._last = _Last(built, self._moves, 0)
 
     @property
     def objects(self) -> tuple[Object, ...]:

@@ -71,11 +71,8 @@ pub(crate) fn render<'py>(
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
     let kinds = kinds(py, &channels)?;
     let ShadingIn(name, background, ambient, shadows) = shading;
-    let mut shader = Shader::named(&name).map_err(|error| raise(py, &error))?;
-    if let Shader::Lambert(lambert) = &mut shader {
-        let ambient = ambient.map_or(lambert.ambient, Color::from);
-        *lambert = Lambert { ambient, shadows };
-    }
+    let shader = shader_in(&name, ambient, shadows);
+    let mut shader = shader.map_err(|error| raise(py, &error))?;
     // Kept by the scene, of which the next picture may be.
     run(py, threads, |_| Ok(scene.0.fingerprint().len()))?;
     let scene = if scene.0.lights().is_empty() {
@@ -86,16 +83,7 @@ pub(crate) fn render<'py>(
     } else {
         scene.0.clone()
     };
-    let background = match background.as_deref() {
-        None => BACKGROUND,
-        Some(&[horizon, zenith, up]) => Background::Gradient {
-            horizon: Color::from(horizon),
-            zenith: Color::from(zenith),
-            up: up.into(),
-        },
-        Some([]) => Background::Transparent,
-        Some(&[color, ..]) => Background::Uniform(color.into()),
-    };
+    let background = background.as_deref().map_or(BACKGROUND, background_in);
     let shade = Shading {
         background,
         ..shader.on(&scene)
@@ -115,6 +103,33 @@ pub(crate) fn render<'py>(
     let channels = frame.into_channels().into_iter();
     let arrays = channels.map(|channel| array(py, channel.data)).collect();
     Ok((arrays, origin))
+}
+
+/// A shader by its name, and the ambient light, if not the usual one, and the shadows of Lambert's.
+pub(crate) fn shader_in(
+    name: &str,
+    ambient: Option<[f64; 3]>,
+    shadows: bool,
+) -> firsthit::Result<Shader> {
+    let mut shader = Shader::named(name)?;
+    if let Shader::Lambert(lambert) = &mut shader {
+        let ambient = ambient.map_or(lambert.ambient, Color::from);
+        *lambert = Lambert { ambient, shadows };
+    }
+    Ok(shader)
+}
+
+/// A background: nothing if transparent; a colour; or horizon, zenith and up.
+pub(crate) fn background_in(vectors: &[[f64; 3]]) -> Background {
+    match *vectors {
+        [horizon, zenith, up] => Background::Gradient {
+            horizon: Color::from(horizon),
+            zenith: Color::from(zenith),
+            up: up.into(),
+        },
+        [] => Background::Transparent,
+        [color, ..] => Background::Uniform(color.into()),
+    }
 }
 
 /// The data of a channel as a flat array, not copied.

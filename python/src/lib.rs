@@ -29,7 +29,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::frame::{defaults, metadata, origin, png, read, render, render_work, write};
     #[pymodule_export]
-    use crate::load::load;
+    use crate::load::{load, open, save};
     #[pymodule_export]
     use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
     #[pymodule_export]

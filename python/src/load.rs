@@ -3,15 +3,19 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use firsthit::load::LoadSettings;
+use firsthit::fhs;
+use firsthit::load::{LoadSettings, Loaded};
 use firsthit::render::SAMPLES;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Background, DAffine3, Light, Object, Shader, Shape};
 use pyo3::prelude::*;
 
-use crate::camera::{ViewOut, view_out};
+use crate::camera::{Camera, ViewOut, view_out};
+use crate::errors::raise;
+use crate::frame::{background_in, shader_in};
 use crate::material::{MaterialOut, Texels, material_out};
 use crate::run::run;
+use crate::scene::Scene;
 use crate::shape::Mesh;
 
 /// A shape: the number of a mesh, or a kind and its numbers in the order of Python's arguments.
@@ -54,6 +58,8 @@ pub(crate) struct ModelOut {
     up: [f64; 3],
     up_is_guessed: bool,
     warnings: Vec<String>,
+    /// Where the file holds it built.
+    scene: Option<Scene>,
 }
 
 /// Reads a file.
@@ -69,12 +75,93 @@ pub(crate) fn load(
         strict,
         max_memory,
         max_texture,
+        verify: false,
     };
-    let model = run(py, 0, |_| firsthit::load::load(&path, &settings))?;
-    Ok(taken_apart(&model.world, model.warnings))
+    let load = || firsthit::load::load(&path, &settings);
+    run(py, 0, |_| load().and_then(with_lit_scene)).map(taken_apart)
 }
 
-fn taken_apart(model: &World, warnings: Vec<String>) -> ModelOut {
+/// Opens a built scene.
+#[pyfunction]
+pub(crate) fn open(py: Python<'_>, path: PathBuf, verify: bool) -> PyResult<ModelOut> {
+    let open = || fhs::open(&path, verify);
+    run(py, 0, |_| open().and_then(with_lit_scene)).map(taken_apart)
+}
+
+/// Makes the scene of a file that holds one built that of all its objects and lights.
+fn with_lit_scene(mut loaded: Loaded) -> firsthit::Result<Loaded> {
+    if let Some(built) = &loaded.scene {
+        let scene = built.with_objects(loaded.world.objects.clone())?;
+        loaded.scene = Some(scene.with_lights(loaded.world.lights.clone()));
+    }
+    Ok(loaded)
+}
+
+/// Saves a built scene with the cameras, the background (see `background_in`) and the shading of a scene in Python, whether the
+/// first camera is the one to look through, which way is up, and whether that is guessed.
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a scene's parts, sent by the Python half alone"
+)]
+pub(crate) fn save(
+    py: Python<'_>,
+    path: PathBuf,
+    scene: &Scene,
+    cameras: Vec<CameraIn<'_>>,
+    background: Option<Vec<[f64; 3]>>,
+    shading: Option<ShadingIn>,
+    has_view: bool,
+    up: [f64; 3],
+    up_is_guessed: bool,
+) -> PyResult<()> {
+    let shader = |shading: &ShadingIn| {
+        let ShadingIn(name, ambient, shadows, _) = shading;
+        shader_in(name, *ambient, *shadows).map_err(|error| raise(py, &error))
+    };
+    let world = World {
+        cameras: cameras.iter().map(CameraIn::named).collect(),
+        lights: scene.0.lights().to_vec(),
+        has_view,
+        background: background.as_deref().map(background_in),
+        shader: shading.as_ref().map(shader).transpose()?,
+        samples: shading.map(|ShadingIn(.., samples)| samples),
+        up: up.into(),
+        up_is_guessed,
+        ..World::default()
+    };
+    run(py, 0, |stop| fhs::save(&path, &scene.0, &world, stop))
+}
+
+/// Name, camera, whether rows, columns and width are the file's own.
+#[derive(FromPyObject)]
+struct CameraIn<'py>(String, PyRef<'py, Camera>, bool);
+
+impl CameraIn<'_> {
+    fn named(&self) -> NamedCamera {
+        let Self(name, camera, has_size) = self;
+        NamedCamera {
+            name: name.clone(),
+            own_name: String::new(),
+            view: *camera.0.view(),
+            has_size: *has_size,
+            description: None,
+        }
+    }
+}
+
+/// The shader's name, Lambert's ambient light if not the usual one, its shadows, samples.
+#[derive(FromPyObject)]
+struct ShadingIn(String, Option<[f64; 3]>, bool, u32);
+
+fn taken_apart(loaded: Loaded) -> ModelOut {
+    let Loaded {
+        world,
+        warnings,
+        scene: scene.map(Scene),
+        ..
+    } = loaded;
+    let model = &world;
     let (mut meshes, mut textures) = (Shared::default(), Shared::default());
     let mut object_out = |object: &Object| {
         let materials = object.materials().iter();
@@ -99,6 +186,7 @@ fn taken_apart(model: &World, warnings: Vec<String>) -> ModelOut {
         up: model.up.to_array(),
         up_is_guessed: model.up_is_guessed,
         warnings,
+        scene,
     }
 }
 

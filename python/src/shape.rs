@@ -154,8 +154,8 @@ impl PropertyIn<'_> {
                 PropertyOf::Faces
             },
             values: match values {
-                ValuesIn::Single(values) => PropertyValues::Single(values.as_array().to_vec()),
-                ValuesIn::Double(values) => PropertyValues::Double(values.as_array().to_vec()),
+                ValuesIn::Single(values) => PropertyValues::Single(values.as_array().to_vec().into()),
+                ValuesIn::Double(values) => PropertyValues::Double(values.as_array().to_vec().into()),
             },
         }
     }
@@ -173,6 +173,7 @@ fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<At
             .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
             .collect()
     });
+    let values = values.into();
     Ok(Attribute { values, corners })
 }
 

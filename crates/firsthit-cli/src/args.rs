@@ -25,6 +25,8 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Shoot rays of your own at a 3D file.
     Shoot(ShootArgs),
+    /// Build the trees of a 3D file, and save it all as a .fhs file, which opens in milliseconds.
+    Build(BuildArgs),
     /// Show what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
     /// Compare two outputs, channel by channel.
@@ -45,7 +47,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -213,7 +215,7 @@ pub(crate) struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::SHOOT_EXAMPLES)]
 pub(crate) struct ShootArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The rays, or only their origins: .npy, .npz or .csv, or - for standard input. From CSV on standard input to CSV on
     /// standard output, lines are answered as they arrive
@@ -256,6 +258,20 @@ pub(crate) struct ShootArgs {
     pub(crate) run: RunArgs,
 }
 
+#[derive(Debug, Args)]
+#[command(after_help = help::BUILD_EXAMPLES)]
+pub(crate) struct BuildArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    /// Where to write: a name that ends in .fhs [default: the file's name with .fhs]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum StreamFormat {
     Csv,
@@ -266,7 +282,8 @@ pub(crate) enum StreamFormat {
 #[derive(Debug, Args)]
 #[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, or a point cloud that is .ply
+    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, or a point cloud that is .ply. Of a .fhs file
+    /// all checksums are compared
     pub(crate) file: PathBuf,
     /// Print JSON. Of a 3D file: triangles, vertices, bounds as [[low], [high]] (null if nothing is there), objects, up,
     /// cameras, lights, materials, textures, counts of these, warnings. Of an output: format, arrays, counts, metadata

@@ -13,11 +13,12 @@ Examples:
       -o color.png -o all.npz --channels color,t,z,object,normal
   firsthit render scene.toml            the outputs that a scene file asks for
   firsthit shoot part.stl rays.npy -o hits.npz
+  firsthit build city.glb               city.fhs, which opens in milliseconds
   firsthit info part.stl --json         what is in the file
   firsthit info all.npz                 its channels, camera and scene
   firsthit diff all.npz again.exr       whether two outputs are the same
 
-With --json, render, shoot, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -57,6 +58,16 @@ with six numbers in a line. Directions may have any length; t is in units of the
 A program can keep shoot running behind a pipe: it sends a line and reads the answer before it sends the next line. The header \
 comes with the first answer. Comments and blank lines have no answer. A wrong line ends the run with exit code 3, after the \
 answers to the lines before it. With --all or --nearest all lines are read first: a ray without hits has no line.";
+
+pub(crate) const BUILD_EXAMPLES: &str = "\
+Examples:
+  firsthit build city.glb
+  firsthit build city.glb -o built/city.fhs
+  firsthit render built/city.fhs
+
+A .fhs file is mapped into memory as it is, with its trees: opening it takes milliseconds, and programs that have it open at \
+the same time share its memory. Rays meet the same things to the bit. It holds objects, materials, textures, cameras, lights and \
+names, but not the outputs that a scene file asks for. Do not change it in place while it is open; build replaces it.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

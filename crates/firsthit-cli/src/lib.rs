@@ -76,6 +76,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Render(args) => commands::render::run(&args, &interrupted),
         Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
+        Command::Build(args) => commands::build::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Diff(args) => commands::diff::run(&args),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),

@@ -27,17 +27,32 @@ pub(crate) fn read(
     args: &LoadArgs,
     neutral: Option<Color>,
 ) -> Result<Loaded, Failure> {
-    let settings = LoadSettings {
+    read_with(path, &settings(args), neutral)
+}
+
+/// What the arguments say.
+pub(crate) fn settings(args: &LoadArgs) -> LoadSettings {
+    LoadSettings {
         strict: args.strict,
         max_memory: args.max_memory,
         max_texture: args.max_texture,
-    };
+        ..LoadSettings::default()
+    }
+}
+
+/// The same with settings that are no arguments.
+pub(crate) fn read_with(
+    path: &Path,
+    settings: &LoadSettings,
+    neutral: Option<Color>,
+) -> Result<Loaded, Failure> {
     let load::Loaded {
         world: mut model,
         mut warnings,
         files,
         vertices,
-    } = load(path, &settings)?;
+        scene: built,
+    } = load(path, settings)?;
     let is_neutral = |object: &Object| object.materials().is_empty();
     if neutral.is_some() && !model.objects.iter().any(is_neutral) {
         let why = "--color does nothing here: every object has a material of its own";
@@ -49,8 +64,12 @@ pub(crate) fn read(
             Some(color) if object.materials().is_empty() => object.colored(color),
             _ => object,
         });
+    let objects = objects.collect();
     Ok(Loaded {
-        scene: Scene::new(objects.collect())?,
+        scene: match built {
+            Some(built) => built.with_objects(objects)?,
+            None => Scene::new(objects)?,
+        },
         warnings,
         model,
         files,

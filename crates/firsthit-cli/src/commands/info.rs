@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use firsthit::error::escape_controls;
 use firsthit::image::{format_of, is_point_cloud};
+use firsthit::load::LoadSettings;
 use firsthit::shape::{Property, PropertyOf};
 use firsthit::shoot::Cpu;
 use firsthit::{Bounds, Object, Shape};
@@ -32,7 +33,11 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
 }
 
 fn of_model(args: &InfoArgs) -> Result<String, Failure> {
-    let loaded = with_all_cores(|| loading::read(&args.file, &args.load, None))?;
+    let settings = LoadSettings {
+        verify: true,
+        ..loading::settings(&args.load)
+    };
+    let loaded = with_all_cores(|| loading::read_with(&args.file, &settings, None))?;
     let most = most_listed(args);
     Ok(if args.json {
         json_text(&as_json(&loaded, most)) + "\n"

@@ -1,5 +1,6 @@
 //! A file per command.
 
+pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod diff;

@@ -2,7 +2,7 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 5] = ["render", "shoot", "info", "demo", "completions"];
+const COMMANDS: [&str; 6] = ["render", "shoot", "build", "info", "demo", "completions"];
 
 #[test]
 fn every_command_has_help_with_examples() {
@@ -196,6 +196,7 @@ fn the_version_can_be_asked_of_every_command() {
     for command in [
         "render",
         "shoot",
+        "build",
         "info",
         "diff",
         "demo",

@@ -11,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import hostile_built
 import hostile_gltf
 import hostile_outputs
 import hostile_scenes
@@ -218,6 +219,7 @@ def main() -> int:
     files += hostile_scenes.files(OUTSIDE)
     with tempfile.TemporaryDirectory() as name:
         files += hostile_outputs.files(given.program, Path(name))
+        files += hostile_built.files(given.program, Path(name))
     if given.quick:
         files = files[::8]
     if not shutil.which("strace"):

@@ -5,7 +5,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from program import PUBLIC, arguments, run
+from program import PUBLIC, ROOT, arguments, run
 
 #: So many threads find no room below the largest of these.
 MANY_THREADS = [mebibytes << 20 for mebibytes in (40, 72, 147, 210, 330, 570, 1100)]
@@ -16,7 +16,7 @@ LIMITS = [64 << 20, 96 << 20, 128 << 20, 192 << 20, 256 << 20, 512 << 20, 1 << 3
 def main() -> int:
     """Run it; return how many runs ended in disorder."""
     given = arguments(__doc__)
-    crowded = threads_that_find_no_room(given.program)
+    crowded = threads_that_find_no_room(given.program) + built_scenes(given.program)
     manifest = PUBLIC / "MANIFEST.tsv"
     if not manifest.is_file():
         print("skipped: ../shared is missing")
@@ -58,6 +58,27 @@ def threads_that_find_no_room(program: Path) -> int:
             if ended.disorder():
                 wrong += 1
                 print(f"64 threads with {limit >> 20} MiB: {ended.disorder()}")
+    return wrong
+
+
+def built_scenes(program: Path) -> int:
+    """Build, open and show a built scene under each limit; return how many runs ended in disorder."""
+    wrong = 0
+    model = ROOT / "testdata" / "torus_draco.glb"
+    for limit in LIMITS:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            for command in (
+                ["build", model, "-q", "-o", "a.fhs"],
+                ["info", "a.fhs"],
+                ["render", "a.fhs", "--size", "48x32", "-q", "-o", "out.png"],
+            ):
+                ended = run([program, *command], folder, memory=limit)
+                if ended.disorder():
+                    wrong += 1
+                    print(f"{command[0]} of a built scene with {limit >> 20} MiB: {ended.disorder()}")
+                if ended.code != 0:
+                    break
     return wrong
 
 

@@ -263,7 +263,7 @@ impl ShadingRecord {
     pub(super) fn samples(&self) -> Result<Option<u32>> {
         match self.samples {
             Some(samples) if !(1..=MOST_SAMPLES).contains(&samples) => {
-                Err(Error::argument("samples", "from 1 to 65536", samples))
+                Err(Error::argument("samples", "from 1 to 65536 in a file", samples))
             }
             samples => Ok(samples),
         }

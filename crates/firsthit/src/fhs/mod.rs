@@ -93,6 +93,20 @@ pub(crate) fn open_mapped(block: Arc<Block>, report: &mut Report) -> Result<Load
     FORMAT.loaded(world, report)
 }
 
+/// Opens the file at `path`, which the file of `whole` names. The first such scene is the one that `whole` has built.
+///
+/// # Errors
+///
+/// Those of [`open`].
+#[cfg(feature = "scene-file")]
+pub(crate) fn open_part(path: &Path, whole: &mut Report) -> Result<World> {
+    let mut report = whole.part(path);
+    let loaded = open_mapped(mapped_file(path)?.into(), &mut report)?;
+    whole.scene = whole.scene.take().or(loaded.scene);
+    whole.absorb(&report, loaded.warnings, loaded.files);
+    Ok(loaded.world)
+}
+
 /// From content in memory, which may be anywhere: a copy is where sections are aligned.
 fn read_copy(bytes: &[u8], report: &mut Report) -> Checked<World> {
     report

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::layout::{BEFORE_DIGEST, Element, Kind, MAGIC, Sum, UNIT, VERSION, sum_of_structure};
-use super::look::{LightRecord, MapRecord, MaterialRecord, ShadingRecord};
+use super::look::{LightRecord, MapRecord, MaterialRecord, ShadingRecord, direction_of};
 use super::number::{Number, Triple};
 use super::record::{
     AttributeRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord, Record, Section,
@@ -17,7 +17,7 @@ use super::record::{
 use super::sensor::CameraRecord;
 use crate::accel::MeshTree;
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DAffine3};
+use crate::geometry::{Bounds, DAffine3, DVec3};
 use crate::image::write_whole;
 use crate::memory;
 use crate::scene::{Material, Object, Scene, Texture};
@@ -36,7 +36,8 @@ use crate::world::World;
 ///
 /// # Errors
 ///
-/// [`Error::Write`] when the system refuses, [`Error::Limit`] where memory is short, and [`Error::Interrupted`] when `watch`
+/// [`Error::Argument`] for lights, a background or an up direction that point nowhere, and for samples that are not from 1 to
+/// 65,536; [`Error::Write`] when the system refuses, [`Error::Limit`] where memory is short, and [`Error::Interrupted`] when `watch`
 /// stops it.
 pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Result<()> {
     if cfg!(target_endian = "big") {
@@ -44,6 +45,7 @@ pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Res
         let path = path.to_owned();
         return Err(Error::Write { path, source });
     }
+    check(world)?;
     let records = scene.objects().len().saturating_mul(RECORD_BYTES);
     memory::check("the description of the scene's objects", records)?;
     let boxes = scene.boxes().iter();
@@ -73,6 +75,20 @@ pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Res
         }
         Ok(())
     })
+}
+
+/// Refuses what a reader would.
+fn check(world: &World) -> Result<()> {
+    for light in &world.lights {
+        LightRecord::new(light).light()?;
+    }
+    let shading = ShadingRecord::new(world);
+    shading.samples()?;
+    shading.background()?;
+    if world.up != DVec3::ZERO {
+        direction_of(world.up.into())?;
+    }
+    Ok(())
 }
 
 /// What describing an object takes, more or less.

@@ -19,7 +19,7 @@ pub struct Loaded {
     /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
     /// formats `None`: the objects' buffers tell.
     pub vertices: Option<u64>,
-    /// The scene of the world's objects, where the file holds it built, as `.fhs` files do.
+    /// What the file holds built, as `.fhs` files do, and scene files that name one: the scene of the world's objects, or of some.
     pub scene: Option<Scene>,
 }
 

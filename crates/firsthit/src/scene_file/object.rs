@@ -1,7 +1,7 @@
 //! Objects of a scene file: shapes, and the objects of other files.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::document::numbers;
@@ -10,12 +10,15 @@ use super::placement::{self, PLACED, PLACED_RULES};
 use super::section::Section;
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
 use crate::error::{Error, Result, escape_controls};
+#[cfg(feature = "fhs")]
+use crate::fhs;
 use crate::geometry::{DAffine3, Transform};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::OBJECT_BYTES;
 use crate::io::{Report, TOO_FAR, has_extension, load_part, read};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
+use crate::world::World;
 
 const SHAPE: &str = "shape";
 
@@ -212,6 +215,15 @@ fn name_of(section: &Section<'_, '_>, object: &Object, is_one_of_several: bool) 
 /// The extensions of scene files.
 pub(super) const EXTENSIONS: &[&str] = &["toml"];
 
+/// The world of a file that a scene file names.
+fn part(path: &Path, report: &mut Report) -> Result<World> {
+    #[cfg(feature = "fhs")]
+    if has_extension(path, fhs::FORMAT.extensions) {
+        return fhs::open_part(path, report);
+    }
+    load_part(path, report)
+}
+
 /// The files that were read: each once, however often it is named.
 #[derive(Debug, Default)]
 struct Files(HashMap<PathBuf, Arc<[Object]>>);
@@ -234,7 +246,7 @@ impl Files {
         if has_extension(&path, EXTENSIONS) {
             return Err(refused("a scene file holds no other scene files"));
         }
-        let world = match load_part(&path, report) {
+        let world = match part(&path, report) {
             Ok(world) => world,
             Err(error @ (Error::Parse { .. } | Error::Read { .. })) => {
                 return Err(refused(&error.to_string()));

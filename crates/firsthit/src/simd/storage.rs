@@ -46,7 +46,8 @@ impl<T> From<Vec<T>> for Storage<T> {
     fn from(vec: Vec<T>) -> Self {
         let mut vec = ManuallyDrop::new(vec);
         Self {
-            start: NonNull::from(vec.as_mut_slice()).cast(),
+            // Not from a slice, which would not be all of the vector's room.
+            start: NonNull::new(vec.as_mut_ptr()).expect("a vector's pointer is not null"),
             length: vec.len(),
             owner: Owner::Own {
                 capacity: vec.capacity(),

@@ -1,0 +1,52 @@
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use firsthit::error::escaped;
+use firsthit::fhs;
+use serde_json::json;
+
+use crate::args::BuildArgs;
+use crate::console::{counted, end_report, say, warn};
+use crate::failure::Failure;
+use crate::loading::{self, with_threads};
+use crate::output;
+use crate::progress::Interrupt;
+
+pub(crate) fn run(args: &BuildArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let started = Instant::now();
+    let named = PathBuf::from(args.file.file_name().unwrap_or_default()).with_extension("fhs");
+    let path = args.output.as_ref().unwrap_or(&named);
+    if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case("fhs")) {
+        let what = format!("--output: {} must end in .fhs", escaped(path));
+        return Err(Failure::usage(what));
+    }
+    output::check_other(path, &[], std::slice::from_ref(&args.file))?;
+    with_threads(&args.run, || {
+        let loaded = loading::read(&args.file, &args.load, None)?;
+        output::check_other(path, &[], &loaded.files)?;
+        warn(&loaded.warnings);
+        let scene = &loaded.scene;
+        fhs::save(path, scene, &loaded.model, &Interrupt(interrupted))?;
+        let bytes = path.metadata().map_or(0, |written| written.len());
+        let seconds = started.elapsed().as_secs_f64();
+        if args.run.json {
+            let done = json!({
+                "outputs": [{"file": path.to_string_lossy()}],
+                "bytes": bytes,
+                "objects": scene.objects().len(),
+                "triangles": scene.triangles(),
+                "seconds": seconds,
+            });
+            end_report(done).map_err(|error| Failure::stdout(&error))?;
+        } else if !args.run.quiet {
+            say(line(path, scene.triangles(), bytes, seconds));
+        }
+        Ok(())
+    })
+}
+
+fn line(path: &Path, triangles: u64, bytes: u64, seconds: f64) -> String {
+    let (triangles, bytes) = (counted(triangles, "triangle"), counted(bytes, "byte"));
+    format!("{}: {triangles}, {bytes}, {seconds:.2} s", escaped(path))
+}

@@ -1,0 +1,486 @@
+//! Built scenes in files: what is opened is what was saved, and no file does any harm.
+#![cfg(feature = "io")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use firsthit::camera::{Aim, Description, Equirectangular, Opening, StandardView};
+use firsthit::load::{LoadSettings, load, load_bytes};
+use firsthit::scene::{Filter, MapRole, Maps, Wrap};
+use firsthit::shade::Lambert;
+use firsthit::shape::{Attribute, Property, PropertyOf, PropertyValues};
+use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, trace_with};
+use firsthit::world::{NamedCamera, World};
+use firsthit::{
+    AlphaMode, Background, Camera, Color, Cone, Cuboid, Cylinder, DAffine3, DQuat, DVec3, Disc,
+    InstructionSet, Lens, Light, Material, Mesh, Object, Plane, Positions, Ray, Rays, Scene, Shader,
+    Sphere, Texture, TextureMap, Transform, View, fhs,
+};
+use support::{Numbers, bits, bumpy_sphere, mesh, rays};
+
+/// A folder that is removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let name = format!("firsthit-fhs-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        fs::remove_dir_all(&self.0).unwrap();
+    }
+}
+
+fn turned(angle: f64, by: DVec3) -> Transform {
+    let turn = DQuat::from_rotation_x(angle) * DQuat::from_rotation_y(0.5 * angle);
+    let scale = DVec3::new(1.0, -0.7, 1.3);
+    Transform::new(DAffine3::from_scale_rotation_translation(scale, turn, by)).unwrap()
+}
+
+/// A mesh with everything that a mesh can have.
+fn rich_mesh() -> Arc<Mesh> {
+    let (points, triangles) = bumpy_sphere(5, 3);
+    let count = triangles.len() as u32;
+    let vertices = points.len();
+    let mut numbers = Numbers::new(9);
+    let mut triple = || numbers.point().to_array().map(|x| x as f32);
+    let normals = (0..vertices).map(|_| triple()).collect();
+    let colors = Attribute {
+        values: (0..7).map(|_| triple().map(f32::abs)).collect(),
+        corners: Some((0..count).map(|k| [k % 7, k % 5, k % 3]).collect()),
+    };
+    let uvs = (0..vertices).map(|k| [k as f32 / 9.0, k as f32 / 7.0]);
+    let alphas = (0..vertices).map(|k| [(k % 4) as f32 / 3.0]).collect();
+    let of_vertices = Property {
+        name: "quality".into(),
+        of: PropertyOf::Vertices,
+        values: PropertyValues::Double((0..vertices).map(|k| 0.1 * k as f64).collect()),
+    };
+    let of_faces = Property {
+        name: "Größe".into(),
+        of: PropertyOf::Faces,
+        values: PropertyValues::Single((0..count).map(|k| k as f32).collect()),
+    };
+    let mesh = Arc::unwrap_or_clone(mesh(&points, triangles));
+    let mesh = mesh.with_normals(Attribute::per_vertex(normals)).unwrap();
+    let mesh = mesh.with_uvs(Attribute::per_vertex(uvs.collect())).unwrap();
+    let mesh = mesh.with_colors(colors).unwrap();
+    let mesh = mesh.with_alphas(Attribute::per_vertex(alphas)).unwrap();
+    let mesh = mesh.with_faces((0..count).map(|k| k / 2).collect()).unwrap();
+    let mesh = mesh.with_slots((0..count).map(|k| k % 3).collect()).unwrap();
+    Arc::new(mesh.with_properties(vec![of_vertices, of_faces]).unwrap())
+}
+
+fn materials() -> Vec<Material> {
+    let texels: Vec<[u8; 4]> = (0..12).map(|k| [20 * k, 255 - 9 * k, 3, 99 + k]).collect();
+    let texture = Arc::new(Texture::new(4, 3, texels).unwrap());
+    let map = TextureMap {
+        wrap: [Wrap::Mirror, Wrap::Clamp],
+        filter: Filter::Nearest,
+        picture_from_uv: [[0.1, 0.2, 1.0 / 3.0], [-0.0, 2.0, 5.0]],
+        ..TextureMap::new(Arc::clone(&texture), TextureMap::V_UP)
+    };
+    let both = Maps::default().with(MapRole::Color, map.clone());
+    let glass = Material {
+        maps: both.with(MapRole::Alpha, TextureMap::new(texture, TextureMap::V_DOWN)),
+        alpha: 0.9,
+        alpha_mode: AlphaMode::Mask { cutoff: 0.3 },
+        ..Material::default()
+    };
+    let plain = Material {
+        unlit: true,
+        double_sided: false,
+        alpha_mode: AlphaMode::Blend,
+        ..Material::colored(Color::new(0.1, f64::INFINITY, 2.0))
+    };
+    vec![glass, plain]
+}
+
+/// Every shape, one mesh at several places, one with cut-outs, empty ones, and duplicates.
+fn objects() -> Vec<Object> {
+    let rich = rich_mesh();
+    let (points, triangles) = bumpy_sphere(12, 4);
+    let far: Vec<DVec3> = points.iter().map(|p| *p * 0.3 + DVec3::splat(1e5 + 0.1)).collect();
+    let plain = mesh(&points, triangles.clone());
+    // A second mesh over the same vertices.
+    let half = triangles[..triangles.len() / 2].to_vec();
+    let half = Arc::new(Mesh::new(Arc::clone(plain.positions()), half).unwrap());
+    let twice = [triangles.clone(), triangles[..40].to_vec()].concat();
+    let nothing = Mesh::new(Positions::compact(Vec::new()), Vec::new()).unwrap();
+    let back = Transform::translation(DVec3::splat(-1e5)).unwrap();
+    let looks: Arc<[Material]> = materials().into();
+    let mut all = vec![
+        Object::new(Arc::clone(&rich)).named("rich").with_materials(Arc::clone(&looks)),
+        Object::new(rich).placed(turned(0.4, DVec3::X)).with_materials(looks),
+        Object::new(Arc::clone(&plain)).placed(turned(1.0, 2.0 * DVec3::Y)).named("turned"),
+        Object::new(Arc::clone(&plain)).placed(turned(1.0, 2.0 * DVec3::Y)).named("again"),
+        Object::new(half).colored(Color::new(0.2, 0.3, 0.4)),
+        Object::new(mesh(&far, triangles)).placed(back),
+        Object::new(mesh(&points, twice)).placed(turned(2.0, DVec3::Z)),
+        Object::new(Arc::new(nothing)).named("nothing"),
+        Object::new(Plane::new(DVec3::new(0.0, 0.0, -3.0), DVec3::new(0.1, 0.2, 3.0)).unwrap()),
+        Object::new(Sphere::new(DVec3::new(2.0, 0.1, 0.0), 0.7).unwrap()).named("ball"),
+        Object::new(Disc::new(DVec3::new(-2.0, 0.0, 0.0), DVec3::ONE, 0.8).unwrap()),
+        Object::new(Cuboid::new(DVec3::splat(1.5), DVec3::splat(2.5)).unwrap())
+            .placed(turned(0.2, DVec3::ZERO)),
+        Object::new(Cylinder::new(DVec3::NEG_Y, DVec3::new(0.1, -2.0, 1.0), 0.4).unwrap()),
+        Object::new(Cone::new(DVec3::Z, DVec3::new(0.0, 0.2, 3.0), 0.9, 0.2).unwrap()),
+    ];
+    let ball = all[9].clone();
+    all.push(ball.named("the same ball"));
+    all
+}
+
+fn world() -> World {
+    let view = View {
+        position: DVec3::new(3.0, -9.0, 1.0 / 3.0),
+        aim: DVec3::new(-0.3, 1.0, 0.0),
+        up: DVec3::Z,
+        ..View::default()
+    };
+    let camera = |name: &str, view: View, description: Option<Description>| NamedCamera {
+        name: name.into(),
+        own_name: "own".into(),
+        view,
+        has_size: description.is_none(),
+        description,
+    };
+    let described = Description {
+        aim: Some(Aim::View(StandardView::ALL[2])),
+        opening: Some(Opening::Viewplane {
+            width: 3.0,
+            height: 2.0,
+            focal_length: None,
+        }),
+        rows: Some(48),
+        ..Description::default()
+    };
+    let panorama = View {
+        lens: Lens::Equirectangular(Equirectangular {}),
+        ..view
+    };
+    let sun = Light::Directional {
+        direction: DVec3::new(0.5, 0.1, -1.0),
+        color: Color::splat(0.9),
+    };
+    let lamp = Light::Point {
+        position: DVec3::new(0.0, 1.0, 5.0),
+        intensity: Color::splat(9.0),
+    };
+    let spot = Light::Spot {
+        position: DVec3::new(0.0, 1.0, 5.0),
+        direction: DVec3::NEG_Z,
+        intensity: Color::splat(5.0),
+        inner_angle: 0.2,
+        outer_angle: 0.5,
+    };
+    World {
+        cameras: vec![
+            camera("first", view, None),
+            camera("second", panorama, Some(described)),
+        ],
+        lights: vec![sun, lamp, spot],
+        has_view: true,
+        background: Some(Background::Gradient {
+            horizon: Color::ONE,
+            zenith: Color::X,
+            up: DVec3::Y,
+        }),
+        shader: Some(Shader::Lambert(Lambert {
+            ambient: Color::splat(0.1),
+            shadows: false,
+        })),
+        samples: Some(7),
+        up: DVec3::new(0.0, 1.0, 0.25),
+        up_is_guessed: true,
+        ..World::default()
+    }
+}
+
+#[test]
+fn all_of_a_scene_is_in_its_file() {
+    let folder = Folder::new("all");
+    let path = folder.path("a.fhs");
+    let (scene, world) = (Scene::new(objects()).unwrap(), world());
+    fhs::save(&path, &scene, &world, &()).unwrap();
+    let settings = LoadSettings {
+        verify: true,
+        ..LoadSettings::default()
+    };
+    let loaded = load(&path, &settings).unwrap();
+    let opened = loaded.scene.as_ref().unwrap();
+    assert_eq!(loaded.world.objects, scene.objects());
+    assert_eq!(opened.objects(), scene.objects());
+    assert_eq!(opened.bounds(), scene.bounds());
+    assert_eq!(opened.tree_bytes(), scene.tree_bytes());
+    let positions = |scene: &Scene, k: usize| Arc::as_ptr(scene.objects()[k].mesh().unwrap().positions());
+    assert_eq!(positions(opened, 2), positions(opened, 4), "vertices are shared as before");
+    let (read, written) = (&loaded.world, &world);
+    assert_eq!(read.cameras, written.cameras);
+    assert_eq!(read.lights, written.lights);
+    assert_eq!((read.has_view, read.background), (true, written.background));
+    assert_eq!((&read.shader, read.samples), (&written.shader, Some(7)));
+    assert_eq!((read.up, read.up_is_guessed), (written.up, true));
+    let lit = scene.clone().with_lights(world.lights.clone());
+    let again = loaded.clone().into_scene().unwrap();
+    assert_eq!(again.fingerprint(), lit.fingerprint());
+    // Taken apart again, it is the same file: also from a copy in memory, and packed by nobody.
+    let second = folder.path("b.fhs");
+    fhs::save(&second, opened, read, &()).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    assert!(fs::read(&second).unwrap() == bytes);
+    let copied = load_bytes(Path::new("c.fhs"), &bytes, &settings).unwrap();
+    assert_eq!(copied.world.objects, scene.objects());
+}
+
+/// Whoever changed the objects after opening gets those.
+#[test]
+fn objects_of_an_opened_world_can_be_changed() {
+    let folder = Folder::new("changed");
+    let path = folder.path("a.fhs");
+    fhs::save(&path, &Scene::new(objects()).unwrap(), &world(), &()).unwrap();
+    let mut loaded = fhs::open(&path, false).unwrap();
+    loaded.world.objects.truncate(3);
+    loaded.world.objects[2] = loaded.world.objects[2].clone().placed(Transform::IDENTITY);
+    let expected = Scene::new(loaded.world.objects.clone()).unwrap();
+    let scene = loaded.into_scene().unwrap();
+    assert_eq!(scene.objects(), expected.objects());
+    assert_same(&scene, &expected, 300);
+}
+
+/// The answers of every query on every instruction set, for scattered rays, for coherent ones, and for a camera's.
+fn assert_same(one: &Scene, other: &Scene, count: usize) {
+    let points: Vec<DVec3> = (0..40).map(|k| 2.0 * Numbers::new(k).point()).collect();
+    let scattered = rays(&points, count, 7);
+    let bounds = other.bounds();
+    let eye = bounds.centre() + 2.0 * bounds.size();
+    let camera = Camera::look_at(eye, bounds.centre(), DVec3::Z, 40.0, 40, 48).unwrap();
+    for set in InstructionSet::ALL.iter().filter(|set| set.is_available()) {
+        let engine = Cpu::with(*set);
+        compare(&engine, one, other, &scattered[..]);
+        compare(&engine, one, other, &camera);
+    }
+    for ray in scattered.iter().step_by(16) {
+        let hits = [one, other].map(|scene| trace_with(&BruteForce, scene, &[*ray][..], First, &()));
+        let [first, second] = hits.map(|hits| bits(&hits.unwrap().get(0)));
+        assert_eq!(first, second);
+    }
+}
+
+fn compare<R: Rays + ?Sized>(engine: &Cpu, one: &Scene, other: &Scene, rays: &R) {
+    let first = [one, other].map(|scene| trace_with(engine, scene, rays, First, &()).unwrap());
+    let any = [one, other].map(|scene| trace_with(engine, scene, rays, Any, &()).unwrap());
+    let counts = [one, other].map(|scene| trace_with(engine, scene, rays, Count, &()).unwrap());
+    let all = [one, other].map(|scene| trace_with(engine, scene, rays, All::default(), &()).unwrap());
+    let mut met = 0;
+    for k in 0..rays.len() {
+        let [hit, expected] = first.each_ref().map(|hits| bits(&hits.get(k)));
+        assert_eq!(hit, expected, "{k}");
+        met += usize::from(!first[0].get(k).is_miss());
+    }
+    assert!(met > rays.len() / 8, "{met} of {}", rays.len());
+    assert_eq!(any[0], any[1]);
+    assert_eq!(counts[0], counts[1]);
+    assert_eq!(all[0].offsets, all[1].offsets);
+    for k in 0..all[0].offsets[rays.len()] {
+        let [hit, expected] = all.each_ref().map(|all| bits(&all.hits.get(k)));
+        assert_eq!(hit, expected, "crossing {k}");
+    }
+}
+
+#[test]
+fn a_mapped_scene_is_met_as_the_one_that_was_saved() {
+    let folder = Folder::new("met");
+    let path = folder.path("a.fhs");
+    let mut built = Scene::new(objects()).unwrap();
+    fhs::save(&path, &built, &World::default(), &()).unwrap();
+    let mut opened = fhs::open(&path, false).unwrap().into_scene().unwrap();
+    let mesh = opened.objects()[0].mesh().unwrap();
+    assert!(matches!(&**mesh.positions(), Positions::Double(points) if points.is_shared()));
+    // The file may be replaced and removed: what is open stays.
+    fs::remove_file(&path).unwrap();
+    assert_same(&opened, &built, 2000);
+    for (k, object) in [(2, 0), (4, 3), (6, 9), (1, 14)] {
+        let place = turned(0.3 * f64::from(k), DVec3::new(0.2, 0.1, -0.4));
+        built.move_object(object, place).unwrap();
+        opened.move_object(object, place).unwrap();
+        assert_same(&opened, &built, 300);
+    }
+    // What moved is saved where it is.
+    fhs::save(&path, &opened, &World::default(), &()).unwrap();
+    let again = fhs::open(&path, true).unwrap().into_scene().unwrap();
+    assert_eq!(again.bounds(), built.bounds());
+    assert_same(&again, &Scene::new(built.objects().to_vec()).unwrap(), 300);
+}
+
+/// A tree of a mapped mesh is fitted to other vertices as a built one is.
+#[test]
+fn a_mapped_tree_is_refitted() {
+    let folder = Folder::new("refitted");
+    let path = folder.path("a.fhs");
+    let (points, triangles) = bumpy_sphere(24, 12);
+    let built = Scene::new(vec![Object::new(mesh(&points, triangles.clone()))]).unwrap();
+    fhs::save(&path, &built, &World::default(), &()).unwrap();
+    let opened = fhs::open(&path, false).unwrap().into_scene().unwrap();
+    let moved: Vec<DVec3> = points.iter().map(|p| 1.01 * *p + DVec3::X).collect();
+    let moved = vec![Object::new(mesh(&moved, triangles))];
+    let [one, other] = [opened, built].map(|scene| scene.with_objects(moved.clone()).unwrap());
+    assert_eq!(one.tree_bytes(), other.tree_bytes());
+    assert_same(&one, &other, 500);
+}
+
+/// Reads a file that may be anything. If it is not refused, it can be shot at and looked at.
+fn attack(bytes: &[u8], verify: bool) -> Result<(), String> {
+    let settings = LoadSettings {
+        verify,
+        ..LoadSettings::default()
+    };
+    let loaded = load_bytes(Path::new("a.fhs"), bytes, &settings).map_err(|error| error.to_string())?;
+    let Ok(mut scene) = loaded.into_scene() else {
+        return Ok(());
+    };
+    let ray = Ray::new(DVec3::new(0.1, 0.2, 9.0), DVec3::NEG_Z);
+    for set in InstructionSet::ALL.iter().filter(|set| set.is_available()) {
+        let engine = Cpu::with(*set);
+        let hits = trace_with(&engine, &scene, &[ray; 3][..], First, &()).unwrap();
+        let hit = hits.get(0);
+        if let Some(surface) = scene.interaction(&ray, &hit) {
+            std::hint::black_box((surface.color(), surface.shading_normal(), surface.uv()));
+        }
+        trace_with(&engine, &scene, &[ray; 3][..], Count, &()).unwrap();
+    }
+    let camera = Camera::look_at(DVec3::new(5.0, 6.0, 7.0), DVec3::ZERO, DVec3::Z, 30.0, 16, 16);
+    trace_with(&Cpu::default(), &scene, &camera.unwrap(), First, &()).unwrap();
+    for object in 0..scene.objects().len() {
+        scene.move_object(object, turned(1.0, DVec3::ONE)).unwrap();
+    }
+    Ok(())
+}
+
+/// A small file with everything in it.
+fn small() -> Vec<u8> {
+    let folder = Folder::new("small");
+    let path = folder.path("a.fhs");
+    let (points, triangles) = bumpy_sphere(3, 3);
+    let plain = mesh(&points, triangles);
+    let looks: Arc<[Material]> = materials().into();
+    let uvs = Attribute::per_vertex(vec![[0.5, 0.5]; points.len()]);
+    let cut = Arc::unwrap_or_clone(Arc::clone(&plain)).with_uvs(uvs).unwrap();
+    let objects = vec![
+        Object::new(Arc::new(cut)).with_materials(looks),
+        Object::new(Arc::clone(&plain)).placed(turned(0.3, DVec3::X)),
+        Object::new(Arc::clone(&plain)).placed(turned(0.3, DVec3::X)),
+        Object::new(plain).named("plain"),
+        Object::new(Sphere::new(DVec3::ZERO, 2.0).unwrap()),
+        Object::new(Cuboid::new(DVec3::ZERO, DVec3::ONE).unwrap()),
+    ];
+    fhs::save(&path, &Scene::new(objects).unwrap(), &world(), &()).unwrap();
+    fs::read(path).unwrap()
+}
+
+#[test]
+fn a_truncated_file_is_refused_at_every_length() {
+    let bytes = small();
+    assert_eq!(attack(&bytes, true), Ok(()));
+    for length in 0..bytes.len() {
+        let why = attack(&bytes[..length], false).unwrap_err();
+        assert!(!why.contains('\n') && why.starts_with("a.fhs"), "{why}");
+    }
+    let longer = [&bytes[..], &[0; 64]].concat();
+    assert!(attack(&longer, false).unwrap_err().contains("truncated, or has grown"));
+}
+
+/// Of three ways to change a byte: the checksums find each, and without them nothing bad happens.
+#[test]
+fn a_changed_byte_is_found_and_does_no_harm() {
+    let bytes = small();
+    let mut numbers = Numbers::new(1);
+    let mut accepted = 0;
+    for at in 0..bytes.len() {
+        let flip = [0x01, 0x80, 0xff][numbers.below(3)];
+        let mut changed = bytes.clone();
+        changed[at] ^= flip;
+        let why = attack(&changed, true).unwrap_err();
+        assert!(!why.contains('\n'), "{why}");
+        accepted += usize::from(attack(&changed, false).is_ok());
+    }
+    // Coordinates are not checked.
+    assert!(accepted > bytes.len() / 4, "{accepted} of {}", bytes.len());
+}
+
+/// With the checksums of the header and the record made right again, so that the reader sees what is there.
+#[test]
+fn a_record_of_anything_does_no_harm() {
+    let bytes = small();
+    let start = u64::from_le_bytes(bytes[72..80].try_into().unwrap()) as usize;
+    let length = u64::from_le_bytes(bytes[80..88].try_into().unwrap()) as usize;
+    let sections = u64::from_le_bytes(bytes[24..32].try_into().unwrap()) as usize;
+    let mend = |changed: &mut [u8]| {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&changed[..32]);
+        hasher.update(&changed[64..64 * (sections + 1)]);
+        let length = u64::from_le_bytes(changed[80..88].try_into().unwrap()) as usize;
+        if let Some(record) = changed.get(start..start.saturating_add(length)) {
+            hasher.update(record);
+        }
+        let sum = *hasher.finalize().as_bytes();
+        changed[32..64].copy_from_slice(&sum);
+    };
+    let mut same = bytes.clone();
+    mend(&mut same);
+    assert!(same == bytes, "the checksum is as the format says");
+    let mut numbers = Numbers::new(2);
+    let (mut refused, mut tried) = (0, 0);
+    for at in (8..32).chain(64..start + length) {
+        let mut changed = bytes.clone();
+        let is_digit = changed[at].is_ascii_digit() && at >= start;
+        changed[at] = if is_digit {
+            b'0' + numbers.below(10) as u8
+        } else {
+            changed[at] ^ 1 << numbers.below(8)
+        };
+        mend(&mut changed);
+        tried += 1;
+        refused += usize::from(attack(&changed, false).is_err());
+    }
+    assert!(refused > tried / 4 && refused < tried, "{refused} of {tried}");
+}
+
+#[test]
+fn what_is_no_built_scene_is_refused_in_a_line() {
+    let folder = Folder::new("foreign");
+    let path = folder.path("a.fhs");
+    for (content, why) in [
+        (&b""[..], "does not begin as one"),
+        (b"solid a stl", "does not begin as one"),
+        (b"\x89fhs\r\n\x1a\n", "ends too early"),
+        (b"\x89fhs\n\x1a\n", "does not begin as one"),
+    ] {
+        fs::write(&path, content).unwrap();
+        let error = load(&path, &LoadSettings::default()).unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
+    }
+    let mut other = small();
+    other[8] = 2;
+    let error = attack(&other, false).unwrap_err();
+    assert!(error.contains("version 2, where this firsthit reads version 1"), "{error}");
+    assert!(fhs::open(&folder.path("missing.fhs"), false).is_err());
+    assert!(fhs::open(&folder.0, false).unwrap_err().to_string().ends_with("a folder, not a file"));
+}
