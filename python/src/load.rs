@@ -158,7 +158,7 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
     let Loaded {
         world,
         warnings,
-        scene: scene.map(Scene),
+        scene,
         ..
     } = loaded;
     let model = &world;
@@ -186,7 +186,7 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
         up: model.up.to_array(),
         up_is_guessed: model.up_is_guessed,
         warnings,
-        scene,
+        scene: scene.map(Scene),
     }
 }
 

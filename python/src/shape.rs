@@ -154,8 +154,12 @@ impl PropertyIn<'_> {
                 PropertyOf::Faces
             },
             values: match values {
-                ValuesIn::Single(values) => PropertyValues::Single(values.as_array().to_vec().into()),
-                ValuesIn::Double(values) => PropertyValues::Double(values.as_array().to_vec().into()),
+                ValuesIn::Single(values) => {
+                    PropertyValues::Single(values.as_array().to_vec().into())
+                }
+                ValuesIn::Double(values) => {
+                    PropertyValues::Double(values.as_array().to_vec().into())
+                }
             },
         }
     }

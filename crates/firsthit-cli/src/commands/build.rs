@@ -17,7 +17,10 @@ pub(crate) fn run(args: &BuildArgs, interrupted: &AtomicBool) -> Result<(), Fail
     let started = Instant::now();
     let named = PathBuf::from(args.file.file_name().unwrap_or_default()).with_extension("fhs");
     let path = args.output.as_ref().unwrap_or(&named);
-    if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case("fhs")) {
+    if !path
+        .extension()
+        .is_some_and(|own| own.eq_ignore_ascii_case("fhs"))
+    {
         let what = format!("--output: {} must end in .fhs", escaped(path));
         return Err(Failure::usage(what));
     }

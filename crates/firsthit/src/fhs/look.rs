@@ -262,9 +262,11 @@ impl ShadingRecord {
     /// The number of samples, which is one that pictures can have.
     pub(super) fn samples(&self) -> Result<Option<u32>> {
         match self.samples {
-            Some(samples) if !(1..=MOST_SAMPLES).contains(&samples) => {
-                Err(Error::argument("samples", "from 1 to 65536 in a file", samples))
-            }
+            Some(samples) if !(1..=MOST_SAMPLES).contains(&samples) => Err(Error::argument(
+                "samples",
+                "from 1 to 65536 in a file",
+                samples,
+            )),
             samples => Ok(samples),
         }
     }
