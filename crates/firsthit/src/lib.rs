@@ -112,6 +112,7 @@ mod sampling;
 pub mod scene;
 #[cfg(feature = "scene-file")]
 pub mod scene_file;
+pub mod section;
 #[cfg(feature = "frame")]
 pub mod sensor;
 pub mod shade;

@@ -8,6 +8,7 @@ mod color_names;
 mod digest;
 pub(crate) mod double;
 pub(crate) mod exact;
+pub(crate) mod exact_sum;
 mod grid;
 mod hit;
 mod ray;
