@@ -160,6 +160,8 @@ COMMANDS = {
     "info hills.obj --json": 0,
     "diff a.npz a.npz": 0,
     "diff a.npz b.npz": 1,
+    "section hills.obj --quiet": 0,
+    "lint hills.obj": 1,
     "": 2,
     "--nonsense": 2,
     "render hills.obj --size 0x0": 2,

@@ -27,6 +27,7 @@ from ._material import Material, Texture
 from ._object import Object
 from ._render import render
 from ._scene import Scene
+from ._section import Polyline, Section
 from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 
@@ -54,7 +55,9 @@ __all__ = [
     "Object",
     "Plane",
     "PointLight",
+    "Polyline",
     "Scene",
+    "Section",
     "Shading",
     "Sky",
     "Sphere",

@@ -15,6 +15,7 @@ from ._cameras import NamedCamera, find
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._object import Object, affine, placed
 from ._queries import Queries
+from ._section import Cuttable
 from ._shading import Shading
 from ._shapes import Shape
 from ._traceable import Built
@@ -43,7 +44,7 @@ class _Last(NamedTuple):
     known: int
 
 
-class Scene(Queries):
+class Scene(Queries, Cuttable):
     """Objects and lights. Any number of threads may use it at once.
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any

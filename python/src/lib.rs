@@ -14,6 +14,7 @@ mod load;
 mod material;
 mod run;
 mod scene;
+mod section;
 mod shape;
 mod shoot;
 
@@ -34,6 +35,8 @@ mod _firsthit {
     use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
     #[pymodule_export]
     use crate::scene::{Scene, check_transform};
+    #[pymodule_export]
+    use crate::section::Section;
     #[pymodule_export]
     use crate::shape::{Mesh, Shape};
     #[pymodule_export]

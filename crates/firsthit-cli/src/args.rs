@@ -31,6 +31,10 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Compare two outputs, channel by channel.
     Diff(DiffArgs),
+    /// Cut a 3D file by a plane: its curves as a drawing, for CAD, or as numbers.
+    Section(SectionArgs),
+    /// Find what may be wrong with a 3D file: holes, flipped faces, self-intersections and more.
+    Lint(LintArgs),
     /// Render the embedded example scene.
     Demo(DemoArgs),
     /// Print the JSON Schema of scene files, with which editors complete and check them.
@@ -320,6 +324,52 @@ pub(crate) struct DiffArgs {
     /// Print JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`, warnings
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::SECTION_EXAMPLES)]
+pub(crate) struct SectionArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    /// A point of the plane [default: the middle of the model]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub(crate) origin: Option<DVec3>,
+    /// The direction at right angles to the plane, of any length [default: the model's up]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub(crate) normal: Option<DVec3>,
+    /// Where to write: .svg (a drawing), .dxf (for CAD) or .json (all numbers); may be given several times [default: none,
+    /// only what the section comes to is printed]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::lint())]
+pub(crate) struct LintArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    /// Kinds of findings that are not looked for, with commas between; see below
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = values::lint_kind())]
+    pub(crate) ignore: Vec<String>,
+    /// Write all meshes to a PLY file whose faces are coloured by what is wrong with them
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// How many places of each kind are listed [default: 3, or 100 with --json]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub(crate) places: Option<u32>,
+    /// Print JSON: clean, checked (the kinds), findings (kind, count, of, note, places), warnings. A place has object, name,
+    /// primitive (null if it is about no triangle) and position (null if it is nowhere)
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// The number of threads; the result is the same for any [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
 }
 
 #[derive(Debug, Args)]

@@ -9,7 +9,8 @@ use firsthit::error::{escape_controls, escaped};
 
 use crate::console::{end_report_with_error, say, say_interrupted};
 
-const DIFFERENT: u8 = 1;
+/// The answer is no: outputs differ, or a file has findings.
+const NO: u8 = 1;
 pub(crate) const USAGE: u8 = 2;
 pub(crate) const BAD_INPUT: u8 = 3;
 pub(crate) const NOT_WRITTEN: u8 = 4;
@@ -76,7 +77,15 @@ impl Failure {
     /// What was compared differs: said already, on standard output.
     pub(crate) fn different() -> Self {
         Self {
-            code: DIFFERENT,
+            code: NO,
+            message: None,
+        }
+    }
+
+    /// Something was found: said already, on standard output.
+    pub(crate) fn found() -> Self {
+        Self {
+            code: NO,
             message: None,
         }
     }

@@ -17,10 +17,12 @@ Examples:
   firsthit info part.stl --json         what is in the file
   firsthit info all.npz                 its channels, camera and scene
   firsthit diff all.npz again.exr       whether two outputs are the same
+  firsthit section part.stl --normal 0,0,1 -o cut.svg
+  firsthit lint part.stl                whether it has holes, flipped faces, ...
 
-With --json, render, shoot, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, section, lint, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
-Exit codes: 0 done, 1 the outputs differ (diff), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
+Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
 
 const RENDER_EXAMPLES: &str = "\
@@ -84,6 +86,17 @@ Examples:
 Channels are compared by name. Numbers are compared in the lower precision of the two files; NaN equals NaN. \
 Exit codes: 0 equal within the tolerance, 1 different, 2 wrong usage, 3 a file that cannot be read.";
 
+pub(crate) const SECTION_EXAMPLES: &str = "\
+Examples:
+  firsthit section part.stl
+  firsthit section part.stl --origin 0,0,0.5 --normal 0,0,1 -o cut.svg
+  firsthit section part.stl --normal 1,0,0 -o cut.dxf -o cut.json
+  firsthit section part.stl --normal 1,1,0 --json
+
+The curves are closed where the meshes are. What lies exactly on the plane counts as on the side to which the normal points. \
+Drawings are in the plane's own coordinates; the JSON file has its axes u and v. Shapes that are not meshes are left out, with a \
+warning.";
+
 pub(crate) const DEMO_EXAMPLES: &str = "\
 Examples:
   firsthit demo
@@ -102,23 +115,48 @@ Examples:
   firsthit completions zsh > ~/.zfunc/_firsthit
   firsthit completions fish > ~/.config/fish/completions/firsthit.fish";
 
+const LINT_EXAMPLES: &str = "\
+Examples:
+  firsthit lint part.stl
+  firsthit lint part.stl -o marked.ply
+  firsthit lint part.stl --ignore units,unreferenced --json
+  firsthit lint part.stl > findings.txt || echo 'not clean'
+
+Exit codes: 0 nothing was found, 1 something was found, 2 wrong usage, 3 a file that cannot be read. Vertices in one place are one, \
+whether or not faces share them. Each mesh is looked at by itself.
+
+Kinds:";
+
 /// Where a line of the table of channels ends.
 const WIDTH: usize = 78;
 
-/// Examples, and what each channel is.
-pub(crate) fn render() -> String {
-    let mut text = format!("{RENDER_EXAMPLES}\n\nChannels:");
-    for kind in KINDS {
+/// A table of names and what each is.
+fn table<'a>(rows: impl Iterator<Item = (&'a str, &'a str)>, width: usize) -> String {
+    let mut text = String::new();
+    for (name, about) in rows {
         // Broken here, because clap would not indent what it breaks.
-        let mut line = format!("  {:<11} ", kind.name);
-        for word in kind.about.split(' ') {
+        let mut line = format!("  {name:<width$} ");
+        for word in about.split(' ') {
             if line.chars().count() + 1 + word.chars().count() > WIDTH {
                 let _ = write!(text, "\n{line}");
-                line = " ".repeat(14);
+                line = " ".repeat(width + 3);
             }
             line = line + " " + word;
         }
         let _ = write!(text, "\n{line}");
     }
+    text
+}
+
+/// Examples, and what each kind of finding is.
+pub(crate) fn lint() -> String {
+    let rows = firsthit::lint::KINDS.iter();
+    LINT_EXAMPLES.to_owned() + &table(rows.map(|kind| (kind.name, kind.about)), 17)
+}
+
+/// Examples, and what each channel is.
+pub(crate) fn render() -> String {
+    let rows = KINDS.iter().map(|kind| (kind.name, kind.about));
+    let text = format!("{RENDER_EXAMPLES}\n\nChannels:") + &table(rows, 11);
     text + "\n\nA PNG shows distances from yellow (near) to violet, and misses in black; with --png-scale it holds them in 16 bits."
 }

@@ -29,7 +29,7 @@ use args::{Cli, Command};
 use failure::Failure;
 
 /// Runs the program with its arguments, the first of which is its own name, and returns the exit code: 0
-/// done, 1 outputs that differ, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, 70 a bug of
+/// done, 1 outputs that differ or findings of lint, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, 70 a bug of
 /// ours, 130 interrupted.
 pub fn run<I, T>(args: I) -> u8
 where
@@ -79,6 +79,8 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Build(args) => commands::build::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Diff(args) => commands::diff::run(&args),
+        Command::Section(args) => commands::section::run(&args, &interrupted),
+        Command::Lint(args) => commands::lint::run(&args, &interrupted),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),
         Command::Schema => commands::schema::run(),
         Command::Completions { shell } => commands::completions::run(shell),

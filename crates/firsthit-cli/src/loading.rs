@@ -82,7 +82,15 @@ pub(crate) fn with_threads<T: Send>(
     args: &RunArgs,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
-    pool(args.threads.map(usize::from))?.install(work)
+    with_count(args.threads, work)
+}
+
+/// Runs `work` with that many threads, or with all cores.
+pub(crate) fn with_count<T: Send>(
+    threads: Option<u16>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    pool(threads.map(usize::from))?.install(work)
 }
 
 /// Runs `work` with all cores.

@@ -268,6 +268,18 @@ pub(crate) fn check_other(
     check_paths(targets.chain([&other]), &inputs)
 }
 
+/// Refuses outputs of other kinds that cannot be written, are named twice, or are among the inputs.
+pub(crate) fn check_files(paths: &[PathBuf], inputs: &[PathBuf]) -> Result<(), Failure> {
+    let target = |path: &PathBuf| Target {
+        path: path.clone(),
+        format: None,
+        channel: None,
+    };
+    let targets: Vec<Target> = paths.iter().map(target).collect();
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    check_paths(&targets, &inputs)
+}
+
 fn check_paths<'a>(
     targets: impl IntoIterator<Item = &'a Target>,
     inputs: &[&Path],

@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use firsthit::camera::StandardView;
 use firsthit::geometry::{COLOR_NAMES, color_of};
+use firsthit::lint::KINDS;
 use firsthit::scene_file::nearest_word;
 use firsthit::{Background, Color, DVec3};
 
@@ -40,6 +41,11 @@ fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f
 /// The name of a view.
 pub(crate) fn view() -> impl TypedValueParser<Value = StandardView> {
     PossibleValuesParser::new(StandardView::NAMES).try_map(|name| name.parse())
+}
+
+/// The name of a kind of finding.
+pub(crate) fn lint_kind() -> PossibleValuesParser {
+    PossibleValuesParser::new(KINDS.iter().map(|kind| kind.name))
 }
 
 /// A number of bytes, such as `500M`.

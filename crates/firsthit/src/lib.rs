@@ -101,6 +101,7 @@ pub mod geometry;
 pub mod image;
 #[cfg(feature = "load")]
 mod io;
+pub mod lint;
 #[cfg(feature = "load")]
 pub mod load;
 pub mod measure;

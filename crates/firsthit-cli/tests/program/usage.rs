@@ -2,7 +2,16 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 6] = ["render", "shoot", "build", "info", "demo", "completions"];
+const COMMANDS: [&str; 8] = [
+    "render",
+    "shoot",
+    "section",
+    "lint",
+    "build",
+    "info",
+    "demo",
+    "completions",
+];
 
 #[test]
 fn every_command_has_help_with_examples() {
@@ -174,6 +183,8 @@ fn a_folder_is_told_to_be_one_by_every_command_that_reads() {
         for arguments in [
             format!("render {name}"),
             format!("info {name}"),
+            format!("section {name}"),
+            format!("lint {name}"),
             format!("shoot {name} rays.csv"),
             format!("shoot square.ply {name}"),
             format!("shoot square.ply rays.csv {name}"),
@@ -199,6 +210,8 @@ fn the_version_can_be_asked_of_every_command() {
         "build",
         "info",
         "diff",
+        "section",
+        "lint",
         "demo",
         "schema",
         "completions",

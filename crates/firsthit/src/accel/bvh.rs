@@ -24,7 +24,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Ray};
 
 /// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
 ///
@@ -79,6 +79,20 @@ impl Bvh {
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>() + self.order.capacity() * size_of::<u32>()
     }
+}
+
+/// The corners of a box around `bounds`, relative to `origin`. It is a float32 step wider on each side, which covers the rounding of
+/// the difference too.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding is what this is for"
+)]
+pub(super) fn outwards(bounds: Bounds, origin: DVec3) -> [[f32; 3]; 2] {
+    let single = |point: DVec3| (point - origin).to_array().map(|x| x as f32);
+    [
+        single(bounds.low).map(f32::next_down),
+        single(bounds.high).map(f32::next_up),
+    ]
 }
 
 /// A ray's way through a [`Bvh`].

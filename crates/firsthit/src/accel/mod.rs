@@ -24,6 +24,7 @@ mod locate8;
 mod mesh_tree;
 mod meshlet;
 mod node;
+mod overlap;
 mod rays;
 mod space;
 #[cfg(feature = "fhs")]

@@ -11,6 +11,7 @@ pub(crate) mod exact;
 pub(crate) mod exact_sum;
 mod grid;
 mod hit;
+pub(crate) mod orientation;
 mod ray;
 mod ray_filter;
 mod require;

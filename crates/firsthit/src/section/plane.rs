@@ -219,8 +219,12 @@ mod tests {
         let mut number = numbers(3);
         let mut vector = || DVec3::new(number(), number(), number());
         let mut counts = [0; 3];
-        for _ in 0..20_000 {
-            let (origin, normal, point) = (vector(), vector(), vector());
+        for k in 0..20_000 {
+            let (origin, normal, mut point) = (vector(), vector(), vector());
+            // Half of them nearly in the plane.
+            if k % 2 == 0 {
+                point = origin + normal.cross(point);
+            }
             let Ok(plane) = SectionPlane::new(origin, normal) else {
                 assert_eq!(normal, DVec3::ZERO);
                 continue;
@@ -229,7 +233,7 @@ mod tests {
             assert_eq!(plane.side(point), judge, "{plane:?} {point:?}");
             counts[(judge as i8 + 1) as usize] += 1;
         }
-        assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
+        assert!(counts.iter().all(|&count| count > 500), "{counts:?}");
     }
 
     /// In units of the last digit of the larger end's coordinate, below which rounding of the ends' own digits lies.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::binary::{Binary, BinaryNode, Primitives, binary};
 use super::binned_sah::{Block, Box32, Item};
-use crate::accel::bvh::{Bvh, Node, Places};
+use crate::accel::bvh::{Bvh, Node, Places, outwards};
 use crate::accel::space::CHUNK;
 use crate::geometry::{Bounds, DVec3};
 
@@ -121,18 +121,9 @@ impl Bvh {
     }
 }
 
-/// A box around `bounds`, relative to `origin`. It is a float32 step wider on each side, which covers the rounding of
-/// the difference too.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding is what this is for"
-)]
 fn rounded_outwards(bounds: Bounds, origin: DVec3) -> Box32 {
-    let single = |point: DVec3| (point - origin).to_array().map(|x| x as f32);
-    Box32::new(
-        single(bounds.low).map(f32::next_down),
-        single(bounds.high).map(f32::next_up),
-    )
+    let [low, high] = outwards(bounds, origin);
+    Box32::new(low, high)
 }
 
 impl From<BinaryNode> for Node {

@@ -1,0 +1,148 @@
+use std::io::Write;
+use std::sync::atomic::AtomicBool;
+
+use firsthit::Scene;
+use firsthit::error::escape_controls;
+use firsthit::lint::{Finding, Kind, LintSettings, Place, Report, lint, save_marked};
+use serde_json::{Value, json};
+
+use crate::args::LintArgs;
+use crate::console::{counted, json_text, kept_warnings, warn};
+use crate::failure::Failure;
+use crate::hints::triple;
+use crate::loading::{self, with_count};
+use crate::output;
+use crate::progress::Interrupt;
+
+/// How many places of each kind people read.
+const PLACES_IN_TEXT: usize = 3;
+
+/// The same for programs.
+const PLACES_IN_JSON: usize = 100;
+
+pub(crate) fn run(args: &LintArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let outputs = args.output.as_slice();
+    if let Some(path) = &args.output
+        && !path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("ply"))
+    {
+        return Err(Failure::usage("--output: the file must end in .ply"));
+    }
+    output::check_files(outputs, std::slice::from_ref(&args.file))?;
+    let settings = settings(args)?;
+    with_count(args.threads, || {
+        let loaded = loading::read(&args.file, &args.load, None)?;
+        warn(&loaded.warnings);
+        output::check_files(outputs, &loaded.files)?;
+        let (scene, watch) = (&loaded.scene, Interrupt(interrupted));
+        let report = lint(scene, &settings, &watch)?;
+        if let Some(path) = &args.output {
+            save_marked(scene, &report, path, &watch)?;
+        }
+        let text = if args.json {
+            json_text(&as_json(scene, &report)) + "\n"
+        } else {
+            as_text(scene, &report)
+        };
+        let written = std::io::stdout().write_all(text.as_bytes());
+        written.map_err(|error| Failure::stdout(&error))?;
+        if report.is_clean() {
+            Ok(())
+        } else {
+            Err(Failure::found())
+        }
+    })
+}
+
+fn settings(args: &LintArgs) -> Result<LintSettings, Failure> {
+    let default = if args.json {
+        PLACES_IN_JSON
+    } else {
+        PLACES_IN_TEXT
+    };
+    let ignore = args.ignore.iter().map(|name| Kind::named(name));
+    Ok(LintSettings {
+        ignore: ignore.collect::<Result<_, _>>()?,
+        places: args.places.map_or(default, |places| places as usize),
+    })
+}
+
+fn name(scene: &Scene, place: &Place) -> String {
+    let object = usize::try_from(place.object).ok();
+    let object = object.and_then(|object| scene.objects().get(object));
+    object.map_or_else(String::new, |object| object.name().to_owned())
+}
+
+fn as_text(scene: &Scene, report: &Report) -> String {
+    if report.is_clean() {
+        return "clean: nothing was found\n".to_owned();
+    }
+    let lines = report
+        .findings()
+        .iter()
+        .flat_map(|finding| of_finding(scene, finding));
+    lines.map(|line| escape_controls(&line) + "\n").collect()
+}
+
+fn of_finding(scene: &Scene, finding: &Finding) -> Vec<String> {
+    let Finding {
+        kind,
+        count,
+        places,
+        note,
+    } = finding;
+    let counted = match kind.counted {
+        "vertex" if *count != 1 => format!("{count} vertices"),
+        "mesh" if *count != 1 => format!("{count} meshes"),
+        noun => counted(*count, noun),
+    };
+    let space = if note.is_empty() { "" } else { " " };
+    let mut lines = vec![format!("{}: {counted}{space}{note}", kind.name)];
+    for place in places {
+        let triangle = place
+            .primitive
+            .map_or_else(String::new, |k| format!(", triangle {k}"));
+        lines.push(format!(
+            "  object {} '{}'{triangle}, at {}",
+            place.object,
+            name(scene, place),
+            triple(place.position)
+        ));
+    }
+    let more = finding.count - places.len() as u64;
+    if more > 0 {
+        lines.push(format!("  ... and {more} more (--places N lists them)"));
+    }
+    lines
+}
+
+fn as_json(scene: &Scene, report: &Report) -> Value {
+    let place = |place: &Place| {
+        let position = place
+            .position
+            .is_finite()
+            .then(|| place.position.to_array());
+        json!({
+            "object": place.object,
+            "name": name(scene, place),
+            "primitive": place.primitive,
+            "position": position,
+        })
+    };
+    let finding = |finding: &Finding| {
+        json!({
+            "kind": finding.kind.name,
+            "count": finding.count,
+            "of": finding.kind.counted,
+            "note": finding.note,
+            "places": finding.places.iter().map(place).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "clean": report.is_clean(),
+        "checked": report.checked().iter().map(|kind| kind.name).collect::<Vec<_>>(),
+        "findings": report.findings().iter().map(finding).collect::<Vec<_>>(),
+        "warnings": kept_warnings(),
+    })
+}

@@ -1,0 +1,115 @@
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use firsthit::error::escaped;
+use firsthit::section::{Section, SectionFormat, SectionPlane, section};
+use serde_json::{Value, json};
+
+use crate::args::SectionArgs;
+use crate::console::{counted, end_report, say, warn};
+use crate::failure::Failure;
+use crate::hints::{number, triple};
+use crate::loading::{self, Loaded, with_threads};
+use crate::output;
+use crate::progress::Interrupt;
+
+pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    for path in &args.output {
+        SectionFormat::of(path)?;
+    }
+    output::check_files(&args.output, std::slice::from_ref(&args.file))?;
+    with_threads(&args.run, || {
+        let started = Instant::now();
+        let loaded = loading::read(&args.file, &args.load, None)?;
+        warn(&loaded.warnings);
+        output::check_files(&args.output, &loaded.files)?;
+        let watch = Interrupt(interrupted);
+        let cut = section(&loaded.scene, plane(args, &loaded)?, &watch)?;
+        warn(cut.warnings());
+        if cut.is_empty() {
+            warn(&["the plane cuts nothing"]);
+        }
+        for path in &args.output {
+            cut.save(path, &watch)?;
+        }
+        let seconds = started.elapsed().as_secs_f64();
+        if args.run.json {
+            return end_report(as_json(args, &cut, seconds))
+                .map_err(|error| Failure::stdout(&error));
+        }
+        if !args.run.quiet {
+            as_text(args, &cut).iter().for_each(say);
+        }
+        Ok(())
+    })
+}
+
+/// The plane that was asked for; else through the middle, across what is up.
+fn plane(args: &SectionArgs, loaded: &Loaded) -> Result<SectionPlane, Failure> {
+    let Loaded { scene, model, .. } = loaded;
+    let bounds = scene.bounds();
+    let middle = if bounds.is_empty() {
+        firsthit::DVec3::ZERO
+    } else {
+        bounds.centre()
+    };
+    let origin = args.origin.unwrap_or(middle);
+    let normal = args.normal.unwrap_or_else(|| model.up_in(scene));
+    Ok(SectionPlane::new(origin, normal)?)
+}
+
+/// How many polylines are closed, and how many are open.
+fn counts(cut: &Section) -> [usize; 2] {
+    let closed = cut
+        .polylines()
+        .filter(|polyline| polyline.is_closed)
+        .count();
+    [closed, cut.len() - closed]
+}
+
+fn as_text(args: &SectionArgs, cut: &Section) -> Vec<String> {
+    let (plane, [closed, open]) = (cut.plane(), counts(cut));
+    let mut lines = vec![
+        format!(
+            "plane      through {}, normal {}",
+            triple(plane.origin()),
+            triple(plane.normal())
+        ),
+        format!(
+            "curves     {closed} closed, {open} open, {}",
+            counted(segments(cut), "segment")
+        ),
+        format!("area       {}", number(cut.area())),
+        format!("perimeter  {}", number(cut.perimeter())),
+    ];
+    let written = args.output.iter();
+    lines.extend(written.map(|path| format!("written    {}", escaped(path))));
+    lines
+}
+
+fn segments(cut: &Section) -> u64 {
+    cut.polylines()
+        .map(|polyline| polyline.primitives.len() as u64)
+        .sum()
+}
+
+fn as_json(args: &SectionArgs, cut: &Section, seconds: f64) -> Value {
+    let (plane, [closed, open]) = (cut.plane(), counts(cut));
+    let outputs: Vec<Value> = (args.output.iter())
+        .map(|path| json!({ "file": path.to_string_lossy() }))
+        .collect();
+    json!({
+        "outputs": outputs,
+        "origin": plane.origin().to_array(),
+        "normal": plane.normal().to_array(),
+        "u": plane.u().to_array(),
+        "v": plane.v().to_array(),
+        "closed": closed,
+        "open": open,
+        "segments": segments(cut),
+        "area": cut.area(),
+        "perimeter": cut.perimeter(),
+        "left_out": cut.left_out(),
+        "seconds": seconds,
+    })
+}

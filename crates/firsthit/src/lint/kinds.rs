@@ -1,0 +1,148 @@
+//! The list of what is looked for.
+
+use super::report::Found;
+use super::subject::Subject;
+use super::{Facts, edges, faces, holes, scale, self_intersections, shells, vertices};
+use crate::error::{Error, Result};
+use crate::watch::Watch;
+
+/// Something that can be wrong with a mesh or a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    /// Its name.
+    pub name: &'static str,
+    /// What is counted, for one.
+    pub counted: &'static str,
+    /// What it is, in a sentence.
+    pub about: &'static str,
+    /// The colour of its faces where they are marked, sRGB.
+    pub color: [u8; 3],
+    pub(super) check: Check,
+}
+
+impl PartialEq for Kind {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+type OfMesh = fn(&Subject<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
+type OfScene = fn(&Facts<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
+
+/// How it is looked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Check {
+    /// In each mesh alone.
+    Mesh(OfMesh),
+    /// In all of them together, afterwards.
+    Scene(OfScene),
+}
+
+/// All kinds. A face of several is marked as the first of them.
+pub const KINDS: &[Kind] = &[
+    Kind {
+        name: "self-intersection",
+        counted: "face",
+        about: "faces that meet other faces of the mesh elsewhere than at the vertices and edges they share",
+        color: [220, 30, 30],
+        check: Check::Mesh(self_intersections::check),
+    },
+    Kind {
+        name: "non-manifold",
+        counted: "edge",
+        about: "edges at which more than two faces meet",
+        color: [230, 120, 20],
+        check: Check::Mesh(edges::non_manifold),
+    },
+    Kind {
+        name: "winding",
+        counted: "edge",
+        about: "edges at which two faces meet whose windings disagree: one of them is flipped",
+        color: [230, 200, 20],
+        check: Check::Mesh(edges::winding),
+    },
+    Kind {
+        name: "inside-out",
+        counted: "shell",
+        about: "closed surfaces with a negative volume that are no cavity of another",
+        color: [150, 60, 200],
+        check: Check::Mesh(shells::inside_out),
+    },
+    Kind {
+        name: "duplicate",
+        counted: "face",
+        about: "faces whose corners are those of an earlier face, in any order",
+        color: [40, 170, 200],
+        check: Check::Mesh(faces::duplicate),
+    },
+    Kind {
+        name: "degenerate",
+        counted: "face",
+        about: "faces whose area is exactly zero",
+        color: [230, 60, 180],
+        check: Check::Mesh(faces::degenerate),
+    },
+    Kind {
+        name: "hole",
+        counted: "edge",
+        about: "edges with one face only, unless the face at the other side belongs to another object",
+        color: [40, 90, 220],
+        check: Check::Scene(holes::check),
+    },
+    Kind {
+        name: "non-finite",
+        counted: "vertex",
+        about: "vertices with a coordinate that is NaN or infinite",
+        color: [0, 0, 0],
+        check: Check::Scene(vertices::non_finite),
+    },
+    Kind {
+        name: "unreferenced",
+        counted: "vertex",
+        about: "vertices that no face uses",
+        color: [0, 0, 0],
+        check: Check::Scene(vertices::unreferenced),
+    },
+    Kind {
+        name: "far",
+        counted: "mesh",
+        about: "float32 meshes so far from the origin that less than 1/16384 of their size cannot be told apart",
+        color: [0, 0, 0],
+        check: Check::Mesh(scale::far),
+    },
+    Kind {
+        name: "units",
+        counted: "scene",
+        about: "a scene that is smaller than a thousandth of its unit, or larger than a million: the unit may be mistaken",
+        color: [0, 0, 0],
+        check: Check::Scene(scale::units),
+    },
+];
+
+impl Kind {
+    /// The kind of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] where there is none.
+    pub fn named(name: &str) -> Result<&'static Self> {
+        let found = KINDS.iter().find(|kind| kind.name == name);
+        let expected = "self-intersection, non-manifold, winding, inside-out, duplicate, degenerate, hole, non-finite, \
+            unreferenced, far or units";
+        found.ok_or_else(|| Error::argument("kind", expected, name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_found_by_its_name_and_offered() {
+        let error = Kind::named("leak").unwrap_err().to_string();
+        for kind in KINDS {
+            assert_eq!(Kind::named(kind.name).unwrap(), kind);
+            assert!(error.contains(kind.name), "{error}");
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! What may be wrong with meshes: holes, flipped faces, self-intersections and more.
+//!
+//! A [`Kind`] is a row of [`KINDS`]. Most look at each mesh by itself; objects that share a mesh are looked at once. Vertices in one
+//! place are one, to the last bit, whether or not triangles share them by index. All that decides is exact: areas, volumes and
+//! whether triangles meet are signs of determinants on the float64 numbers.
+
+mod edges;
+mod faces;
+mod groups;
+mod holes;
+mod kinds;
+#[cfg(feature = "frame")]
+mod marked;
+mod meeting;
+mod report;
+mod scale;
+mod self_intersections;
+mod shells;
+mod subject;
+mod vertices;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+pub use kinds::{KINDS, Kind};
+#[cfg(feature = "frame")]
+pub use marked::save_marked;
+pub use report::{Finding, Place, Report};
+
+use crate::error::Result;
+use crate::memory;
+use crate::scene::{Object, Scene};
+use crate::shape::Mesh;
+use crate::watch::Watch;
+use holes::Border;
+use kinds::Check;
+use report::{Found, Marks, NO_MARK};
+use subject::Subject;
+
+/// What to look for, and how much of it to tell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LintSettings {
+    /// Kinds that are not looked for.
+    pub ignore: Vec<&'static Kind>,
+    /// How many places of each kind are told.
+    pub places: usize,
+}
+
+impl Default for LintSettings {
+    /// Every kind, with ten places.
+    fn default() -> Self {
+        Self {
+            ignore: Vec::new(),
+            places: 10,
+        }
+    }
+}
+
+/// What the checks of the whole scene see.
+struct Facts<'a> {
+    scene: &'a Scene,
+    /// The distinct meshes, each with the first object that has it.
+    meshes: Vec<(i32, &'a Mesh)>,
+    /// The edges with one face, of all meshes.
+    borders: Vec<Border>,
+}
+
+impl Scene {
+    /// What may be wrong with the scene's meshes: see [`KINDS`].
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use firsthit::{DVec3, Mesh, Object, Positions, Scene};
+    ///
+    /// // A tetrahedron without one of its faces.
+    /// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
+    /// let mesh = Mesh::new(Positions::compact(corners), vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]])?;
+    /// let report = Scene::new(vec![Object::new(Arc::new(mesh))])?.lint()?;
+    /// let [hole] = report.findings() else { panic!("one finding") };
+    /// assert_eq!((hole.kind.name, hole.count, &*hole.note), ("hole", 3, "around 1 hole"));
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`](crate::Error::Limit) when memory is short.
+    pub fn lint(&self) -> Result<Report> {
+        lint(self, &LintSettings::default(), &())
+    }
+}
+
+/// As [`Scene::lint`], with settings and a watch that may end it.
+///
+/// # Errors
+///
+/// [`Error::Limit`](crate::Error::Limit) when memory is short, and [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result<Report> {
+    let is_wanted = |kind: &&Kind| !settings.ignore.contains(kind);
+    let checked: Vec<&'static Kind> = KINDS.iter().filter(is_wanted).collect();
+    let mut marks = distinct(scene)?;
+    let mut drafts: Vec<Draft> = checked.iter().map(|&kind| Draft::new(kind)).collect();
+    let mut facts = Facts {
+        scene,
+        meshes: Vec::new(),
+        borders: Vec::new(),
+    };
+    for index in 0..marks.len() {
+        let object = usize::try_from(marks[index].objects[0]).unwrap_or(0);
+        let Some((object, mesh)) = with_mesh(scene, object) else {
+            continue;
+        };
+        let subject = Subject::new([index, object.0], mesh, object.1.transform(), watch)?;
+        facts.meshes.push((marks[index].objects[0], mesh));
+        facts.borders.extend(holes::borders(&subject));
+        for draft in &mut drafts {
+            if let Check::Mesh(check) = draft.kind.check {
+                draft.take(&mut marks, settings, |found| check(&subject, found, watch))?;
+            }
+        }
+    }
+    for draft in &mut drafts {
+        if let Check::Scene(check) = draft.kind.check {
+            draft.take(&mut marks, settings, |found| check(&facts, found, watch))?;
+        }
+    }
+    let findings = drafts.into_iter().filter_map(Draft::finding).collect();
+    Ok(Report {
+        findings,
+        checked,
+        marks,
+    })
+}
+
+fn with_mesh(scene: &Scene, object: usize) -> Option<((usize, &Object), &Arc<Mesh>)> {
+    let it = scene.objects().get(object)?;
+    Some(((object, it), it.mesh()?))
+}
+
+/// The distinct meshes, with nothing marked.
+fn distinct(scene: &Scene) -> Result<Vec<Marks>> {
+    let mut known: HashMap<*const Mesh, usize> = HashMap::new();
+    let mut distinct: Vec<Marks> = Vec::new();
+    for (identifier, object) in (0..).zip(scene.objects()) {
+        let Some(mesh) = object.mesh() else {
+            continue;
+        };
+        if let Some(&index) = known.get(&Arc::as_ptr(mesh)) {
+            distinct[index].objects.push(identifier);
+            continue;
+        }
+        known.insert(Arc::as_ptr(mesh), distinct.len());
+        distinct.push(Marks {
+            objects: vec![identifier],
+            of_triangles: memory::filled(mesh.triangles().len(), NO_MARK)?,
+        });
+    }
+    Ok(distinct)
+}
+
+/// A finding in the making.
+struct Draft {
+    kind: &'static Kind,
+    mark: u8,
+    count: u64,
+    places: Vec<Place>,
+    note: String,
+}
+
+impl Draft {
+    fn new(kind: &'static Kind) -> Self {
+        let mark = KINDS.iter().position(|other| other == kind);
+        Self {
+            kind,
+            mark: mark.and_then(|k| u8::try_from(k).ok()).unwrap_or(NO_MARK),
+            count: 0,
+            places: Vec::new(),
+            note: String::new(),
+        }
+    }
+
+    /// Adds what a check finds.
+    fn take(
+        &mut self,
+        marks: &mut [Marks],
+        settings: &LintSettings,
+        check: impl FnOnce(&mut Found<'_>) -> Result<()>,
+    ) -> Result<()> {
+        let mut found = Found {
+            mark: self.mark,
+            most_places: settings.places,
+            marks,
+            count: self.count,
+            places: std::mem::take(&mut self.places),
+            note: std::mem::take(&mut self.note),
+        };
+        check(&mut found)?;
+        (self.count, self.places, self.note) = (found.count, found.places, found.note);
+        Ok(())
+    }
+
+    fn finding(self) -> Option<Finding> {
+        (self.count > 0).then_some(Finding {
+            kind: self.kind,
+            count: self.count,
+            places: self.places,
+            note: self.note,
+        })
+    }
+}

@@ -1,0 +1,190 @@
+//! A mesh made ready for checks: vertices welded, edges with the triangles at them.
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::geometry::orientation::open_axis;
+use crate::geometry::{DVec3, Transform};
+use crate::memory;
+use crate::shape::Mesh;
+use crate::watch::Watch;
+
+/// So many triangles are looked at between two questions whether to stop.
+pub(super) const CHUNK: usize = 1 << 12;
+
+/// What a triangle takes at most while it is looked at, in bytes: welded corners, three sorted edges, places in lists.
+const TRIANGLE_BYTES: usize = 12 + 3 * (size_of::<EdgeUse>() + 12) + 8;
+
+/// A mesh, and what is known about its triangles.
+pub(super) struct Subject<'a> {
+    /// Its number among the distinct meshes of the scene.
+    pub(super) index: usize,
+    /// The first object that has the mesh.
+    pub(super) object: i32,
+    pub(super) mesh: &'a Mesh,
+    pub(super) transform: &'a Transform,
+    /// The corners of each triangle as numbers of places: vertices in one place have one number.
+    pub(super) welded: Vec<[u32; 3]>,
+    /// A vertex in each place.
+    pub(super) vertices: Vec<u32>,
+    /// Whether each triangle has an area, exactly.
+    pub(super) is_open: Vec<bool>,
+    /// The uses of edges, those of one edge side by side, by triangles with three places that are not repeated.
+    pub(super) edges: Vec<EdgeUse>,
+}
+
+/// An edge of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct EdgeUse {
+    /// The places of its ends, the lower number first.
+    pub(super) ends: [u32; 2],
+    pub(super) triangle: u32,
+    /// Whether the triangle goes from the lower number to the higher one.
+    pub(super) is_forward: bool,
+}
+
+impl<'a> Subject<'a> {
+    pub(super) fn new(
+        [index, object]: [usize; 2],
+        mesh: &'a Mesh,
+        transform: &'a Transform,
+        watch: &dyn Watch,
+    ) -> Result<Self> {
+        let count = mesh.triangles().len();
+        memory::check("the check of a mesh", count.saturating_mul(TRIANGLE_BYTES))?;
+        let (welded, vertices) = weld(mesh);
+        stop_if_asked(watch)?;
+        let is_open = (0..count).into_par_iter().with_min_len(CHUNK);
+        let is_open = is_open.map(|k| open_axis(&mesh.corners(k)).is_some());
+        let is_open = is_open.collect();
+        let is_repeated = repeated(&welded);
+        stop_if_asked(watch)?;
+        let edges = edges(&welded, &is_repeated);
+        Ok(Self {
+            index,
+            object: i32::try_from(object).unwrap_or(i32::MAX),
+            mesh,
+            transform,
+            welded,
+            vertices,
+            is_open,
+            edges,
+        })
+    }
+
+    /// How many triangles there are.
+    pub(super) fn len(&self) -> u32 {
+        u32::try_from(self.welded.len()).unwrap_or(u32::MAX)
+    }
+
+    /// The corners of a triangle, in object space.
+    pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.mesh.corners(triangle as usize)
+    }
+
+    /// A point of a place, in object space.
+    pub(super) fn point(&self, place: u32) -> DVec3 {
+        self.mesh.positions().get(self.vertices[place as usize])
+    }
+
+    pub(super) fn in_world(&self, point: DVec3) -> DVec3 {
+        if self.transform.is_identity() {
+            return point;
+        }
+        self.transform.world_from_object().transform_point3(point)
+    }
+
+    /// The middle of a triangle, in object space.
+    pub(super) fn middle(&self, triangle: u32) -> DVec3 {
+        let [a, b, c] = self.corners(triangle);
+        a / 3.0 + b / 3.0 + c / 3.0
+    }
+
+    /// The uses of each edge.
+    pub(super) fn meetings(&self) -> impl Iterator<Item = &[EdgeUse]> {
+        self.edges.chunk_by(|a, b| a.ends == b.ends)
+    }
+}
+
+/// Fails when the caller wants to stop.
+pub(super) fn stop_if_asked(watch: &dyn Watch) -> Result<()> {
+    if watch.is_stopped() {
+        return Err(Error::Interrupted);
+    }
+    Ok(())
+}
+
+/// The vertices that a mesh uses, in order.
+pub(super) fn used_vertices(mesh: &Mesh) -> Vec<u32> {
+    let mut used: Vec<u32> = mesh.triangles().as_flattened().to_vec();
+    used.par_sort_unstable();
+    used.dedup();
+    used
+}
+
+/// The order of points by x, then y, then z, in which zeros are one.
+pub(super) fn compare(a: DVec3, b: DVec3) -> Ordering {
+    let (a, b) = (a + DVec3::ZERO, b + DVec3::ZERO);
+    let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
+    by_axis(0).then_with(|| by_axis(1)).then_with(|| by_axis(2))
+}
+
+/// The numbers of the places of all corners, and a vertex in each place, the first.
+fn weld(mesh: &Mesh) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let positions = mesh.positions();
+    let used = used_vertices(mesh);
+    let mut order: Vec<u32> = (0..).zip(&used).map(|(k, _)| k).collect();
+    let point = |k: u32| positions.get(used[k as usize]);
+    order.par_sort_unstable_by(|&a, &b| compare(point(a), point(b)).then(a.cmp(&b)));
+    let (mut places, mut vertices) = (vec![0; used.len()], Vec::new());
+    for same in order.chunk_by(|&a, &b| compare(point(a), point(b)) == Ordering::Equal) {
+        let place = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
+        vertices.push(used[same[0] as usize]);
+        same.iter().for_each(|&k| places[k as usize] = place);
+    }
+    let triangles = mesh.triangles().par_iter().with_min_len(CHUNK);
+    let place = |vertex: u32| used.binary_search(&vertex).map_or(0, |k| places[k]);
+    let welded = triangles.map(|triangle| triangle.map(place)).collect();
+    (welded, vertices)
+}
+
+/// Three numbers in order, and the parity of the order they had.
+pub(super) fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], bool) {
+    let mut all = [a, b, c];
+    all.sort_unstable();
+    let is_even = all == [a, b, c] || all == [b, c, a] || all == [c, a, b];
+    (all, is_even)
+}
+
+/// Whether each triangle has the corners of an earlier one in the same sense.
+fn repeated(welded: &[[u32; 3]]) -> Vec<bool> {
+    let mut order: Vec<_> = (0..)
+        .zip(welded)
+        .map(|(k, &places)| (sorted(places), k))
+        .collect();
+    order.par_sort_unstable();
+    let mut is_repeated = vec![false; welded.len()];
+    for same in order.chunk_by(|(a, _), (b, _)| a == b) {
+        let later = same.iter().skip(1);
+        later.for_each(|&(_, k): &(_, usize)| is_repeated[k] = true);
+    }
+    is_repeated
+}
+
+fn edges(welded: &[[u32; 3]], is_repeated: &[bool]) -> Vec<EdgeUse> {
+    let triangles = (0..).zip(welded).zip(is_repeated);
+    let wanted = triangles
+        .filter(|((_, [a, b, c]), is_repeated)| !**is_repeated && a != b && b != c && c != a);
+    let of_triangle = |((triangle, &[a, b, c]), _): ((u32, &[u32; 3]), &bool)| {
+        [[a, b], [b, c], [c, a]].map(|[from, to]| EdgeUse {
+            ends: [from.min(to), from.max(to)],
+            triangle,
+            is_forward: from < to,
+        })
+    };
+    let mut edges: Vec<EdgeUse> = wanted.flat_map(of_triangle).collect();
+    edges.par_sort_unstable();
+    edges
+}
