@@ -83,7 +83,7 @@ fn triangles(object: &Object) -> Result<Triangles, String> {
         ));
     };
     let vertices = match mesh.positions().as_ref() {
-        Positions::Single(points) => points.clone(),
+        Positions::Single(points) => points.to_vec(),
         Positions::Double(points) => points.iter().map(|point| point.map(|x| x as f32)).collect(),
     };
     Ok(Triangles::new(vertices, mesh.triangles().to_vec()))

@@ -145,7 +145,7 @@ impl Grid {
     }
 
     fn object(self, name: &str) -> Vec<Object> {
-        let mesh = Mesh::new(Positions::Single(self.vertices), self.triangles);
+        let mesh = Mesh::new(Positions::Single(self.vertices.into()), self.triangles);
         let mesh = mesh.expect("the grid indexes its own vertices");
         vec![Object::new(Arc::new(mesh)).named(name)]
     }

@@ -241,6 +241,8 @@ fn objects(records: &[ObjectRecord], meshes: &[Built], looks: &Looks) -> Checked
     for record in records {
         let mut object = of_record(shape(&record.shape, meshes).map(Object::new))?;
         object = object.named(escape_controls(&record.name));
+        object = object.masked(record.mask.unwrap_or(u32::MAX));
+        object = object.hidden(record.is_hidden);
         if let Some(columns) = record.transform {
             object = object.placed(of_record(transform(columns))?);
         }

@@ -112,6 +112,11 @@ pub(super) struct ObjectRecord {
     pub(super) transform: Option<[Triple; 4]>,
     /// The list of its materials, if it has any.
     pub(super) materials: Option<usize>,
+    /// Where it is not all bits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) mask: Option<u32>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) is_hidden: bool,
 }
 
 /// A shape, by the arguments of its constructor.

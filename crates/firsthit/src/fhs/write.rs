@@ -262,6 +262,8 @@ impl<'a> Tables<'a> {
             shape: self.shape(object.shape()),
             transform: (!transform.is_identity()).then(|| columns(transform.world_from_object())),
             materials: (!object.materials().is_empty()).then(|| self.list(object)),
+            mask: (object.mask() != u32::MAX).then(|| object.mask()),
+            is_hidden: object.is_hidden(),
         }
     }
 

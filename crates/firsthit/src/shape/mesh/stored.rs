@@ -97,6 +97,7 @@ impl Mesh {
             colors: parts.colors,
             alphas: parts.alphas,
             slots: parts.slots,
+            closed: super::closed::Closed::default(),
             properties: Vec::new(),
         };
         mesh.with_checked_properties(parts.properties)
