@@ -135,7 +135,7 @@ pub(crate) fn save(
 
 /// Name, camera, whether rows, columns and width are the file's own.
 #[derive(FromPyObject)]
-struct CameraIn<'py>(String, PyRef<'py, Camera>, bool);
+pub(crate) struct CameraIn<'py>(String, PyRef<'py, Camera>, bool);
 
 impl CameraIn<'_> {
     fn named(&self) -> NamedCamera {
@@ -152,7 +152,7 @@ impl CameraIn<'_> {
 
 /// The shader's name, Lambert's ambient light if not the usual one, its shadows, samples.
 #[derive(FromPyObject)]
-struct ShadingIn(String, Option<[f64; 3]>, bool, u32);
+pub(crate) struct ShadingIn(String, Option<[f64; 3]>, bool, u32);
 
 fn taken_apart(loaded: Loaded) -> ModelOut {
     let Loaded {

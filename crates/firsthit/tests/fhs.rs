@@ -335,7 +335,7 @@ fn a_mapped_scene_is_met_as_the_one_that_was_saved() {
     fhs::save(&path, &built, &World::default(), &()).unwrap();
     let mut opened = fhs::open(&path, false).unwrap().into_scene().unwrap();
     let mesh = opened.objects()[0].mesh().unwrap();
-    assert!(matches!(&**mesh.positions(), Positions::Double(points) if points.is_shared()));
+    assert!(matches!(&**mesh.positions(), Positions::Single(points) if points.is_shared()));
     // The file may be replaced and removed: what is open stays.
     fs::remove_file(&path).unwrap();
     assert_same(&opened, &built, 2000);

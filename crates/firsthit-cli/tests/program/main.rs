@@ -5,6 +5,7 @@
     reason = "a test that cannot go on panics, in its helpers too"
 )]
 
+mod built;
 mod camera;
 mod channels;
 mod clouds;
