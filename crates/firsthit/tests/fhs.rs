@@ -158,6 +158,13 @@ fn objects() -> Vec<Object> {
         Object::new(Cylinder::new(DVec3::NEG_Y, DVec3::new(0.1, -2.0, 1.0), 0.4).unwrap()),
         Object::new(Cone::new(DVec3::Z, DVec3::new(0.0, 0.2, 3.0), 0.9, 0.2).unwrap()),
     ];
+    // Normals of length one that would change if they were made so again.
+    for k in 0..40 {
+        let normal = Numbers::new(k).point();
+        let plane = Plane::new(DVec3::new(0.0, 0.0, -50.0), normal).unwrap();
+        let disc = Disc::new(50.0 * normal, normal, 0.5).unwrap();
+        all.extend([Object::new(plane), Object::new(disc)]);
+    }
     let ball = all[9].clone();
     all.push(ball.named("the same ball"));
     all

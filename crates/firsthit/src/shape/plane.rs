@@ -4,7 +4,7 @@ use super::{Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, require_direction, require_finite, unit};
+use crate::geometry::{Bounds, DVec3, Ray, require, require_direction, require_finite, unit};
 
 /// The infinite plane through a point.
 ///
@@ -34,6 +34,19 @@ impl Plane {
         Ok(Self {
             point: require_finite("point", point)?,
             normal,
+        })
+    }
+
+    /// The plane with this [`point`](Self::point) and this [`facing`](Self::facing) of another, to the last bit: to make a
+    /// normal of length one of one that is can change it.
+    #[cfg(feature = "fhs")]
+    pub(crate) fn again(point: DVec3, facing: DVec3) -> Result<Self> {
+        let plane = Self::new(point, facing)?;
+        let is_unit = (facing.length_squared() - 1.0).abs() < 1e-12;
+        require("normal", "of length one", is_unit, facing)?;
+        Ok(Self {
+            normal: facing,
+            ..plane
         })
     }
 
