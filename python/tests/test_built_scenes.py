@@ -90,7 +90,7 @@ def parts(made: fh.Object) -> list:
         for look in made.materials
     ]
     textures = [look.texture for look in made.materials if look.texture is not None]
-    texels = [(map.texels.tobytes(), map.wrap, map.filter) for map in textures]
+    texels = [(own.texels.tobytes(), own.wrap, own.filter) for own in textures]
     return [made.name, shape, made.transform.tobytes(), looks, texels]
 
 

@@ -170,6 +170,25 @@ fn objects() -> Vec<Object> {
     all
 }
 
+fn lights() -> [Light; 3] {
+    let sun = Light::Directional {
+        direction: DVec3::new(0.5, 0.1, -1.0),
+        color: Color::splat(0.9),
+    };
+    let lamp = Light::Point {
+        position: DVec3::new(0.0, 1.0, 5.0),
+        intensity: Color::splat(9.0),
+    };
+    let spot = Light::Spot {
+        position: DVec3::new(0.0, 1.0, 5.0),
+        direction: DVec3::NEG_Z,
+        intensity: Color::splat(5.0),
+        inner_angle: 0.2,
+        outer_angle: 0.5,
+    };
+    [sun, lamp, spot]
+}
+
 fn world() -> World {
     let view = View {
         position: DVec3::new(3.0, -9.0, 1.0 / 3.0),
@@ -198,27 +217,12 @@ fn world() -> World {
         lens: Lens::Equirectangular(Equirectangular {}),
         ..view
     };
-    let sun = Light::Directional {
-        direction: DVec3::new(0.5, 0.1, -1.0),
-        color: Color::splat(0.9),
-    };
-    let lamp = Light::Point {
-        position: DVec3::new(0.0, 1.0, 5.0),
-        intensity: Color::splat(9.0),
-    };
-    let spot = Light::Spot {
-        position: DVec3::new(0.0, 1.0, 5.0),
-        direction: DVec3::NEG_Z,
-        intensity: Color::splat(5.0),
-        inner_angle: 0.2,
-        outer_angle: 0.5,
-    };
     World {
         cameras: vec![
             camera("first", view, None),
             camera("second", panorama, Some(described)),
         ],
-        lights: vec![sun, lamp, spot],
+        lights: lights().to_vec(),
         has_view: true,
         background: Some(Background::Gradient {
             horizon: Color::ONE,

@@ -125,6 +125,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
         files: Vec::new(),
         warnings: vec!["w".repeat(1000); 100],
         vertices: None,
+        scene: None,
     };
     let scene = Scene::new(objects).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [50, 60]).unwrap();

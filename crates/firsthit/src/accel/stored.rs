@@ -217,6 +217,9 @@ mod tests {
         assert!(again.nodes.is_shared());
     }
 
+    /// A change to nodes, leaves and order.
+    type Change<'a> = &'a dyn Fn(&mut [Node], &mut [Meshlet], &mut [u32]);
+
     /// Each change makes an index that is not there, a loop, a node with two parents, or one with none.
     #[test]
     fn what_is_no_tree_is_refused() {
@@ -228,7 +231,7 @@ mod tests {
             tree.order.to_vec(),
         );
         assert!(nodes.len() > 4);
-        let refused = |change: &dyn Fn(&mut [Node], &mut [Meshlet], &mut [u32])| {
+        let refused = |change: Change<'_>| {
             let mut changed = (nodes.clone(), leaves.clone(), order.clone());
             change(&mut changed.0, &mut changed.1, &mut changed.2);
             let changed = TreeParts {
@@ -256,7 +259,7 @@ mod tests {
             nodes[0].children[k] = LEAF;
         });
         refused(&|nodes, leaves, _| {
-            nodes[1].children[0] = LEAF | u32::try_from(leaves.len()).unwrap()
+            nodes[1].children[0] = LEAF | u32::try_from(leaves.len()).unwrap();
         });
         refused(&|_, leaves, order| leaves[3].first = u32::try_from(order.len()).unwrap());
         refused(&|_, leaves, _| leaves[3].first = u32::MAX);

@@ -54,11 +54,11 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
         bounds: record.bounds.map_or(Bounds::EMPTY, bounds_of),
     });
     report.scene = Some(of_record(scene)?);
-    of_record(described(record, objects))
+    of_record(described(&record, objects))
 }
 
 /// All but the scene.
-fn described(record: Record, objects: Vec<Object>) -> Result<World> {
+fn described(record: &Record, objects: Vec<Object>) -> Result<World> {
     let up = DVec3::from(record.up);
     Ok(World {
         objects,

@@ -71,7 +71,7 @@ pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Res
         for (_, bytes) in &sections {
             out.write_all(bytes)?;
             let padding = bytes.len().next_multiple_of(UNIT) - bytes.len();
-            out.write_all(&[0; UNIT].get(..padding).unwrap_or_default())?;
+            out.write_all([0; UNIT].get(..padding).unwrap_or_default())?;
         }
         Ok(())
     })

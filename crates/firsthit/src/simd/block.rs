@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn a_block_is_aligned_and_has_the_bytes_of_what_it_was_read_from() {
         for length in [0, 1, 63, 64, 65, 1000] {
-            let bytes: Vec<u8> = (0..length).map(|k: usize| (k % 251) as u8).collect();
+            let bytes: Vec<u8> = (0..=250).cycle().take(length).collect();
             let block = Block::read(&bytes[..], length).unwrap();
             assert_eq!(block.bytes(), bytes);
             assert_eq!(block.bytes().as_ptr() as usize % BLOCK_ALIGNMENT, 0);

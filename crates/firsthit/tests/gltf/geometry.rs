@@ -321,7 +321,7 @@ fn values_beside_positions_that_are_not_finite_are_one_warning_each() {
     builder.attribute("COLOR_0", &[nan, -1., 0.5, 1., inf, 1., 1., 1., 1.], "VEC3");
     let model = builder.load().unwrap();
     let mesh = model.world.objects[0].mesh().unwrap();
-    assert_eq!(mesh.uvs().unwrap().values, [[0.0; 2]; 3]);
+    assert_eq!(mesh.uvs().unwrap().values[..], [[0.0; 2]; 3]);
     assert_eq!(mesh.normals().unwrap().values[1], [0.0; 3]);
     let colors = &mesh.colors().unwrap().values;
     assert_eq!(colors[..2], [[1.0, 0.0, 0.5], [1.0; 3]]);
