@@ -22,7 +22,8 @@ from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
 from ._lights import DirectionalLight, PointLight, Sky, SpotLight
-from ._load import load, open  # noqa: A004 - fh.open
+from ._lint import Finding, LintReport, Place
+from ._load import lint, load, open  # noqa: A004 - fh.open
 from ._material import Material, Texture
 from ._object import Object
 from ._render import render
@@ -46,13 +47,16 @@ __all__ = [
     "FileFormatError",
     "FileReadError",
     "FileWriteError",
+    "Finding",
     "FirsthitWarning",
     "Frame",
     "Hits",
+    "LintReport",
     "Material",
     "Mesh",
     "NamedCamera",
     "Object",
+    "Place",
     "Plane",
     "PointLight",
     "Polyline",
@@ -64,6 +68,7 @@ __all__ = [
     "SpotLight",
     "Texture",
     "info",
+    "lint",
     "load",
     "open",
     "read_metadata",

@@ -18,8 +18,9 @@ from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Shape, Sphere
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
+    from ._lint import LintReport
     from ._types import Vector
 
 
@@ -153,6 +154,42 @@ def _scene_of(model: _firsthit._Model) -> Scene:
     if model["scene"] is not None:
         scene._take_built(model["scene"])
     return scene
+
+
+def lint(
+    path: str | os.PathLike[str],
+    *,
+    ignore: Iterable[str] = (),
+    places: int = 10,
+    threads: int | None = None,
+) -> LintReport:
+    """Look for what may be wrong with a 3D file.
+
+    Parameters
+    ----------
+    path : path-like
+        The file, as for `load`.
+    ignore, places, threads
+        As for `Scene.lint`.
+
+    Returns
+    -------
+    LintReport
+        Findings with counts and places.
+
+    Raises
+    ------
+    FileReadError, FileFormatError, MemoryError
+        As `load`.
+    ValueError
+        For a kind that there is not.
+
+    Warns
+    -----
+    FirsthitWarning
+        For what is doubtful in the file.
+    """
+    return load(path).lint(ignore=ignore, places=places, threads=threads)
 
 
 def _analytic(kind: str, numbers: Sequence[float]) -> Shape:

@@ -13,6 +13,7 @@ from ._arrays import color_of, index, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
+from ._lint import Lintable
 from ._object import Object, affine, placed
 from ._queries import Queries
 from ._section import Cuttable
@@ -44,7 +45,7 @@ class _Last(NamedTuple):
     known: int
 
 
-class Scene(Queries, Cuttable):
+class Scene(Queries, Cuttable, Lintable):
     """Objects and lights. Any number of threads may use it at once.
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any

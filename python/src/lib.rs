@@ -10,6 +10,7 @@ mod arrays;
 mod camera;
 mod errors;
 mod frame;
+mod lint;
 mod load;
 mod material;
 mod run;
@@ -29,6 +30,8 @@ mod _firsthit {
     use crate::camera::Camera;
     #[pymodule_export]
     use crate::frame::{defaults, metadata, origin, png, read, render, render_work, write};
+    #[pymodule_export]
+    use crate::lint::{Lint, lint_kinds};
     #[pymodule_export]
     use crate::load::{load, open, save};
     #[pymodule_export]

@@ -61,7 +61,7 @@ def test_transforms_and_several_objects_are_told_apart():
     )
     assert len(first) == len(second) > 0
     for one, other in zip(first, second, strict=True):
-        np.testing.assert_allclose(one.points + (10, 0, 0), other.points, atol=1e-14)
+        np.testing.assert_allclose(np.add(one.points, (10, 0, 0)), other.points, atol=1e-14)
         np.testing.assert_array_equal(one.primitives, other.primitives)
 
 

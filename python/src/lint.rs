@@ -1,0 +1,87 @@
+//! What is wrong with a scene.
+
+use std::path::PathBuf;
+
+use firsthit::lint::{KINDS, Kind, LintSettings, Report, lint, save_marked};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::arrays::collected;
+use crate::errors::raise;
+use crate::run::run;
+use crate::scene::Scene;
+
+/// What was found in a scene.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Lint(Report);
+
+/// A place: its object, its primitive and its position.
+type PlaceOut = (i32, Option<i32>, [f64; 3]);
+
+/// A finding: its kind, how many there are, a note, places.
+type FindingOut = (&'static str, u64, String, Vec<PlaceOut>);
+
+#[pymethods]
+impl Lint {
+    /// Looks for all kinds but some.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        scene: &Scene,
+        ignore: Vec<String>,
+        places: usize,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let kinds = ignore.iter().map(|name| Kind::named(name));
+        let ignore = kinds.collect::<firsthit::Result<_>>();
+        let ignore = ignore.map_err(|error| raise(py, &error))?;
+        let settings = LintSettings { ignore, places };
+        run(py, threads, |stop| lint(&scene.0, &settings, stop)).map(Self)
+    }
+
+    /// The findings.
+    fn findings(&self) -> Vec<FindingOut> {
+        let findings = self.0.findings().iter();
+        let made = findings.map(|finding| {
+            let places = finding.places.iter();
+            let places =
+                places.map(|place| (place.object, place.primitive, place.position.to_array()));
+            (
+                finding.kind.name,
+                finding.count,
+                finding.note.clone(),
+                places.collect(),
+            )
+        });
+        made.collect()
+    }
+
+    /// The names of the kinds that were looked for.
+    fn checked(&self) -> Vec<&'static str> {
+        self.0.checked().iter().map(|kind| kind.name).collect()
+    }
+
+    /// Whether each triangle of an object is part of a finding; `None` for an object without a mesh.
+    fn marked<'py>(
+        &self,
+        py: Python<'py>,
+        identifier: usize,
+    ) -> PyResult<Option<Bound<'py, PyArray1<bool>>>> {
+        let Some(marked) = self.0.marked(identifier) else {
+            return Ok(None);
+        };
+        let marked = collected(marked.len(), marked.map(|kind| kind.is_some()))?;
+        Ok(Some(PyArray1::from_vec(py, marked)))
+    }
+
+    /// Writes the meshes of the scene with their faces coloured.
+    fn save(&self, py: Python<'_>, scene: &Scene, path: PathBuf) -> PyResult<()> {
+        run(py, 1, |stop| save_marked(&scene.0, &self.0, path, stop))
+    }
+}
+
+/// Every kind's name and meaning.
+#[pyfunction]
+pub(crate) fn lint_kinds() -> Vec<(&'static str, &'static str)> {
+    KINDS.iter().map(|kind| (kind.name, kind.about)).collect()
+}

@@ -1,0 +1,76 @@
+"""What is wrong with meshes, beside trimesh."""
+
+import pickle
+
+import firsthit as fh
+import numpy as np
+import pytest
+from support import bumpy_sphere
+
+CORNERS = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]
+FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+
+
+def of(points, triangles):
+    scene = fh.Scene()
+    scene.add(fh.Mesh(points, triangles))
+    return scene.lint()
+
+
+def test_clean_and_open_meshes_are_what_trimesh_says():
+    trimesh = pytest.importorskip("trimesh")
+    points, triangles = bumpy_sphere(16, 2)
+    rng = np.random.default_rng(5)
+    for dropped in (0, 1, 9):
+        kept = np.sort(rng.permutation(len(triangles))[dropped:])
+        faces = triangles[kept]
+        other = trimesh.Trimesh(points, faces, process=False)
+        report = of(points, faces)
+        assert report.is_clean == other.is_watertight == (dropped == 0)
+        edges, uses = np.unique(other.edges_sorted, axis=0, return_counts=True)
+        found = {finding.kind: finding.count for finding in report}
+        assert found.get("hole", 0) == np.sum(uses == 1)
+        assert len(edges) > 0
+
+
+def test_findings_have_places():
+    report = of(CORNERS, FACES[:3])
+    (hole,) = report.findings
+    assert (hole.kind, hole.count, hole.note) == ("hole", 3, "around 1 hole")
+    assert hole.places[0] == (0, 0, (0.0, 1.0, 0.0))
+    assert hole.kind in report.kinds
+    assert set(report.checked) == set(report.kinds)
+    np.testing.assert_array_equal(report.marked(0), [True, True, True])
+    assert repr(report) == "LintReport(hole: 3)"
+    with pytest.raises(IndexError):
+        report.marked(1)
+
+
+def test_kinds_are_ignored_by_name():
+    scene = fh.Scene()
+    scene.add(fh.Mesh(CORNERS, FACES[:3]))
+    assert scene.lint(ignore=["hole"]).is_clean
+    assert [len(finding.places) for finding in scene.lint(places=1)] == [1]
+    with pytest.raises(ValueError, match="got leak"):
+        scene.lint(ignore=["leak"])
+    with pytest.raises(TypeError, match="several names"):
+        scene.lint(ignore="hole")
+
+
+def test_files_are_read_and_marked(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    flipped = [*FACES[:3], FACES[3][::-1]]
+    trimesh.Trimesh(CORNERS, flipped, process=False).export(tmp_path / "part.ply")
+    report = fh.lint(tmp_path / "part.ply")
+    assert [(finding.kind, finding.count) for finding in report] == [("winding", 3)]
+    report.save(tmp_path / "marked.ply")
+    marked = trimesh.load(tmp_path / "marked.ply", process=False)
+    np.testing.assert_array_equal(marked.vertices[marked.faces], np.float64(CORNERS)[flipped])
+    assert (marked.visual.face_colors[:, :3] == [230, 200, 20]).all()
+    with pytest.raises(ValueError, match=r"\.ply"):
+        report.save(tmp_path / "marked.stl")
+
+
+def test_reports_pickle():
+    report = of(CORNERS, FACES[:3])
+    assert pickle.loads(pickle.dumps(report)).findings == report.findings
