@@ -153,15 +153,14 @@ fn degenerate_and_duplicate_faces_are_told_apart() {
     points.extend([DVec3::X, points[1]]);
     let mut faces = FACES.to_vec();
     faces.extend([[2, 1, 0], [1, 0, 2], [4, 4, 2], [5, 1, 2]]);
-    let report = one(&points, faces).lint().unwrap();
-    // The second copy is the other way round: edges then have three faces.
-    assert_eq!(
-        said(&report)[..3],
-        [
-            ("non-manifold", 3, ""),
-            ("duplicate", 2, ""),
-            ("degenerate", 2, "")
-        ]
+    let wanted = [("duplicate", 2, ""), ("degenerate", 2, "")];
+    check(&one(&points, faces), &wanted);
+    // A copy the other way round is a face of its own at the edges.
+    let mut faces = FACES.to_vec();
+    faces.push([0, 1, 2]);
+    check(
+        &one(&POINTS, faces),
+        &[("non-manifold", 3, ""), ("duplicate", 1, "")],
     );
     let thin = one(&[DVec3::ZERO, DVec3::X, DVec3::X * 3.0], vec![[0, 1, 2]]);
     assert_eq!(said(&thin.lint().unwrap())[0], ("degenerate", 1, ""));
@@ -191,7 +190,7 @@ fn crossing_solids_in_one_mesh_intersect_themselves() {
     let mut faces = FACES.to_vec();
     faces.extend(FACES.map(|face| face.map(|k| k + 4)));
     let report = one(&points, faces).lint().unwrap();
-    // All but the face x + y + z = 2 of the first go around the second's corner.
+    // The slanted face of the first goes through three faces of the second.
     assert_eq!(said(&report), [("self-intersection", 4, "")]);
     // A flap folded onto its neighbour.
     let fold = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.3, 0.3, 0.0)];

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::support::{Lab, SQUARE};
 
-/// A tetrahedron with an unused vertex; without its last line it has a hole.
+/// A tetrahedron; without its last line it has a hole.
 const TETRAHEDRON: &str =
     "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
