@@ -106,6 +106,7 @@ pub mod lint;
 pub mod load;
 pub mod measure;
 mod memory;
+pub mod nearest;
 #[cfg(feature = "frame")]
 pub mod render;
 #[cfg(feature = "frame")]

@@ -132,6 +132,31 @@ pub(super) const DEPTH: f32 = 24.0 * U;
 /// others, at 0.
 pub(super) const ROUNDED_DEPTH: f32 = 4.0 * U;
 
+// The nearest point.
+
+/// The error of the distance to a box or a triangle, as a share of the largest coordinate of the point and 1 for the
+/// vertices.
+///
+/// Used in `traverse/nearest.rs`. Too small: see `tests/nearest.rs`.
+pub(super) const NEAR: f32 = 10.0 * U;
+
+/// The error of the square of a distance, as a share of it.
+///
+/// Used in `traverse/nearest.rs`. Too small: no test, not even at 0.
+pub(super) const NEAR_SQUARED: f32 = 16.0 * U;
+
+/// The square of the shortest direction that is trusted: below, products leave float32. No bound: any larger number is
+/// safe.
+///
+/// Used in `traverse/nearest.rs`.
+pub(super) const NEAR_LEAST: f32 = 1e-30;
+
+/// Where the largest coordinate is above, every triangle is asked: the squares of squares stay in float32. No bound:
+/// any smaller number is safe.
+///
+/// Used in `traverse/nearest.rs`.
+pub(super) const NEAR_FARTHEST: f64 = (1_u64 << 30) as f64;
+
 // The frustum of a packet.
 
 /// The margin of the planes around a packet, as a share of the reach; four blurs come to it.

@@ -23,6 +23,7 @@ mod filter;
 mod locate8;
 mod mesh_tree;
 mod meshlet;
+mod nearby;
 mod node;
 mod overlap;
 mod rays;
@@ -41,6 +42,7 @@ pub use mesh_tree::MeshTree;
 pub(crate) use meshlet::Meshlet;
 #[cfg(feature = "fhs")]
 pub(crate) use node::Node;
+pub(crate) use nearby::Nearby;
 pub(crate) use rays::enter::product_along;
 pub(crate) use rays::packet::{Packet, RAYS};
 #[cfg(feature = "fhs")]
@@ -58,5 +60,6 @@ pub(crate) use traverse::each::{END, each_candidate};
 pub(crate) use traverse::filtered::FilteredQuery;
 pub(crate) use traverse::first::First;
 pub(crate) use traverse::mesh_packet::{MeshPacket, SettleExactly};
+pub(crate) use traverse::nearest::each_near;
 pub(crate) use traverse::query::{MeshQuery, Sink};
 pub(crate) use traverse::single::{Scratch, query_mesh, query_mesh_filtered};

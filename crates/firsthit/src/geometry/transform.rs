@@ -115,6 +115,15 @@ impl Transform {
         }
     }
 
+    /// An object-space point in the world.
+    #[inline]
+    pub fn point_in_world(&self, point: DVec3) -> DVec3 {
+        if self.is_identity {
+            return point;
+        }
+        self.world_from_object.transform_point3(point)
+    }
+
     /// An object-space normal in the world, of length one.
     ///
     /// It goes by the inverse transpose, not by the cofactors: so a mirrored object keeps its outside.

@@ -36,8 +36,9 @@ pub(crate) use duplicates::Duplicates;
 pub(crate) use stored::SceneParts;
 pub(crate) use top_tree::OnTheWay;
 use top_tree::TopTree;
+pub(crate) use top_tree::{Around, OnTheWay};
 
-use crate::accel::{InstructionSet, MeshTree};
+use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
 use crate::geometry::summary::{Few, summary};
 use crate::geometry::{Bounds, DVec3, Hit, Transform};
@@ -73,6 +74,8 @@ pub struct Scene {
     up: Option<DVec3>,
     /// Made when first asked for.
     fingerprint: OnceLock<String>,
+    /// See [`Scene::first_open_object`]; made when first asked for.
+    first_open: OnceLock<Option<usize>>,
     /// Those of meshes and textures, which all scenes have in common that are this one with objects moved.
     #[cfg(feature = "frame")]
     digests: Arc<OnceLock<fingerprint::Known>>,
@@ -141,6 +144,7 @@ impl Scene {
             has_own_lights: true,
             up: None,
             fingerprint: OnceLock::new(),
+            first_open: OnceLock::new(),
             #[cfg(feature = "frame")]
             digests: Arc::default(),
         })
@@ -332,6 +336,20 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn on_the_way(&self) -> OnTheWay<'_> {
         self.top.on_the_way()
+    }
+
+    /// The first object that is not [closed](Shape::is_closed).
+    pub(crate) fn first_open_object(&self) -> Option<usize> {
+        let find = || {
+            let is_open = |object: &Object| !object.shape().is_closed();
+            self.objects.iter().position(is_open)
+        };
+        *self.first_open.get_or_init(find)
+    }
+
+    /// The objects around a point.
+    pub(crate) fn around(&self, point: DVec3, stack: &mut WalkStack) -> Around<'_> {
+        self.top.around(point, stack)
     }
 
     /// What the trees take in memory, each shared one once.

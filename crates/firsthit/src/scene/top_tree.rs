@@ -2,8 +2,8 @@
 
 use super::Object;
 use super::duplicates::Duplicates;
-use crate::accel::{Bvh, Walk, WalkStack};
-use crate::geometry::{Bounds, Ray};
+use crate::accel::{Bvh, Nearby, Walk, WalkStack};
+use crate::geometry::{Bounds, DVec3, Ray};
 
 /// Up to this many objects are all asked.
 const FEW: usize = 4;
@@ -126,6 +126,34 @@ impl TopTree {
             tree: (self.unconditional.len() < self.boxes.len()).then_some(&self.tree),
             walk: None,
         }
+    }
+}
+
+impl TopTree {
+    /// The objects around a point.
+    pub(super) fn around(&self, point: DVec3, stack: &mut WalkStack) -> Around<'_> {
+        Around {
+            unconditional: &self.unconditional,
+            nearby: self.tree.nearby(point, stack),
+        }
+    }
+}
+
+/// See [`TopTree::around`].
+pub(crate) struct Around<'a> {
+    unconditional: &'a [u32],
+    nearby: Nearby<'a>,
+}
+
+impl Around<'_> {
+    /// The next object of which a point may be at a distance with a square of at most `limit`. From call to call `limit` must
+    /// not grow, and `stack` must be the same.
+    pub(crate) fn next(&mut self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
+        if let Some((&index, rest)) = self.unconditional.split_first() {
+            self.unconditional = rest;
+            return Some(index);
+        }
+        self.nearby.next(limit, stack)
     }
 }
 

@@ -1,11 +1,11 @@
 //! The cone: a round body whose radius changes evenly along its axis.
 
 use super::interval::{Interval, held};
-use super::{Crossing, Surface, sines};
+use super::{Crossing, Nearest, Surface, similarity, sines};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, require, require_finite, unit};
+use crate::geometry::{Bounds, DVec2, DVec3, Ray, Transform, require, require_finite, unit};
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
 /// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
@@ -218,6 +218,45 @@ impl Surface for Cone {
                     unit(across)
                 };
                 self.bottom + (z * self.axis + radius * outwards)
+            }
+        }
+    }
+
+    /// In the half-plane through the axis and the point, the side and the lids are segments.
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+        let Some(scale) = similarity(&place.world_from_object().matrix3) else {
+            return;
+        };
+        let bottom = place.point_in_world(self.bottom);
+        let axis = unit(place.point_in_world(self.top) - bottom);
+        let height = scale * self.height;
+        let [bottom_radius, top_radius] = [self.bottom_radius, self.top_radius].map(|r| scale * r);
+        let at = from - bottom;
+        let z = at.dot(axis);
+        let across = at - z * axis;
+        let r = across.length();
+        // On the axis all directions are equally far.
+        let outwards = if r == 0.0 {
+            axis.any_orthonormal_vector()
+        } else {
+            unit(across)
+        };
+        let mut show = |to: DVec2, primitive| {
+            let squared = (to - DVec2::new(r, z)).length_squared();
+            let point = bottom + (to.y * axis + to.x * outwards);
+            visit(Nearest::apart(squared, point, primitive));
+        };
+        let (low, high) = (
+            DVec2::new(bottom_radius, 0.0),
+            DVec2::new(top_radius, height),
+        );
+        let side = high - low;
+        let share = (DVec2::new(r, z) - low).dot(side) / side.length_squared();
+        show(low + share.clamp(0.0, 1.0) * side, 0);
+        for (lid, primitive) in [(low, 1), (high, 2)] {
+            // A tip is part of the side.
+            if lid.x > 0.0 {
+                show(DVec2::new(r.min(lid.x), lid.y), primitive);
             }
         }
     }

@@ -4,8 +4,8 @@
 //! walking along a ray by that distance (Hart, "Sphere Tracing", The Visual Computer 12, 1996) finds the
 //! first crossing without solving anything.
 
-use super::{Crossing, Shape, Surface};
-use crate::geometry::{Bounds, DVec3, Ray};
+use super::{Crossing, Nearest, Shape, Surface};
+use crate::geometry::{Bounds, DAffine3, DMat3, DQuat, DVec3, Ray, Transform};
 
 /// What a shape brings to be tested.
 pub(super) trait Conforming: Sized {
@@ -362,5 +362,96 @@ fn lines_that_touch_a_round_shape_meet_it_just_inside_and_pass_it_just_outside()
         let beside = |y| shape.intersect(&Ray::new(DVec3::new(-3.0, y, 0.0), DVec3::X));
         assert!(beside(1.0 - 1e-15).is_some(), "{shape:?}");
         assert!(beside(1.0 + 1e-15).is_none(), "{shape:?}");
+    }
+}
+
+/// The nearest point is on the surface, as far away as it says, and as far as the distance that the shape brings; of a
+/// primitive that has it. Under a transform that turns and scales, all is as before, elsewhere and larger.
+#[test]
+fn the_nearest_point_is_at_the_distance() {
+    let turned = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(2.5),
+        DQuat::from_rotation_y(0.7) * DQuat::from_rotation_x(-1.1),
+        DVec3::new(3.0, -8.0, 0.5),
+    );
+    let turned = Transform::new(turned).unwrap();
+    for shape in Shape::examples() {
+        let mut numbers = Numbers(7);
+        for k in 0..2000 {
+            let from = numbers.point([1.0, 4.0, 40.0][k % 3]);
+            let scale = 1.0 + from.length();
+            let nearest = |from: DVec3, place: &Transform| {
+                let mut all = Vec::new();
+                shape.nearest(from, place, &mut |nearest| all.push(nearest));
+                all.into_iter().reduce(Nearest::or).unwrap()
+            };
+            let found = nearest(from, &Transform::IDENTITY);
+            let what = || format!("{shape:?} {from}: {found:?}");
+            let (distance, expected) = (found.squared.sqrt(), shape.distance(from).abs());
+            assert!(
+                (distance - expected).abs() < TOLERANCE * scale,
+                "{}",
+                what()
+            );
+            let on = shape.distance(found.point).abs();
+            assert!(on < TOLERANCE * scale, "{}: {on}", what());
+            let apart = found.point.distance(from);
+            assert!((apart - distance).abs() < TOLERANCE * scale, "{}", what());
+            let onto = shape.onto(found.point, found.primitive);
+            assert!(onto.distance(found.point) < TOLERANCE * scale, "{}", what());
+
+            let elsewhere = nearest(turned.point_in_world(from), &turned);
+            let off = elsewhere.squared.sqrt() - 2.5 * distance;
+            assert!(
+                off.abs() < 4.0 * TOLERANCE * scale,
+                "{}: {elsewhere:?}",
+                what()
+            );
+        }
+    }
+}
+
+/// Under a transform that stretches, the distance is the smallest to many points of the surface, which rays find.
+#[test]
+fn stretched_shapes_are_measured_in_the_world() {
+    let stretch = DMat3::from_cols_array(&[2.0, 0.1, 0.0, -0.5, 0.7, 0.3, 0.0, 0.2, 1.3]);
+    let place = DAffine3::from_mat3_translation(stretch, DVec3::new(0.5, -0.2, 0.1));
+    let place = Transform::new(place).unwrap();
+    for shape in Shape::examples() {
+        if !shape.is_measurable(&place) {
+            shape.nearest(DVec3::ONE, &place, &mut |_| panic!("{shape:?}"));
+            continue;
+        }
+        let mut numbers = Numbers(3);
+        let surface: Vec<DVec3> = rays(&shape)
+            .iter()
+            .filter_map(|ray| Some(place.point_in_world(ray.at(shape.intersect(ray)?.t))))
+            .collect();
+        let mut smallest = f64::INFINITY;
+        for k in 0..100 {
+            let from = numbers.point([1.0, 4.0][k % 2]);
+            let mut found: Option<Nearest> = None;
+            shape.nearest(from, &place, &mut |nearest| {
+                found = Some(found.map_or(nearest, |found| found.or(nearest)));
+            });
+            let found = found.unwrap();
+            let distance = found.squared.sqrt();
+            let seen = surface.iter().map(|point| point.distance(from));
+            let seen = seen.fold(f64::INFINITY, f64::min);
+            assert!(
+                distance <= seen + TOLERANCE,
+                "{shape:?} {from}: {seen} {found:?}"
+            );
+            smallest = smallest.min(seen - distance);
+            // And it is a point of the surface.
+            let back = place.object_from_world().transform_point3(found.point);
+            assert!(
+                shape.distance(back).abs() < 10.0 * TOLERANCE,
+                "{shape:?} {from}: {found:?}"
+            );
+            assert!((found.point.distance(from) - distance).abs() < 10.0 * TOLERANCE);
+        }
+        // Some of the many points are about as near.
+        assert!(smallest < 0.02, "{shape:?}: {smallest}");
     }
 }

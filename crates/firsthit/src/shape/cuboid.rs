@@ -1,11 +1,11 @@
 //! The box along the axes.
 
 use super::interval::{Interval, held};
-use super::{Crossing, Surface};
+use super::{Crossing, Nearest, Surface, nearest_on_triangle};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, require, require_finite};
+use crate::geometry::{Bounds, DVec3, Ray, Transform, require, require_finite};
 
 /// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
 ///
@@ -110,6 +110,31 @@ impl Surface for Cuboid {
             point[face / 2] = [low, high][face % 2][face / 2];
         }
         point.clamp(low, high)
+    }
+
+    /// A face that a transform takes elsewhere is two triangles.
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+        let Bounds { low, high } = self.bounds;
+        for (face, primitive) in (0..6_usize).zip(0..) {
+            let (axis, level) = (face / 2, [low, high][face % 2][face / 2]);
+            if place.is_identity() {
+                let mut point = from.clamp(low, high);
+                point[axis] = level;
+                visit(Nearest::at(point, from, primitive));
+                continue;
+            }
+            let [across, up] = [(axis + 1) % 3, (axis + 2) % 3];
+            let corner = |x: DVec3, y: DVec3| {
+                let mut corner = DVec3::splat(level);
+                (corner[across], corner[up]) = (x[across], y[up]);
+                place.point_in_world(corner)
+            };
+            let around = [(low, low), (high, low), (high, high), (low, high)];
+            let [a, b, c, d] = around.map(|(x, y)| corner(x, y));
+            let first = nearest_on_triangle(from, [a, b, c], primitive);
+            let nearest = first.or(nearest_on_triangle(from, [a, c, d], primitive));
+            visit(Nearest::apart(nearest.squared, nearest.point, primitive));
+        }
     }
 
     #[cfg(feature = "frame")]

@@ -1,10 +1,10 @@
 //! The cylinder: a cone that does not taper.
 
-use super::{Cone, Crossing, Surface};
+use super::{Cone, Crossing, Nearest, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, require_positive};
+use crate::geometry::{Bounds, DVec3, Ray, Transform, require_positive};
 
 /// A round bar with both lids. Its primitives: 0 the side, 1 the bottom, 2 the top.
 ///
@@ -74,6 +74,10 @@ impl Surface for Cylinder {
 
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.cone.onto(point, primitive)
+    }
+
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+        self.cone.nearest(from, place, visit);
     }
 
     #[cfg(feature = "frame")]

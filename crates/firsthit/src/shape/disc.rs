@@ -1,11 +1,12 @@
 //! The disc: a plane within a circle.
 
+use super::nearest::{Nearest, Principal, onto_ellipse, similarity};
 use super::plane::Plane;
 use super::{Crossing, Surface, sines};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, require_positive};
+use crate::geometry::{Bounds, DVec3, Ray, Transform, require_positive};
 
 /// The part of a plane within `radius` of `center`.
 ///
@@ -89,6 +90,40 @@ impl Surface for Disc {
 
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.plane.onto(point, primitive)
+    }
+
+    /// Where the transform stretches, the nearest point of the ellipse that it makes.
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+        let center = place.point_in_world(self.center);
+        let normal = place.normal_in_world(self.facing());
+        let away = from - center;
+        let height = away.dot(normal);
+        let across = away - height * normal;
+        let map = &place.world_from_object().matrix3;
+        let rim = if let Some(scale) = similarity(map) {
+            let (radius, length) = (scale * self.radius, across.length());
+            (length > radius).then(|| radius / length * across)
+        } else {
+            let (x, y) = self.facing().any_orthonormal_pair();
+            let spanned = [x, y, DVec3::ZERO].map(|v| *map * (self.radius * v));
+            let Principal {
+                directions: [x, y, _],
+                lengths: [a, b, _],
+            } = Principal::new(spanned);
+            let at = [x.dot(across), y.dot(across)];
+            let is_beyond = (at[0] / a) * (at[0] / a) + (at[1] / b) * (at[1] / b) > 1.0;
+            is_beyond.then(|| {
+                let [s, t] = onto_ellipse([a, b], at);
+                s * x + t * y
+            })
+        };
+        visit(match rim {
+            None => Nearest::apart(height * height, from - height * normal, 0),
+            Some(rim) => {
+                let squared = height * height + (across - rim).length_squared();
+                Nearest::apart(squared, center + rim, 0)
+            }
+        });
     }
 
     #[cfg(feature = "frame")]

@@ -7,6 +7,7 @@ mod cylinder;
 mod disc;
 mod interval;
 mod mesh;
+mod nearest;
 mod plane;
 mod positions;
 mod property;
@@ -26,6 +27,8 @@ pub use disc::Disc;
 pub use mesh::Mesh;
 #[cfg(feature = "fhs")]
 pub(crate) use mesh::{MeshParts, are_below};
+pub use nearest::Nearest;
+pub(crate) use nearest::{nearest_on_triangle, similarity};
 pub use plane::Plane;
 pub use positions::Positions;
 pub use property::{Property, PropertyOf, PropertyValues};
@@ -35,7 +38,7 @@ pub use crate::memory::Storage;
 
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec2, DVec3, Ray};
+use crate::geometry::{Bounds, DVec2, DVec3, Ray, Transform};
 
 /// Where a ray crosses a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +87,16 @@ pub trait Surface {
     /// The point of the surface that `point` is, but for rounding: off the surface by a few 2^-53 of the shape's
     /// coordinates and size. (Of a mesh, `point` itself: a hit's weights say more.)
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3;
+
+    /// Calls `visit` with the point of each primitive that is nearest to `from`, in the order of the primitives. `from`, those
+    /// points and the distances are in the world, to which `place` takes the shape. Where several points of a primitive
+    /// are equally near, it is one of them, always the same. A shape that [cannot be measured](Shape::is_measurable) there
+    /// has none.
+    ///
+    /// Of a mesh the distance is that to the triangle whose corners are the mesh's, each taken to the world and rounded
+    /// to float64: off by a few units in the last place, or by 2^-98 of the way to the triangle's corners if that is more. Of other
+    /// shapes it is off by a few 2^-53 of the shape's size and the distance.
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest));
 
     /// Adds every number that the shape is made from: two shapes that differ anywhere differ here.
     #[cfg(feature = "frame")]
@@ -142,6 +155,10 @@ macro_rules! shapes {
                 match self { $(Self::$kind(shape) => Surface::onto(shape, point, primitive),)* }
             }
 
+            fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+                match self { $(Self::$kind(shape) => Surface::nearest(shape, from, place, visit),)* }
+            }
+
             #[cfg(feature = "frame")]
             fn digest(&self, digest: &mut Digest) {
                 digest.word(self.name());
@@ -186,6 +203,32 @@ shapes! {
     "cylinder" => Cylinder(Cylinder);
     /// A cone, or a part of one, with its lids.
     "cone" => Cone(Cone);
+}
+
+impl Shape {
+    /// Whether it has an inside: solids have, planes and discs have not, and of meshes those that [are
+    /// closed](Mesh::is_closed).
+    pub fn is_closed(&self) -> bool {
+        match self {
+            // Without memory to find out, it is as good as open.
+            Self::Mesh(mesh) => {
+                !mesh.triangles().is_empty() && mesh.is_closed().unwrap_or(false)
+            }
+            Self::Sphere(_) | Self::Box(_) | Self::Cylinder(_) | Self::Cone(_) => true,
+            Self::Plane(_) | Self::Disc(_) => false,
+        }
+    }
+
+    /// Whether distances to the shape can be measured in the world to which `place` takes it. Cones and cylinders must
+    /// stay round there: a transform must stretch them by the same in all directions.
+    pub fn is_measurable(&self, place: &Transform) -> bool {
+        match self {
+            Self::Cone(_) | Self::Cylinder(_) => {
+                similarity(&place.world_from_object().matrix3).is_some()
+            }
+            _ => true,
+        }
+    }
 }
 
 /// How far a circle of radius one around `normal`, of length one, reaches along each axis: the sine of the

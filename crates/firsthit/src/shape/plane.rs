@@ -1,10 +1,12 @@
 //! The infinite plane.
 
-use super::{Crossing, Surface};
+use super::{Crossing, Nearest, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, require, require_direction, require_finite, unit};
+use crate::geometry::{
+    Bounds, DVec3, Ray, Transform, require, require_direction, require_finite, unit,
+};
 
 /// The infinite plane through a point.
 ///
@@ -87,6 +89,14 @@ impl Surface for Plane {
 
     fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
         point - (point - self.point).dot(self.normal) * self.normal
+    }
+
+    /// A plane stays one under any transform.
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+        let point = place.point_in_world(self.point);
+        let normal = place.normal_in_world(self.normal);
+        let height = (from - point).dot(normal);
+        visit(Nearest::apart(height * height, from - height * normal, 0));
     }
 
     #[cfg(feature = "frame")]

@@ -1,11 +1,12 @@
 //! The sphere.
 
 use super::interval::held;
+use super::nearest::{Nearest, Principal, onto_ellipse, similarity};
 use super::{Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, require_finite, require_positive, unit};
+use crate::geometry::{Bounds, DVec3, Ray, Transform, require_finite, require_positive, unit};
 
 /// All points at `radius` from `center`.
 ///
@@ -92,6 +93,28 @@ impl Surface for Sphere {
 
     fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
         self.center + self.radius * unit(point - self.center)
+    }
+
+    /// Where the transform stretches, the nearest point of the ellipsoid that it makes.
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+        let center = place.point_in_world(self.center);
+        let away = from - center;
+        let map = &place.world_from_object().matrix3;
+        if let Some(scale) = similarity(map) {
+            let (radius, length) = (scale * self.radius, away.length());
+            // From the middle all points are equally far.
+            let outwards = if length == 0.0 { DVec3::X } else { unit(away) };
+            let height = length - radius;
+            return visit(Nearest::apart(
+                height * height,
+                center + radius * outwards,
+                0,
+            ));
+        }
+        let columns = [map.x_axis, map.y_axis, map.z_axis];
+        let ellipsoid = Principal::new(columns.map(|column| self.radius * column));
+        let nearest = onto_ellipse(ellipsoid.lengths, ellipsoid.coordinates(away));
+        visit(Nearest::at(center + ellipsoid.vector(nearest), from, 0));
     }
 
     #[cfg(feature = "frame")]

@@ -15,6 +15,7 @@ mod frustum_leaf;
 mod interleaved;
 mod masked;
 pub(super) mod mesh_packet;
+pub(super) mod nearest;
 pub(super) mod query;
 pub(super) mod single;
 pub(super) mod stack;

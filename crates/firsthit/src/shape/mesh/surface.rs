@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use super::Mesh;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Ray, Transform};
 #[cfg(test)]
 use crate::shape::Positions;
 use crate::shape::triangle::Shear;
-use crate::shape::{Crossing, Surface};
+use crate::shape::{Crossing, Nearest, Surface, nearest_on_triangle};
 
 impl Surface for Arc<Mesh> {
     fn bounds(&self) -> Bounds {
@@ -39,6 +39,15 @@ impl Surface for Arc<Mesh> {
 
     fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
         point
+    }
+
+    fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
+        for (primitive, triangle) in (0..).zip(0..self.triangles.len()) {
+            let corners = self
+                .corners(triangle)
+                .map(|corner| place.point_in_world(corner));
+            visit(nearest_on_triangle(from, corners, primitive));
+        }
     }
 
     #[cfg(feature = "frame")]

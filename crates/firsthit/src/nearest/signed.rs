@@ -1,0 +1,128 @@
+//! Distances with a sign: negative inside.
+//!
+//! A point is inside a closed object if a ray from it crosses the object's surface an odd number of times. Each crossing counts
+//! once, decided as exact arithmetic would ([`All`]), so the sign is exact wherever the ray leads.
+
+use rayon::prelude::*;
+
+use super::{ClosestPoints, Method, Wanted, closest_points_with};
+use crate::error::{Error, Result, escape_controls};
+use crate::geometry::{DVec3, Ray, Rays};
+use crate::memory;
+use crate::scene::Scene;
+use crate::shoot::{All, Cpu, trace_with};
+use crate::watch::Watch;
+
+/// How far each of `points` is from the nearest surface: negative for a point inside any object, positive for one outside of
+/// all, zero on a surface. Where objects overlap, the surface of one within the other counts too. Infinite where
+/// [`closest_point`](super::closest_point) is `None`.
+///
+/// ```
+/// use firsthit::nearest::signed_distances;
+/// use firsthit::{DVec3, Object, Scene, Sphere};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
+/// assert_eq!(signed_distances(&scene, &points, &())?, [-0.75, 2.0]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// [`Error::Argument`] for an object that is not [closed](crate::Shape::is_closed): it has no inside. Those of
+/// [`closest_points`](super::closest_points).
+pub fn signed_distances(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<f64>> {
+    signed_distances_with(Method::default(), scene, points, watch)
+}
+
+/// How many points are done at a time: the crossings of all their rays are in memory at once.
+const PIECE: usize = 1 << 14;
+
+/// [`signed_distances`] by a method of the caller's choice: only times depend on it.
+///
+/// # Errors
+///
+/// Those of [`signed_distances`].
+pub fn signed_distances_with(
+    method: Method,
+    scene: &Scene,
+    points: &[[f64; 3]],
+    watch: &dyn Watch,
+) -> Result<Vec<f64>> {
+    if let Some(open) = scene.first_open_object() {
+        let object = &scene.objects()[open];
+        let (name, shape) = (escape_controls(object.name()), object.shape().name());
+        return Err(Error::argument(
+            "objects",
+            "closed where signed distances are asked",
+            format!("an open one: object {open} ({shape} \"{name}\")"),
+        ));
+    }
+    let mut signed = memory::filled(points.len(), f64::INFINITY)?;
+    for (points, signed) in points.chunks(PIECE).zip(signed.chunks_mut(PIECE)) {
+        let nearest = closest_points_with(method, scene, points, Wanted::default(), watch)?;
+        sign(scene, points, &nearest, signed, watch)?;
+    }
+    Ok(signed)
+}
+
+fn sign(
+    scene: &Scene,
+    points: &[[f64; 3]],
+    nearest: &ClosestPoints,
+    signed: &mut [f64],
+    watch: &dyn Watch,
+) -> Result<()> {
+    let is_inside = are_inside(scene, points, watch)?;
+    let all = signed.par_iter_mut().zip(&nearest.distance).zip(is_inside);
+    all.for_each(|((signed, &distance), is_inside)| {
+        // On a surface it is neither: no negative zero.
+        let is_negative = is_inside && distance > 0.0 && distance < f64::INFINITY;
+        *signed = if is_negative { -distance } else { distance };
+    });
+    Ok(())
+}
+
+/// Along no axis, no diagonal and no plane that drawings like; with few digits, so that it is itself in float32 too.
+const DIRECTION: DVec3 = DVec3::new(0.4375, 0.625, 0.65625);
+
+/// The rays of points.
+struct FromPoints<'a>(&'a [[f64; 3]]);
+
+impl Rays for FromPoints<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        Ray::new(DVec3::from(self.0[index]), DIRECTION)
+    }
+}
+
+/// Whether each point is inside any object, all of which are closed.
+fn are_inside(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<bool>> {
+    /// Progress is told of distances alone.
+    struct Quiet<'a>(&'a dyn Watch);
+    impl Watch for Quiet<'_> {
+        fn is_stopped(&self) -> bool {
+            self.0.is_stopped()
+        }
+    }
+    let engine = Cpu::default();
+    let crossings = trace_with(
+        &engine,
+        scene,
+        &FromPoints(points),
+        All::default(),
+        &Quiet(watch),
+    )?;
+    let mut objects = Vec::new();
+    let is_inside = |range: &[usize]| {
+        objects.clear();
+        objects.extend_from_slice(&crossings.hits.object[range[0]..range[1]]);
+        objects.sort_unstable();
+        let mut each = objects.chunk_by(|a, b| a == b);
+        each.any(|of_one| of_one.len() % 2 == 1)
+    };
+    Ok(crossings.offsets.windows(2).map(is_inside).collect())
+}
