@@ -34,7 +34,7 @@ impl Scaled {
 
 /// Two to the power of `exponent`.
 #[expect(clippy::cast_sign_loss, reason = "small exponents")]
-const fn power(exponent: i32) -> f64 {
+pub(crate) const fn power(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 

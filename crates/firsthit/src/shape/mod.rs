@@ -94,8 +94,9 @@ pub trait Surface {
     /// has none.
     ///
     /// Of a mesh the distance is that to the triangle whose corners are the mesh's, each taken to the world and rounded
-    /// to float64: off by a few units in the last place, or by 2^-98 of the way to the triangle's corners if that is more. Of other
-    /// shapes it is off by a few 2^-53 of the shape's size and the distance.
+    /// to float64: off by a few units in the last place, or by 2^-90 of the way to the triangle's corners if that is more. A
+    /// triangle that is thinner than 2^-50 of its longest edge counts as its edges. Of other shapes the distance is off by a few
+    /// 2^-53 of the shape's size and of itself.
     fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest));
 
     /// Adds every number that the shape is made from: two shapes that differ anywhere differ here.

@@ -19,8 +19,11 @@
 //! - The height is off by 3 times the way to the corner, and by the normal's tilt times that way. Step 2 takes float64
 //!   where the way times the edges' lengths is at most 4 times their triple product: then the height is off by less than
 //!   40 times itself, and mostly by less than 4.
-//! - In twice the digits the normal is off by 2^-102 of the product of the lengths. A triangle that is thinner than 2^-50 of its
-//!   longest edge (`THIN`) has no inside: its edges are at most that far away.
+//! - In twice the digits the normal is off by 2^-102 of the product of its edges' lengths. The height is off by as much of the way
+//!   to the corner, divided by the sine between the edges; by less than 2^-90 of the way. Where the sine may be less than
+//!   2^-10 (`NARROW`) the triple product comes from a determinant without rounding.
+//! - A triangle that is thinner than 2^-50 of its longest edge (`THIN`) has no inside: its edges are at most that far
+//!   away.
 
 #![allow(
     clippy::inline_always,
@@ -31,6 +34,7 @@ use super::Nearest;
 use super::segment::{apart, nearest_on_segment};
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, cross, dot};
+use crate::geometry::exact::{Scaled, determinant, power};
 use crate::geometry::{DVec2, DVec3};
 
 /// See the error bounds.
@@ -38,6 +42,9 @@ const SIDE: f64 = 14.0 * f64::EPSILON;
 
 /// The square of 2^-50.
 const THIN: f64 = 1.0 / (1_u128 << 100) as f64;
+
+/// The square of 2^-10.
+const NARROW: f64 = 1.0 / (1_u64 << 20) as f64;
 
 /// The bits of a float64 that hold its exponent.
 const EXPONENT: u64 = 0x7ff << 52;
@@ -167,7 +174,14 @@ fn height_exactly(from: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Height> {
     if u < 0.0 || v < 0.0 || w < 0.0 {
         return None;
     }
-    let way = dot(Scalar, &apart(a, from), &normal).high;
+    let ways = [apart(a, from), apart(b, from), apart(c, from)];
+    let way = if length > NARROW * longest * longest {
+        dot(Scalar, &ways[0], &normal).high
+    } else {
+        let [p, q, r] = [0, 1, 2].map(|k| Scaled::new(&ways[k]));
+        // It comes times 2^900.
+        determinant(&p, &q, &r).high / power(900) * p.unit * q.unit * r.unit
+    };
     let sum = u + v + w;
     let weights = DVec2::new((v / sum).min(1.0), (w / sum).min(1.0));
     let distance = way / length.sqrt();
