@@ -25,6 +25,7 @@ from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._lint import Finding, LintReport, Place
 from ._load import lint, load, open  # noqa: A004 - fh.open
 from ._material import Material, Texture
+from ._nearest import ClosestPoints
 from ._object import Object
 from ._render import render
 from ._scene import Scene
@@ -39,6 +40,7 @@ __all__ = [
     "AllHits",
     "Box",
     "Camera",
+    "ClosestPoints",
     "Cone",
     "Cylinder",
     "DirectionalLight",

@@ -17,6 +17,7 @@ __all__ = [
     "channel_names",
     "check_material",
     "check_transform",
+    "closest_points",
     "count",
     "defaults",
     "instruction_set",
@@ -36,6 +37,7 @@ __all__ = [
     "shoot",
     "shoot_all",
     "shoot_camera",
+    "signed_distances",
     "srgb_levels",
     "version",
     "write",
@@ -244,6 +246,22 @@ def occluded(
 def count(
     scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.uint32], report: _Report | None
 ) -> None: ...
+def closest_points(
+    scene: Scene,
+    points: npt.NDArray[np.float64],
+    wanted: tuple[int, float],
+    threads: int,
+    report: _Report | None,
+) -> tuple[
+    npt.NDArray[np.float64],
+    npt.NDArray[np.int32],
+    npt.NDArray[np.int32],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+]: ...
+def signed_distances(
+    scene: Scene, points: npt.NDArray[np.float64], threads: int, report: _Report | None
+) -> npt.NDArray[np.float64]: ...
 def channel(
     scene: Scene,
     name: str,

@@ -13,6 +13,7 @@ mod frame;
 mod lint;
 mod load;
 mod material;
+mod nearest;
 mod run;
 mod scene;
 mod section;
@@ -36,6 +37,8 @@ mod _firsthit {
     use crate::load::{load, open, save};
     #[pymodule_export]
     use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
+    #[pymodule_export]
+    use crate::nearest::{closest_points, signed_distances};
     #[pymodule_export]
     use crate::scene::{Scene, check_transform};
     #[pymodule_export]

@@ -16,7 +16,7 @@ use crate::run::{guarded, report_done, run_reported};
 use crate::scene::Scene;
 
 /// Fewer rays than this are done at once: making threads would take longer.
-const FEW: usize = 512;
+pub(crate) const FEW: usize = 512;
 
 /// The first hits of rays in arrays, written to `out`. Where there is memory in `copies`, the rays are copied there
 /// first: what they met belongs to the copy, whatever becomes of the arrays meanwhile and later.

@@ -27,6 +27,8 @@ pub(crate) enum Command {
     Shoot(ShootArgs),
     /// Build the trees of a 3D file, and save it all as a .fhs file, which opens in milliseconds.
     Build(BuildArgs),
+    /// Find the nearest points of a 3D file, and how far away they are.
+    Nearest(NearestArgs),
     /// Show what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
     /// Compare two outputs, channel by channel.
@@ -270,6 +272,33 @@ pub(crate) struct BuildArgs {
     /// Where to write: a name that ends in .fhs [default: the file's name with .fhs]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::NEAREST_EXAMPLES)]
+pub(crate) struct NearestArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    /// The points: .npy, .npz or .csv, or - for standard input
+    pub(crate) points: PathBuf,
+    /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points); may be given several times
+    /// [default: standard output, as CSV]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// How many nearest points each point gets, each of another object or primitive; a channel says for which point
+    /// each is [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
+    pub(crate) count: Option<u32>,
+    /// The largest distance that counts, itself included [default: inf]
+    #[arg(long, value_name = "LENGTH", value_parser = values::tolerance, allow_hyphen_values = true)]
+    pub(crate) radius: Option<f64>,
+    /// Make distances negative inside. All objects must be closed
+    #[arg(long, conflicts_with_all = ["count", "radius"])]
+    pub(crate) signed: bool,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]

@@ -14,13 +14,14 @@ Examples:
   firsthit render scene.toml            the outputs that a scene file asks for
   firsthit shoot part.stl rays.npy -o hits.npz
   firsthit build city.glb               city.fhs, which opens in milliseconds
+  firsthit nearest part.stl points.npy  the nearest points of the surface
   firsthit info part.stl --json         what is in the file
   firsthit info all.npz                 its channels, camera and scene
   firsthit diff all.npz again.exr       whether two outputs are the same
   firsthit section part.stl --normal 0,0,1 -o cut.svg
   firsthit lint part.stl                whether it has holes, flipped faces, ...
 
-With --json, render, shoot, section, lint, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, section, lint, build, nearest, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -70,6 +71,17 @@ Examples:
 A .fhs file is mapped into memory as it is, with its trees: opening it takes milliseconds, and programs that have it open at \
 the same time share its memory. Rays meet the same things to the bit. It holds objects, materials, textures, cameras, lights and \
 names, but not the outputs that a scene file asks for. Do not change it in place while it is open; build replaces it.";
+
+pub(crate) const NEAREST_EXAMPLES: &str = "\
+Examples:
+  firsthit nearest part.stl points.npy -o nearest.npz
+  firsthit nearest part.stl points.csv --signed
+  firsthit nearest part.stl points.npy --count 4 --radius 0.5 -o near.csv
+  echo 0,0,10 | firsthit nearest part.stl -
+
+Points are an array of shape (n, 3); as .npy, as .npz with the entry points, or as .csv with three numbers in a \
+line. The channels are distance, object, primitive, position and barycentric; with --count there is also point, the number of the \
+point in the input, from 0.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

@@ -5,11 +5,20 @@ use std::ops::Range;
 
 use firsthit::image::{Data, Frame};
 
+use crate::failure::Failure;
+
 /// One line for each ray, after a header; a channel of several numbers makes several columns.
 pub(crate) fn write_csv(frame: &Frame, out: &mut dyn Write) -> io::Result<()> {
     write_header(frame, out)?;
     let count: usize = frame.shape().iter().product();
     write_rows(frame, 0..count, out)
+}
+
+/// Writes all lines to standard output.
+pub(crate) fn stream_csv(frame: &Frame) -> Result<(), Failure> {
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    let written = write_csv(frame, &mut out).and_then(|()| out.flush());
+    written.map_err(|error| Failure::stdout(&error))
 }
 
 /// The names of the columns.

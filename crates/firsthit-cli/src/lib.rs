@@ -77,6 +77,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Render(args) => commands::render::run(&args, &interrupted),
         Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
         Command::Build(args) => commands::build::run(&args, &interrupted),
+        Command::Nearest(args) => commands::nearest::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Diff(args) => commands::diff::run(&args),
         Command::Section(args) => commands::section::run(&args, &interrupted),

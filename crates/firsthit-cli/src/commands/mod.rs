@@ -9,6 +9,7 @@ pub(crate) mod info_looks;
 mod info_output;
 pub(crate) mod lint;
 mod listing;
+pub(crate) mod nearest;
 pub(crate) mod render;
 pub(crate) mod schema;
 pub(crate) mod section;

@@ -1,4 +1,3 @@
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -16,7 +15,7 @@ use crate::args::{ShootArgs, StreamFormat};
 use crate::asked;
 use crate::console::{counted, end_report, report_beside_data, say, warn};
 use crate::failure::Failure;
-use crate::hits_csv::write_csv;
+use crate::hits_csv::stream_csv;
 use crate::loading::{self, Loaded, with_threads};
 use crate::output::{self, Target};
 use crate::progress::Progress;
@@ -242,10 +241,6 @@ fn stream(frame: &Frame, format: StreamFormat) -> Result<(), Failure> {
     match format {
         StreamFormat::Npy => output::stream(frame, "npy"),
         StreamFormat::Npz => output::stream(frame, "npz"),
-        StreamFormat::Csv => {
-            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            let written = write_csv(frame, &mut out).and_then(|()| out.flush());
-            written.map_err(|error| Failure::stdout(&error))
-        }
+        StreamFormat::Csv => stream_csv(frame),
     }
 }

@@ -113,8 +113,22 @@ pub(crate) fn read(
             "origins and directions are the same file; rays of shape (n, 6) need no second one",
         ));
     }
-    let tables = load(rays)?;
+    let tables = load(rays, "rays")?;
     arrays(tables, (rays, directions), (t_min, t_max))
+}
+
+/// Reads points from a file, `-` being standard input.
+pub(crate) fn read_points(path: &Path) -> Result<Triples, Failure> {
+    let tables = load(path, "points")?;
+    match &tables[..] {
+        [table] if table.columns == 3 || table.values.is_empty() => Ok(table.triples(0)),
+        tables => {
+            let columns = tables.iter().map(|table| table.columns.to_string());
+            let columns = columns.collect::<Vec<_>>().join(" and ");
+            let what = format!("points must be one array of 3 columns, got columns: {columns}");
+            Err(bad(path, &what))
+        }
+    }
 }
 
 /// [`read`] where the bytes of standard input are there already.
@@ -123,7 +137,7 @@ pub(crate) fn read_bytes(
     ends: (Option<f64>, Option<f64>),
 ) -> Result<RayArrays, Failure> {
     let rays = Path::new("-");
-    let tables = tables(bytes).map_err(|what| bad(rays, &what))?;
+    let tables = tables(bytes, "rays").map_err(|what| bad(rays, &what))?;
     arrays(tables, (rays, None), ends)
 }
 
@@ -133,7 +147,7 @@ fn arrays(
     (t_min, t_max): (Option<f64>, Option<f64>),
 ) -> Result<RayArrays, Failure> {
     if let Some(path) = directions {
-        tables.extend(load(path)?);
+        tables.extend(load(path, "rays")?);
     }
     let (origins, directions) = origins_and_directions(&tables).map_err(|what| bad(rays, &what))?;
     Ok(RayArrays {
@@ -166,9 +180,10 @@ fn origins_and_directions(tables: &[Table]) -> Result<(Triples, Triples), String
     }
 }
 
-fn load(path: &Path) -> Result<Vec<Table>, Failure> {
+/// The arrays in a file; `alone` is what the one is called in an archive that is all that is wanted.
+fn load(path: &Path, alone: &str) -> Result<Vec<Table>, Failure> {
     let bytes = bytes(path).map_err(|error| bad(path, &error))?;
-    tables(bytes).map_err(|what| bad(path, &what))
+    tables(bytes, alone).map_err(|what| bad(path, &what))
 }
 
 fn bad(path: &Path, what: &dyn Display) -> Failure {
@@ -193,11 +208,11 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// The arrays in a file, whose kind its first bytes tell.
-fn tables(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
+fn tables(bytes: Vec<u8>, alone: &str) -> Result<Vec<Table>, String> {
     if bytes.starts_with(NPY) {
         Ok(vec![npy::npy(&bytes)?])
     } else if bytes.starts_with(NPZ) {
-        npy::npz(bytes)
+        npy::npz(bytes, alone)
     } else {
         Ok(vec![csv::csv(&bytes)?])
     }

@@ -11,7 +11,7 @@ use super::Table;
 const MOST_BYTES: u64 = 1 << 32;
 
 /// The arrays in an archive: origins and directions, or both in one.
-pub(super) fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
+pub(super) fn npz(bytes: Vec<u8>, alone: &str) -> Result<Vec<Table>, String> {
     let mut archive =
         zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let names: Vec<String> = archive
@@ -34,8 +34,14 @@ pub(super) fn npz(bytes: Vec<u8>) -> Result<Vec<Table>, String> {
         }
         npy(&bytes).map_err(|error| format!("{name}: {error}"))
     };
-    if let Some(rays) = pick(&["rays"]) {
+    if let Some(rays) = pick(&[alone]) {
         return Ok(vec![table(&rays)?]);
+    }
+    if alone != "rays" {
+        return Err(format!(
+            "expected the entry {alone}; got {}",
+            crate::console::in_words(names.into_iter())
+        ));
     }
     let origins = pick(&["origins", "origin"]);
     let directions = pick(&["directions", "direction", "dir"]);

@@ -41,6 +41,9 @@ fn every_command_says_what_it_did_in_one_object() {
     let shot = said("shoot square.ply rays.csv -o hits.npz --json");
     assert_eq!((&shot["rays"], &shot["hits"]), (&2.into(), &1.into()));
     assert_eq!(shot["outputs"][0]["file"], "hits.npz");
+    lab.write("points.csv", "0,0,1\n0,0,nan\n");
+    let near = said("nearest square.ply points.csv -o near.npz --json");
+    assert_eq!((&near["points"], &near["found"]), (&2.into(), &1.into()));
     assert_eq!(said("info square.ply --json")["triangles"], 2);
     assert_eq!(said("info a.exr --json")["format"], "exr");
     assert_eq!(said("diff a.exr a.exr --json")["equal"], true);

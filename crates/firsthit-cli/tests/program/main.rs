@@ -20,6 +20,7 @@ mod json;
 mod legend;
 mod lines;
 mod lint;
+mod nearest;
 mod outputs;
 mod rays;
 mod scene_file;

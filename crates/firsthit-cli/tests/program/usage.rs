@@ -2,9 +2,10 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 8] = [
+const COMMANDS: [&str; 9] = [
     "render",
     "shoot",
+    "nearest",
     "section",
     "lint",
     "build",
@@ -208,6 +209,7 @@ fn the_version_can_be_asked_of_every_command() {
         "render",
         "shoot",
         "build",
+        "nearest",
         "info",
         "diff",
         "section",

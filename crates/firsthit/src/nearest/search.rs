@@ -68,8 +68,8 @@ pub(super) fn fill(
     };
     let parts = parts(answers, size, wanted.count);
     let batches = points.chunks(size).zip(parts);
-    if points.len() <= size {
-        // Few points need no other thread.
+    if points.len() <= BATCH {
+        // Few points need no other thread. (In Python there is then no pool.)
         return batches.map(search).collect();
     }
     let batches: Vec<_> = batches.collect();

@@ -3,8 +3,6 @@
 //! A point is inside a closed object if a ray from it crosses the object's surface an odd number of times. Each crossing counts
 //! once, decided as exact arithmetic would ([`All`]), so the sign is exact wherever the ray leads.
 
-use rayon::prelude::*;
-
 use super::{ClosestPoints, Method, Wanted, closest_points_with};
 use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{DVec3, Ray, Rays};
@@ -74,12 +72,12 @@ fn sign(
     watch: &dyn Watch,
 ) -> Result<()> {
     let is_inside = are_inside(scene, points, watch)?;
-    let all = signed.par_iter_mut().zip(&nearest.distance).zip(is_inside);
-    all.for_each(|((signed, &distance), is_inside)| {
+    let all = signed.iter_mut().zip(&nearest.distance).zip(is_inside);
+    for ((signed, &distance), is_inside) in all {
         // On a surface it is neither: no negative zero.
         let is_negative = is_inside && distance > 0.0 && distance < f64::INFINITY;
         *signed = if is_negative { -distance } else { distance };
-    });
+    }
     Ok(())
 }
 

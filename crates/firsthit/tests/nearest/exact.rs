@@ -134,7 +134,7 @@ fn distances_are_off_by_a_few_units_in_the_last_place() {
         let (exactly, here) = (zeros(v, w), zeros(found.barycentric.x, found.barycentric.y));
         let least = v.min(w).min(1.0 - v - w);
         let is_inside = !exactly.contains(&true);
-        if is_inside && least > 1e-6 && off <= negligible {
+        if is_inside && least > 1e-6 && !is_thin {
             assert_eq!(here, exactly, "{k} {of_mesh:?} {from}: {found:?} {v} {w}");
         }
         regions[exactly.iter().filter(|&&zero| zero).count().min(2)] += 1;

@@ -1,0 +1,199 @@
+"""The nearest points of a scene."""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import numbers, plain, threads_or_all
+from ._progress import following
+from ._traceable import Traceable
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._types import Progress
+
+
+class ClosestPoints(NamedTuple):
+    """The nearest points of a scene, as arrays.
+
+    Their shape is that of the points, and with ``k`` they have one more axis of that length, the
+    nearest first. Where there is none, the distance is ``inf``, the identifiers are ``-1``, and the
+    rest is ``nan``.
+
+    Attributes
+    ----------
+    point : (..., 3) array of float
+        Where the nearest points are, in world space.
+    distance : (...) array of float
+        How far away they are.
+    object, primitive : (...) array of int32
+        The object, and which part of it: a mesh's triangle, a box's face, ...
+    barycentric : (..., 3) array of float
+        The weights of a triangle's corners 0, 1 and 2; ``nan`` on other shapes.
+    """
+
+    point: npt.NDArray[np.float64]
+    distance: npt.NDArray[np.float64]
+    object: npt.NDArray[np.int32]
+    primitive: npt.NDArray[np.int32]
+    barycentric: npt.NDArray[np.float64]
+
+
+class NearestQueries(Traceable):
+    """The part of `Scene` that measures distances."""
+
+    def closest_point(
+        self,
+        points: npt.ArrayLike,
+        *,
+        k: int | None = None,
+        radius: float = math.inf,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> ClosestPoints:
+        """Find the points of the scene that are nearest to points.
+
+        Distances are those of world space, also to objects whose transforms stretch. At the same
+        distance the lower (object, primitive) is nearer: the squares of the distances are compared,
+        as float64. The distance to a mesh is off by a few units in the last place; that to other
+        shapes by a few 2^-53 of the shape's size. What a material cuts out is measured like any
+        other surface.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like
+            Points in world space. Those that are not finite, or farther than 1e150 away, have no
+            answer.
+        k : int, optional
+            Find that many for each point, each of another (object, primitive), in order.
+        radius : float
+            The largest distance that counts, itself included.
+        threads : int, optional
+            How many threads to use; all cores if left out. The answers are the same.
+        progress : bool or callable, optional
+            As for `shoot`, in points.
+
+        Returns
+        -------
+        ClosestPoints
+            With ``k`` its arrays have one more axis.
+
+        Raises
+        ------
+        ValueError
+            For arrays of a wrong shape or type, a ``k`` below 1, a ``radius`` that is negative or
+            NaN, and for a cone or a cylinder whose transform does not stretch by the same in all
+            directions.
+        MemoryError
+            If the answers do not fit into memory.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> nearest = scene.closest_point([[0, 0, 3], [0, 0.5, 0]])
+        >>> nearest.distance
+        array([2. , 0.5])
+        >>> nearest.point
+        array([[0., 0., 1.],
+               [0., 1., 0.]])
+        """
+        shape, flat = _flat(points)
+        use = threads_or_all(threads)
+        count = 1 if k is None else _count(k)
+        within = _radius(radius)
+        with following(progress, len(flat)) as report:
+            distance, identifiers, primitive, point, weights = _firsthit.closest_points(
+                self._native(), flat, (count, within), use, report
+            )
+        shape = shape if k is None else (*shape, count)
+        second, third = weights.reshape(-1, 2).T
+        barycentric = np.column_stack((1.0 - second - third, second, third))
+        return ClosestPoints(
+            point.reshape(*shape, 3),
+            distance.reshape(shape),
+            identifiers.reshape(shape),
+            primitive.reshape(shape),
+            barycentric.reshape(*shape, 3),
+        )
+
+    def signed_distance(
+        self,
+        points: npt.ArrayLike,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.float64]:
+        """Measure how far points are from the nearest surface, negative inside.
+
+        A point is inside if it is inside any object. The sign is exact: it is the parity of the
+        crossings of a ray, as `count` counts them. Where objects overlap, the surface of one within
+        the other counts too.
+
+        Parameters
+        ----------
+        points, threads, progress
+            As for `closest_point`.
+
+        Returns
+        -------
+        (...) array of float
+            The distances: 0 on a surface, ``inf`` where there is none.
+
+        Raises
+        ------
+        ValueError
+            For an object that is not closed, and for what `closest_point` raises it.
+        MemoryError
+            If the answers do not fit into memory.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> scene.signed_distance([[0, 0, 3], [0, 0.75, 0]])
+        array([ 2.  , -0.25])
+        """
+        shape, flat = _flat(points)
+        use = threads_or_all(threads)
+        with following(progress, len(flat)) as report:
+            signed = _firsthit.signed_distances(self._native(), flat, use, report)
+        return signed.reshape(shape)
+
+
+def _flat(points: npt.ArrayLike) -> tuple[tuple[int, ...], npt.NDArray[np.float64]]:
+    """Return the points' shape, and them as C-contiguous float64 of shape (n, 3)."""
+    array = numbers("points", points)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
+    return array.shape[:-1], plain(array.reshape(-1, 3))
+
+
+def _count(k: int) -> int:
+    try:
+        count = operator.index(k)
+    except TypeError:
+        raise ValueError(f"k must be a whole number, got {k!r}") from None
+    if not 1 <= count < 2**31:
+        raise ValueError(f"k must be at least 1, and below 2**31, got {count}")
+    return count
+
+
+def _radius(radius: float) -> float:
+    try:
+        within = float(radius)
+    except (TypeError, ValueError):
+        raise ValueError(f"radius must be a number, got {radius!r}") from None
+    if not within >= 0:
+        raise ValueError(f"radius must be zero or positive, got {radius!r}")
+    return within

@@ -1,0 +1,79 @@
+//! The nearest points of a scene.
+
+use firsthit::nearest::{ClosestPoints, Wanted, closest_points as find, signed_distances as sign};
+use firsthit::watch::Watch;
+use numpy::{PyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::not_contiguous;
+use crate::errors::raise;
+use crate::run::{guarded, report_done, run_reported};
+use crate::scene::Scene;
+use crate::shoot::FEW;
+
+/// Distance, object and primitive, and the coordinates of points and of the weights of corners 1 and 2, flat.
+type Found<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
+/// The points of the scene that are nearest to each of `points`, C-contiguous of shape (n, 3).
+#[pyfunction]
+pub(crate) fn closest_points<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    points: PyReadonlyArray2<'py, f64>,
+    wanted: (usize, f64),
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<Found<'py>> {
+    let points = points.as_slice().map_err(not_contiguous)?.as_chunks().0;
+    let (count, radius) = wanted;
+    let wanted = Wanted { count, radius };
+    let work = |watch: &dyn Watch| find(&scene.0, points, wanted, watch);
+    let is_few = points.len().saturating_mul(count) < FEW;
+    let found: ClosestPoints = answered(py, (points.len(), is_few), threads, report, work)?;
+    Ok((
+        PyArray1::from_vec(py, found.distance),
+        PyArray1::from_vec(py, found.object),
+        PyArray1::from_vec(py, found.primitive),
+        PyArray1::from_vec(py, found.point.into_flattened()),
+        PyArray1::from_slice(py, bytemuck::cast_slice(&found.barycentric)),
+    ))
+}
+
+/// How far each of `points` is from the scene, negative inside.
+#[pyfunction]
+pub(crate) fn signed_distances<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    points: PyReadonlyArray2<'py, f64>,
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let points = points.as_slice().map_err(not_contiguous)?.as_chunks().0;
+    let work = |watch: &dyn Watch| sign(&scene.0, points, watch);
+    let is_few = points.len() < FEW;
+    let signed = answered(py, (points.len(), is_few), threads, report, work)?;
+    Ok(PyArray1::from_vec(py, signed))
+}
+
+/// Does work for so many points; for few by the calling thread alone.
+fn answered<T: Send>(
+    py: Python<'_>,
+    (points, is_few): (usize, bool),
+    threads: usize,
+    report: Option<Bound<'_, PyAny>>,
+    work: impl Fn(&dyn Watch) -> firsthit::Result<T> + Send + Sync,
+) -> PyResult<T> {
+    let report = report.as_ref();
+    if is_few {
+        let answers = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
+        report_done(report, points)?;
+        return Ok(answers);
+    }
+    run_reported(py, threads, report, |stop| work(stop))
+}
