@@ -67,13 +67,13 @@ pub(super) fn fill(
         result
     };
     let parts = parts(answers, size, wanted.count);
-    let batches = points.chunks(size).zip(parts);
+    let mut batches = points.chunks(size).zip(parts);
     if points.len() <= BATCH {
         // Few points need no other thread. (In Python there is then no pool.)
-        return batches.map(search).collect();
+        return batches.try_for_each(search);
     }
     let batches: Vec<_> = batches.collect();
-    batches.into_par_iter().map(search).collect()
+    batches.into_par_iter().try_for_each(search)
 }
 
 /// The answers of `size` points at a time.
@@ -172,8 +172,7 @@ impl Kernel for Batch<'_> {
                 }
                 let memory = (&mut scratch, &mut stack);
                 l.call(Point(self.scene, point, &mut self.best, memory));
-                // (Not for what is NaN.)
-                if hint < f64::INFINITY && !(self.best.least() <= hint) {
+                if hint < f64::INFINITY && self.best.least() > hint {
                     self.best.start(f64::INFINITY);
                     let memory = (&mut scratch, &mut stack);
                     l.call(Point(self.scene, point, &mut self.best, memory));

@@ -106,8 +106,8 @@ fn distances_are_off_by_a_few_units_in_the_last_place() {
         let edges = [minus(&b, &a), minus(&c, &a), minus(&c, &b)];
         let longest = edges.iter().map(|edge| dot(edge, edge)).max().unwrap();
         let normal = cross(&edges[0], &edges[1]);
-        let is_thin = dot(&normal, &normal) < &longest * &longest * number(2.0_f64.powi(-99));
-        let lost = number(size * 2.0_f64.powi(if is_thin { -49 } else { -90 }));
+        let is_thin = dot(&normal, &normal) < &longest * &longest * number(1.6e-30);
+        let lost = number(size * if is_thin { 1.8e-15 } else { 8.1e-28 });
         let negligible = (&distance + &distance + &lost) * &lost;
         if off > negligible {
             let ulps = ((&off - &negligible) / &squared).to_f64().unwrap() / f64::EPSILON;

@@ -164,8 +164,9 @@ fn height_exactly(from: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Height> {
     let [longest, ..] = [&ab, &bc, &ca].map(|edge| dot(Scalar, edge, edge).high);
     let others = [&bc, &ca].map(|edge| dot(Scalar, edge, edge).high);
     let longest = longest.max(others[0]).max(others[1]);
-    // Written so that a NaN has no inside.
-    if !(length > THIN * longest * longest) {
+    // Not where it is NaN.
+    let has_inside = length > THIN * longest * longest;
+    if !has_inside {
         return None;
     }
     let side = |end: DVec3, edge| dot(Scalar, &normal, &cross(Scalar, &apart(end, from), edge));
