@@ -34,7 +34,6 @@ pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
 pub(crate) use duplicates::Duplicates;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::SceneParts;
-pub(crate) use top_tree::OnTheWay;
 use top_tree::TopTree;
 pub(crate) use top_tree::{Around, OnTheWay};
 

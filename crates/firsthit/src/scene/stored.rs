@@ -74,6 +74,7 @@ impl Scene {
             trees,
             top,
             bounds: OnceLock::from(bounds),
+            first_open: OnceLock::new(),
             lights: Vec::new(),
             has_own_lights: true,
             up: None,

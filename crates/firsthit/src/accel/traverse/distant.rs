@@ -123,7 +123,7 @@ mod tests {
                 l,
                 &mut Scratch::new(),
                 (self.0, self.1),
-                (&self.2, false),
+                (&self.2, 0.0, false),
                 |_, t_max| {
                     count += 1;
                     t_max
