@@ -6,7 +6,7 @@ use crate::support::Lab;
 
 /// A model with cameras and lights around it, in a scene file.
 const SCENE: &str = "\
-[camera]\nview = \"front\"\ncolumns = 24\nrows = 16\n[[objects]]\nfile = \"square.ply\"\ncolor = \"teal\"\n\
+[camera]\nposition = [0.5, -4, 2]\nlook_at = [0.5, 0.5, 0]\ncolumns = 24\nrows = 16\n[[objects]]\nfile = \"square.ply\"\ncolor = \"teal\"\n\
 rotate = { axis = [1, 0, 0], degrees = 60 }\n[[objects]]\nshape = \"sphere\"\ncenter = [0.5, 0, 0.5]\nradius = 0.25\n\
 [[lights]]\nkind = \"point\"\nposition = [0, -3, 4]\nintensity = [9, 9, 9]\n[shading]\nsamples = 2\n";
 
