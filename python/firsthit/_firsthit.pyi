@@ -9,8 +9,10 @@ from ._types import AlphaMode, Projection, RayStart, ShaderName
 
 __all__ = [
     "Camera",
+    "Lint",
     "Mesh",
     "Scene",
+    "Section",
     "Shape",
     "Texels",
     "channel",
@@ -21,6 +23,7 @@ __all__ = [
     "count",
     "defaults",
     "instruction_set",
+    "lint_kinds",
     "load",
     "meant_as_levels",
     "metadata",

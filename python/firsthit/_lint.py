@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -31,7 +32,8 @@ class Place(NamedTuple):
     position: Vector
 
 
-class Finding(NamedTuple):
+@dataclass(frozen=True)
+class Finding:
     """All of one kind that was found."""
 
     #: The name of the kind, one of `LintReport.kinds`.

@@ -15,7 +15,7 @@ use firsthit::watch::Watch;
 use firsthit::{DVec3, Error, Mesh, Object, Positions, Scene, Sphere, Transform};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use support::rational::{Exact, cross, dot, exact, minus, number};
+use support::rational::{Exact, cross, dot, exact, minus};
 use support::{Numbers, bumpy_sphere, mesh, scene};
 
 const POINTS: [DVec3; 4] = [
@@ -316,7 +316,7 @@ fn judged(p: &[DVec3; 3], q: &[DVec3; 3]) -> bool {
 fn triangles_meet_where_rational_arithmetic_says_so() {
     let mut numbers = Numbers::new(17);
     let mut counts = [[0; 2]; 3];
-    for k in 0..20_000 {
+    for k in 0..8000 {
         // In a small lattice all that is special happens; some of them flat, some of them a little beside.
         let height = [1.0, 0.0, 3.0][k % 3];
         let mut point = || {
@@ -356,10 +356,9 @@ fn triangles_meet_where_rational_arithmetic_says_so() {
         counts[in_common][usize::from(judge)] += 1;
     }
     assert!(
-        counts.as_flattened().iter().all(|&count| count > 100),
+        counts.as_flattened().iter().all(|&count| count > 40),
         "{counts:?}"
     );
-    assert_eq!(number(0.5), BigRational::new(1.into(), 2.into()));
 }
 
 #[test]
