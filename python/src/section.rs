@@ -60,7 +60,7 @@ impl Section {
         let plane = self.0.plane();
         let one = |polyline: firsthit::section::Polyline<'_>| {
             let points = polyline.points;
-            let in_space = points.iter().flat_map(|point| point.to_array());
+            let in_space = points.iter().flat_map(DVec3::to_array);
             let in_plane = points.iter().flat_map(|&p| plane.coordinates(p).to_array());
             let in_space = PyArray1::from_vec(py, collected(3 * points.len(), in_space)?);
             let in_plane = PyArray1::from_vec(py, collected(2 * points.len(), in_plane)?);

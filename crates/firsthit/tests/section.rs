@@ -469,6 +469,10 @@ fn a_section_can_be_stopped() {
 
 #[test]
 fn nothing_and_an_empty_mesh_have_an_empty_section() {
-    assert!(at_z(&scene(Vec::new()), 0.0).is_empty());
+    let nothing = at_z(&scene(Vec::new()), 0.0);
+    assert!(nothing.is_empty());
+    for total in [nothing.area(), nothing.perimeter()] {
+        assert_eq!(total.to_bits(), 0.0_f64.to_bits());
+    }
     assert!(at_z(&one(&[], Vec::new()), 0.0).is_empty());
 }

@@ -59,17 +59,17 @@ mod tests {
             let high = low + 0.05 * corner(k, 2);
             Bounds { low, high }
         };
-        let bvh = Bvh::build(3000, bounds, 0.0);
+        let bvh = Bvh::build(1000, bounds, 0.0);
         let mut stack = Vec::new();
-        for k in 0..3000 {
+        for k in 0..1000 {
             let query = bounds(k);
-            let mut found = vec![false; 3000];
+            let mut found = vec![false; 1000];
             let ended = bvh.any_overlapping(query, &mut stack, |index| {
                 assert!(!std::mem::replace(&mut found[index as usize], true));
                 false
             });
             assert!(!ended && found[k as usize]);
-            for other in 0..3000 {
+            for other in 0..1000 {
                 let Bounds { low, high } = bounds(other);
                 let overlaps = low.cmple(query.high).all() && query.low.cmple(high).all();
                 assert!(!overlaps || found[other as usize], "{k} {other}");

@@ -42,14 +42,13 @@ pub(crate) fn orient_3d([a, b, c, d]: [DVec3; 4]) -> Ordering {
 
 fn exactly_3d([a, b, c, d]: [DVec3; 4]) -> Ordering {
     let mut sum = ExactSum::ZERO;
-    match [b, c, d].map(|point| exact_difference(point, a)) {
-        [Some(u), Some(v), Some(w)] => add_determinant(&mut sum, [u, v, w], 1.0),
-        _ => {
-            add_determinant(&mut sum, [b, c, d], 1.0);
-            add_determinant(&mut sum, [a, c, d], -1.0);
-            add_determinant(&mut sum, [a, b, d], 1.0);
-            add_determinant(&mut sum, [a, b, c], -1.0);
-        }
+    if let [Some(u), Some(v), Some(w)] = [b, c, d].map(|point| exact_difference(point, a)) {
+        add_determinant(&mut sum, [u, v, w], 1.0);
+    } else {
+        add_determinant(&mut sum, [b, c, d], 1.0);
+        add_determinant(&mut sum, [a, c, d], -1.0);
+        add_determinant(&mut sum, [a, b, d], 1.0);
+        add_determinant(&mut sum, [a, b, c], -1.0);
     }
     sum.sign()
 }
@@ -72,7 +71,12 @@ pub(crate) fn add_determinant(sum: &mut ExactSum, [p, q, r]: [DVec3; 3], sign: f
 /// from the axis's positive side. Equal if they are on a line. All must be finite.
 pub(crate) fn orient_2d([a, b, c]: [DVec3; 3], axis: usize) -> Ordering {
     let (k, l) = ((axis + 1) % 3, (axis + 2) % 3);
-    let (left, right) = ((b[k] - a[k]) * (c[l] - a[l]), (b[l] - a[l]) * (c[k] - a[k]));
+    let (u, v) = (b - a, c - a);
+    // Differences that are zero are exact.
+    if (u[k] == 0.0 || v[l] == 0.0) && (u[l] == 0.0 || v[k] == 0.0) {
+        return Ordering::Equal;
+    }
+    let (left, right) = (u[k] * v[l], u[l] * v[k]);
     let (value, size) = (left - right, left.abs() + right.abs());
     if size > LEAST && value.abs() > SHARE_2D * size && size < f64::INFINITY {
         return sign(value);
@@ -156,7 +160,7 @@ mod tests {
             assert_eq!(orient_3d([a, b, c, d]), judge, "{a} {b} {c} {d}");
             assert_eq!(orient_3d([b, a, c, d]), judge.reverse());
             assert_eq!(exactly_3d([a, b, c, d]), judge);
-            counts[(judge as i8 + 1) as usize] += 1;
+            counts[usize::try_from(judge as i8 + 1).unwrap()] += 1;
         }
         assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
     }
@@ -175,7 +179,7 @@ mod tests {
                 let (u, v) = (minus(b, a), minus(c, a));
                 let judge = (&u[k] * &v[l] - &u[l] * &v[k]).cmp(&zero());
                 assert_eq!(orient_2d([a, b, c], axis), judge, "{a} {b} {c}");
-                counts[(judge as i8 + 1) as usize] += 1;
+                counts[usize::try_from(judge as i8 + 1).unwrap()] += 1;
             }
         }
         assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");

@@ -88,8 +88,9 @@ fn loops(open: &[Border]) -> usize {
     order.par_sort_unstable_by(|a, b| by_place(a, b).then(a.2.cmp(&b.2)));
     let mut groups = Groups::new(open.len());
     for same in order.chunk_by(|a, b| by_place(a, b) == Ordering::Equal) {
-        same.iter()
-            .for_each(|end| groups.unite(same[0].2 / 2, end.2 / 2));
+        for end in same {
+            groups.unite(same[0].2 / 2, end.2 / 2);
+        }
     }
     let count = u32::try_from(open.len()).unwrap_or(u32::MAX);
     (0..count).filter(|&k| groups.first(k) == k).count()

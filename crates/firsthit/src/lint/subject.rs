@@ -142,7 +142,9 @@ fn weld(mesh: &Mesh) -> (Vec<[u32; 3]>, Vec<u32>) {
     for same in order.chunk_by(|&a, &b| compare(point(a), point(b)) == Ordering::Equal) {
         let place = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
         vertices.push(used[same[0] as usize]);
-        same.iter().for_each(|&k| places[k as usize] = place);
+        for &k in same {
+            places[k as usize] = place;
+        }
     }
     let triangles = mesh.triangles().par_iter().with_min_len(CHUNK);
     let place = |vertex: u32| used.binary_search(&vertex).map_or(0, |k| places[k]);

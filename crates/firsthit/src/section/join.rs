@@ -32,7 +32,7 @@ const SEGMENT_BYTES: usize = 2 * (size_of::<(Edge, End)>() + size_of::<DVec3>() 
 struct Links<'a> {
     segments: &'a [Segment],
     /// For each end the one that it meets, or [`NONE`].
-    links: Vec<End>,
+    met: Vec<End>,
     /// The place of each end.
     points: Vec<DVec3>,
 }
@@ -94,14 +94,14 @@ impl<'a> Links<'a> {
                 return Err(Error::Interrupted);
             }
             let point = plane.crossing(meeting[0].0);
-            meeting
-                .iter()
-                .for_each(|&(_, end)| points[end as usize] = point);
+            for &(_, end) in meeting {
+                points[end as usize] = point;
+            }
             link(meeting, &mut unpaired, &mut links);
         }
         Ok(Self {
             segments,
-            links,
+            met: links,
             points,
         })
     }
@@ -110,7 +110,7 @@ impl<'a> Links<'a> {
     fn first(&self, start: End) -> End {
         let mut end = start;
         loop {
-            match self.links[end as usize] {
+            match self.met[end as usize] {
                 NONE => return end,
                 met if met == start + 1 => return start,
                 met => end = met ^ 1,
@@ -133,7 +133,7 @@ impl<'a> Links<'a> {
                     .primitives
                     .push(self.segments[start as usize / 2].primitive);
             }
-            match self.links[end as usize] {
+            match self.met[end as usize] {
                 NONE => {
                     if section.primitives.len() > segment {
                         section.points.push(to);

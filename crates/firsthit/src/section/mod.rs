@@ -143,12 +143,16 @@ impl Section {
     /// The area of all closed polylines, in squares of scene units: outlines less their holes. Where solids overlap, both count.
     pub fn area(&self) -> f64 {
         let areas = self.polylines().map(|polyline| polyline.area(&self.plane));
-        areas.flatten().sum()
+        // A sum of nothing is -0.
+        0.0 + areas.flatten().sum::<f64>()
     }
 
     /// The length of all polylines, in scene units.
     pub fn perimeter(&self) -> f64 {
-        self.polylines().map(|polyline| polyline.length()).sum()
+        0.0 + self
+            .polylines()
+            .map(|polyline| polyline.length())
+            .sum::<f64>()
     }
 
     /// The objects that could not be cut, since they are no meshes, or reach beyond 10^150.

@@ -231,7 +231,7 @@ mod tests {
             };
             let judge = distance(&plane, point).cmp(&BigRational::from_integer(0.into()));
             assert_eq!(plane.side(point), judge, "{plane:?} {point:?}");
-            counts[(judge as i8 + 1) as usize] += 1;
+            counts[usize::try_from(judge as i8 + 1).unwrap()] += 1;
         }
         assert!(counts.iter().all(|&count| count > 500), "{counts:?}");
     }

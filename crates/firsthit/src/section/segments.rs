@@ -95,7 +95,7 @@ impl<'a> Placed<'a> {
             count.saturating_mul(size_of::<u32>()),
         )?;
         let crossed = in_chunks(count, watch, |triangle| {
-            let above = self.above(plane, &self.corners(triangle));
+            let above = above(plane, &self.corners(triangle));
             (above[0] != above[1] || above[0] != above[2]).then_some(triangle)
         })?;
         let bytes = crossed.len().saturating_mul(2 * size_of::<Segment>());
@@ -103,16 +103,11 @@ impl<'a> Placed<'a> {
         in_chunks(crossed.len(), watch, |k| self.segment(plane, crossed[k]))
     }
 
-    /// Which corners are on the positive side: those on the plane are.
-    fn above(&self, plane: &SectionPlane, corners: &[DVec3; 3]) -> [bool; 3] {
-        corners.map(|corner| plane.side(corner) != Ordering::Less)
-    }
-
     /// The segment of a triangle that the plane crosses. One that starts and ends at the same edge, for two of the triangle's
     /// corners are in one place, is none.
     fn segment(&self, plane: &SectionPlane, triangle: usize) -> Option<Segment> {
         let corners = self.corners(triangle);
-        let above = self.above(plane, &corners);
+        let above = above(plane, &corners);
         let edge = |leaves: bool| {
             let is_it = |&k: &usize| above[k] == leaves && above[(k + 1) % 3] != leaves;
             let k = (0..3).find(is_it)?;
@@ -127,6 +122,11 @@ impl<'a> Placed<'a> {
         let primitive = i32::try_from(triangle).unwrap_or(i32::MAX);
         (start != end).then_some(Segment { edges, primitive })
     }
+}
+
+/// Which corners are on the positive side: those on the plane are.
+fn above(plane: &SectionPlane, corners: &[DVec3; 3]) -> [bool; 3] {
+    corners.map(|corner| plane.side(corner) != Ordering::Less)
 }
 
 fn edge_between(a: DVec3, b: DVec3) -> Edge {
