@@ -30,6 +30,8 @@ pub use ray_filter::{Departure, RayFilter, Side, SurfaceId};
 pub(crate) use require::{require, require_direction, require_finite, require_positive};
 pub use transform::Transform;
 
+use std::cmp::Ordering;
+
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
 /// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the largest will do.
@@ -52,6 +54,14 @@ pub(crate) fn moderation(v: DVec3) -> f64 {
     } else {
         1.0
     }
+}
+
+/// The order of points by x, then y, then z, in which zeros of both signs are one.
+pub(crate) fn compare_points(a: DVec3, b: DVec3) -> Ordering {
+    // Adding zero makes negative zeros positive.
+    let (a, b) = (a + DVec3::ZERO, b + DVec3::ZERO);
+    let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
+    by_axis(0).then_with(|| by_axis(1)).then_with(|| by_axis(2))
 }
 
 /// The nearest float32.

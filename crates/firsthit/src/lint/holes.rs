@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use super::Facts;
 use super::groups::Groups;
 use super::report::{Found, Place, primitive};
-use super::subject::{Subject, compare, stop_if_asked};
+use super::subject::{Subject, stop_if_asked};
 use crate::error::Result;
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, compare_points};
 use crate::watch::Watch;
 
 /// An edge of one face.
@@ -33,7 +33,7 @@ pub(super) fn borders(subject: &Subject<'_>) -> impl Iterator<Item = Border> {
             .ends
             .map(|place| subject.in_world(subject.point(place)));
         Border {
-            ends: if compare(a, b) == Ordering::Greater {
+            ends: if compare_points(a, b) == Ordering::Greater {
                 [b, a]
             } else {
                 [a, b]
@@ -48,7 +48,7 @@ pub(super) fn borders(subject: &Subject<'_>) -> impl Iterator<Item = Border> {
 pub(super) fn check(facts: &Facts<'_>, found: &mut Found<'_>, watch: &dyn Watch) -> Result<()> {
     let mut borders = facts.borders.clone();
     let by_ends = |a: &Border, b: &Border| {
-        let by_end = |k: usize| compare(a.ends[k], b.ends[k]);
+        let by_end = |k: usize| compare_points(a.ends[k], b.ends[k]);
         by_end(0).then_with(|| by_end(1))
     };
     borders.par_sort_unstable_by(|a, b| {
@@ -83,7 +83,7 @@ fn loops(open: &[Border]) -> usize {
         .flat_map(|border| border.ends.map(|end| (end, border.subject)));
     let mut order: Vec<(DVec3, usize, u32)> = ends.zip(0..).map(|((p, s), k)| (p, s, k)).collect();
     let by_place = |a: &(DVec3, usize, u32), b: &(DVec3, usize, u32)| {
-        a.1.cmp(&b.1).then_with(|| compare(a.0, b.0))
+        a.1.cmp(&b.1).then_with(|| compare_points(a.0, b.0))
     };
     order.par_sort_unstable_by(|a, b| by_place(a, b).then(a.2.cmp(&b.2)));
     let mut groups = Groups::new(open.len());

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::orientation::open_axis;
-use crate::geometry::{DVec3, Transform};
+use crate::geometry::{DVec3, Transform, compare_points};
 use crate::memory;
 use crate::shape::Mesh;
 use crate::watch::Watch;
@@ -124,22 +124,15 @@ pub(super) fn used_vertices(mesh: &Mesh) -> Vec<u32> {
     used
 }
 
-/// The order of points by x, then y, then z, in which zeros are one.
-pub(super) fn compare(a: DVec3, b: DVec3) -> Ordering {
-    let (a, b) = (a + DVec3::ZERO, b + DVec3::ZERO);
-    let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
-    by_axis(0).then_with(|| by_axis(1)).then_with(|| by_axis(2))
-}
-
 /// The numbers of the places of all corners, and a vertex in each place, the first.
 fn weld(mesh: &Mesh) -> (Vec<[u32; 3]>, Vec<u32>) {
     let positions = mesh.positions();
     let used = used_vertices(mesh);
     let mut order: Vec<u32> = (0..).zip(&used).map(|(k, _)| k).collect();
     let point = |k: u32| positions.get(used[k as usize]);
-    order.par_sort_unstable_by(|&a, &b| compare(point(a), point(b)).then(a.cmp(&b)));
+    order.par_sort_unstable_by(|&a, &b| compare_points(point(a), point(b)).then(a.cmp(&b)));
     let (mut places, mut vertices) = (vec![0; used.len()], Vec::new());
-    for same in order.chunk_by(|&a, &b| compare(point(a), point(b)) == Ordering::Equal) {
+    for same in order.chunk_by(|&a, &b| compare_points(point(a), point(b)) == Ordering::Equal) {
         let place = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
         vertices.push(used[same[0] as usize]);
         for &k in same {

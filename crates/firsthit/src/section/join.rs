@@ -12,10 +12,10 @@
 use rayon::prelude::*;
 
 use super::plane::SectionPlane;
-use super::segments::{CHUNK, Edge, Segment, compare};
+use super::segments::{CHUNK, Edge, Segment};
 use super::{Extent, Section};
 use crate::error::{Error, Result};
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, compare_points};
 use crate::memory;
 use crate::watch::Watch;
 
@@ -83,7 +83,7 @@ impl<'a> Links<'a> {
         };
         let mut ends: Vec<(Edge, End)> = segments.iter().enumerate().flat_map(of_segment).collect();
         ends.par_sort_unstable_by(|(a, i), (b, j)| {
-            let by_point = |k: usize| compare(&a[k], &b[k]);
+            let by_point = |k: usize| compare_points(a[k], b[k]);
             by_point(0).then_with(|| by_point(1)).then(i.cmp(j))
         });
         let mut links = memory::filled(ends.len(), NONE)?;

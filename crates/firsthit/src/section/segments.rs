@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::difference;
 use crate::geometry::exact::{Scaled, determinant};
-use crate::geometry::{Bounds, DVec3, Ray, Transform};
+use crate::geometry::{Bounds, DVec3, Ray, Transform, compare_points};
 use crate::memory;
 use crate::scene::Object;
 use crate::shape::Mesh;
@@ -130,17 +130,11 @@ fn above(plane: &SectionPlane, corners: &[DVec3; 3]) -> [bool; 3] {
 }
 
 fn edge_between(a: DVec3, b: DVec3) -> Edge {
-    if compare(&a, &b) == Ordering::Greater {
+    if compare_points(a, b) == Ordering::Greater {
         [b, a]
     } else {
         [a, b]
     }
-}
-
-/// The order of points by x, then y, then z.
-pub(super) fn compare(a: &DVec3, b: &DVec3) -> Ordering {
-    let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
-    by_axis(0).then_with(|| by_axis(1)).then_with(|| by_axis(2))
 }
 
 /// Whether a transform makes a left hand of a right one.
