@@ -33,7 +33,7 @@
 use super::Nearest;
 use super::segment::{apart, nearest_on_segment};
 use crate::geometry::arithmetic::Scalar;
-use crate::geometry::double::{Double, cross, dot};
+use crate::geometry::double::{DoubleVector, cross, dot};
 use crate::geometry::exact::{Scaled, determinant, power};
 use crate::geometry::{DVec2, DVec3};
 
@@ -147,47 +147,66 @@ fn height(from: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Height> {
     let way = to_a.dot(normal);
     let squared = way * way / normal.length_squared();
     let is_sure = u > of_u && v > of_v && w > of_w;
-    if is_sure && 4.0 * way.abs() >= size * to_a.length() {
-        let sum = u + v + w;
-        let weights = DVec2::new(v / sum, w / sum);
+    // Not divided by the sum of the sides: beside a short edge the third has few digits.
+    let sure = is_sure.then(|| clamped(v / normal.length_squared(), w / normal.length_squared()));
+    if let Some(weights) = sure.filter(|_| 4.0 * way.abs() >= size * to_a.length()) {
         return Some(Height { squared, weights });
     }
-    height_exactly(from, [a, b, c])
+    // A thin triangle's weights have few digits in float64.
+    let is_wide = 16.0 * normal.length_squared() >= size * size;
+    height_exactly(from, [a, b, c], sure.filter(|_| is_wide))
 }
 
-/// The same in twice the digits.
+/// Weights that are not negative, and leave none that is for corner 0.
 #[inline(always)]
-fn height_exactly(from: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Height> {
-    let (ab, bc, ca) = (apart(b, a), apart(c, b), apart(a, c));
+fn clamped(v: f64, w: f64) -> DVec2 {
+    let v = v.min(1.0);
+    DVec2::new(v, w.min(1.0 - v))
+}
+
+/// The same in twice the digits. The weights may be there already.
+#[inline(always)]
+fn height_exactly(from: DVec3, [a, b, c]: [DVec3; 3], sure: Option<DVec2>) -> Option<Height> {
+    let [ab, bc, ca] = [apart(b, a), apart(c, b), apart(a, c)];
     let normal = cross(Scalar, &ca, &ab);
-    let length = dot(Scalar, &normal, &normal).high;
-    let [longest, ..] = [&ab, &bc, &ca].map(|edge| dot(Scalar, edge, edge).high);
-    let others = [&bc, &ca].map(|edge| dot(Scalar, edge, edge).high);
-    let longest = longest.max(others[0]).max(others[1]);
+    let length = DVec3::from(normal.map(|x| x.high)).length_squared();
+    let longest = [b - a, c - b, a - c].map(DVec3::length_squared);
+    let longest = longest[0].max(longest[1]).max(longest[2]);
     // Not where it is NaN.
     let has_inside = length > THIN * longest * longest;
     if !has_inside {
         return None;
     }
-    let side = |end: DVec3, edge| dot(Scalar, &normal, &cross(Scalar, &apart(end, from), edge));
-    let sides: [Double<f64>; 3] = [side(b, &bc), side(c, &ca), side(a, &ab)];
-    let [u, v, w] = sides.map(|side| side.high);
-    if u < 0.0 || v < 0.0 || w < 0.0 {
-        return None;
-    }
-    let ways = [apart(a, from), apart(b, from), apart(c, from)];
+    let weights = match sure {
+        Some(weights) => weights,
+        None => weights_exactly(from, [(b, &bc), (c, &ca), (a, &ab)], &normal)?,
+    };
+    let to_a = apart(a, from);
     let way = if length > NARROW * longest * longest {
-        dot(Scalar, &ways[0], &normal).high
+        dot(Scalar, &to_a, &normal).high
     } else {
-        let [p, q, r] = [0, 1, 2].map(|k| Scaled::new(&ways[k]));
+        let [p, q, r] = [to_a, apart(b, from), apart(c, from)].map(|way| Scaled::new(&way));
         // It comes times 2^900.
         determinant(&p, &q, &r).high / power(900) * p.unit * q.unit * r.unit
     };
-    let sum = u + v + w;
-    let weights = DVec2::new((v / sum).min(1.0), (w / sum).min(1.0));
     let distance = way / length.sqrt();
     Some(Height {
         squared: distance * distance,
         weights,
     })
+}
+
+/// The weights of corners 1 and 2, from the edges opposite the corners, each with the corner that it begins at; `None`
+/// for a point that is not above the triangle.
+#[inline(always)]
+fn weights_exactly(
+    from: DVec3,
+    edges: [(DVec3, &DoubleVector<f64>); 3],
+    normal: &DoubleVector<f64>,
+) -> Option<DVec2> {
+    let side = |(end, edge)| dot(Scalar, normal, &cross(Scalar, &apart(end, from), edge)).high;
+    let [u, v, w] = edges.map(side);
+    let is_above = u >= 0.0 && v >= 0.0 && w >= 0.0;
+    let sum = u + v + w;
+    is_above.then(|| clamped(v / sum, w / sum))
 }
