@@ -87,7 +87,7 @@ fn triangles(object: &Object) -> Result<Triangles, String> {
         Positions::Double(points) => points.iter().map(|point| point.map(|x| x as f32)).collect(),
     };
     Ok(Triangles::new(
-        vertices.into_vec(),
+        vertices,
         mesh.triangles().to_vec(),
     ))
 }
