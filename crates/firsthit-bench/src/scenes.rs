@@ -86,8 +86,5 @@ fn triangles(object: &Object) -> Result<Triangles, String> {
         Positions::Single(points) => points.to_vec(),
         Positions::Double(points) => points.iter().map(|point| point.map(|x| x as f32)).collect(),
     };
-    Ok(Triangles::new(
-        vertices,
-        mesh.triangles().to_vec(),
-    ))
+    Ok(Triangles::new(vertices, mesh.triangles().to_vec()))
 }

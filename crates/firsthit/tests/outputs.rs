@@ -314,7 +314,11 @@ fn the_fingerprint_sees_what_a_picture_would() {
         [1., 0., 0.],
         [0.; 3],
     ];
-    let shuffled = Mesh::new(Positions::Double(vertices.into()), vec![[4, 3, 1], [4, 1, 2]]).unwrap();
+    let shuffled = Mesh::new(
+        Positions::Double(vertices.into()),
+        vec![[4, 3, 1], [4, 1, 2]],
+    )
+    .unwrap();
     let same = [
         scene(vec![
             Object::new(square(1.0))

@@ -40,9 +40,9 @@ pub(crate) use locate8::{Corners, InLanes, RayBundle, SharedTriangle, locate8};
 pub use mesh_tree::MeshTree;
 #[cfg(feature = "fhs")]
 pub(crate) use meshlet::Meshlet;
+pub(crate) use nearby::Nearby;
 #[cfg(feature = "fhs")]
 pub(crate) use node::Node;
-pub(crate) use nearby::Nearby;
 pub(crate) use rays::enter::product_along;
 pub(crate) use rays::packet::{Packet, RAYS};
 #[cfg(feature = "fhs")]

@@ -212,9 +212,7 @@ impl Shape {
     pub fn is_closed(&self) -> bool {
         match self {
             // Without memory to find out, it is as good as open.
-            Self::Mesh(mesh) => {
-                !mesh.triangles().is_empty() && mesh.is_closed().unwrap_or(false)
-            }
+            Self::Mesh(mesh) => !mesh.triangles().is_empty() && mesh.is_closed().unwrap_or(false),
             Self::Sphere(_) | Self::Box(_) | Self::Cylinder(_) | Self::Cone(_) => true,
             Self::Plane(_) | Self::Disc(_) => false,
         }
