@@ -22,6 +22,7 @@ __all__ = [
     "closest_points",
     "count",
     "defaults",
+    "inside",
     "instruction_set",
     "lint_kinds",
     "load",
@@ -31,10 +32,12 @@ __all__ = [
     "occluded",
     "open",
     "origin",
+    "path_lengths",
     "png",
     "read",
     "render",
     "render_work",
+    "rules",
     "run_program",
     "save",
     "shoot",
@@ -145,6 +148,7 @@ class Mesh:
     def labels(self) -> list[npt.NDArray[np.uint32] | None]: ...
     def properties(self) -> list[tuple[bool, str, npt.NDArray[Any]]]: ...
     def counts(self) -> tuple[int, int]: ...
+    def is_closed(self) -> bool: ...
     def vertices(self) -> npt.NDArray[np.float64]: ...
     def triangles(self) -> npt.NDArray[np.uint32]: ...
 
@@ -265,6 +269,22 @@ def closest_points(
 def signed_distances(
     scene: Scene, points: npt.NDArray[np.float64], threads: int, report: _Report | None
 ) -> npt.NDArray[np.float64]: ...
+def inside(
+    scene: Scene,
+    points: npt.NDArray[np.float64],
+    is_by_object: bool,
+    threads: int,
+    report: _Report | None,
+) -> npt.NDArray[np.bool_]: ...
+def path_lengths(
+    scene: Scene,
+    rays: _Rays,
+    count: int,
+    is_by_object: bool,
+    threads: int,
+    report: _Report | None,
+) -> npt.NDArray[np.float64]: ...
+def rules(scene: Scene) -> list[str]: ...
 def channel(
     scene: Scene,
     name: str,

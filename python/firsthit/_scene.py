@@ -14,6 +14,7 @@ from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._lint import Lintable
+from ._measures import Measures
 from ._nearest import NearestQueries
 from ._object import Object, affine, placed
 from ._queries import Queries
@@ -46,7 +47,7 @@ class _Last(NamedTuple):
     known: int
 
 
-class Scene(Queries, NearestQueries, Cuttable, Lintable):
+class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
     """Objects and lights. Any number of threads may use it at once.
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any

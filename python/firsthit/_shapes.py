@@ -318,6 +318,14 @@ class Mesh(Shape):
         return self._mesh.triangles()
 
     @property
+    def is_closed(self) -> bool:
+        """Whether every edge belongs to an even number of triangles, as `Scene.inside` wants it.
+
+        An edge is where its two ends are: vertices in one place count as one.
+        """
+        return self._mesh.is_closed()
+
+    @property
     def normals(self) -> npt.NDArray[np.float32] | None:
         """The shading normals in object space, (n, 3) or (m, 3, 3) float32: a copy."""
         return self._mesh.attributes()[0]

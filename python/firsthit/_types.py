@@ -35,6 +35,8 @@ Projection = Literal["perspective", "orthographic", "equirectangular"]
 RayStart = Literal["viewplane", "eye"]
 #: The sides from which `Camera.framing` looks.
 ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]
+#: How it is known whether a point is inside an object, see `Scene.inside`.
+Rule = Literal["parity", "winding", "none"]
 Wrap = Literal["repeat", "mirror", "clamp"]
 Filter = Literal["linear", "nearest"]
 AlphaMode = Literal["opaque", "mask", "blend"]

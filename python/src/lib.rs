@@ -13,6 +13,7 @@ mod frame;
 mod lint;
 mod load;
 mod material;
+mod measure;
 mod nearest;
 mod run;
 mod scene;
@@ -37,6 +38,8 @@ mod _firsthit {
     use crate::load::{load, open, save};
     #[pymodule_export]
     use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
+    #[pymodule_export]
+    use crate::measure::{inside, path_lengths, rules};
     #[pymodule_export]
     use crate::nearest::{closest_points, signed_distances};
     #[pymodule_export]

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{collected, copied, not_contiguous};
 use crate::errors::raise;
+use crate::run::run;
 
 /// A mesh that objects can share.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -106,6 +107,11 @@ impl Mesh {
     /// How many vertices and triangles there are.
     fn counts(&self) -> (usize, usize) {
         (self.0.positions().len(), self.0.triangles().len())
+    }
+
+    /// Whether every edge belongs to an even number of triangles.
+    fn is_closed(&self, py: Python<'_>) -> PyResult<bool> {
+        run(py, 1, |_| self.0.is_closed())
     }
 
     /// The vertices, float64 (n, 3): a copy.

@@ -118,12 +118,8 @@ pub(crate) fn shoot_all<'py>(
 
 /// Pairs as numbers.
 fn flat(pairs: Vec<DVec2>) -> PyResult<Vec<f64>> {
-    bytemuck::allocation::try_cast_vec(pairs).or_else(|(_, pairs)| {
-        collected(
-            2 * pairs.len(),
-            pairs.iter().flat_map(|pair| pair.to_array()),
-        )
-    })
+    bytemuck::allocation::try_cast_vec(pairs)
+        .or_else(|(_, pairs)| collected(2 * pairs.len(), pairs.iter().flat_map(DVec2::to_array)))
 }
 
 /// Whether rays in arrays meet anything, written to `out`.

@@ -29,6 +29,8 @@ pub(crate) enum Command {
     Build(BuildArgs),
     /// Find the nearest points of a 3D file, and how far away they are.
     Nearest(NearestArgs),
+    /// Tell which points are inside the objects of a 3D file.
+    Inside(InsideArgs),
     /// Show what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
     /// Compare two outputs, channel by channel.
@@ -299,6 +301,25 @@ pub(crate) struct NearestArgs {
     /// Make distances negative inside. All objects must be closed
     #[arg(long, conflicts_with_all = ["count", "radius"])]
     pub(crate) signed: bool,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::INSIDE_EXAMPLES)]
+pub(crate) struct InsideArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    /// The points: .npy, .npz or .csv, or - for standard input
+    pub(crate) points: PathBuf,
+    /// Where to write: .npz, .npy or .csv, - for standard output; may be given several times [default: - as CSV]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// The format on standard output [default: csv]
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) format: Option<StreamFormat>,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]

@@ -15,13 +15,14 @@ Examples:
   firsthit shoot part.stl rays.npy -o hits.npz
   firsthit build city.glb               city.fhs, which opens in milliseconds
   firsthit nearest part.stl points.npy  the nearest points of the surface
+  firsthit inside part.stl points.npy   which points are inside
   firsthit info part.stl --json         what is in the file
   firsthit info all.npz                 its channels, camera and scene
   firsthit diff all.npz again.exr       whether two outputs are the same
   firsthit section part.stl --normal 0,0,1 -o cut.svg
   firsthit lint part.stl                whether it has holes, flipped faces, ...
 
-With --json, render, shoot, section, lint, build, nearest, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, nearest, inside, section, lint, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -82,6 +83,16 @@ Examples:
 Points are an array of shape (n, 3); as .npy, as .npz with the entry points, or as .csv with three numbers in a \
 line. The channels are distance, object, primitive, position and barycentric; with --count there is also point, the number of the \
 point in the input, from 0.";
+pub(crate) const INSIDE_EXAMPLES: &str = "\
+Examples:
+  firsthit inside part.stl points.npy -o inside.npy
+  echo 1,2,3 | firsthit inside part.stl -
+
+Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with three numbers in \
+a line. The answer for each is 1 or true if it is inside any object.
+
+A closed mesh and a solid hold a point if a ray from it crosses them an odd number of times, which is decided exactly. An open mesh \
+holds the points around which its winding number is above one half; a warning counts such meshes. A plane and a disc hold nothing.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

@@ -78,6 +78,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
         Command::Build(args) => commands::build::run(&args, &interrupted),
         Command::Nearest(args) => commands::nearest::run(&args, &interrupted),
+        Command::Inside(args) => commands::inside::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Diff(args) => commands::diff::run(&args),
         Command::Section(args) => commands::section::run(&args, &interrupted),

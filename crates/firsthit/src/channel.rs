@@ -67,8 +67,8 @@ enum Make {
     Distance(usize),
     /// From a shader, by `render`.
     Color,
-    /// By whoever has [`AllHits`](crate::shoot::AllHits).
-    Ray,
+    /// Not from first hits.
+    Elsewhere,
 }
 
 /// The number of the ray that each hit belongs to, where a ray may have several. It is no channel of a picture, so not among
@@ -80,7 +80,19 @@ pub const RAY: &Kind = &Kind {
     display: Display::Identifier,
     unit: Unit::None,
     frame: None,
-    make: Make::Ray,
+    make: Make::Elsewhere,
+};
+
+/// Whether a point is inside an object. It is no channel of hits, so not among [`KINDS`];
+/// [`inside`](crate::measure::inside()) has its data.
+pub const INSIDE: &Kind = &Kind {
+    name: "inside",
+    about: "whether the point is inside an object",
+    components: 1,
+    display: Display::Mask,
+    unit: Unit::None,
+    frame: None,
+    make: Make::Elsewhere,
 };
 
 /// Every channel. A new one is a new row.
@@ -278,7 +290,7 @@ const CHUNK: usize = 1 << 12;
 /// there is none, [`Error::Interrupted`] when `watch` stops it.
 pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
     for kind in kinds {
-        let is_made_elsewhere = matches!(kind.make, Make::Color | Make::Ray);
+        let is_made_elsewhere = matches!(kind.make, Make::Color | Make::Elsewhere);
         if is_made_elsewhere || (kind.needs_sensor() && shots.sensor.is_none()) {
             let expected = "one that rays without a camera have";
             return Err(Error::argument("channel", expected, kind.name));
@@ -329,7 +341,7 @@ impl Kind {
             }
             Make::Identifier(_) | Make::Integer(_) => Data::Int32(filled(count, -1)?),
             Make::Flag(_) => Data::Bool(filled(count, false)?),
-            Make::Color | Make::Ray => {
+            Make::Color | Make::Elsewhere => {
                 return Err(Error::argument(
                     "channel",
                     "one without a shader",

@@ -64,33 +64,43 @@ fn tiny(k: usize) -> BigRational {
 /// The point that stands for one on the surface: a little ahead, and far less than that beside.
 fn just_ahead(point: DVec3) -> Exact {
     let (point, ahead) = (exact(point), exact(AHEAD));
-    from_fn(|k| &point[k] + &ahead[k] * tiny(400) + tiny(1000 * (k + 1)))
+    from_fn(|k| &point[k] + &ahead[k] * tiny(300) + tiny(600 * (k + 1)))
 }
 
-/// Whether a point in no plane of a triangle is inside, by the parity of crossings with a ray that meets no edge.
-fn is_inside_exactly(mesh: &Mesh, point: &Exact, numbers: &mut Numbers) -> bool {
+/// Whether a point is inside, by the parity of crossings with a ray that meets no edge; `None` on the surface.
+fn is_inside_exactly(mesh: &Mesh, point: &Exact, numbers: &mut Numbers) -> Option<bool> {
     'another: loop {
-        let way = exact(numbers.point());
+        let way = exact((1e4 * numbers.point()).round());
         let mut is_inside = false;
         for triangle in 0..mesh.triangles().len() {
             let [a, b, c] = mesh
                 .corners(triangle)
                 .map(|corner| minus(&exact(corner), point));
-            let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&way, &cross(p, q)));
             let n = cross(&minus(&b, &a), &minus(&c, &a));
             if n.iter().all(Zero::is_zero) {
                 continue;
             }
-            if sides.iter().any(Zero::is_zero) {
+            let height = dot(&n, &a);
+            let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| cross(p, q));
+            if height.is_zero() {
+                // In the plane: within, if it is on one side of all edges.
+                let sides = sides.each_ref().map(|side| dot(&n, side));
+                if !sides.iter().any(Signed::is_negative) {
+                    return None;
+                }
+                // A ray from there meets the plane nowhere else.
+                continue;
+            }
+            let sides = sides.map(|side| dot(&way, &side));
+            let slope = dot(&n, &way);
+            if slope.is_zero() || sides.iter().any(Zero::is_zero) {
                 continue 'another;
             }
             let is_through =
                 sides.iter().all(Signed::is_positive) || sides.iter().all(Signed::is_negative);
-            let t = dot(&n, &a) / dot(&n, &way);
-            assert!(!t.is_zero());
-            is_inside ^= is_through && t.is_positive();
+            is_inside ^= is_through && height.is_positive() == slope.is_positive();
         }
-        return is_inside;
+        return Some(is_inside);
     }
 }
 
@@ -117,7 +127,7 @@ fn points_for(points: &[DVec3], triangles: &[[u32; 3]], numbers: &mut Numbers) -
             (low.min(point), high.max(point))
         });
     let size = high - low;
-    let all = (0..120).map(|k| {
+    let all = (0..90).map(|k| {
         let [p, q, r] = triangles[numbers.below(triangles.len())].map(|k| points[k as usize]);
         let back = AHEAD * size.max_element() / 64.0;
         let at = [p, 0.5 * (p + q), p + 0.25 * (q - p) + 0.5 * (r - p)][k % 3];
@@ -125,7 +135,8 @@ fn points_for(points: &[DVec3], triangles: &[[u32; 3]], numbers: &mut Numbers) -
             0 => at,
             1 => at - back,
             2 => at + 0.25 * back,
-            3 => DVec3::new(at.x, at.y.next_up(), at.z),
+            // Not 5e-324, which with ordinary numbers leaves the range of products.
+            3 => DVec3::new(at.x, at.y.next_up().max(at.y + 1e-100), at.z),
             _ => low + 0.5 * size + 0.5 * size * numbers.point(),
         }
     });
@@ -134,8 +145,8 @@ fn points_for(points: &[DVec3], triangles: &[[u32; 3]], numbers: &mut Numbers) -
 
 #[test]
 fn points_are_inside_as_exact_arithmetic_has_it() {
-    let (mut held, mut total) = (0, 0);
-    for seed in 0..12 {
+    let (mut held, mut touched, mut total) = (0, 0, 0);
+    for seed in 0..6 {
         let mut numbers = Numbers::new(seed);
         let (points, triangles) = adversarial(seed);
         let asked = points_for(&points, &triangles, &mut numbers);
@@ -144,15 +155,19 @@ fn points_are_inside_as_exact_arithmetic_has_it() {
         let answers = inside(&scene, &asked, By::Union, &()).unwrap();
         assert_eq!(answers.rules, [Rule::Parity]);
         for (&point, &answer) in asked.iter().zip(&answers.is_inside) {
-            let expected = is_inside_exactly(mesh, &just_ahead(point), &mut numbers);
+            let expected = is_inside_exactly(mesh, &exact(point), &mut numbers);
+            let expected = expected.unwrap_or_else(|| {
+                touched += 1;
+                is_inside_exactly(mesh, &just_ahead(point), &mut numbers).unwrap()
+            });
             assert_eq!(answer, expected, "{seed}: {point:?}");
             held += usize::from(answer);
         }
         total += asked.len();
     }
     assert!(
-        held > total / 5 && held < total * 4 / 5,
-        "{held} of {total}"
+        held > total / 5 && held < total * 4 / 5 && touched > total / 20,
+        "{held} and {touched} of {total}"
     );
 }
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, assert_type
 import firsthit as fh
 import numpy as np
 import numpy.typing as npt
-from firsthit.typing import ChannelName, Projection, RayStart, ShaderName, ViewName
+from firsthit.typing import ChannelName, Projection, RayStart, Rule, ShaderName, ViewName
 
 Doubles = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int32]
@@ -83,6 +83,11 @@ def hits(scene: fh.Scene, camera: fh.Camera) -> None:
     assert_type(met.hits, fh.Hits)
     assert_type(met.normal, Doubles)
     assert_type(scene.shoot_all([0, 0, 9], [0, 0, -1], k=3), fh.Hits)
+    assert_type(scene.inside([0, 0, 9]), npt.NDArray[np.bool_])
+    held, rules = scene.inside([[0, 0, 9]], by="object", return_rules=True)
+    assert_type(held, npt.NDArray[np.bool_])
+    assert_type(rules, tuple[Rule, ...])
+    assert_type(scene.path_length([0, 0, 9], [0, 0, -1], by=None), Doubles)
     assert_type(scene.occluded([0, 0, 9], [0, 0, -1]), npt.NDArray[np.bool_])
 
 

@@ -3,21 +3,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use firsthit::channel::{Kind, RAY};
-use firsthit::image::{Frame, Holds, WriteSettings, format_of};
+use firsthit::image::{Holds, format_of};
 use firsthit::render::work;
 use firsthit::shoot::All;
 use firsthit::{Rays as _, Scene};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::shoot_stream;
 use super::shot::{Counts, shot, shot_all};
-use crate::args::{ShootArgs, StreamFormat};
+use super::sinks::{self, Sinks};
+use crate::args::ShootArgs;
 use crate::asked;
-use crate::console::{counted, end_report, report_beside_data, say, warn};
+use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
-use crate::hits_csv::stream_csv;
 use crate::loading::{self, Loaded, with_threads};
-use crate::output::{self, Target};
+use crate::output;
 use crate::progress::Progress;
 use crate::rays::{self, Feed, RayArrays, RayLines};
 
@@ -25,36 +25,6 @@ const DEFAULT_CHANNELS: [&str; 3] = ["t", "object", "primitive"];
 
 /// Those where one of the files is a point cloud.
 const CLOUD_CHANNELS: [&str; 5] = ["position", "normal", "t", "object", "primitive"];
-
-/// Where a result goes.
-struct Sinks {
-    files: Vec<Target>,
-    stdout: Option<StreamFormat>,
-    is_quiet: bool,
-}
-
-impl Sinks {
-    /// What `--json` says of them.
-    fn as_json(&self, kinds: &[&Kind]) -> Vec<Value> {
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
-        let stdout = self.stdout.map(|_| json!({"file": "-", "channels": names}));
-        let files = output::as_json(&self.files, kinds, &[]);
-        stdout.into_iter().chain(files).collect()
-    }
-
-    /// Whether lines of rays can be answered one by one.
-    fn is_csv_stream(&self) -> bool {
-        self.stdout == Some(StreamFormat::Csv) && self.files.is_empty()
-    }
-
-    fn names(&self) -> String {
-        match (self.stdout, &self.files[..]) {
-            (Some(_), []) => "standard output".into(),
-            (Some(_), files) => format!("standard output, {}", output::names(files)),
-            (None, files) => output::names(files),
-        }
-    }
-}
 
 /// The channels that were asked for, and those that the files cannot do without.
 fn channels(args: &ShootArgs) -> Vec<String> {
@@ -66,6 +36,16 @@ fn channels(args: &ShootArgs) -> Vec<String> {
         asked => asked.to_vec(),
     };
     asked::with_required(&asked, &args.output)
+}
+
+/// What is computed: of all hits, first the numbers of their rays.
+fn kinds(args: &ShootArgs) -> Result<Vec<&'static Kind>, Failure> {
+    let is_quiet = args.run.quiet || args.run.json;
+    let mut kinds = output::kinds(&channels(args), output::Source::Rays, is_quiet)?;
+    if several(args).is_some() {
+        kinds.insert(0, RAY);
+    }
+    Ok(kinds)
 }
 
 /// Which hits are asked for, where these are not the first ones.
@@ -94,20 +74,12 @@ fn ends(args: &ShootArgs) -> Result<(Option<f64>, Option<f64>), Failure> {
 }
 
 pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    // Before anything fails: failures are reported too.
-    if args.output.is_empty() || args.output.iter().any(|path| path == Path::new("-")) {
-        report_beside_data();
-    }
-    let mut kinds = output::kinds(
-        &channels(args),
-        output::Source::Rays,
-        args.run.quiet || args.run.json,
-    )?;
+    sinks::announce(&args.output);
     let several = several(args);
-    if several.is_some() {
-        kinds.insert(0, RAY);
-    }
-    let sinks = sinks(args, &kinds)?;
+    let kinds = kinds(args)?;
+    let inputs = [Some(&args.file), Some(&args.rays), args.directions.as_ref()];
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+    let sinks = Sinks::new((&args.output, args.format), &inputs, &kinds, &args.run)?;
     let started = Instant::now();
     with_threads(&args.run, || {
         let ends = ends(args)?;
@@ -193,54 +165,6 @@ fn all_at_once(
         None => shot(scene, rays, kinds, &progress)?,
     };
     drop(progress);
-    // Files first: a reader of standard output who has had enough ends the program.
-    output::write(&frame, &sinks.files, WriteSettings::default(), interrupted)?;
-    if let Some(format) = sinks.stdout {
-        stream(&frame, format)?;
-    }
+    sinks.write(&frame, interrupted)?;
     Ok(counts)
-}
-
-fn sinks(args: &ShootArgs, kinds: &[&'static Kind]) -> Result<Sinks, Failure> {
-    let stdout = |path: &&PathBuf| path.as_path() == Path::new("-");
-    let streams = match args.output.iter().filter(stdout).count() {
-        0 => args.output.is_empty(),
-        1 => true,
-        _ => return Err(Failure::usage("- is named twice as an output")),
-    };
-    let files: Vec<PathBuf> = (args.output.iter().filter(|path| !stdout(path)))
-        .cloned()
-        .collect();
-    let inputs = [Some(&args.file), Some(&args.rays), args.directions.as_ref()];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-    let files = output::targets(&files, kinds, output::Source::Rays, &inputs)?;
-    if !streams {
-        if args.format.is_some() {
-            return Err(Failure::usage(
-                "--format is for standard output (-o -); a file's format is that of its extension",
-            ));
-        }
-        output::check_all_go_somewhere(&files, kinds)?;
-    }
-    let format = args.format.unwrap_or(StreamFormat::Csv);
-    if format == StreamFormat::Npy && kinds.len() != 1 {
-        return Err(Failure::usage(
-            "--format npy holds one channel; choose one with --channels, or npz",
-        ));
-    }
-    let stdout = streams.then_some(format);
-    let is_quiet = args.run.quiet || args.run.json;
-    Ok(Sinks {
-        files,
-        stdout,
-        is_quiet,
-    })
-}
-
-fn stream(frame: &Frame, format: StreamFormat) -> Result<(), Failure> {
-    match format {
-        StreamFormat::Npy => output::stream(frame, "npy"),
-        StreamFormat::Npz => output::stream(frame, "npz"),
-        StreamFormat::Csv => stream_csv(frame),
-    }
 }

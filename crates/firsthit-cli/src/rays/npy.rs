@@ -48,7 +48,7 @@ pub(super) fn npz(bytes: Vec<u8>, alone: &str) -> Result<Vec<Table>, String> {
     match (origins, directions) {
         (Some(origins), Some(directions)) => Ok(vec![table(&origins)?, table(&directions)?]),
         _ => Err(format!(
-            "expected entries origins and directions, or rays; got {}",
+            "expected entries origins and directions, or rays, or points; got {}",
             crate::console::in_words(names.into_iter())
         )),
     }

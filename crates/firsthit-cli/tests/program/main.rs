@@ -14,6 +14,7 @@ mod files;
 mod gltf;
 mod golden;
 mod info;
+mod inside;
 mod interrupts;
 mod issue;
 mod json;

@@ -117,7 +117,7 @@ fn archives_hold_origins_and_directions() {
     lab.fails(
         "shoot square.ply rays.npz",
         3,
-        "expected entries origins and directions, or rays; got origins.npy",
+        "expected entries origins and directions, or rays, or points; got origins.npy",
     );
     lab.write("rays.npz", &archive(&[("rays.npy", &rays)])[..90]);
     lab.fails("shoot square.ply rays.npz", 3, "rays.npz: ");

@@ -2,10 +2,11 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 10] = [
     "render",
     "shoot",
     "nearest",
+    "inside",
     "section",
     "lint",
     "build",

@@ -139,6 +139,19 @@ pub trait Rays: Sync {
 }
 
 /// Rays that do not meet everything: one filter for all of them, or one for each.
+///
+/// ```
+/// use firsthit::shoot::{First, trace};
+/// use firsthit::{DVec3, Filtered, Object, Ray, RayFilter, Scene, Sphere};
+///
+/// let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0)?).masked(0b10);
+/// let scene = Scene::new(vec![ball])?;
+/// let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+/// let filters = [0b01, 0b10, 0b11].map(|mask| RayFilter { mask, ..RayFilter::NONE });
+/// let hits = trace(&scene, &Filtered::each(&[ray; 3], &filters), First, &())?;
+/// assert_eq!(hits.object, [-1, 0, 0]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Filtered<'a, R: ?Sized> {
     rays: &'a R,

@@ -1,6 +1,20 @@
 use super::DVec2;
 
 /// A part of an object's surface, by its identifiers as in a [`Hit`](super::Hit).
+///
+/// ```
+/// use firsthit::shoot::{First, trace};
+/// use firsthit::{DVec3, Disc, Filtered, Object, Ray, RayFilter, Scene, SurfaceId};
+///
+/// let disc = |z| Disc::new(DVec3::new(0.0, 0.0, z), DVec3::Z, 1.0).map(Object::new);
+/// let scene = Scene::new(vec![disc(0.0)?, disc(1.0)?])?;
+/// let rays = [Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z)];
+/// let upper = SurfaceId { object: 1, primitive: 0 };
+/// let but_upper = RayFilter { skip: [Some(upper), None], ..RayFilter::NONE };
+/// let hits = trace(&scene, &Filtered::new(&rays, but_upper), First, &())?;
+/// assert_eq!((hits.t[0], hits.object[0]), (5.0, 0));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SurfaceId {
     /// The object's index in the scene.
@@ -10,6 +24,12 @@ pub struct SurfaceId {
 }
 
 /// A side of a surface. The geometric normal points to the front.
+///
+/// ```
+/// use firsthit::Side;
+///
+/// assert_eq!(Side::from_name("back"), Some(Side::Back));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// The ray comes against the normal.
@@ -34,6 +54,24 @@ impl Side {
 
 /// The point of a surface that a ray leaves: in a triangle the point with these weights, exactly; on any other shape the ray's
 /// origin.
+///
+/// ```
+/// use firsthit::{DVec2, DVec3, Departure, Filtered, Mesh, Object, Ray, RayFilter, Scene, SurfaceId};
+/// use firsthit::shoot::{First, trace};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let scene = Scene::new(vec![Object::new(Mesh::new(corners, vec![[0, 1, 2]])?)])?;
+/// let departure = Departure {
+///     surface: SurfaceId { object: 0, primitive: 0 },
+///     barycentric: DVec2::new(0.1, 0.3),
+/// };
+/// let filter = RayFilter { departure: Some(departure), ..RayFilter::NONE };
+/// // From a point that rounding has put under the triangle.
+/// let rays = [Ray::new(DVec3::new(0.1, 0.3, -1e-17), DVec3::Z)];
+/// assert_eq!(trace(&scene, &rays, First, &())?.object, [0]);
+/// assert_eq!(trace(&scene, &Filtered::new(&rays, filter), First, &())?.object, [-1]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
     /// The surface.

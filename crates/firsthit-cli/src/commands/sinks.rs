@@ -1,0 +1,108 @@
+//! Where the results of a list go: files, and standard output.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use firsthit::channel::Kind;
+use firsthit::image::{Frame, WriteSettings};
+use serde_json::{Value, json};
+
+use crate::args::{RunArgs, StreamFormat};
+use crate::console::report_beside_data;
+use crate::failure::Failure;
+use crate::hits_csv::stream_csv;
+use crate::output::{self, Target};
+
+/// Says where reports go. Before anything fails: failures are reported too.
+pub(super) fn announce(outputs: &[PathBuf]) {
+    if outputs.is_empty() || outputs.iter().any(|path| path == Path::new("-")) {
+        report_beside_data();
+    }
+}
+
+/// Where a result goes.
+pub(super) struct Sinks {
+    files: Vec<Target>,
+    stdout: Option<StreamFormat>,
+    pub(super) is_quiet: bool,
+}
+
+impl Sinks {
+    /// Those that were asked for; none of `inputs` may be among them.
+    pub(super) fn new(
+        (outputs, format): (&[PathBuf], Option<StreamFormat>),
+        inputs: &[&Path],
+        kinds: &[&'static Kind],
+        run: &RunArgs,
+    ) -> Result<Self, Failure> {
+        let stdout = |path: &&PathBuf| path.as_path() == Path::new("-");
+        let streams = match outputs.iter().filter(stdout).count() {
+            0 => outputs.is_empty(),
+            1 => true,
+            _ => return Err(Failure::usage("- is named twice as an output")),
+        };
+        let files: Vec<PathBuf> = (outputs.iter().filter(|path| !stdout(path)))
+            .cloned()
+            .collect();
+        let files = output::targets(&files, kinds, output::Source::Rays, inputs)?;
+        if !streams {
+            if format.is_some() {
+                return Err(Failure::usage(
+                    "--format is for standard output (-o -); a file's format is that of its extension",
+                ));
+            }
+            output::check_all_go_somewhere(&files, kinds)?;
+        }
+        let format = format.unwrap_or(StreamFormat::Csv);
+        if format == StreamFormat::Npy && kinds.len() != 1 {
+            return Err(Failure::usage(
+                "--format npy holds one channel; choose one with --channels, or npz",
+            ));
+        }
+        let stdout = streams.then_some(format);
+        let is_quiet = run.quiet || run.json;
+        Ok(Self {
+            files,
+            stdout,
+            is_quiet,
+        })
+    }
+
+    /// Writes all of it. Files first: a reader of standard output who has had enough ends the program.
+    pub(super) fn write(&self, frame: &Frame, interrupted: &AtomicBool) -> Result<(), Failure> {
+        output::write(frame, &self.files, WriteSettings::default(), interrupted)?;
+        match self.stdout {
+            Some(format) => stream(frame, format),
+            None => Ok(()),
+        }
+    }
+
+    /// What `--json` says of them.
+    pub(super) fn as_json(&self, kinds: &[&Kind]) -> Vec<Value> {
+        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        let stdout = self.stdout.map(|_| json!({"file": "-", "channels": names}));
+        let files = output::as_json(&self.files, kinds, &[]);
+        stdout.into_iter().chain(files).collect()
+    }
+
+    /// Whether lines of rays can be answered one by one.
+    pub(super) fn is_csv_stream(&self) -> bool {
+        self.stdout == Some(StreamFormat::Csv) && self.files.is_empty()
+    }
+
+    pub(super) fn names(&self) -> String {
+        match (self.stdout, &self.files[..]) {
+            (Some(_), []) => "standard output".into(),
+            (Some(_), files) => format!("standard output, {}", output::names(files)),
+            (None, files) => output::names(files),
+        }
+    }
+}
+
+fn stream(frame: &Frame, format: StreamFormat) -> Result<(), Failure> {
+    match format {
+        StreamFormat::Npy => output::stream(frame, "npy"),
+        StreamFormat::Npz => output::stream(frame, "npz"),
+        StreamFormat::Csv => stream_csv(frame),
+    }
+}

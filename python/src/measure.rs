@@ -1,0 +1,83 @@
+//! What is inside objects.
+
+use firsthit::measure::{
+    By, Rule, inside as inside_of, path_lengths as lengths_of, rules as rules_of,
+};
+use firsthit::watch::Watch;
+use firsthit::{DVec3, Result};
+use numpy::{PyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::{RayArrays, not_contiguous};
+use crate::errors::raise;
+use crate::run::{Report, guarded, report_done, run, run_reported};
+use crate::scene::Scene;
+use crate::shoot::FEW;
+
+/// Triangles times points that take about a tenth of a second at most.
+const LITTLE: u64 = 1 << 21;
+
+fn by(is_by_object: bool) -> By {
+    if is_by_object { By::Object } else { By::Union }
+}
+
+/// Does what takes little in the calling thread alone.
+fn measured<T: Send>(
+    py: Python<'_>,
+    (scene, count): (&Scene, usize),
+    threads: usize,
+    report: Report<'_, '_>,
+    work: impl FnOnce(&dyn Watch) -> Result<T> + Send,
+) -> PyResult<T> {
+    let triangles = scene.0.triangles().saturating_mul(count as u64);
+    if count < FEW && triangles < LITTLE {
+        let made = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
+        report_done(report, count)?;
+        return Ok(made);
+    }
+    run_reported(py, threads, report, |stop| work(stop))
+}
+
+/// Whether points are inside, of each those in any object or those in each.
+#[pyfunction]
+pub(crate) fn inside<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    points: PyReadonlyArray2<'py, f64>,
+    is_by_object: bool,
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    let points = points.as_slice().map_err(not_contiguous)?;
+    let points: &[DVec3] = bytemuck::cast_slice(points.as_chunks::<3>().0);
+    let size = (scene, points.len());
+    let found = measured(py, size, threads, report.as_ref(), |watch| {
+        inside_of(&scene.0, points, by(is_by_object), watch)
+    })?;
+    Ok(PyArray1::from_vec(py, found.is_inside))
+}
+
+/// The lengths of `count` rays in objects, of each that in any or those in each.
+#[pyfunction]
+pub(crate) fn path_lengths<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    rays: RayArrays<'py>,
+    count: usize,
+    is_by_object: bool,
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let rays = rays.slices(count)?;
+    let lengths = measured(py, (scene, count), threads, report.as_ref(), |watch| {
+        lengths_of(&scene.0, &rays, by(is_by_object), watch)
+    })?;
+    Ok(PyArray1::from_vec(py, lengths))
+}
+
+/// By what it is known whether a point is inside, of each object.
+#[pyfunction]
+pub(crate) fn rules(py: Python<'_>, scene: &Scene) -> PyResult<Vec<&'static str>> {
+    let rules = run(py, 1, |_| rules_of(&scene.0))?;
+    Ok(rules.into_iter().map(Rule::name).collect())
+}
