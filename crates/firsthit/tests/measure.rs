@@ -175,7 +175,7 @@ fn points_are_inside_as_exact_arithmetic_has_it() {
 fn cells() -> Vec<Object> {
     let cell = |k: u32| {
         let corner = DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9));
-        if k % 2 == 0 {
+        if k.is_multiple_of(2) {
             Object::new(mesh(&cube(corner, 1.0), CUBE.to_vec()))
         } else {
             Object::new(Cuboid::new(corner, corner + 1.0).unwrap())

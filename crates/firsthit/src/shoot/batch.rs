@@ -207,7 +207,7 @@ impl<S: Sink> Kernel for Batch<'_, S> {
         debug_assert!(self.sink.len() <= BATCH, "there are as many stacks as that");
         match (self.scene.objects(), self.scene.plain_mesh(0)) {
             ([object], Some(mesh)) if !S::Query::IS_FILTERED => {
-                self.through_mesh(l, &mut memory, object, mesh)
+                self.through_mesh(l, &mut memory, object, mesh);
             }
             _ => self.through_scene(l, &mut memory),
         }

@@ -44,7 +44,7 @@ pub(crate) struct DeparturePoint {
 
 impl DeparturePoint {
     pub(crate) fn new(corners: [DVec3; 3], barycentric: DVec2) -> Self {
-        // A NaN becomes zero.
+        #[expect(clippy::manual_clamp, reason = "NaN becomes zero; clamp would keep it")]
         let within = |weight: f64| weight.max(0.0).min(1.0);
         let [v, w] = [within(barycentric.x), within(barycentric.y)];
         let both = sum(Scalar, v, w);
