@@ -21,6 +21,7 @@ from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, 
 from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
+from ._leaving import LeavingRays
 from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._lint import Finding, LintReport, Place
 from ._load import lint, load, open  # noqa: A004 - fh.open
@@ -53,6 +54,7 @@ __all__ = [
     "FirsthitWarning",
     "Frame",
     "Hits",
+    "LeavingRays",
     "LintReport",
     "Material",
     "Mesh",

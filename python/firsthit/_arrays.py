@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _PLAIN = (np.ndarray, list, tuple)
 _T = TypeVar("_T")
+_Number = TypeVar("_Number", bound=np.generic)
 _NO_ARRAYS = (list, tuple, float, int)
 _FLOAT64 = np.dtype(np.float64)
 
@@ -195,14 +196,28 @@ def flat(view: npt.NDArray[Any], part: slice, trailing: int) -> npt.NDArray[np.f
     They come as C-contiguous float64; copied only where the memory is not that already, and never
     more than the part.
     """
+    return plain(_piece(view, part, trailing))
+
+
+def elements(
+    array: npt.NDArray[_Number], shape: tuple[int, ...], part: slice, trailing: int = 0
+) -> npt.NDArray[_Number]:
+    """Return elements ``part`` of an array that is broadcast to a shape, or the one for all."""
+    rest = array.shape[array.ndim - trailing :]
+    if array.size == math.prod(rest):
+        return array.reshape(1, *rest)
+    view = np.broadcast_to(array, shape + rest)
+    return np.ascontiguousarray(_piece(view, part, trailing))
+
+
+def _piece(view: npt.NDArray[_Number], part: slice, trailing: int) -> npt.NDArray[_Number]:
     leading = view.shape[: view.ndim - trailing]
     rest = view.shape[view.ndim - trailing :]
     if len(leading) == 1:
-        return plain(view[part])
+        return view[part]
     if view.flags.c_contiguous or not leading:
-        return plain(view.reshape(-1, *rest)[part])
-    index = np.unravel_index(np.arange(part.start, part.stop), leading)
-    return plain(view[index])
+        return view.reshape(-1, *rest)[part]
+    return view[np.unravel_index(np.arange(part.start, part.stop), leading)]
 
 
 def plain(view: npt.NDArray[Any]) -> npt.NDArray[np.float64]:

@@ -5,7 +5,7 @@ from typing import Any, TypedDict, final
 import numpy as np
 import numpy.typing as npt
 
-from ._types import AlphaMode, Projection, RayStart, ShaderName
+from ._types import AlphaMode, Projection, RayStart, ShaderName, Side
 
 __all__ = [
     "Camera",
@@ -46,6 +46,7 @@ __all__ = [
     "signed_distances",
     "srgb_levels",
     "version",
+    "visible",
     "write",
 ]
 
@@ -53,7 +54,22 @@ _Vector = tuple[float, float, float]
 _Hits = tuple[
     npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
 ]
-_Rays = tuple[npt.NDArray[np.float64], ...]
+_Surfaces = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]
+_Filters = tuple[
+    npt.NDArray[np.uint32] | None,
+    Side | None,
+    _Surfaces | None,
+    tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]] | None,
+]
+_Rays = tuple[
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    _Filters | None,
+]
+_Ends = tuple[npt.NDArray[np.float64], _Surfaces | None]
+_Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, bool]
 _Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
 _Light = tuple[str, _Vector, _Vector, tuple[_Vector, tuple[float, float]] | None]
 _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
@@ -84,7 +100,13 @@ class _Model(TypedDict):
     meshes: list[Mesh]
     textures: list[Texels]
     objects: list[
-        tuple[str, int | tuple[str, list[float]], list[list[float]] | None, list[_MaterialOut]]
+        tuple[
+            str,
+            int | tuple[str, list[float]],
+            list[list[float]] | None,
+            list[_MaterialOut],
+            tuple[int, bool],
+        ]
     ]
     cameras: list[_CameraOut]
     lights: list[_Light]
@@ -149,6 +171,7 @@ class Mesh:
     def properties(self) -> list[tuple[bool, str, npt.NDArray[Any]]]: ...
     def counts(self) -> tuple[int, int]: ...
     def is_closed(self) -> bool: ...
+    def moved(self, vertices: npt.NDArray[np.float64]) -> Mesh: ...
     def vertices(self) -> npt.NDArray[np.float64]: ...
     def triangles(self) -> npt.NDArray[np.uint32]: ...
 
@@ -178,13 +201,19 @@ class Shape:
 class Scene:
     def __new__(
         cls,
-        objects: Sequence[tuple[Shape, str, list[list[float]] | None, list[_Material]]],
+        objects: Sequence[_Object],
         lights: Sequence[_Light],
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
     def likely_up(self, convention: _Vector) -> _Vector: ...
-    def moved(self, places: list[tuple[int, list[list[float]]]]) -> Scene: ...
+    def changed(
+        self,
+        replaced: list[tuple[int, _Object]],
+        places: list[tuple[int, list[list[float]]]],
+        hidden: list[tuple[int, bool]],
+    ) -> Scene: ...
+    def seen_by(self, mask: int, only: list[int] | None) -> Scene: ...
 
 @final
 class Section:
@@ -250,6 +279,9 @@ def shoot_camera(
 def occluded(
     scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.bool_], report: _Report | None
 ) -> None: ...
+def visible(
+    scene: Scene, ends: tuple[_Ends, _Ends], count: int, threads: int, report: _Report | None
+) -> npt.NDArray[np.bool_]: ...
 def count(
     scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.uint32], report: _Report | None
 ) -> None: ...

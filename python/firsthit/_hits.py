@@ -9,6 +9,7 @@ import numpy as np
 from . import _firsthit
 from ._arrays import lock, threads_or_all
 from ._files import distinct, files, is_cloud, is_of_several
+from ._leaving import leaving
 from ._progress import following
 from ._rounding import singles, singles_within
 from ._types import ChannelName
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from ._leaving import LeavingRays
     from ._source import Arrays, Source
     from ._traceable import Built
     from ._types import DistanceName, IdentifierName, Progress, VectorName
@@ -125,9 +127,9 @@ class Hits:
         largest coordinate off the surface, on either side, so a ray from there may meet the same
         surface again.
 
-        To go on in another direction, start at ``position + h * normal``, where ``h`` is 1e-9 times
-        the largest coordinate and the normal is on the side of the new direction. To go on along
-        the same ray, shoot it with ``t_min=hits.t``, which is exact.
+        To go on in another direction, shoot `leave`. To go on along the same ray, ask
+        `Scene.shoot_all`; or shoot it with ``t_min=hits.t``, which is exact too, but passes over
+        a second surface at the same ``t``.
         """
         return self.channel("position")
 
@@ -166,6 +168,53 @@ class Hits:
         ``AttributeError`` for rays that no camera made.
         """
         return self.channel("z")
+
+    def leave(self, directions: npt.ArrayLike) -> LeavingRays:
+        """Return rays that start at these hits, and do not meet what they leave.
+
+        On a triangle a ray starts at the point that `barycentric` gives, exactly, not at a rounded
+        one. It meets what is ahead of that point: not its own triangle, nor those around that only
+        touch it at the start, but everything else, however near. There is no epsilon. Of another
+        shape it does not meet the surface where it starts, but the far side if it goes inwards.
+
+        Between objects of different transforms, and from shapes that are no mesh, positions round:
+        what is nearer than 2^-40 of the largest coordinate is not met.
+
+        Parameters
+        ----------
+        directions : (..., 3) array_like
+            Directions in world space, of any length but zero; they broadcast against the hits.
+
+        Returns
+        -------
+        LeavingRays
+            For `Scene.shoot`, `Scene.occluded`, `Scene.count` and `Scene.shoot_all`, in the place
+            of origins and directions. The ray of a miss meets nothing.
+
+        Raises
+        ------
+        ValueError
+            For directions of a wrong shape or type.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> hits = scene.shoot([[0.1, 0.2, 5], [0.3, 0, 5]], [0, 0, -1])
+        >>> scene.occluded(hits.leave(hits.normal))
+        array([False, False])
+        >>> scene.shoot(hits.leave(-hits.normal)).t
+        array([2., 2.])
+        """
+        _, identifiers, primitive, weights = self._arrays
+        places = (
+            identifiers.reshape(self._shape),
+            primitive.reshape(self._shape),
+            weights.reshape(*self._shape, 2),
+        )
+        return leaving(self.position, places, directions)
 
     @property
     def origin(self) -> npt.NDArray[Any]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import cast, numbers
+from ._arrays import cast, index, numbers
+from ._filters import ALL
 from ._material import Material
 from ._shapes import Mesh, Shape
 
@@ -17,7 +18,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._foreign import Part
-    from ._types import Vector
+    from ._types import Selection, Vector
+
+#: What is left of an object that was removed.
+NOTHING = Mesh(np.empty((0, 3)), np.empty((0, 3), np.uint32))
 
 
 class Object:
@@ -30,9 +34,13 @@ class Object:
         transform: npt.NDArray[np.float64] | None,
         materials: tuple[Material, ...],
         mark: object | None = None,
+        mask: int = ALL,
+        *,
+        is_hidden: bool = False,
     ) -> None:
         self._shape, self._name, self._transform = shape, name, transform
-        self._materials = materials
+        self._materials, self._mask, self._is_hidden = materials, mask, is_hidden
+        self._is_removed = False
         #: By which it is known wherever it moves.
         self._mark = mark or object()
 
@@ -66,19 +74,41 @@ class Object:
         """The number of its triangles; 0 for a shape that is not a mesh."""
         return self._shape._mesh.counts()[1] if isinstance(self._shape, Mesh) else 0
 
-    def _moved(self, matrix: npt.NDArray[np.float64]) -> Object:
-        """Return the same object elsewhere."""
-        return Object(self._shape, self._name, matrix, self._materials, self._mark)
+    @property
+    def mask(self) -> int:
+        """Its 32 bits: a ray meets it if their masks have a bit in common."""
+        return self._mask
+
+    @property
+    def hidden(self) -> bool:
+        """Whether no ray meets it: after `Scene.hide`, or with a mask of 0."""
+        return self._is_hidden or self._mask == 0
+
+    @property
+    def removed(self) -> bool:
+        """Whether `Scene.remove` took it away; only its identifier is left."""
+        return self._is_removed
+
+    def _but(self, **others: Any) -> Object:
+        """Return the same object with other attributes."""
+        made = Object.__new__(Object)
+        made.__dict__.update(self.__dict__)
+        made.__dict__.update(others)
+        return made
+
+    def _is_made_of(self, other: Object) -> bool:
+        """Tell whether it differs from another at most in place, and in being hidden."""
+        is_same = self._shape is other._shape and self._materials is other._materials
+        return is_same and self._name == other._name and self._mask == other._mask
 
     def __repr__(self) -> str:
         return f"Object({self._name!r}, {self._shape!r})"
 
-    def _native(
-        self,
-    ) -> tuple[_firsthit.Shape, str, list[list[float]] | None, list[_firsthit._Material]]:
+    def _native(self) -> _firsthit._Object:
         rows = None if self._transform is None else self._transform.tolist()
         materials = [material._native() for material in self._materials]
-        return self._shape._native(), self._name, rows, materials
+        shape = self._shape._native()
+        return shape, self._name, rows, materials, self._mask, self._is_hidden
 
 
 def placed(
@@ -86,6 +116,7 @@ def placed(
     matrix: npt.NDArray[np.float64] | None,
     color: npt.ArrayLike | None,
     material: Material | Sequence[Material] | None,
+    mask: int,
 ) -> Object:
     """Return a part as an object: where it is moved to, and as it is to look."""
     if color is None and material is None:
@@ -94,7 +125,36 @@ def placed(
     if where is not None:
         where = affine(where if matrix is None else matrix @ where)
     looks = _materials(part.shape, color, material)
-    return Object(part.shape, part.name, matrix if where is None else where, looks)
+    return Object(part.shape, part.name, matrix if where is None else where, looks, mask=mask)
+
+
+def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
+    """Return the identifiers of objects, each once and in order; removed ones are not there."""
+    several = [given] if isinstance(given, str) or hasattr(given, "__index__") else given
+    try:
+        wanted = list(several)
+    except TypeError:
+        raise TypeError(f"objects must be identifiers or names, got {given!r}") from None
+    found = set()
+    for one in wanted:
+        if isinstance(one, str):
+            named = [k for k, made in enumerate(objects) if made.name == one and not made.removed]
+            if not named:
+                raise ValueError(f"there is no object with the name {one!r}")
+            found.update(named)
+        else:
+            found.add(identified(objects, one))
+    return tuple(sorted(found))
+
+
+def identified(objects: Sequence[Object], given: object) -> int:
+    """Return the identifier of an object that is there."""
+    identifier = index("object", given)
+    if not 0 <= identifier < len(objects):
+        raise IndexError(f"there is no object {identifier!r}; there are {len(objects)}")
+    if objects[identifier].removed:
+        raise IndexError(f"object {identifier!r} was removed")
+    return identifier
 
 
 def affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:

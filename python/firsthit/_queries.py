@@ -11,9 +11,12 @@ from . import _firsthit
 from ._all_hits import checked, shoot_all, shoot_nearest
 from ._arrays import numbers, threads_or_all
 from ._camera import Camera
+from ._filters import ALL, Filters, one_mask
 from ._hits import Hits
+from ._leaving import rays_of
+from ._object import chosen
 from ._progress import following, later
-from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
+from ._rays import Rays
 from ._rounding import is_single
 from ._source import Source, hits_arrays
 from ._traceable import Traceable
@@ -24,9 +27,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._all_hits import AllHits
+    from ._leaving import LeavingRays
     from ._progress import Report
     from ._traceable import Built
-    from ._types import Progress
+    from ._types import Progress, Selection, Side
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
@@ -36,11 +40,15 @@ class Queries(Traceable):
 
     def shoot(
         self,
-        origins: npt.ArrayLike | Camera,
+        origins: npt.ArrayLike | Camera | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        mask: npt.ArrayLike | None = None,
+        cull: Side | None = None,
+        skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
         dtype: npt.DTypeLike | None = None,
@@ -52,13 +60,26 @@ class Queries(Traceable):
         origins, directions : (..., 3) array_like
             The rays, in world space, of any real type; they broadcast against each other.
             Directions have any length but zero, and ``t`` is in units of that length. Instead of
-            both, a `Camera` alone stands for the rays of its pixels. The hits keep copies, so that
-            arrays may be changed afterwards.
+            both, a `Camera` alone stands for the rays of its pixels, and `LeavingRays`
+            (`Hits.leave`) for rays that start on surfaces. The hits keep copies, so that arrays may
+            be changed afterwards.
         t_min, t_max : (...) array_like
-            Limits of the rays, not for a camera: hits have ``t_min < t <= t_max``. With a ``t_min``
-            of zero, a ray does not meet a surface on which its origin lies exactly; a rounded
-            origin is to one side of the surface (see `Hits.position`). With a negative ``t_min`` it
-            does, and it meets what is behind the origin, down to ``t_min``.
+            Limits of the rays: hits have ``t_min < t <= t_max``. With a ``t_min`` of zero, a ray
+            does not meet a surface on which its origin lies exactly; a rounded origin is to one
+            side of the surface (see `Hits.leave`). With a negative ``t_min`` it does, and it meets
+            what is behind the origin, down to ``t_min``. A camera's rays with limits, a ``cull`` or
+            a ``skip`` are shot one by one, which takes longer than in tiles.
+        mask : (...) array_like of int, optional
+            A ray meets the objects whose mask (`add`) has a bit in common with its own, of 32 bits;
+            every object if left out. One mask for all rays costs nothing.
+        cull : {"front", "back"}, optional
+            The side of surfaces that rays pass through: the front is where the normal points.
+        skip : pair of (...) array_like of int, optional
+            The object and primitive that each ray passes through, -1 where there is none: a
+            triangle wholly; of any other shape only the crossing nearest to the ray's origin. To go
+            on from a hit, `Hits.leave` is the exact way.
+        objects : int, str, or sequence of them, optional
+            The identifiers or names of the only objects that the rays meet; all if left out.
         threads : int, optional
             The number of threads, here and for the attributes of the hits; all cores if left out.
             The result is the same for any number.
@@ -103,31 +124,47 @@ class Queries(Traceable):
         """
         use = threads_or_all(threads)
         single = dtype is not None and is_single(dtype)
+        masks = mask if mask is None or np.ndim(mask) else None
+        built = self._ready()
+        seen = self._seen(built, mask, objects)
         if isinstance(origins, Camera):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
-            if not (_are_all("t_min", t_min, 0.0) and _are_all("t_max", t_max, math.inf)):
-                raise ValueError("t_min and t_max must be left out with a camera")
-            with following(progress, origins.rows * origins.columns) as report:
-                hits = shoot_camera(self._ready(), origins, use, report)
-            return hits._rounded(NO_MINIMUM, NO_MAXIMUM) if single else hits
-        rays = Rays.of(origins, directions, t_min, t_max)
-        limits = rays.arrays[2:]
+            filters = Filters.of(masks, cull, skip)
+            limits = [numbers("t_min", t_min), numbers("t_max", t_max)]
+            is_open = np.all(limits[0] == 0.0) and np.all(limits[1] == math.inf)
+            length = origins.rows * origins.columns
+            with following(progress, length) as report:
+                if is_open and filters is None:
+                    hits = shoot_camera(built, origins, use, report, seen)
+                else:
+                    rays = Rays.of(*origins.rays(), *limits, filters=filters, are_own=True)
+                    if rays.shape != (origins.rows, origins.columns):
+                        raise ValueError(f"the rays of a camera have no shape {rays.shape}")
+                    limits = list(rays.arrays[2:])
+                    hits = shoot_rays(built, rays, use, report, Source(origins), seen)
+            return hits._rounded(*limits) if single else hits
+        rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
+        limits = list(rays.arrays[2:])
         if progress is None:
             # Without a context manager, which takes 1 us of the 11 of a call with one ray.
-            hits = shoot_rays(self._ready(), rays, use, None)
+            hits = shoot_rays(built, rays, use, None, None, seen)
         else:
             with following(progress, rays.length) as report:
-                hits = shoot_rays(self._ready(), rays, use, report)
+                hits = shoot_rays(built, rays, use, report, None, seen)
         return hits._rounded(*limits) if single else hits
 
     def occluded(
         self,
-        origins: npt.ArrayLike,
-        directions: npt.ArrayLike,
+        origins: npt.ArrayLike | LeavingRays,
+        directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        mask: npt.ArrayLike | None = None,
+        cull: Side | None = None,
+        skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_]:
@@ -135,7 +172,7 @@ class Queries(Traceable):
 
         Parameters
         ----------
-        origins, directions, t_min, t_max, threads, progress
+        origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
             As for `shoot`; no camera.
 
         Returns
@@ -160,16 +197,23 @@ class Queries(Traceable):
         >>> bool(scene.occluded(eye, [0, 0, -3], t_max=1.0))  # is the target seen?
         False
         """
-        rays = Rays.of(origins, directions, t_min, t_max)
-        return self._answers(_firsthit.occluded, np.bool_, rays, threads, progress)
+        masks = mask if mask is None or np.ndim(mask) else None
+        rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
+        # Once: what others add meanwhile is for the next call.
+        native = self._seen(self._ready(), mask, objects)
+        return _answers(_firsthit.occluded, np.bool_, native, rays, threads, progress)
 
     def count(
         self,
-        origins: npt.ArrayLike,
-        directions: npt.ArrayLike,
+        origins: npt.ArrayLike | LeavingRays,
+        directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        mask: npt.ArrayLike | None = None,
+        cull: Side | None = None,
+        skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.uint32]:
@@ -182,7 +226,7 @@ class Queries(Traceable):
 
         Parameters
         ----------
-        origins, directions, t_min, t_max, threads, progress
+        origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
             As for `shoot`; no camera.
 
         Returns
@@ -206,18 +250,25 @@ class Queries(Traceable):
         >>> scene.count([[0, 0, 5], [0, 0, 0], [0, 2, 5]], [0, 0, -1])
         array([2, 1, 0], dtype=uint32)
         """
-        rays = Rays.of(origins, directions, t_min, t_max)
-        return self._answers(_firsthit.count, np.uint32, rays, threads, progress)
+        masks = mask if mask is None or np.ndim(mask) else None
+        rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
+        # Once: what others add meanwhile is for the next call.
+        native = self._seen(self._ready(), mask, objects)
+        return _answers(_firsthit.count, np.uint32, native, rays, threads, progress)
 
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike,
-        directions: npt.ArrayLike,
+        origins: npt.ArrayLike | LeavingRays,
+        directions: npt.ArrayLike | None = None,
         k: None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        mask: npt.ArrayLike | None = None,
+        cull: Side | None = None,
+        skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> AllHits: ...
@@ -225,24 +276,49 @@ class Queries(Traceable):
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike,
-        directions: npt.ArrayLike,
+        origins: npt.ArrayLike | LeavingRays,
+        directions: npt.ArrayLike | None,
         k: int,
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        mask: npt.ArrayLike | None = None,
+        cull: Side | None = None,
+        skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+        objects: Selection | None = None,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Hits: ...
+
+    @overload
+    def shoot_all(
+        self,
+        origins: npt.ArrayLike | LeavingRays,
+        directions: npt.ArrayLike | None = None,
+        *,
+        k: int,
+        t_min: npt.ArrayLike = 0.0,
+        t_max: npt.ArrayLike = math.inf,
+        mask: npt.ArrayLike | None = None,
+        cull: Side | None = None,
+        skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> Hits: ...
 
     def shoot_all(
         self,
-        origins: npt.ArrayLike,
-        directions: npt.ArrayLike,
+        origins: npt.ArrayLike | LeavingRays,
+        directions: npt.ArrayLike | None = None,
         k: int | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        mask: npt.ArrayLike | None = None,
+        cull: Side | None = None,
+        skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> AllHits | Hits:
@@ -254,7 +330,7 @@ class Queries(Traceable):
 
         Parameters
         ----------
-        origins, directions, t_min, t_max, threads, progress
+        origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
             As for `shoot`; no camera, but ``scene.shoot_all(*camera.rays())``.
         k : int, optional
             How many hits of each ray are wanted at most; all if left out.
@@ -294,41 +370,53 @@ class Queries(Traceable):
         """
         wanted = None if k is None else checked(k)
         use = threads_or_all(threads)
-        rays = Rays.of(origins, directions, t_min, t_max)
+        masks = mask if mask is None or np.ndim(mask) else None
+        rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
         built = self._ready()
+        seen = self._seen(built, mask, objects)
         with following(progress, rays.length) as report:
             if wanted is None:
-                return shoot_all(built, rays, use, report)
-            return shoot_nearest(built, rays, wanted, use, report)
+                return shoot_all(built, rays, use, report, seen)
+            return shoot_nearest(built, rays, wanted, use, report, seen)
 
-    def _answers(
-        self,
-        ask: Callable[..., None],
-        dtype: type[_Scalar],
-        rays: Rays,
-        threads: int | None,
-        progress: Progress | None,
-    ) -> npt.NDArray[_Scalar]:
-        """Return what the native half answers to a query, a number for each ray."""
-        use = threads_or_all(threads)
-        answers = np.empty(rays.length, dtype)
-        # Once: what others add meanwhile is for the next call.
-        native = self._native()
-        with following(progress, rays.length) as report:
-            for part in rays.parts():
-                told = later(report, part.start)
-                ask(native, rays.part(part), use, answers[part], told)
-        return answers.reshape(rays.shape)
+    def _seen(
+        self, built: Built, mask: npt.ArrayLike | None, objects: Selection | None
+    ) -> _firsthit.Scene:
+        """Return what rays of one mask are shot at, where there is one, and of some objects."""
+        if objects is None and (mask is None or np.ndim(mask)):
+            return built.native
+        bits = ALL if mask is None or np.ndim(mask) else one_mask("mask", mask)
+        return built.seen(bits, None if objects is None else chosen(built.objects, objects))
 
 
-def _are_all(name: str, given: npt.ArrayLike, number: float) -> bool:
-    return bool(np.all(numbers(name, given) == number))
+def _answers(
+    ask: Callable[..., None],
+    dtype: type[_Scalar],
+    native: _firsthit.Scene,
+    rays: Rays,
+    threads: int | None,
+    progress: Progress | None,
+) -> npt.NDArray[_Scalar]:
+    """Return what the native half answers to a query, a number for each ray."""
+    use = threads_or_all(threads)
+    answers = np.empty(rays.length, dtype)
+    with following(progress, rays.length) as report:
+        for part in rays.parts():
+            told = later(report, part.start)
+            ask(native, rays.part(part), use, answers[part], told)
+    return answers.reshape(rays.shape)
 
 
-def shoot_camera(built: Built, camera: Camera, threads: int, report: Report | None) -> Hits:
-    """Shoot a camera's rays at what was built."""
+def shoot_camera(
+    built: Built,
+    camera: Camera,
+    threads: int,
+    report: Report | None,
+    seen: _firsthit.Scene | None = None,
+) -> Hits:
+    """Shoot a camera's rays at what was built, or at what is ``seen`` of it."""
     out = hits_arrays(camera.rows * camera.columns)
-    _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
+    _firsthit.shoot_camera(seen or built.native, camera._native, threads, out, report)
     return Hits._of(built, out, Source(camera), (camera.rows, camera.columns), threads)
 
 
@@ -338,19 +426,24 @@ def shoot_rays(
     threads: int,
     report: Report | None,
     source: Source | None = None,
+    seen: _firsthit.Scene | None = None,
 ) -> Hits:
-    """Shoot rays at what was built; without a source, the rays are their own."""
+    """Shoot rays at what was built, or at what is ``seen`` of it.
+
+    Without a source, the rays are their own.
+    """
+    native = seen or built.native
     out = hits_arrays(rays.length)
     # The hits keep the rays, from which they compute what is asked later.
     copies = rays.own()
     parts = rays.parts()
     if len(parts) == 1:
-        _firsthit.shoot(built.native, rays.part(parts[0]), copies, threads, out, report)
+        _firsthit.shoot(native, rays.part(parts[0]), copies, threads, out, report)
     else:
         for part in parts:
             t, identifiers, primitive, barycentric = out
             pieces = t[part], identifiers[part], primitive[part], barycentric[part]
             told = later(report, part.start)
-            _firsthit.shoot(built.native, rays.part(part), copies, threads, pieces, told)
+            _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
     kept = rays.keep(copies)
     return Hits._of(built, out, source or Source(None, None, kept), rays.shape, threads)

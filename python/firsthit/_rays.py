@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    Native = tuple[npt.NDArray[np.float64], ...]
+    from ._filters import Filters
+    from ._firsthit import _Rays as Native
+
     #: Memory to which the native half copies origins and directions; ``None`` for what is not
     #: to be copied.
     Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
@@ -42,25 +44,38 @@ class Rays:
         How many there are.
     arrays : tuple of array
         Origins and directions (..., 3), ``t_min`` and ``t_max`` (...).
+    filters : Filters or None
+        What they do not meet.
     """
 
-    __slots__ = ("_are_own", "arrays", "length", "shape")
+    __slots__ = ("_are_own", "arrays", "filters", "length", "shape")
 
     def __init__(
         self,
         arrays: Sequence[npt.NDArray[Any]],
         shape: tuple[int, ...],
         are_own: tuple[bool, bool] = (True, True),
+        filters: Filters | None = None,
     ) -> None:
         self.arrays, self.shape, self.length = tuple(arrays), shape, math.prod(shape)
+        self.filters = filters
         #: Whether the memory of origins and directions is ours alone.
         self._are_own = are_own
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Rays, (self.arrays, self.shape, self._are_own)
+        return Rays, (self.arrays, self.shape, self._are_own, self.filters)
 
     @classmethod
-    def of(cls, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = math.inf) -> Rays:
+    def of(
+        cls,
+        origins: Any,
+        directions: Any,
+        t_min: Any = 0.0,
+        t_max: Any = math.inf,
+        *,
+        filters: Filters | None = None,
+        are_own: bool = False,
+    ) -> Rays:
         """Check what a user gave."""
         if directions is None:
             raise ValueError("directions must be given, except with a camera")
@@ -70,20 +85,24 @@ class Rays:
                 raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
         begins = NO_MINIMUM if _is(t_min, 0.0) else numbers("t_min", t_min)
         ends = NO_MAXIMUM if _is(t_max, math.inf) else numbers("t_max", t_max)
-        own = is_own(origins), is_own(directions)
-        leading = starts.shape[:-1], ways.shape[:-1], begins.shape, ends.shape
+        own = (True, True) if are_own else (is_own(origins), is_own(directions))
+        arrays = starts, ways, begins, ends
+        leading = [starts.shape[:-1], ways.shape[:-1], begins.shape, ends.shape]
+        if filters is not None:
+            leading += filters.shapes()
         # NumPy's own way takes longer than to shoot a ray.
         different = {shape for shape in leading if shape}
         if len(different) <= 1:
-            return cls((starts, ways, begins, ends), different.pop() if different else (), own)
+            return cls(arrays, different.pop() if different else (), own, filters)
         try:
             shape = np.broadcast_shapes(*leading)
         except ValueError:
+            beside = "" if filters is None else ", and masks and surfaces,"
             raise ValueError(
                 f"origins {starts.shape}, directions {ways.shape}, t_min {begins.shape} and "
-                f"t_max {ends.shape} must broadcast against each other"
+                f"t_max {ends.shape}{beside} must broadcast against each other"
             ) from None
-        return cls((starts, ways, begins, ends), shape, own)
+        return cls(arrays, shape, own, filters)
 
     def own(self) -> Copies:
         """Copy what the caller could change, for hits to keep.
@@ -108,7 +127,7 @@ class Rays:
         return copies[0], copies[1]
 
     def keep(self, copies: Copies) -> Rays:
-        """Take the copies that the native half made, and forget the limits."""
+        """Take the copies that the native half made, and forget limits and filters."""
         origins, directions = copies
         self.arrays = (
             self.arrays[0] if origins is None else origins,
@@ -116,20 +135,20 @@ class Rays:
             NO_MINIMUM,
             NO_MAXIMUM,
         )
-        self._are_own = (True, True)
+        self._are_own, self.filters = (True, True), None
         return self
 
     def copied(self) -> Rays:
-        """Return the same rays with their limits; nobody else has their origins and directions."""
-        limits = self.arrays[2:]
+        """Return the same rays with limits and filters; nobody else has origins and directions."""
+        limits, filters = self.arrays[2:], self.filters
         copies = self.own()
         for copy, array in zip(copies, self.arrays[:2], strict=True):
             if copy is not None:
                 np.copyto(copy, array)
-        return Rays((*self.keep(copies).arrays[:2], *limits), self.shape)
+        return Rays((*self.keep(copies).arrays[:2], *limits), self.shape, filters=filters)
 
     def unlimited(self) -> Rays:
-        """Return the same rays without limits."""
+        """Return the same rays without limits and filters."""
         return Rays((*self.arrays[:2], NO_MINIMUM, NO_MAXIMUM), self.shape, self._are_own)
 
     def origins(self) -> npt.NDArray[Any]:
@@ -145,7 +164,7 @@ class Rays:
         return np.broadcast_to(array, (*self.shape, 3))
 
     def take(self, chosen: npt.NDArray[np.int64], shape: tuple[int, ...]) -> Rays:
-        """Return some of the rays in another shape, without limits."""
+        """Return some of the rays in another shape, without limits and filters."""
         taken = []
         for array in self.arrays[:2]:
             if array.size == 3:
@@ -155,9 +174,18 @@ class Rays:
                 taken.append(view[np.unravel_index(chosen, self.shape)].reshape(*shape, 3))
         return Rays((*taken, NO_MINIMUM, NO_MAXIMUM), shape)
 
+    def only(self, chosen: npt.NDArray[np.bool_]) -> Rays:
+        """Return the rays where a mask of their shape is true, in a row, with what they leave."""
+        numbers = np.flatnonzero(chosen)
+        taken = self.take(numbers, (len(numbers),))
+        if self.filters is not None:
+            taken.filters = self.filters.taken(numbers, self.shape)
+        return taken
+
     def parts(self) -> list[slice]:
         """Return what goes to the native half at a time: all, where little of it is copied."""
-        if self.length <= CHUNK or all(map(self._is_native, self.arrays, _TRAILING)):
+        is_native = self.filters is None and all(map(self._is_native, self.arrays, _TRAILING))
+        if self.length <= CHUNK or is_native:
             return [slice(0, self.length)]
         return list(chunks(self.length))
 
@@ -173,7 +201,8 @@ class Rays:
             else:
                 view = np.broadcast_to(array, self.shape + array.shape[array.ndim - trailing :])
                 made.append(flat(view, part, trailing))
-        return tuple(made)
+        filters = self.filters.part(part, self.shape) if limits and self.filters else None
+        return made[0], made[1], made[2], made[3], filters
 
     def _is_native(self, array: npt.NDArray[Any], trailing: int) -> bool:
         if array.size == 1 + 2 * trailing:

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from . import _firsthit, _foreign
-from ._arrays import color_of, index, text, vector
+from ._arrays import color_of, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
+from ._changes import Changes
+from ._filters import ALL, one_mask
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._lint import Lintable
 from ._measures import Measures
@@ -21,6 +23,7 @@ from ._queries import Queries
 from ._section import Cuttable
 from ._shading import Shading
 from ._shapes import Shape
+from ._sights import Sights
 from ._traceable import Built
 from ._turn import Turn
 
@@ -33,21 +36,18 @@ if TYPE_CHECKING:
     from ._material import Material
     from ._types import MeshLike, SceneLike, Vector
 
-#: After so many moves the list of moves begins anew, and the next build starts from all objects.
-_MOST_MOVES = 1 << 16
-
 
 class _Last(NamedTuple):
     """What was built last."""
 
     built: Built
-    #: The moves since something was built from all objects, by identifiers; more may come.
+    #: What changed since something was built from all objects, by identifiers; more may come.
     moves: list[int]
     #: How many of them are in ``built``.
     known: int
 
 
-class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
+class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable):
     """Objects and lights. Any number of threads may use it at once.
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any
@@ -68,7 +68,7 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
 
     def __init__(self) -> None:
         self._objects: list[Object] = []
-        #: The identifiers of the objects moved. A move replaces the object, then adds it here.
+        #: See `Changes`.
         self._moves: list[int] = []
         self._lights: list[Light] = []
         self._cameras: tuple[NamedCamera, ...] = ()
@@ -91,6 +91,7 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
         transform: npt.ArrayLike | None = None,
         color: npt.ArrayLike | None = None,
         material: Material | Sequence[Material] | None = None,
+        mask: int = ALL,
     ) -> int: ...
 
     @overload
@@ -101,6 +102,7 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
         transform: npt.ArrayLike | None = None,
         color: npt.ArrayLike | None = None,
         material: Material | Sequence[Material] | None = None,
+        mask: int = ALL,
     ) -> tuple[int, ...]: ...
 
     def add(
@@ -111,6 +113,7 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
         transform: npt.ArrayLike | None = None,
         color: npt.ArrayLike | None = None,
         material: Material | Sequence[Material] | None = None,
+        mask: int = ALL,
     ) -> int | tuple[int, ...]:
         """Add an object, or all objects of another package's scene.
 
@@ -134,6 +137,8 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
             grey, or white for a mesh with colours of its own.
         material : Material or sequence of Material, optional
             A material in place of ``color``, or one for each of a mesh's ``slots``.
+        mask : int
+            32 bits: a ray meets the object if their masks have a bit in common, see `shoot`.
 
         Returns
         -------
@@ -165,7 +170,8 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
             parts = [_foreign.Part(name, *_foreign.mesh(shape))]
         else:
             raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
-        made = [placed(part, matrix, color, material) for part in parts]
+        bits = one_mask("mask", mask)
+        made = [placed(part, matrix, color, material, bits) for part in parts]
         # One bytecode, in which nothing can intervene. A lock would deadlock in a signal's handler.
         self._objects.extend(made)
         if _foreign.is_scene(shape):
@@ -177,57 +183,6 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
         """Return the identifier of an object that was just added; it may have moved since."""
         places = reversed(range(len(self._objects)))
         return next(k for k in places if self._objects[k]._mark is made._mark)
-
-    def move(self, identifier: int, transform: npt.ArrayLike | None) -> None:
-        """Move an object: replace its transform.
-
-        Later calls give the results of a scene that is built anew. The move itself takes
-        microseconds. The next call that needs the trees copies the list of objects, once for all
-        moves since the last one, and refits the boxes above the moved objects: among a thousand
-        objects some 100 microseconds, whatever the size of their meshes. If many have moved, and
-        now and then, it builds the tree over the objects anew. Calls that are running see the scene
-        as it was. `bounds`, and with it `Camera.framing`, then visits the vertices of turned meshes
-        once.
-
-        Parameters
-        ----------
-        identifier : int
-            The object's identifier, of Python's or NumPy's.
-        transform : (4, 4) or (3, 4) array_like, or None
-            The affine map from object space to world space, for columns; it must be invertible.
-            ``None`` is the identity.
-
-        Raises
-        ------
-        IndexError
-            For an identifier that no object has.
-        ValueError
-            For a transform of a wrong shape, and for one that is not invertible.
-        TypeError
-            For an identifier that is no int.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> import firsthit as fh
-        >>> scene = fh.Scene()
-        >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
-        >>> up = np.eye(4)
-        >>> up[2, 3] = 2
-        >>> scene.move(ball, up)
-        >>> float(scene.shoot((0, 0, 9), (0, 0, -1)).t)
-        6.0
-        """
-        identifier = index("object", identifier)
-        if not 0 <= identifier < len(self._objects):
-            raise IndexError(f"there is no object {identifier!r}; there are {len(self._objects)}")
-        matrix = np.eye(4) if transform is None else affine(transform)
-        # The object is replaced before the move is noted: a build that knows of the move then has
-        # the object there. A signal's handler or another thread may move and build at any step.
-        self._objects[identifier] = self._objects[identifier]._moved(matrix)
-        if len(self._moves) >= _MOST_MOVES:
-            self._moves = []
-        self._moves.append(identifier)
 
     def add_light(self, light: Light) -> None:
         """Add a light. A scene without lights is lit from behind the camera's left shoulder.
@@ -288,7 +243,7 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
     def _take_built(self, native: _firsthit.Scene) -> None:
         """Take what is built from the objects and lights there are, lest it be built again."""
         built = Built(self._objects[:], self._lights[:], native)
-        self._last = _Last(built, self._moves, 0)
+        self._last = _Last(built, self._moves, len(self._moves))
 
     @property
     def objects(self) -> tuple[Object, ...]:
@@ -422,8 +377,8 @@ class Scene(Queries, Measures, NearestQueries, Cuttable, Lintable):
             # A copy, which shows all objects at one moment.
             objects = self._objects[:]
             count = len(last.built.objects)
-            moved = {k: objects[k] for k in last.moves[last.known :] if k < count}
-            built = last.built.moved(moved)
+            changed = {k: objects[k] for k in last.moves[last.known :] if k < count}
+            built = last.built.changed(changed)
             self._last = _Last(built, last.moves, known)
             return built
         # The list is replaced before the objects are copied: a later move is then in the new list.

@@ -29,17 +29,39 @@ class Built:
     ) -> None:
         """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
         self.objects, self.lights = objects, lights
+        #: What rays of one mask, or of some objects, were last shot at.
+        self._seen: tuple[object, _firsthit.Scene] | None = None
         self.native = native or _firsthit.Scene(
             [made._native() for made in objects], [light._native() for light in lights], previous
         )
 
-    def moved(self, moved: Mapping[int, Object]) -> Built:
-        """Return what is built when some objects, given by identifier, are elsewhere."""
+    def changed(self, changed: Mapping[int, Object]) -> Built:
+        """Return what is built when some objects, given by identifier, are others.
+
+        Only what changed is converted: where an object only moved, its transform.
+        """
         objects = list(self.objects)
-        for identifier, made in moved.items():
-            objects[identifier] = made
-        places = [(identifier, made.transform.tolist()) for identifier, made in moved.items()]
-        return Built(objects, self.lights, self.native.moved(places))
+        replaced, places, hidden = [], [], []
+        for identifier, made in changed.items():
+            old, objects[identifier] = objects[identifier], made
+            if not made._is_made_of(old):
+                replaced.append((identifier, made._native()))
+                continue
+            if made._transform is not old._transform:
+                places.append((identifier, made.transform.tolist()))
+            if made._is_hidden != old._is_hidden:
+                hidden.append((identifier, made._is_hidden))
+        return Built(objects, self.lights, self.native.changed(replaced, places, hidden))
+
+    def seen(self, mask: int, only: Sequence[int] | None) -> _firsthit.Scene:
+        """Return what rays with a mask meet, or only some of it, by identifiers."""
+        key = mask, None if only is None else tuple(only)
+        last = self._seen
+        if last is None or last[0] != key:
+            last = key, self.native.seen_by(mask, None if only is None else list(only))
+            # The last one alone is kept: it is asked for again and again, or never.
+            self._seen = last
+        return last[1]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Built, (self.objects, self.lights)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, Protocol
 
 #: Three numbers, as attributes have them; arguments take anything array_like of three.
@@ -37,6 +37,8 @@ RayStart = Literal["viewplane", "eye"]
 ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]
 #: How it is known whether a point is inside an object, see `Scene.inside`.
 Rule = Literal["parity", "winding", "none"]
+#: The sides of a surface; its geometric normal points to the front.
+Side = Literal["front", "back"]
 Wrap = Literal["repeat", "mirror", "clamp"]
 Filter = Literal["linear", "nearest"]
 AlphaMode = Literal["opaque", "mask", "blend"]
@@ -44,6 +46,10 @@ AlphaMode = Literal["opaque", "mask", "blend"]
 #: ``True`` for a bar, or a function that is called with (done, total) about twenty times a second.
 #: An exception that it raises ends the work.
 Progress = bool | Callable[[int, int], object]
+
+
+#: Some objects, by identifier or name; a name means all objects that have it.
+Selection = int | str | Sequence[int | str]
 
 
 class MeshLike(Protocol):

@@ -1,7 +1,7 @@
 //! Rays and hits in NumPy's memory, as the library sees them.
 
 use firsthit::shoot::HitSlices;
-use firsthit::{DVec2, DVec3, Hits, Ray, Rays};
+use firsthit::{DVec2, DVec3, Hits, Ray, RayFilter, Rays};
 use numpy::{
     PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArray2,
     PyReadwriteArrayDyn,
@@ -10,6 +10,8 @@ use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
+use crate::filters::{FilterArrays, Filters};
+
 /// Rays in arrays of the interpreter: of each array one element for all rays, or one for each.
 pub(crate) struct RaySlices<'a> {
     count: usize,
@@ -17,6 +19,7 @@ pub(crate) struct RaySlices<'a> {
     directions: &'a [[f64; 3]],
     t_min: &'a [f64],
     t_max: &'a [f64],
+    filters: Option<Filters<'a>>,
 }
 
 impl Rays for RaySlices<'_> {
@@ -31,6 +34,15 @@ impl Rays for RaySlices<'_> {
         );
         ray.beyond(*of(self.t_min, index))
             .up_to(*of(self.t_max, index))
+    }
+
+    fn is_filtered(&self) -> bool {
+        self.filters.is_some()
+    }
+
+    fn filter(&self, index: usize) -> RayFilter {
+        let filters = self.filters.as_ref();
+        filters.map_or(RayFilter::NONE, |filters| filters.filter(index))
     }
 }
 
@@ -59,28 +71,32 @@ fn copied_to<'a>(values: &'a [[f64; 3]], copy: Option<&'a mut [[f64; 3]]>) -> &'
 }
 
 /// The element of a ray: its own, or the one for all.
-fn of<T>(elements: &[T], index: usize) -> &T {
+pub(crate) fn of<T>(elements: &[T], index: usize) -> &T {
     elements.get(index).unwrap_or(&elements[0])
 }
 
-/// Arrays of rays as they come: C-contiguous float64, twice of 3 n or 3 numbers, and twice of n or 1.
+/// Arrays of rays as they come: C-contiguous float64, twice of 3 n or 3 numbers, and twice of n or 1; and what the rays
+/// do not meet.
 #[derive(FromPyObject)]
 pub(crate) struct RayArrays<'py>(
     PyReadonlyArrayDyn<'py, f64>,
     PyReadonlyArrayDyn<'py, f64>,
     PyReadonlyArrayDyn<'py, f64>,
     PyReadonlyArrayDyn<'py, f64>,
+    Option<FilterArrays<'py>>,
 );
 
 impl RayArrays<'_> {
     /// For so many rays.
     pub(crate) fn slices(&self, count: usize) -> PyResult<RaySlices<'_>> {
+        let filters = self.4.as_ref().map(|filters| filters.filters(count));
         let rays = RaySlices {
             count,
             origins: self.0.as_slice().map_err(not_contiguous)?.as_chunks().0,
             directions: self.1.as_slice().map_err(not_contiguous)?.as_chunks().0,
             t_min: self.2.as_slice().map_err(not_contiguous)?,
             t_max: self.3.as_slice().map_err(not_contiguous)?,
+            filters: filters.transpose()?,
         };
         let counts = [
             rays.origins.len(),

@@ -9,6 +9,7 @@
 mod arrays;
 mod camera;
 mod errors;
+mod filters;
 mod frame;
 mod lint;
 mod load;
@@ -30,6 +31,8 @@ mod _firsthit {
 
     #[pymodule_export]
     use crate::camera::Camera;
+    #[pymodule_export]
+    use crate::filters::visible;
     #[pymodule_export]
     use crate::frame::{defaults, metadata, origin, png, read, render, render_work, write};
     #[pymodule_export]

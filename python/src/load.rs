@@ -26,7 +26,13 @@ enum ShapeOut {
 }
 
 /// Name, shape, the rows of the transform, materials.
-type ObjectOut = (String, ShapeOut, Option<[[f64; 4]; 4]>, Vec<MaterialOut>);
+type ObjectOut = (
+    String,
+    ShapeOut,
+    Option<[[f64; 4]; 4]>,
+    Vec<MaterialOut>,
+    (u32, bool),
+);
 
 /// Name; what it is made from; whether rows, columns and width are the file's own.
 type CameraOut = (String, ViewOut, bool);
@@ -171,7 +177,8 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
         let transform = object.transform();
         let rows = (!transform.is_identity()).then(|| rows(transform.world_from_object()));
         let shape = shape_out(object.shape(), |mesh| meshes.number(mesh));
-        (object.name().to_owned(), shape, rows, materials)
+        let seen = (object.mask(), object.is_hidden());
+        (object.name().to_owned(), shape, rows, materials, seen)
     };
     let objects = model.objects.iter().map(&mut object_out).collect();
     ModelOut {

@@ -16,14 +16,19 @@ const FEW_OBJECTS: usize = 4096;
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Scene(pub(crate) firsthit::Scene);
 
-/// An object: shape, name, the rows of its transform if it has one, its materials.
+/// An object: shape, name, the rows of its transform if it has one, its materials, its mask, whether it is hidden.
 #[derive(FromPyObject)]
 struct ObjectIn<'py>(
     PyRef<'py, Shape>,
     String,
     Option<[[f64; 4]; 4]>,
     Vec<MaterialIn<'py>>,
+    u32,
+    bool,
 );
+
+/// An object's number, and the rows of its transform.
+type Place = (usize, [[f64; 4]; 4]);
 
 /// A light: its kind, a direction or position, its colour; of a spot light its direction and both angles.
 #[derive(FromPyObject)]
@@ -51,21 +56,78 @@ impl Scene {
         Ok(Self(scene.with_lights(lights)))
     }
 
-    /// The same scene with objects moved, each to the transform beside it.
-    fn moved(&self, py: Python<'_>, places: Vec<(usize, [[f64; 4]; 4])>) -> PyResult<Self> {
+    /// The same scene with other objects in the place of some, with objects moved, and some hidden (`true`) or shown.
+    fn changed(
+        &self,
+        py: Python<'_>,
+        replaced: Vec<(usize, ObjectIn<'_>)>,
+        places: Vec<Place>,
+        hidden: Vec<(usize, bool)>,
+    ) -> PyResult<Self> {
+        let replaced: Vec<(usize, Object)> = replaced
+            .iter()
+            .map(|(identifier, object)| Ok((*identifier, build(py, object)?)))
+            .collect::<PyResult<_>>()?;
         let places: Vec<(usize, Transform)> = places
             .iter()
             .map(|(identifier, rows)| Ok((*identifier, transform(py, rows)?)))
             .collect::<PyResult<_>>()?;
-        let moved = || {
+        let has_new_trees = !replaced.is_empty();
+        let changed = || {
             let mut scene = self.0.clone();
-            scene.move_objects(&places).map(|()| scene)
+            if has_new_trees {
+                let mut objects = scene.objects().to_vec();
+                for (identifier, object) in replaced {
+                    if let Some(place) = objects.get_mut(identifier) {
+                        *place = object;
+                    }
+                }
+                scene = scene.with_objects(objects)?;
+            }
+            if !places.is_empty() {
+                scene.move_objects(&places)?;
+            }
+            if !hidden.is_empty() {
+                scene.hide_objects(&hidden)?;
+            }
+            Ok(scene)
         };
-        if self.0.objects().len() < FEW_OBJECTS {
-            let moved = guarded(|| py.detach(moved))?;
-            return moved.map(Self).map_err(|error| raise(py, &error));
+        if self.0.objects().len() < FEW_OBJECTS && !has_new_trees {
+            let changed = guarded(|| py.detach(changed))?;
+            return changed.map(Self).map_err(|error| raise(py, &error));
         }
-        run(py, 0, |_| moved()).map(Self)
+        run(py, 0, |_| changed()).map(Self)
+    }
+
+    /// The same scene, where rays meet only the objects that have a bit in common with `mask`, and are in `only` if that is
+    /// given.
+    fn seen_by(&self, py: Python<'_>, mask: u32, only: Option<Vec<usize>>) -> PyResult<Self> {
+        let objects = self.0.objects();
+        let mut hidden = vec![only.is_some(); objects.len()];
+        for identifier in only.into_iter().flatten() {
+            if let Some(is_hidden) = hidden.get_mut(identifier) {
+                *is_hidden = false;
+            }
+        }
+        let hidden: Vec<(usize, bool)> = objects
+            .iter()
+            .zip(hidden)
+            .enumerate()
+            .filter(|(_, (object, is_hidden))| *is_hidden || object.mask() & mask == 0)
+            .map(|(identifier, _)| (identifier, true))
+            .collect();
+        if hidden.is_empty() {
+            return Ok(Self(self.0.clone()));
+        }
+        let seen = || {
+            let mut scene = self.0.clone();
+            scene.hide_objects(&hidden).map(|()| scene)
+        };
+        if objects.len() < FEW_OBJECTS {
+            let seen = guarded(|| py.detach(seen))?;
+            return seen.map(Self).map_err(|error| raise(py, &error));
+        }
+        run(py, 0, |_| seen()).map(Self)
     }
 
     /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.
@@ -96,12 +158,13 @@ fn transform(py: Python<'_>, rows: &[[f64; 4]; 4]) -> PyResult<Transform> {
 }
 
 fn build(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
-    let ObjectIn(shape, name, rows, materials) = object;
+    let ObjectIn(shape, name, rows, materials, mask, is_hidden) = object;
     let mut object = Object::new(shape.0.clone()).named(name.clone());
     if let Some(rows) = rows {
         object = object.placed(transform(py, rows)?);
     }
     let materials: Vec<Material> = materials.iter().map(material).collect::<PyResult<_>>()?;
+    let object = object.masked(*mask).hidden(*is_hidden);
     Ok(object.with_materials(materials))
 }
 

@@ -68,6 +68,17 @@ impl Mesh {
             .map_err(|error| raise(py, &error))
     }
 
+    /// The same triangles and attributes, with other vertices.
+    fn moved(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let vertices = vertices.as_slice().map_err(not_contiguous)?;
+        let points = copied(vertices.as_chunks::<3>().0)?;
+        let mesh = firsthit::Mesh::clone(&self.0);
+        let moved = py.detach(|| mesh.with_positions(Positions::compact(points)));
+        moved
+            .map(|mesh| Self(Arc::new(mesh)))
+            .map_err(|error| raise(py, &error))
+    }
+
     /// Normals, uvs, colours and alphas, as they go in: a copy.
     fn attributes<'py>(&self, py: Python<'py>) -> PyResult<[Option<ArrayOut<'py>>; 4]> {
         Ok([

@@ -35,7 +35,13 @@ pub(crate) fn shoot<'py>(
     let copies = copies.slices(&rays)?;
     let report = report.as_ref();
     if count < FEW && copies.iter().all(Option::is_none) {
-        guarded(|| shoot_few(scene, &rays, &mut out))?;
+        if rays.is_filtered() {
+            let traced =
+                guarded(|| Cpu::default().trace(&scene.0, &rays, Answers::First(out), &()))?;
+            traced.map_err(|error| raise(py, &error))?;
+        } else {
+            guarded(|| shoot_few(scene, &rays, &mut out))?;
+        }
         return report_done(report, count);
     }
     run_reported(py, threads, report, |stop| {

@@ -73,9 +73,6 @@ def test_rays_begin_beyond_t_min():
         ball().occluded(origins, directions, t_min=begins, t_max=5), [True] * 3 + [False] * 3
     )
     assert np.isinf(ball().shoot(origins, directions, t_min=np.nan).t).all()
-    camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 20, 3, 3)
-    with pytest.raises(ValueError, match="t_min and t_max must be left out with a camera"):
-        ball().shoot(camera, t_min=1)
 
 
 @pytest.mark.parametrize(

@@ -56,11 +56,16 @@ impl Side {
 /// origin.
 ///
 /// ```
-/// use firsthit::{DVec2, DVec3, Departure, Filtered, Mesh, Object, Ray, RayFilter, Scene, SurfaceId};
+/// use std::sync::Arc;
+///
 /// use firsthit::shoot::{First, trace};
+/// use firsthit::{
+///     DVec2, DVec3, Departure, Filtered, Mesh, Object, Positions, Ray, RayFilter, Scene, SurfaceId,
+/// };
 ///
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let scene = Scene::new(vec![Object::new(Mesh::new(corners, vec![[0, 1, 2]])?)])?;
+/// let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2]])?;
+/// let scene = Scene::new(vec![Object::new(Arc::new(mesh))])?;
 /// let departure = Departure {
 ///     surface: SurfaceId { object: 0, primitive: 0 },
 ///     barycentric: DVec2::new(0.1, 0.3),

@@ -101,7 +101,7 @@ impl Object {
     }
 
     /// The same object with another mask: a ray meets it when their masks have a bit in common. An object and a ray that
-    /// nobody gave a mask have all bits.
+    /// nobody gave a mask have all bits. With the mask 0 it is hidden.
     pub fn masked(self, mask: u32) -> Self {
         Self { mask, ..self }
     }
@@ -118,7 +118,7 @@ impl Object {
 
     /// Whether no ray meets it.
     pub fn is_hidden(&self) -> bool {
-        self.is_hidden
+        self.is_hidden || self.mask == 0
     }
 
     /// Hides it, or shows it.
@@ -134,7 +134,7 @@ impl Object {
         };
         // What is cut out hides no duplicate.
         let are_cut_alike = self.has_cutouts == other.has_cutouts;
-        let are_seen_alike = are_cut_alike && self.is_hidden == other.is_hidden;
+        let are_seen_alike = are_cut_alike && self.is_hidden() == other.is_hidden();
         is_same && are_seen_alike && self.transform == other.transform
     }
 

@@ -75,6 +75,24 @@ impl Debug for Mesh {
     }
 }
 
+/// The box around triangles whose corners are there, and finite.
+fn checked_bounds(positions: &Positions, triangles: &[[u32; 3]]) -> Result<Bounds> {
+    let bounds = match positions {
+        Positions::Single(points) => bounds_of(points, triangles),
+        Positions::Double(points) => bounds_of(points, triangles),
+    };
+    if let Some(bounds) = bounds {
+        return Ok(bounds);
+    }
+    check_indices("triangles", triangles, positions.len())?;
+    let mut corners = triangles.iter().flatten();
+    let bad = corners.find(|&&k| !positions.get(k).is_finite());
+    let got = bad.map_or_else(String::new, |&bad| {
+        format!("{} at index {bad}", positions.get(bad))
+    });
+    Err(Error::argument("vertices", "finite", got))
+}
+
 impl Mesh {
     /// Whether its triangles are those of another mesh, to the last bit and in the same order, whatever they look like.
     pub(crate) fn is_congruent(&self, other: &Self) -> bool {
@@ -105,19 +123,7 @@ impl Mesh {
                 limit,
             });
         }
-        let bounds = match &*positions {
-            Positions::Single(points) => bounds_of(points, &triangles),
-            Positions::Double(points) => bounds_of(points, &triangles),
-        };
-        let Some(bounds) = bounds else {
-            check_indices("triangles", &triangles, positions.len())?;
-            let mut corners = triangles.iter().flatten();
-            let bad = corners.find(|&&k| !positions.get(k).is_finite());
-            let got = bad.map_or_else(String::new, |&bad| {
-                format!("{} at index {bad}", positions.get(bad))
-            });
-            return Err(Error::argument("vertices", "finite", got));
-        };
+        let bounds = checked_bounds(&positions, &triangles)?;
         Ok(Self {
             positions,
             triangles: triangles.into(),
@@ -130,6 +136,28 @@ impl Mesh {
             slots: None,
             properties: Vec::new(),
             closed: closed::Closed::default(),
+        })
+    }
+
+    /// The same triangles and attributes, with other vertices. A scene that has this mesh in the place of the old one fits the old
+    /// one's tree to it ([`Scene::with_objects`](crate::Scene::with_objects)).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for another number of vertices, and for a triangle whose corner is NaN or infinite.
+    pub fn with_positions(self, positions: impl Into<Arc<Positions>>) -> Result<Self> {
+        let positions = positions.into();
+        let (count, got) = (self.positions.len(), positions.len());
+        if got != count {
+            let got = format!("{got}, there were {count}");
+            return Err(Error::argument("vertices", "as many as there were", got));
+        }
+        let bounds = checked_bounds(&positions, &self.triangles)?;
+        Ok(Self {
+            positions,
+            bounds,
+            closed: closed::Closed::default(),
+            ..self
         })
     }
 

@@ -1,0 +1,230 @@
+"""Who sees whom, and how thick things are."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit
+from ._all_hits import shoot_all
+from ._arrays import chunks, elements, flat, numbers, plain, threads_or_all
+from ._filters import surfaces
+from ._hits import Hits
+from ._leaving import rays_of
+from ._progress import following, later
+from ._queries import shoot_rays
+from ._rays import Rays
+from ._source import Source
+from ._traceable import Traceable
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._filters import Surfaces
+    from ._leaving import LeavingRays
+    from ._traceable import Built
+    from ._types import Progress
+
+    Pair = tuple[npt.ArrayLike, npt.ArrayLike]
+
+
+class Sights(Traceable):
+    """The part of `Scene` that looks along lines of sight."""
+
+    def visible(
+        self,
+        a: npt.ArrayLike | Hits,
+        b: npt.ArrayLike | Hits,
+        *,
+        skip_a: Pair | None = None,
+        skip_b: Pair | None = None,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.bool_]:
+        """Tell whether points see each other: whether nothing is on the line between them.
+
+        The answer does not depend on which of the two comes first, to the bit. The ends themselves
+        do not count: a surface there hides nothing.
+
+        Parameters
+        ----------
+        a, b : (..., 3) array_like, or Hits
+            The points, in world space; they broadcast against each other. All pairs of two lists
+            are ``visible(a[:, None], b)``, worked off in blocks. Of `Hits` they are the positions,
+            and the surfaces there do not hide them; a miss sees nothing.
+        skip_a, skip_b : pair of (...) array_like of int, optional
+            The object and primitive on which each point of an array lies, -1 where there is none.
+            Being rounded, the point may be to one side of it; it does not hide the point.
+        threads, progress
+            As for `shoot`; pairs are counted.
+
+        Returns
+        -------
+        (...) array of bool
+            Whether they see each other. A point sees itself. One that is not finite sees nothing.
+
+        Raises
+        ------
+        ValueError
+            For arrays whose shapes or types do not fit, with their names.
+        MemoryError
+            If the answers do not fit into memory.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> scene.visible([[0, 0, 5], [0, 2, 0]], [0, 0, -5])
+        array([False,  True])
+        >>> hits = scene.shoot((0, 0, 5), (0, 0, -1))
+        >>> bool(scene.visible(hits, (0, 3, 5)))
+        True
+        """
+        ends = _end("a", a, skip_a), _end("b", b, skip_b)
+        try:
+            shape = np.broadcast_shapes(*(array.shape[:-1] for array, _ in ends), *_shapes(ends))
+        except ValueError:
+            raise ValueError(
+                f"a {ends[0][0].shape} and b {ends[1][0].shape} must broadcast against each other, "
+                "and so must skip_a and skip_b"
+            ) from None
+        use, native = threads_or_all(threads), self._native()
+        length = math.prod(shape)
+        seen = np.empty(length, np.bool_)
+        with following(progress, length) as report:
+            for part in chunks(length):
+                told, count = later(report, part.start), part.stop - part.start
+                both = _part(*ends[0], shape, part), _part(*ends[1], shape, part)
+                seen[part] = _firsthit.visible(native, both, count, use, told)
+        return seen.reshape(shape)
+
+    def thickness(
+        self,
+        points: npt.ArrayLike | Hits,
+        directions: npt.ArrayLike | None = None,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.float64]:
+        """Measure how thick objects are at points of their surfaces.
+
+        It is the distance along a ray from the surface to where the ray next meets the same object.
+        The ray leaves the surface exactly, as `Hits.leave` has it. Other objects do not count.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like, or Hits
+            Points in world space, each in place of the surface point nearest to it; or hits.
+        directions : (..., 3) array_like, optional
+            The directions to measure along, of any length; they broadcast against the points. If
+            left out, inwards: against the geometric normal, which points outwards where the mesh
+            is as it should be.
+        threads, progress
+            As for `shoot`.
+
+        Returns
+        -------
+        (...) array of float64
+            Lengths in scene units. ``inf`` where the ray does not meet the object again; NaN for a
+            miss, and for a point that is not finite or has no surface to be near to.
+
+        Raises
+        ------
+        ValueError
+            For arrays whose shapes or types do not fit.
+        MemoryError
+            If the lengths do not fit into memory.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Box(low=(0, 0, 0), high=(4, 4, 0.5)))
+        0
+        >>> scene.thickness([[1, 1, 0.5], [0, 2, 0.25]])
+        array([0.5, 4. ])
+        """
+        use, built = threads_or_all(threads), self._ready()
+        hits = points if isinstance(points, Hits) else _nearest(built, points, use)
+        ways = -hits.normal if directions is None else directions
+        rays = rays_of(hits.leave(ways), None)
+        with following(progress, rays.length) as report:
+            found = shoot_rays(built, _again(rays), use, report)
+        t, own = found.t.copy(), np.broadcast_to(hits.object, rays.shape)
+        others = (found.object >= 0) & (found.object != own)
+        if others.any():
+            t[others] = _next_of(built, hits.leave(ways), others, own, use)
+        lengths = np.linalg.norm(np.broadcast_to(rays.directions(), (*rays.shape, 3)), axis=-1)
+        with np.errstate(invalid="ignore"):
+            thick: npt.NDArray[np.float64] = np.where(own < 0, np.nan, t * lengths)
+        return thick
+
+
+def _again(rays: Rays) -> Rays:
+    """Return the same rays for a query that forgets what they do not meet."""
+    return Rays(rays.arrays, rays.shape, filters=rays.filters)
+
+
+def _nearest(built: Built, points: npt.ArrayLike, threads: int) -> Hits:
+    """Return the surface points that are nearest to points, as if they were hit."""
+    array = numbers("points", points)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
+    shape = array.shape[:-1]
+    wanted = plain(array.reshape(-1, 3)), (1, math.inf), threads, None
+    _, identifiers, primitive, places, weights = _firsthit.closest_points(built.native, *wanted)
+    length = len(identifiers)
+    t = np.where(identifiers < 0, np.inf, 0.0)
+    arrays = t, identifiers, primitive, weights.reshape(length, 2)
+    ways = np.array([0.0, 0.0, 1.0])
+    rays = Rays.of(places.reshape(*shape, 3), ways, are_own=True)
+    return Hits._of(built, arrays, Source(None, None, rays), shape, threads)
+
+
+def _next_of(
+    built: Built,
+    rays: LeavingRays,
+    chosen: npt.NDArray[np.bool_],
+    own: npt.NDArray[np.int32],
+    threads: int,
+) -> npt.NDArray[np.float64]:
+    """Return where the chosen rays next meet their own object, whatever they meet before."""
+    met = shoot_all(built, rays_of(rays, None).only(chosen), threads, None)
+    t = np.full(met.shape, np.inf)
+    is_own = met.object == own[chosen][met.ray]
+    ray, first = np.unique(met.ray[is_own], return_index=True)
+    t[ray] = met.t[is_own][first]
+    return t
+
+
+def _end(name: str, given: Any, skip: Pair | None) -> tuple[npt.NDArray[Any], Surfaces | None]:
+    """Return points and the surfaces that they lie on."""
+    if isinstance(given, Hits):
+        if skip is not None:
+            raise ValueError(f"skip_{name} must be left out with Hits, which know their surfaces")
+        return given.position, (given.object, given.primitive)
+    array = numbers(name, given)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
+    return array, None if skip is None else surfaces(f"skip_{name}", skip)
+
+
+def _shapes(ends: Any) -> list[tuple[int, ...]]:
+    return [array.shape for _, skip in ends if skip is not None for array in skip]
+
+
+def _part(
+    points: npt.NDArray[Any], skip: Surfaces | None, shape: tuple[int, ...], part: slice
+) -> _firsthit._Ends:
+    """Return some of the ends as the native half takes them."""
+    if points.size == 3:
+        flat_points = plain(points.reshape(1, 3))
+    else:
+        flat_points = flat(np.broadcast_to(points, (*shape, 3)), part, 1).reshape(-1, 3)
+    if skip is None:
+        return flat_points, None
+    return flat_points, (elements(skip[0], shape, part), elements(skip[1], shape, part))

@@ -1,0 +1,163 @@
+//! What rays do not meet, in NumPy's memory.
+
+use firsthit::shoot::{Viewpoint, visible as see};
+use firsthit::{DVec2, DVec3, Departure, RayFilter, Side, SurfaceId};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::arrays::{collected, not_contiguous, of};
+use crate::errors::raise;
+use crate::run::{guarded, report_done, run_reported};
+use crate::scene::Scene;
+use crate::shoot::FEW;
+
+type Identifiers<'py> = (PyReadonlyArray1<'py, i32>, PyReadonlyArray1<'py, i32>);
+
+/// Objects and primitives, and two weights of each place: n of them, or one for all.
+type Places<'py> = (
+    PyReadonlyArray1<'py, i32>,
+    PyReadonlyArray1<'py, i32>,
+    PyReadonlyArray2<'py, f64>,
+);
+
+/// Filters as they come: masks, the name of the side that is culled, surfaces that are skipped, places that are left.
+/// Of each array n elements or one.
+#[derive(FromPyObject)]
+pub(crate) struct FilterArrays<'py>(
+    Option<PyReadonlyArray1<'py, u32>>,
+    Option<String>,
+    Option<Identifiers<'py>>,
+    Option<Places<'py>>,
+);
+
+/// [`FilterArrays`] for a number of rays.
+pub(crate) struct Filters<'a> {
+    masks: Option<&'a [u32]>,
+    cull: Option<Side>,
+    skip: Option<(&'a [i32], &'a [i32])>,
+    left: Option<(&'a [i32], &'a [i32], &'a [[f64; 2]])>,
+}
+
+impl FilterArrays<'_> {
+    /// For so many rays.
+    pub(crate) fn filters(&self, count: usize) -> PyResult<Filters<'_>> {
+        let Self(masks, cull, skip, left) = self;
+        let masks = masks
+            .as_ref()
+            .map(|masks| slice(masks, count))
+            .transpose()?;
+        let skip = skip.as_ref();
+        let skip = skip.map(|(object, primitive)| identifiers(object, primitive, count));
+        let left = left.as_ref().map(|(object, primitive, weights)| {
+            let (object, primitive) = identifiers(object, primitive, count)?;
+            let weights = weights.as_slice().map_err(not_contiguous)?;
+            let weights = of_count(weights.as_chunks::<2>().0, count)?;
+            Ok::<_, PyErr>((object, primitive, weights))
+        });
+        let side = |name: &String| {
+            Side::from_name(name).ok_or_else(|| PyValueError::new_err("expected a side's name"))
+        };
+        Ok(Filters {
+            masks,
+            cull: cull.as_ref().map(side).transpose()?,
+            skip: skip.transpose()?,
+            left: left.transpose()?,
+        })
+    }
+}
+
+fn slice<'a, T: numpy::Element>(
+    array: &'a PyReadonlyArray1<'_, T>,
+    count: usize,
+) -> PyResult<&'a [T]> {
+    of_count(array.as_slice().map_err(not_contiguous)?, count)
+}
+
+fn identifiers<'a>(
+    object: &'a PyReadonlyArray1<'_, i32>,
+    primitive: &'a PyReadonlyArray1<'_, i32>,
+    count: usize,
+) -> PyResult<(&'a [i32], &'a [i32])> {
+    Ok((slice(object, count)?, slice(primitive, count)?))
+}
+
+fn of_count<T>(elements: &[T], count: usize) -> PyResult<&[T]> {
+    if elements.len() == count || elements.len() == 1 {
+        Ok(elements)
+    } else {
+        Err(PyValueError::new_err("expected an element for each ray"))
+    }
+}
+
+/// A surface, unless its object is negative.
+fn surface(object: i32, primitive: i32) -> Option<SurfaceId> {
+    (object >= 0).then_some(SurfaceId { object, primitive })
+}
+
+impl Filters<'_> {
+    /// What the ray `index` does not meet.
+    pub(crate) fn filter(&self, index: usize) -> RayFilter {
+        let skip = self
+            .skip
+            .and_then(|(object, primitive)| surface(*of(object, index), *of(primitive, index)));
+        let departure = self.left.and_then(|(object, primitive, weights)| {
+            let surface = surface(*of(object, index), *of(primitive, index))?;
+            let barycentric = DVec2::from(*of(weights, index));
+            Some(Departure {
+                surface,
+                barycentric,
+            })
+        });
+        RayFilter {
+            mask: self.masks.map_or(u32::MAX, |masks| *of(masks, index)),
+            cull: self.cull,
+            skip: [skip, None],
+            departure,
+        }
+    }
+}
+
+/// Ends of lines of sight: positions, and the surfaces that they lie on.
+#[derive(FromPyObject)]
+pub(crate) struct EndsIn<'py>(PyReadonlyArray2<'py, f64>, Option<Identifiers<'py>>);
+
+impl EndsIn<'_> {
+    fn viewpoints(&self, count: usize) -> PyResult<impl Fn(usize) -> Viewpoint> {
+        let Self(positions, surfaces) = self;
+        let positions = positions.as_slice().map_err(not_contiguous)?;
+        let positions = of_count(positions.as_chunks::<3>().0, count)?;
+        let surfaces = surfaces.as_ref();
+        let surfaces = surfaces.map(|(object, primitive)| identifiers(object, primitive, count));
+        let surfaces = surfaces.transpose()?;
+        Ok(move |index| Viewpoint {
+            position: DVec3::from(*of(positions, index)),
+            surface: surfaces
+                .and_then(|(object, primitive)| surface(*of(object, index), *of(primitive, index))),
+        })
+    }
+}
+
+/// Whether the ends of `count` lines of sight see each other.
+#[pyfunction]
+pub(crate) fn visible<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    ends: (EndsIn<'py>, EndsIn<'py>),
+    count: usize,
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    let (a, b) = (ends.0.viewpoints(count)?, ends.1.viewpoints(count)?);
+    let pairs = collected(count, (0..count).map(|index| [a(index), b(index)]))?;
+    let report = report.as_ref();
+    let seen = if count < FEW {
+        let seen = guarded(|| see(&scene.0, &pairs, &()))?;
+        let seen = seen.map_err(|error| raise(py, &error))?;
+        report_done(report, count)?;
+        seen
+    } else {
+        run_reported(py, threads, report, |stop| see(&scene.0, &pairs, stop))?
+    };
+    Ok(PyArray1::from_vec(py, seen))
+}
