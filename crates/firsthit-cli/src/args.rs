@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firsthit::camera::StandardView;
-use firsthit::{Background, Color, DVec3, RayStart};
+use firsthit::{Background, Color, DVec3, RayStart, Side};
 
 use crate::completion::ChannelNames;
 use crate::help;
@@ -63,6 +63,8 @@ pub(crate) struct RenderArgs {
     pub(crate) picture: PictureArgs,
     #[command(flatten)]
     pub(crate) light: LightingArgs,
+    #[command(flatten)]
+    pub(crate) pick: PickArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]
@@ -205,6 +207,18 @@ pub(crate) struct LoadArgs {
     pub(crate) max_texture: u32,
 }
 
+/// Which objects are there.
+#[derive(Debug, Args)]
+pub(crate) struct PickArgs {
+    /// Hide the objects with this name, or else with this identifier; may be given several times. Nothing meets them, and
+    /// the others keep their identifiers
+    #[arg(long, value_name = "OBJECT")]
+    pub(crate) hide: Vec<String>,
+    /// Hide all objects but those with this name, or else with this identifier; may be given several times
+    #[arg(long, value_name = "OBJECT")]
+    pub(crate) only: Vec<String>,
+}
+
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct RunArgs {
@@ -253,6 +267,9 @@ pub(crate) struct ShootArgs {
     /// Hits have a t up to this, itself included [default: inf]
     #[arg(long, value_name = "T", value_parser = values::t_max, allow_hyphen_values = true)]
     pub(crate) t_max: Option<f64>,
+    /// The side of surfaces that rays pass through: the front is where the normal points
+    #[arg(long, value_name = "SIDE")]
+    pub(crate) cull: Option<CulledSide>,
     /// Write every hit of each ray, in order, not only the first: an element for each hit, with the channel ray before the
     /// others, the number of its ray. Each crossing of a surface counts once, at edges too
     #[arg(long)]
@@ -260,6 +277,8 @@ pub(crate) struct ShootArgs {
     /// As --all, but at most the first K hits of each ray
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true, conflicts_with = "all")]
     pub(crate) nearest: Option<u32>,
+    #[command(flatten)]
+    pub(crate) pick: PickArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]
@@ -302,6 +321,8 @@ pub(crate) struct NearestArgs {
     #[arg(long, conflicts_with_all = ["count", "radius"])]
     pub(crate) signed: bool,
     #[command(flatten)]
+    pub(crate) pick: PickArgs,
+    #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
@@ -321,9 +342,26 @@ pub(crate) struct InsideArgs {
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
     #[command(flatten)]
+    pub(crate) pick: PickArgs,
+    #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CulledSide {
+    Front,
+    Back,
+}
+
+impl From<CulledSide> for Side {
+    fn from(side: CulledSide) -> Self {
+        match side {
+            CulledSide::Front => Self::Front,
+            CulledSide::Back => Self::Back,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -391,6 +429,8 @@ pub(crate) struct SectionArgs {
     /// only what the section comes to is printed]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) pick: PickArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]

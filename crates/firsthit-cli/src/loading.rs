@@ -7,7 +7,7 @@ use firsthit::world::World;
 use firsthit::{Color, Object, Scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::args::{LoadArgs, RunArgs};
+use crate::args::{LoadArgs, PickArgs, RunArgs};
 use crate::failure::Failure;
 
 /// A scene with what its file says beside it.
@@ -75,6 +75,43 @@ pub(crate) fn read_with(
         files,
         vertices,
     })
+}
+
+impl Loaded {
+    /// The same with the objects hidden that the arguments leave out.
+    pub(crate) fn picked(mut self, args: &PickArgs) -> Result<Self, Failure> {
+        let objects = self.scene.objects();
+        let mut is_hidden = vec![!args.only.is_empty(); objects.len()];
+        for (names, hide) in [(&args.only, false), (&args.hide, true)] {
+            for name in names {
+                for identifier in called(objects, name)? {
+                    is_hidden[identifier] = hide;
+                }
+            }
+        }
+        let hidden = is_hidden.iter().enumerate().filter(|(_, hidden)| **hidden);
+        let hidden: Vec<_> = hidden.map(|(identifier, _)| (identifier, true)).collect();
+        if !hidden.is_empty() {
+            self.scene.hide_objects(&hidden)?;
+        }
+        Ok(self)
+    }
+}
+
+/// The objects with a name, or else the one with that identifier.
+fn called(objects: &[Object], name: &str) -> Result<Vec<usize>, Failure> {
+    let named = objects.iter().enumerate();
+    let named = named.filter(|(_, object)| object.name() == name);
+    let named: Vec<usize> = named.map(|(identifier, _)| identifier).collect();
+    let identifier = name.parse().ok().filter(|&k: &usize| k < objects.len());
+    match (named.is_empty(), identifier) {
+        (false, _) => Ok(named),
+        (true, Some(identifier)) => Ok(vec![identifier]),
+        (true, None) => Err(Failure::usage(format!(
+            "there is no object {name:?}; firsthit info lists the {} there are",
+            objects.len()
+        ))),
+    }
 }
 
 /// Runs `work` with as many threads as asked for.

@@ -27,7 +27,7 @@ pub(crate) fn run(args: &InsideArgs, interrupted: &AtomicBool) -> Result<(), Fai
         let points: Vec<_> = points.into_iter().map(DVec3::from).collect();
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, None)?;
+        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
         warn(&warnings);
         let progress = Progress::new(points.len() as u64, sinks.is_quiet, interrupted);
         let found = inside(&scene, &points, By::Union, &progress)?;

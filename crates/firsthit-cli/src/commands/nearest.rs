@@ -29,7 +29,7 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
         let points = rays::read_points(&args.points)?;
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, None)?;
+        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
         warn(&warnings);
         let is_quiet = args.run.quiet || args.run.json;
         let progress = Progress::new(work(args, points.len()), is_quiet, interrupted);

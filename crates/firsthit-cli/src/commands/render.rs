@@ -44,7 +44,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             model,
             files,
             ..
-        } = loading::read(&args.file, &args.load, args.light.color)?;
+        } = loading::read(&args.file, &args.load, args.light.color)?.picked(&args.pick)?;
         let orders = all_orders(args, asked, &model.outputs, &files)?;
         let mut shader = shader(&args.light, model.shader.as_ref())?;
         warn(&idle_options(args, &orders, &shader));

@@ -20,7 +20,7 @@ pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Fa
     output::check_files(&args.output, std::slice::from_ref(&args.file))?;
     with_threads(&args.run, || {
         let started = Instant::now();
-        let loaded = loading::read(&args.file, &args.load, None)?;
+        let loaded = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
         warn(&loaded.warnings);
         output::check_files(&args.output, &loaded.files)?;
         let watch = Interrupt(interrupted);

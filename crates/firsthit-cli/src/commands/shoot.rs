@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
 use crate::output;
 use crate::progress::Progress;
-use crate::rays::{self, Feed, RayArrays, RayLines};
+use crate::rays::{self, Feed, Limits, RayArrays, RayLines};
 
 const DEFAULT_CHANNELS: [&str; 3] = ["t", "object", "primitive"];
 
@@ -61,16 +61,19 @@ enum Source {
     Stdin(Feed),
 }
 
-/// The limits of all rays, if given.
-fn ends(args: &ShootArgs) -> Result<(Option<f64>, Option<f64>), Failure> {
-    if let Some(t_max) = args.t_max
-        && args.t_min.unwrap_or(0.0) >= t_max
-    {
+/// What no ray meets.
+fn limits(args: &ShootArgs) -> Result<Limits, Failure> {
+    let limits = Limits {
+        t_min: args.t_min.unwrap_or(0.0),
+        t_max: args.t_max.unwrap_or(f64::INFINITY),
+        cull: args.cull.map(From::from),
+    };
+    if limits.t_min >= limits.t_max {
         return Err(Failure::usage(
             "--t-max must be above --t-min, which is 0 if not given",
         ));
     }
-    Ok((args.t_min, args.t_max))
+    Ok(limits)
 }
 
 pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
@@ -82,11 +85,11 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
     let sinks = Sinks::new((&args.output, args.format), &inputs, &kinds, &args.run)?;
     let started = Instant::now();
     with_threads(&args.run, || {
-        let ends = ends(args)?;
-        let source = source(args, &sinks, ends)?;
+        let limits = limits(args)?;
+        let source = source(args, &sinks, limits)?;
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, None)?;
+        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
         warn(&warnings);
         let counts = match source {
             Source::Arrays(rays) => {
@@ -95,10 +98,10 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
             Source::Stdin(feed) => {
                 let is_stopped = || interrupted.load(Ordering::Relaxed);
                 if rays::is_text(&feed.mark(&is_stopped)?) {
-                    let lines = RayLines::new(ends);
+                    let lines = RayLines::new(limits);
                     shoot_stream::answer(&feed, lines, (&scene, &kinds), interrupted)?
                 } else {
-                    let rays = rays::read_bytes(feed.all(&is_stopped)?, ends)?;
+                    let rays = rays::read_bytes(feed.all(&is_stopped)?, limits)?;
                     all_at_once(&rays, &scene, (several, &kinds), &sinks, interrupted)?
                 }
             }
@@ -133,11 +136,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
 }
 
 /// The rays. A stream that may be answered line by line is not waited for here.
-fn source(
-    args: &ShootArgs,
-    sinks: &Sinks,
-    ends: (Option<f64>, Option<f64>),
-) -> Result<Source, Failure> {
+fn source(args: &ShootArgs, sinks: &Sinks, limits: Limits) -> Result<Source, Failure> {
     let is_pipe = args.rays.as_path() == Path::new("-") && args.directions.is_none();
     // A ray without hits has no line among all hits, for which a program would wait.
     if is_pipe
@@ -147,7 +146,7 @@ fn source(
     {
         return Ok(Source::Stdin(feed));
     }
-    rays::read(&args.rays, args.directions.as_deref(), ends).map(Source::Arrays)
+    rays::read(&args.rays, args.directions.as_deref(), limits).map(Source::Arrays)
 }
 
 fn all_at_once(

@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use firsthit::{DVec3, Ray, Rays};
+use firsthit::{DVec3, Ray, RayFilter, Rays, Side};
 
 use crate::failure::Failure;
 pub(crate) use stdin::Feed;
@@ -20,21 +20,31 @@ type Triples = Vec<[f64; 3]>;
 pub(crate) struct RayArrays {
     origins: Triples,
     directions: Triples,
-    t_min: f64,
-    t_max: f64,
+    limits: Limits,
+}
+
+/// What rays do not meet.
+#[derive(Clone, Copy)]
+pub(crate) struct Limits {
+    /// Hits have a t above this.
+    pub(crate) t_min: f64,
+    /// Hits have a t up to this.
+    pub(crate) t_max: f64,
+    /// The side of surfaces that rays pass through.
+    pub(crate) cull: Option<Side>,
 }
 
 /// Rays of lines that come bit by bit.
 pub(crate) struct RayLines {
     lines: csv::Lines,
-    ends: (f64, f64),
+    limits: Limits,
 }
 
 impl RayLines {
-    pub(crate) fn new((t_min, t_max): (Option<f64>, Option<f64>)) -> Self {
+    pub(crate) fn new(limits: Limits) -> Self {
         Self {
             lines: csv::Lines::default(),
-            ends: (t_min.unwrap_or(0.0), t_max.unwrap_or(f64::INFINITY)),
+            limits,
         }
     }
 
@@ -44,12 +54,10 @@ impl RayLines {
         let read = self.lines.read(bytes, &mut values);
         let columns = self.lines.columns.unwrap_or(6);
         let table = Table { columns, values };
-        let (t_min, t_max) = self.ends;
         let mut rays = RayArrays {
             origins: Vec::new(),
             directions: Vec::new(),
-            t_min,
-            t_max,
+            limits: self.limits,
         };
         let of_table = origins_and_directions(std::slice::from_ref(&table));
         let read = match of_table {
@@ -81,8 +89,19 @@ impl Rays for RayArrays {
             DVec3::from(self.origins[index]),
             DVec3::from(self.directions[index]),
         )
-        .beyond(self.t_min)
-        .up_to(self.t_max)
+        .beyond(self.limits.t_min)
+        .up_to(self.limits.t_max)
+    }
+
+    fn is_filtered(&self) -> bool {
+        self.limits.cull.is_some()
+    }
+
+    fn filter(&self, _index: usize) -> RayFilter {
+        RayFilter {
+            cull: self.limits.cull,
+            ..RayFilter::NONE
+        }
     }
 }
 
@@ -106,7 +125,7 @@ impl Table {
 pub(crate) fn read(
     rays: &Path,
     directions: Option<&Path>,
-    (t_min, t_max): (Option<f64>, Option<f64>),
+    limits: Limits,
 ) -> Result<RayArrays, Failure> {
     if directions == Some(rays) {
         return Err(Failure::usage(
@@ -114,7 +133,7 @@ pub(crate) fn read(
         ));
     }
     let tables = load(rays, "rays")?;
-    arrays(tables, (rays, directions), (t_min, t_max))
+    arrays(tables, (rays, directions), limits)
 }
 
 /// Reads points from a file, `-` being standard input.
@@ -132,19 +151,16 @@ pub(crate) fn read_points(path: &Path) -> Result<Triples, Failure> {
 }
 
 /// [`read`] where the bytes of standard input are there already.
-pub(crate) fn read_bytes(
-    bytes: Vec<u8>,
-    ends: (Option<f64>, Option<f64>),
-) -> Result<RayArrays, Failure> {
+pub(crate) fn read_bytes(bytes: Vec<u8>, limits: Limits) -> Result<RayArrays, Failure> {
     let rays = Path::new("-");
     let tables = tables(bytes, "rays").map_err(|what| bad(rays, &what))?;
-    arrays(tables, (rays, None), ends)
+    arrays(tables, (rays, None), limits)
 }
 
 fn arrays(
     mut tables: Vec<Table>,
     (rays, directions): (&Path, Option<&Path>),
-    (t_min, t_max): (Option<f64>, Option<f64>),
+    limits: Limits,
 ) -> Result<RayArrays, Failure> {
     if let Some(path) = directions {
         tables.extend(load(path, "rays")?);
@@ -153,8 +169,7 @@ fn arrays(
     Ok(RayArrays {
         origins,
         directions,
-        t_min: t_min.unwrap_or(0.0),
-        t_max: t_max.unwrap_or(f64::INFINITY),
+        limits,
     })
 }
 

@@ -23,6 +23,7 @@ mod lines;
 mod lint;
 mod nearest;
 mod outputs;
+mod picking;
 mod rays;
 mod scene_file;
 mod section;

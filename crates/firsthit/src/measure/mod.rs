@@ -49,7 +49,7 @@ pub enum Rule {
     Parity,
     /// By the winding number: an open mesh, or one with parts that its material cuts out, through which rays pass.
     WindingNumber,
-    /// Nothing is inside: a plane or a disc.
+    /// Nothing is inside: a plane, a disc, or a hidden object.
     Nothing,
 }
 
@@ -70,6 +70,7 @@ impl Rule {
     /// Those of [`Mesh::is_closed`](crate::Mesh::is_closed).
     pub fn of(object: &Object) -> Result<Self> {
         Ok(match object.shape() {
+            _ if object.is_hidden() => Self::Nothing,
             Shape::Mesh(mesh) if object.has_cutouts() || !mesh.is_closed()? => Self::WindingNumber,
             Shape::Mesh(_)
             | Shape::Sphere(_)

@@ -26,7 +26,7 @@ pub use signed::{signed_distances, signed_distances_with};
 
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, require};
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 use crate::watch::Watch;
 
 /// How many of the nearest points are wanted, and from how far away.
@@ -133,7 +133,8 @@ pub fn closest_points_with(
 /// Refuses objects to which no distance can be measured.
 fn require_measurable(scene: &Scene) -> Result<()> {
     let mut objects = scene.objects().iter().enumerate();
-    let odd = objects.find(|(_, object)| !object.shape().is_measurable(object.transform()));
+    let is_odd = |object: &Object| !object.shape().is_measurable(object.transform());
+    let odd = objects.find(|(_, object)| !object.is_hidden() && is_odd(object));
     let Some((index, object)) = odd else {
         return Ok(());
     };

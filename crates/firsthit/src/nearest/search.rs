@@ -137,7 +137,7 @@ impl Batch<'_> {
             self.best.start(f64::INFINITY);
             let objects = (0..).zip(self.scene.objects());
             for (number, object) in objects.filter(|_| point.is_finite()) {
-                if !object.is_out_of_range() {
+                if !object.is_out_of_range() && !object.is_hidden() {
                     let best = &mut self.best;
                     let visit = &mut |nearest| best.take(number, nearest);
                     object.shape().nearest(point, object.transform(), visit);

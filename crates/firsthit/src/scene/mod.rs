@@ -192,8 +192,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Hides objects from all rays, or shows them: `true` beside an object hides it. They keep their identifiers. Only the tree over the
-    /// objects is built anew.
+    /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides it. They keep their identifiers. Only
+    /// the tree over the objects is built anew. `Scene::lint` looks at hidden objects too.
     ///
     /// # Errors
     ///
@@ -206,6 +206,7 @@ impl Scene {
             self.objects[object].hide(is_hidden);
         }
         self.top.rebuild(&self.objects);
+        self.first_open = OnceLock::new();
         self.bounds = OnceLock::new();
         self.fingerprint = OnceLock::new();
         Ok(())
@@ -340,7 +341,7 @@ impl Scene {
     /// The first object that is not [closed](Shape::is_closed).
     pub(crate) fn first_open_object(&self) -> Option<usize> {
         let find = || {
-            let is_open = |object: &Object| !object.shape().is_closed();
+            let is_open = |object: &Object| !object.is_hidden() && !object.shape().is_closed();
             self.objects.iter().position(is_open)
         };
         *self.first_open.get_or_init(find)

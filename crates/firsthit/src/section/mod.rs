@@ -215,7 +215,8 @@ pub fn section(scene: &Scene, plane: SectionPlane, watch: &dyn Watch) -> Result<
         Reason::new("not a mesh"),
         Reason::new("at coordinates beyond 1e150"),
     ];
-    for (identifier, object) in (0..).zip(scene.objects()) {
+    let objects = (0..).zip(scene.objects());
+    for (identifier, object) in objects.filter(|(_, object)| !object.is_hidden()) {
         match Placed::new(object) {
             None => reasons[0].add(identifier, object, &mut section),
             Some(placed) if !placed.is_in_range() => {
