@@ -8,63 +8,32 @@
 >>> scene.cast_rays(np.float32([[0.5, 0.25, 1, 0, 0, -1]]))["t_hit"]
 array([1.], dtype=float32)
 
-Arrays are answered by arrays, and Open3D's tensors by tensors on the same device. Numbers come as
-float32, as Open3D's do; to rays and points of float64 they come as float64.
+Answers are arrays. They are Open3D's tensors where tensors are asked about, or the scene holds a
+mesh of Open3D's or one of tensors. Numbers come as float32, as Open3D's do; to rays and points of
+float64 they come as float64.
 """
 
 from __future__ import annotations
 
 import math
-import sys
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from firsthit._arrays import cast, count, numbers, threads_or_all
+from firsthit._arrays import count, threads_or_all
 from firsthit._scene import Scene
 from firsthit._shapes import Mesh
 
 from ._foreign_meshes import TOUCHING, is_of, unit_normals
 from ._pinhole import rays_of_matrices, rays_of_view
+from ._tensors import array_of, asked_about, is_tensor, like, or_zero, parts_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._types import MeshLike
 
-
-class Tensor(Protocol):
-    """An ``open3d.core.Tensor``."""
-
-    def cpu(self) -> Any:
-        """Return the tensor in the memory of the CPU."""
-
-    def numpy(self) -> npt.NDArray[Any]:
-        """Return it as an array."""
-
-
-class TriangleMesh(Protocol):
-    """An ``open3d.t.geometry.TriangleMesh``."""
-
-    @property
-    def vertex(self) -> Any:
-        """What the vertices have: ``positions``."""
-
-    @property
-    def triangle(self) -> Any:
-        """What the triangles have: ``indices``."""
-
-
-class LegacyMesh(Protocol):
-    """An ``open3d.geometry.TriangleMesh``."""
-
-    @property
-    def vertices(self) -> Any:
-        """The vertices, (n, 3)."""
-
-    @property
-    def triangles(self) -> Any:
-        """The indices of each triangle's vertices, (m, 3)."""
+    from ._tensors import Asked, LegacyMesh, Tensor, TriangleMesh
 
 
 class RaycastingScene:
@@ -92,9 +61,11 @@ class RaycastingScene:
         self._nthreads = nthreads
         threads_or_all(self._threads(0))
         self._scene = Scene()
-        #: The normals of all triangles of one mesh after the other, and where each mesh begins.
-        self._normals = np.empty((0, 3))
-        self._firsts: list[int] = []
+        #: Whether anything in it was Open3D's.
+        self._is_open3d = False
+        #: The normals of the triangles, one mesh after the other, and where each mesh begins.
+        self._normals: list[npt.NDArray[np.float64]] = []
+        self._firsts = [0]
 
     @overload
     def add_triangles(
@@ -125,11 +96,13 @@ class RaycastingScene:
             For arrays of a wrong shape or type, and for an index without a vertex.
         """
         if triangle_indices is None:
-            vertex_positions, triangle_indices = _parts(vertex_positions)
-        mesh = Mesh(_array(vertex_positions), _array(triangle_indices))
+            self._is_open3d |= is_of("open3d", vertex_positions)
+            vertex_positions, triangle_indices = parts_of(vertex_positions)
+        self._is_open3d |= is_tensor(vertex_positions) or is_tensor(triangle_indices)
+        mesh = Mesh(array_of(vertex_positions), array_of(triangle_indices))
         normals = unit_normals(mesh.vertices[mesh.triangles])
-        self._firsts.append(len(self._normals))
-        self._normals = np.concatenate((self._normals, normals))
+        self._normals.append(normals)
+        self._firsts.append(self._firsts[-1] + len(normals))
         return self._scene.add(mesh)
 
     def cast_rays(self, rays: npt.ArrayLike | Tensor, nthreads: int = 0) -> dict[str, Any]:
@@ -155,7 +128,7 @@ class RaycastingScene:
         ValueError
             For an array of a wrong shape or type.
         """
-        asked = _Asked.of("rays", rays, 6)
+        asked = self._asked("rays", rays, 6)
         origins, directions = asked.rays()
         hits = self._scene.shoot(
             origins,
@@ -169,7 +142,7 @@ class RaycastingScene:
             "t_hit": asked.number(hits.t),
             "geometry_ids": asked.identifier(hits.object),
             "primitive_ids": asked.identifier(hits.primitive),
-            "primitive_uvs": asked.number(_or_zero(is_hit, hits.barycentric[..., 1:])),
+            "primitive_uvs": asked.number(or_zero(is_hit, hits.barycentric[..., 1:])),
             "primitive_normals": asked.number(self._normals_of(hits.object, hits.primitive)),
         }
 
@@ -194,7 +167,7 @@ class RaycastingScene:
         (...) array or tensor of bool
             Whether there is a hit.
         """
-        asked = _Asked.of("rays", rays, 6)
+        asked = self._asked("rays", rays, 6)
         origins, directions = asked.rays()
         return asked.answer(
             self._scene.occluded(
@@ -219,7 +192,7 @@ class RaycastingScene:
         (...) array or tensor of int32
             The number of crossings, as `firsthit.Scene.count` tells them.
         """
-        asked = _Asked.of("rays", rays, 6)
+        asked = self._asked("rays", rays, 6)
         threads = self._threads(nthreads)
         counts = self._scene.count(*asked.rays(), t_min=TOUCHING, threads=threads)
         return asked.answer(counts.astype(np.int32))
@@ -240,7 +213,7 @@ class RaycastingScene:
             `cast_rays`; and ``ray_splits`` (n + 1,) uint32, where those of each of the n rays
             begin, and m.
         """
-        asked = _Asked.of("rays", rays, 6)
+        asked = self._asked("rays", rays, 6)
         origins, directions = (part.reshape(-1, 3) for part in asked.rays())
         threads = self._threads(nthreads)
         met = self._scene.shoot_all(origins, directions, t_min=TOUCHING, threads=threads)
@@ -276,13 +249,13 @@ class RaycastingScene:
         ValueError
             For an array of a wrong shape or type.
         """
-        asked = _Asked.of("query_points", query_points, 3)
+        asked = self._asked("query_points", query_points, 3)
         found = self._scene.closest_point(asked.array, threads=self._threads(nthreads))
         return {
             "points": asked.number(found.point),
             "geometry_ids": asked.identifier(found.object),
             "primitive_ids": asked.identifier(found.primitive),
-            "primitive_uvs": asked.number(_or_zero(found.object >= 0, found.barycentric[..., 1:])),
+            "primitive_uvs": asked.number(or_zero(found.object >= 0, found.barycentric[..., 1:])),
             "primitive_normals": asked.number(self._normals_of(found.object, found.primitive)),
         }
 
@@ -299,7 +272,7 @@ class RaycastingScene:
         (...) array or tensor
             The distances, infinite where there is no mesh.
         """
-        asked = _Asked.of("query_points", query_points, 3)
+        asked = self._asked("query_points", query_points, 3)
         found = self._scene.closest_point(asked.array, threads=self._threads(nthreads))
         return asked.number(found.distance)
 
@@ -319,7 +292,7 @@ class RaycastingScene:
             The distances.
         """
         _check_samples(nsamples)
-        asked = _Asked.of("query_points", query_points, 3)
+        asked = self._asked("query_points", query_points, 3)
         threads = self._threads(nthreads)
         distance = self._scene.closest_point(asked.array, threads=threads).distance
         inside = self._inside(asked.array, threads)
@@ -352,7 +325,7 @@ class RaycastingScene:
             For an array of a wrong shape or type, and for ``nsamples`` that are not odd.
         """
         _check_samples(nsamples)
-        asked = _Asked.of("query_points", query_points, 3)
+        asked = self._asked("query_points", query_points, 3)
         return asked.number(self._inside(asked.array, self._threads(nthreads)))
 
     @overload
@@ -409,16 +382,20 @@ class RaycastingScene:
             For arrays of a wrong shape, a field of view that is not between 0 and 180, an ``up``
             along the view, and a matrix that is not invertible.
         """
-        plain = [_array(value) for value in args]
-        named = {name: _array(value) for name, value in kwargs.items()}
+        plain = [array_of(value) for value in args]
+        named = {name: array_of(value) for name, value in kwargs.items()}
         is_view = "fov_deg" in named or (len(plain) > 0 and np.ndim(plain[0]) == 0)
         rays = (rays_of_view if is_view else rays_of_matrices)(*plain, **named)
-        tensor = next((v for v in (*args, *kwargs.values()) if _is_tensor(v)), None)
-        return _like(tensor, rays.astype(np.float32))
+        tensor = next((v for v in (*args, *kwargs.values()) if is_tensor(v)), None)
+        return like(None if tensor is None else tensor.device, rays.astype(np.float32))
 
     def _threads(self, nthreads: int) -> int | None:
         """Return what ``threads`` of `firsthit.Scene` is to be."""
         return count("nthreads", nthreads) or count("nthreads", self._nthreads) or None
+
+    def _asked(self, name: str, given: Any, columns: int) -> Asked:
+        """Return what was asked about, (..., columns)."""
+        return asked_about(name, given, columns, wants_tensors=self._is_open3d)
 
     def _inside(self, points: npt.NDArray[Any], threads: int | None) -> npt.NDArray[np.bool_]:
         by_mesh = self._scene.inside(points, "object", threads=threads)
@@ -431,78 +408,12 @@ class RaycastingScene:
         """Return the normals of triangles; zero where there is none."""
         normals = np.zeros((*meshes.shape, 3))
         is_hit = meshes >= 0
-        firsts = np.array(self._firsts, np.int64)
-        normals[is_hit] = self._normals[firsts[meshes[is_hit]] + triangles[is_hit]]
+        if is_hit.any():
+            if len(self._normals) > 1:
+                self._normals = [np.concatenate(self._normals)]
+            firsts = np.array(self._firsts)
+            normals[is_hit] = self._normals[0][firsts[meshes[is_hit]] + triangles[is_hit]]
         return normals
-
-
-class _Asked(NamedTuple):
-    """What is asked about, and what answers are to be like."""
-
-    array: npt.NDArray[Any]
-    dtype: type[np.float32] | type[np.float64]
-    #: What was given, if that is a tensor.
-    tensor: Any
-
-    @classmethod
-    def of(cls, name: str, given: Any, columns: int) -> _Asked:
-        """Return what was asked about, (..., columns)."""
-        array = numbers(name, _array(given))
-        if array.ndim == 0 or array.shape[-1] != columns:
-            raise ValueError(f"{name} must have the shape (..., {columns}), got {array.shape}")
-        # Lists have no type that anyone chose.
-        is_double = hasattr(given, "dtype") and array.dtype == np.float64
-        tensor = given if _is_tensor(given) else None
-        return cls(array, np.float64 if is_double else np.float32, tensor)
-
-    def rays(self) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-        """Return origins and directions."""
-        return self.array[..., :3], self.array[..., 3:]
-
-    def number(self, made: npt.NDArray[Any]) -> Any:
-        """Return numbers in the type and the kind of what was asked."""
-        return self.answer(cast(made, self.dtype))
-
-    def identifier(self, made: npt.NDArray[np.int32]) -> Any:
-        """Return identifiers; -1 becomes ``INVALID_ID``."""
-        return self.answer(made.astype(np.uint32))
-
-    def answer(self, made: npt.NDArray[Any]) -> Any:
-        """Return an array, or a tensor if one was given."""
-        return _like(self.tensor, made)
-
-
-def _array(value: Any) -> Any:
-    """Return a tensor as an array; anything else as it is."""
-    return value.cpu().numpy() if _is_tensor(value) else value
-
-
-def _is_tensor(value: object) -> bool:
-    return is_of("open3d", value) and hasattr(value, "cpu") and hasattr(value, "numpy")
-
-
-def _like(tensor: Any, made: npt.NDArray[Any]) -> Any:
-    """Return an array that can be written, or a tensor on the same device as another."""
-    own = np.array(made, order="C")
-    if tensor is None:
-        return own
-    # It is loaded, since it made the tensor.
-    return sys.modules["open3d"].core.Tensor.from_numpy(own).to(tensor.device)
-
-
-def _parts(mesh: Any) -> tuple[Any, Any]:
-    """Return the vertices and the triangles of a mesh."""
-    if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):
-        return mesh.vertex["positions"], mesh.triangle["indices"]
-    if hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):
-        return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
-    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
-        return mesh.vertices, mesh.faces
-    raise ValueError("triangle_indices must be given with an array of vertices")
-
-
-def _or_zero(is_there: npt.NDArray[np.bool_], values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    return np.where(is_there[..., None], values, 0.0)
 
 
 def _check_samples(nsamples: int) -> None:

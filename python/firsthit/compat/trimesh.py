@@ -15,20 +15,16 @@ For a ``trimesh.Trimesh`` it takes the place of ``mesh.ray``, and `ProximityQuer
 
 from __future__ import annotations
 
-import hashlib
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
 from firsthit._arrays import numbers
-from firsthit._scene import Scene
-from firsthit._shapes import Mesh
 
-from ._foreign_meshes import TOUCHING, is_of, unit_normals
+from ._foreign_meshes import TOUCHING, unit_normals
+from ._kept import Kept, surface, vertices_alone
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import numpy.typing as npt
 
     from firsthit._nearest import ClosestPoints
@@ -63,7 +59,7 @@ class RayMeshIntersector:
 
     def __init__(self, mesh: MeshLike, scale_to_box: bool = True) -> None:
         self.mesh, self._scale_to_box = mesh, scale_to_box
-        self._kept = _Kept(mesh, _surface)
+        self._kept = Kept(mesh, surface)
 
     @overload
     def intersects_id(
@@ -237,8 +233,8 @@ class ProximityQuery:
 
     def __init__(self, mesh: MeshLike) -> None:
         self._mesh = mesh
-        self._kept = _Kept(mesh, _surface)
-        self._kept_vertices = _Kept(mesh, _vertices)
+        self._kept = Kept(mesh, surface)
+        self._kept_vertices = Kept(mesh, vertices_alone)
 
     def on_surface(self, points: npt.ArrayLike) -> tuple[Floats, Floats, Indices]:
         """Find the point of the mesh that is nearest to each point.
@@ -331,52 +327,6 @@ def signed_distance(mesh: MeshLike, points: npt.ArrayLike) -> Floats:
     A mesh whose ``nearest`` is a `ProximityQuery` keeps its trees for the next call.
     """
     return _query(mesh).signed_distance(points)
-
-
-class _Kept:
-    """A scene made of a mesh, as long as the mesh stays the same."""
-
-    def __init__(self, mesh: MeshLike, make: Callable[[MeshLike], Scene]) -> None:
-        self._mesh, self._make = mesh, make
-        self._made: tuple[object, Scene] | None = None
-
-    def scene(self) -> Scene:
-        """Return the scene of the mesh as it is now."""
-        key, made = _fingerprint(self._mesh), self._made
-        if made is None or made[0] != key:
-            made = key, self._make(self._mesh)
-            self._made = made
-        return made[1]
-
-
-def _fingerprint(mesh: MeshLike) -> object:
-    """Return something that is another if a mesh has changed."""
-    # trimesh's hash is that of the contents, and kept until they change.
-    if is_of("trimesh", mesh):
-        return hash(mesh)
-    digest = hashlib.blake2b()
-    for array in (np.asarray(mesh.vertices), np.asarray(mesh.faces)):
-        digest.update(f"{array.shape} {array.dtype.str} ".encode())
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.digest()
-
-
-def _surface(mesh: MeshLike) -> Scene:
-    """Return a scene of a mesh's faces, without its colours."""
-    scene = Scene()
-    faces = np.asarray(mesh.faces)
-    if len(faces):
-        scene.add(Mesh(np.asarray(mesh.vertices), faces))
-    return scene
-
-
-def _vertices(mesh: MeshLike) -> Scene:
-    """Return a scene of a mesh's vertices: triangles whose corners are in one place."""
-    scene = Scene()
-    vertices = np.asarray(mesh.vertices)
-    if len(vertices):
-        scene.add(Mesh(vertices, np.arange(len(vertices)).repeat(3).reshape(-1, 3)))
-    return scene
 
 
 def _query(mesh: MeshLike) -> ProximityQuery:
