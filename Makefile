@@ -16,7 +16,11 @@ PROGRAM := target/release/firsthit
 # How many rays `make soak` shoots; a hundred million take half an hour.
 RAYS ?= 100000000
 
-.PHONY: render soak test test-rust test-python test-scripts test-installed program attack fuzz bench bench-python dist pages
+# Clones of the peers' repositories, if there are any: see CONTRIBUTING.md.
+TRIMESH ?=
+OPEN3D ?=
+
+.PHONY: render soak test test-rust test-python test-scripts test-installed test-compat program attack fuzz bench bench-python dist pages
 .PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
@@ -46,6 +50,20 @@ test-installed: dist
 	$(PYTHON) -m venv --clear $(OUTSIDE)/venv
 	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl pytest mypy
 	$(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
+
+# What stands in for trimesh and Open3D (docs/compat.md), by the peers' own tests and beside the peers.
+COMPAT = $(OUTSIDE)/compat
+COMPAT_TESTS = python/compat_tests
+test-compat: .venv/ready
+	rm -rf $(COMPAT)
+	$(PYTHON) -m venv $(COMPAT)/venv
+	$(COMPAT)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt --requirement $(COMPAT_TESTS)/requirements.txt
+	$(VENV)/maturin build --quiet --release --out $(COMPAT)/dist
+	$(COMPAT)/venv/bin/pip install --quiet $(COMPAT)/dist/*.whl
+	PYTHONPATH=$(COMPAT_TESTS) $(COMPAT)/venv/bin/pytest -q -rs -c /dev/null --rootdir . -p no:cacheprovider -p open3d_here \
+	    python/tests/test_compat.py python/tests/test_compat_open3d.py
+	$(COMPAT)/venv/bin/python $(COMPAT_TESTS)/run.py $(COMPAT)/peers \
+	    $(if $(TRIMESH),--trimesh "$(TRIMESH)") $(if $(OPEN3D),--open3d "$(OPEN3D)")
 
 # The wheel, the source distribution and the crates, in dist/, each checked as an index would. The wheels of Linux run
 # on any with glibc 2.17, for which zig links them. WHEEL_PROFILE=release is built sooner.

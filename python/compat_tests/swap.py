@@ -4,9 +4,7 @@ It is loaded before the tests are, with ``-p swap``, so that what they import is
 """
 
 import importlib
-import json
 import os
-from pathlib import Path
 
 import libusb
 import pytest
@@ -15,9 +13,6 @@ from firsthit.compat import trimesh as our_trimesh
 
 #: How often each of our classes was made.
 MADE = {}
-
-#: Tests that do not pass, and why; see docs/compat.md.
-KNOWN = json.loads(Path(__file__).with_name("known.json").read_text())
 
 
 def counted(kind):
@@ -64,14 +59,6 @@ if os.environ["FIRSTHIT_SWAP"] == "trimesh":
     swap_trimesh()
 else:
     swap_open3d()
-
-
-def pytest_collection_modifyitems(items):
-    """Expect the known tests to fail: one that passes is news, too."""
-    for item in items:
-        name = f"{item.path.name}::{item.name}"
-        if name in KNOWN:
-            item.add_marker(pytest.mark.xfail(reason=KNOWN[name], strict=True))
 
 
 def pytest_terminal_summary(terminalreporter):
