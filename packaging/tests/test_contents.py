@@ -41,7 +41,12 @@ def test_the_wheel_has_the_package_the_program_and_their_types(wheel):
     info = f"firsthit-{VERSION}.dist-info"
     folders = {name.split("/")[0] for name in wheel}
     assert folders == {"firsthit", "_firsthit_program", info}
-    wanted = {f"firsthit/{path.name}" for path in (ROOT / "python" / "firsthit").glob("*.py*")}
+    sources = (ROOT / "python" / "firsthit").rglob("*.py*")
+    wanted = {
+        path.relative_to(ROOT / "python").as_posix()
+        for path in sources
+        if path.parent.name != "__pycache__"
+    }
     wanted |= {"firsthit/py.typed", "firsthit/_firsthit.pyi", "_firsthit_program/__init__.py"}
     wanted |= {f"{info}/licenses/LICENSE", f"{info}/entry_points.txt"}
     assert wanted <= wheel.keys()
