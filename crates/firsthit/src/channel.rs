@@ -1,6 +1,10 @@
 //! What can be asked about hits: the table of output channels.
 
+mod attribute;
+
 use rayon::prelude::*;
+
+pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
 
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};

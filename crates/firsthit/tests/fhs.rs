@@ -16,7 +16,7 @@ use firsthit::camera::{Aim, Description, Equirectangular, Opening, StandardView}
 use firsthit::load::{LoadSettings, load, load_bytes};
 use firsthit::scene::{Filter, MapRole, Maps, Wrap};
 use firsthit::shade::Lambert;
-use firsthit::shape::{Attribute, Property, PropertyOf, PropertyValues};
+use firsthit::shape::{Attribute, Between, Property, PropertyOf, PropertyValues};
 use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, trace_with};
 use firsthit::world::{NamedCamera, World};
 use firsthit::{
@@ -68,15 +68,17 @@ fn rich_mesh() -> Arc<Mesh> {
     };
     let uvs = (0..vertices).map(|k| [k as f32 / 9.0, k as f32 / 7.0]);
     let alphas = (0..vertices).map(|k| [(k % 4) as f32 / 3.0]).collect();
-    let of_vertices = Property {
-        name: "quality".into(),
-        of: PropertyOf::Vertices,
-        values: PropertyValues::Double((0..vertices).map(|k| 0.1 * k as f64).collect()),
-    };
+    let quality = PropertyValues::Double((0..vertices).map(|k| 0.1 * k as f64).collect());
+    let of_vertices = Property::new("quality", PropertyOf::Vertices, quality);
+    let sizes = PropertyValues::Single((0..count).map(|k| k as f32).collect());
     let of_faces = Property {
-        name: "Größe".into(),
-        of: PropertyOf::Faces,
-        values: PropertyValues::Single((0..count).map(|k| k as f32).collect()),
+        between: Between::NearestCorner,
+        ..Property::new("Größe", PropertyOf::Faces, sizes)
+    };
+    let pairs = PropertyValues::Single((0..6 * count).map(|k| 0.5 * k as f32).collect());
+    let of_corners = Property {
+        components: 2,
+        ..Property::new("pairs", PropertyOf::Corners, pairs)
     };
     let mesh = Arc::unwrap_or_clone(mesh(&points, triangles));
     let mesh = mesh.with_normals(Attribute::per_vertex(normals)).unwrap();
@@ -89,7 +91,7 @@ fn rich_mesh() -> Arc<Mesh> {
     let mesh = mesh
         .with_slots((0..count).map(|k| k % 3).collect())
         .unwrap();
-    Arc::new(mesh.with_properties(vec![of_vertices, of_faces]).unwrap())
+    Arc::new(mesh.with_properties(vec![of_vertices, of_faces, of_corners]).unwrap())
 }
 
 fn materials() -> Vec<Material> {

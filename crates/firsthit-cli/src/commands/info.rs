@@ -139,7 +139,10 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
         )];
         let property = |property: &Property| {
             let (of, name) = (of_what(property.of), escape_controls(&property.name));
-            format!("{name}, a number for each of the {of}")
+            match property.components {
+                1 => format!("{name}, a number for each of the {of}"),
+                several => format!("{name}, {several} numbers for each of the {of}"),
+            }
         };
         let properties = properties(object).iter().map(property);
         entry.extend(listed(most, "       ", properties));
@@ -158,6 +161,7 @@ fn properties(object: &Object) -> &[Property] {
 fn of_what(of: PropertyOf) -> &'static str {
     match of {
         PropertyOf::Vertices => "vertices",
+        PropertyOf::Corners => "corners",
         PropertyOf::Faces => "faces",
     }
 }

@@ -20,7 +20,7 @@ use crate::io::fault::{Checked, Fault};
 use crate::memory::{self, Block};
 use crate::scene::{Material, Object, Scene, SceneParts, Texture};
 use crate::shape::{
-    Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, MeshParts, Plane, Positions, Property,
+    Attribute, Between, Cone, Cuboid, Cylinder, Disc, Mesh, MeshParts, Plane, Positions, Property,
     PropertyOf, PropertyValues, Shape, Sphere,
 };
 use crate::world::World;
@@ -195,10 +195,20 @@ where
 fn property(record: &PropertyRecord, sections: &mut Sections) -> Checked<Property> {
     Ok(Property {
         name: escape_controls(&record.name),
-        of: if record.of_faces {
-            PropertyOf::Faces
+        of: match (record.of_faces, record.of_corners) {
+            (false, false) => PropertyOf::Vertices,
+            (false, true) => PropertyOf::Corners,
+            (true, false) => PropertyOf::Faces,
+            (true, true) => {
+                let what = "a property is of faces or of corners, not of both";
+                return Err(Fault::file(what));
+            }
+        },
+        components: record.components.unwrap_or(1),
+        between: if record.of_nearest {
+            Between::NearestCorner
         } else {
-            PropertyOf::Vertices
+            Between::Interpolated
         },
         values: match record.values {
             ValuesRecord::Single(values) => PropertyValues::Single(sections.take(values)?),

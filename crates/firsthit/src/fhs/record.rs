@@ -73,6 +73,14 @@ pub(super) struct AttributeRecord {
 pub(super) struct PropertyRecord {
     pub(super) name: String,
     pub(super) of_faces: bool,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) of_corners: bool,
+    /// Where it is not one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) components: Option<usize>,
+    /// Whether it is that of the nearest corner, and not interpolated.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) of_nearest: bool,
     pub(super) values: ValuesRecord,
 }
 

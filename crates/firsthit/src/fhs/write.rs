@@ -21,7 +21,7 @@ use crate::geometry::{Bounds, DAffine3, DVec3};
 use crate::image::write_whole;
 use crate::memory;
 use crate::scene::{Material, Object, Scene, Texture};
-use crate::shape::{Attribute, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape};
+use crate::shape::{Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape};
 use crate::watch::Watch;
 use crate::world::World;
 
@@ -201,6 +201,9 @@ impl<'a> Parts<'a> {
         PropertyRecord {
             name: property.name.clone(),
             of_faces: property.of == PropertyOf::Faces,
+            of_corners: property.of == PropertyOf::Corners,
+            components: (property.components != 1).then_some(property.components),
+            of_nearest: property.between == Between::NearestCorner,
             values: match &property.values {
                 PropertyValues::Single(values) => ValuesRecord::Single(self.add(values)),
                 PropertyValues::Double(values) => ValuesRecord::Double(self.add(values)),

@@ -6,10 +6,12 @@ mod closed;
 mod crossing;
 #[cfg(feature = "frame")]
 mod digest;
+mod named;
 #[cfg(feature = "fhs")]
 mod stored;
 mod surface;
 
+pub use named::NamedAttribute;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::{MeshParts, are_below};
 

@@ -24,14 +24,14 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
-pub use mesh::Mesh;
+pub use mesh::{Mesh, NamedAttribute};
 #[cfg(feature = "fhs")]
 pub(crate) use mesh::{MeshParts, are_below};
 pub use nearest::Nearest;
 pub(crate) use nearest::{nearest_on_triangle, similarity};
 pub use plane::Plane;
 pub use positions::Positions;
-pub use property::{Property, PropertyOf, PropertyValues};
+pub use property::{Between, Property, PropertyOf, PropertyValues};
 pub use sphere::Sphere;
 
 pub use crate::memory::Storage;

@@ -9,6 +9,7 @@ use super::super::surface::{Surface, Vertices, push_fan};
 use super::accessor::{Component, Shape, component, has_shape};
 use super::index::Index;
 use super::material::Look;
+use super::named;
 use super::skin::{self, Palette};
 use super::values::Values;
 use crate::geometry::{DAffine3, DVec3, single};
@@ -59,7 +60,8 @@ pub(super) fn build(
     let (mesh, _) = Surface::of(triangles).finish(&vertices, name, values.report)?;
     let mesh = with_normals(mesh, values, deformation, maps.as_deref(), count)?;
     let mesh = with_uvs(mesh, values, look, count)?;
-    with_colors(mesh, values, look, count).map(Some)
+    let mesh = with_colors(mesh, values, look, count)?;
+    named::with_properties(mesh, values, count).map(Some)
 }
 
 /// How indices make triangles.

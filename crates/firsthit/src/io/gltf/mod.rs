@@ -12,6 +12,7 @@ mod material;
 mod material_entry;
 mod mesh;
 mod meshopt;
+mod named;
 mod nodes;
 mod objects;
 mod place;

@@ -4,7 +4,7 @@ use super::body::Table;
 use super::header::{Element, Kind, Type};
 use crate::error::escape_controls;
 use crate::memory::Storage;
-use crate::shape::{Property, PropertyOf, PropertyValues};
+use crate::shape::{Between, Property, PropertyOf, PropertyValues};
 
 /// The named numbers of an element's rows.
 #[derive(Debug, Default)]
@@ -34,7 +34,14 @@ impl NamedRows {
                 _ => PropertyValues::Single(Storage::default()),
             };
             let name = escape_controls(&property.name);
-            rows.named.push(Property { name, of, values });
+            let between = match kind {
+                Type::Float32 | Type::Float64 => Between::Interpolated,
+                _ => Between::NearestCorner,
+            };
+            rows.named.push(Property {
+                between,
+                ..Property::new(name, of, values)
+            });
         }
         rows
     }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3};
+use crate::shape::property::Counts;
 use crate::shape::{Attribute, Mesh, Property, PropertyOf, PropertyValues};
 
 impl Mesh {
@@ -90,8 +91,13 @@ impl Mesh {
     /// [`Error::Argument`] when they are not as many as what has them.
     pub fn with_properties(mut self, properties: Vec<Property>) -> Result<Self> {
         let last = (0..self.triangles.len()).map(|k| self.face(k) + 1).max();
+        let counts = Counts {
+            vertices: self.positions.len(),
+            triangles: self.triangles.len(),
+            faces: last.unwrap_or(0),
+        };
         for property in &properties {
-            property.check(self.positions.len(), last.unwrap_or(0))?;
+            property.check(&counts)?;
         }
         self.properties = properties;
         Ok(self)

@@ -38,14 +38,14 @@ impl Mesh {
         let numbers = triangles.clone().flat_map(|k| [self.face(k), self.slot(k)]);
         let numbers: Vec<f64> = numbers.map(|number| number as f64).collect();
         digest.numbers(&numbers);
-        self.attribute(self.normals.as_ref(), triangles.clone(), &mut digest);
-        self.attribute(self.uvs.as_ref(), triangles.clone(), &mut digest);
-        self.attribute(self.colors.as_ref(), triangles.clone(), &mut digest);
-        self.attribute(self.alphas.as_ref(), triangles, &mut digest);
+        self.add_attribute(self.normals.as_ref(), triangles.clone(), &mut digest);
+        self.add_attribute(self.uvs.as_ref(), triangles.clone(), &mut digest);
+        self.add_attribute(self.colors.as_ref(), triangles.clone(), &mut digest);
+        self.add_attribute(self.alphas.as_ref(), triangles, &mut digest);
         digest.finish()
     }
 
-    fn attribute<const N: usize>(
+    fn add_attribute<const N: usize>(
         &self,
         attribute: Option<&Attribute<N>>,
         triangles: Range<usize>,

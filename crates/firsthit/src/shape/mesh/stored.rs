@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::{Mesh, bounds_of};
 use crate::geometry::Bounds;
 use crate::memory::Storage;
+use crate::shape::property::Counts;
 use crate::shape::{Attribute, Positions, Property, PropertyOf};
 
 /// How many elements one task checks.
@@ -111,8 +112,12 @@ impl Mesh {
             }
             _ => self.triangles.len(),
         };
-        let vertices = self.positions.len();
-        let fits = |property: &Property| property.check(vertices, faces).is_ok();
+        let counts = Counts {
+            vertices: self.positions.len(),
+            triangles: self.triangles.len(),
+            faces,
+        };
+        let fits = |property: &Property| property.check(&counts).is_ok();
         if !properties.iter().all(fits) {
             return Err("a property does not fit its mesh");
         }
