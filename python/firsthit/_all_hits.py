@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._progress import Report
     from ._source import Arrays
     from ._traceable import Built
-    from ._types import ChannelName, Progress
+    from ._types import AttributeOf, ChannelName, Progress
 
 #: So many hits no memory holds, and NumPy's error for such shapes is another one.
 _MOST = 1 << 48
@@ -208,6 +208,46 @@ class AllHits:
         """
         return self.hits.channel(name, threads=threads, progress=progress)
 
+    @property
+    def attributes(self) -> tuple[str, ...]:
+        """The names of the attributes that the scene's meshes have, sorted."""
+        return self.hits.attributes
+
+    def attribute(
+        self,
+        name: str,
+        *,
+        of: AttributeOf | None = None,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> npt.NDArray[np.float64]:
+        """Return an attribute of the meshes at each hit, (m,) or (m, k); see `Hits.attribute`.
+
+        Parameters
+        ----------
+        name : str
+            One of `attributes`.
+        of : str, optional
+            ``"vertices"``, ``"corners"`` or ``"faces"``.
+        threads : int, optional
+            The number of threads; as many as the rays were shot with if left out.
+        progress : bool or callable, optional
+            As for `Scene.shoot`; it counts hits.
+
+        Returns
+        -------
+        (m,) or (m, k) array of float64
+            As `Hits.attribute`.
+
+        Raises
+        ------
+        ValueError
+            For a name that no mesh of the scene has.
+        MemoryError
+            If the array does not fit into memory.
+        """
+        return self.hits.attribute(name, of=of, threads=threads, progress=progress)
+
     def to_dict(
         self, channels: ChannelName | Sequence[ChannelName] | None = None
     ) -> dict[str, npt.NDArray[Any]]:
@@ -230,10 +270,13 @@ class AllHits:
         """
         return {"ray": self.ray, **self.hits.to_dict(channels)}
 
-    def __getitem__(self, index: Index) -> Any:
-        """Return the `Hits` of one ray, or the `AllHits` of some of the rays."""
+    def __getitem__(self, index: Index | str) -> Any:
+        """Return the `Hits` of one ray, or the `AllHits` of some of the rays.
+
+        By a name, return the channel or the attribute of all hits, as `Hits` do.
+        """
         if isinstance(index, str):
-            raise TypeError(f"AllHits take numbers, a mask or a slice; write .channel({index!r})")
+            return self.hits[index]
         numbers = np.arange(self._rays.length).reshape(self.shape)[cast("Any", index)]
         chosen = np.ascontiguousarray(np.reshape(numbers, -1))
         if np.ndim(numbers) == 0:

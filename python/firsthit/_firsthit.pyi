@@ -15,6 +15,8 @@ __all__ = [
     "Section",
     "Shape",
     "Texels",
+    "attribute",
+    "attribute_names",
     "channel",
     "channel_names",
     "check_material",
@@ -70,6 +72,8 @@ _Rays = tuple[
 ]
 _Ends = tuple[npt.NDArray[np.float64], _Surfaces | None]
 _Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, bool]
+#: What has it, name, components, whether it is a label, numbers.
+_Property = tuple[str, str, int, bool, npt.NDArray[Any]]
 _Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
 _Light = tuple[str, _Vector, _Vector, tuple[_Vector, tuple[float, float]] | None]
 _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
@@ -164,11 +168,11 @@ class Mesh:
         triangles: npt.NDArray[np.uint32],
         attributes: Sequence[npt.NDArray[np.float32] | None],
         labels: Sequence[npt.NDArray[np.uint32] | None],
-        properties: Sequence[tuple[bool, str, npt.NDArray[Any]]],
+        properties: Sequence[_Property],
     ) -> Mesh: ...
     def attributes(self) -> list[npt.NDArray[np.float32] | None]: ...
     def labels(self) -> list[npt.NDArray[np.uint32] | None]: ...
-    def properties(self) -> list[tuple[bool, str, npt.NDArray[Any]]]: ...
+    def properties(self) -> list[_Property]: ...
     def counts(self) -> tuple[int, int]: ...
     def is_closed(self) -> bool: ...
     def moved(self, vertices: npt.NDArray[np.float64]) -> Mesh: ...
@@ -317,6 +321,14 @@ def path_lengths(
     report: _Report | None,
 ) -> npt.NDArray[np.float64]: ...
 def rules(scene: Scene) -> list[str]: ...
+def attribute(
+    scene: Scene,
+    named: tuple[str, str | None],
+    hits: Any,
+    threads: int,
+    report: _Report | None,
+) -> tuple[int, npt.NDArray[np.float64]]: ...
+def attribute_names(scene: Scene) -> list[tuple[str, str, int]]: ...
 def channel(
     scene: Scene,
     name: str,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, cast, get_args, overload
 
 import numpy as np
 
 from . import _firsthit
 from ._arrays import lock, threads_or_all
+from ._attributes import Attributed
 from ._files import distinct, files, is_cloud, is_of_several
 from ._leaving import leaving
 from ._progress import following
@@ -38,11 +39,12 @@ _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
 _OF_RAYS = tuple(name for name in _OF_A_CAMERA if name not in ("range", "z"))
 
 
-class Hits:
+class Hits(Attributed):
     """The first hits of rays, as arrays of the rays' shape, which is written (...) below.
 
     ``t, o = hits`` unpacks distances and objects. ``hits[mask]`` and ``len(hits)`` work as for an
-    array of the rays' shape. ``hits.to_dict()`` is a table.
+    array of the rays' shape. ``hits["name"]`` is a channel, or an attribute of the meshes that were
+    hit. ``hits.to_dict()`` is a table.
 
     A miss has ``t``, ``range`` and ``z`` of infinity; ``object``, ``primitive`` and ``face`` of -1;
     a false ``front``; and NaN elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
@@ -435,10 +437,20 @@ class Hits:
             arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
             _firsthit.write(file, list(self._shape), arrays, origin, None)
 
-    def __getitem__(self, index: Index) -> Hits:
-        """Return some of the hits, as for an array of their shape: by a mask, a slice, ..."""
+    @overload
+    def __getitem__(self, index: str) -> npt.NDArray[Any]: ...
+
+    @overload
+    def __getitem__(self, index: Index) -> Hits: ...
+
+    def __getitem__(self, index: Index | str) -> Hits | npt.NDArray[Any]:
+        """Return some of the hits, as for an array of their shape: by a mask, a slice, ...
+
+        By a name, return the channel that is called so, or else the `attribute`.
+        """
         if isinstance(index, str):
-            raise TypeError(f"hits take a mask, a slice or numbers; write hits.channel({index!r})")
+            is_channel = index in _OF_A_CAMERA
+            return self.channel(cast("Any", index)) if is_channel else self.attribute(index)
         length = len(self._arrays[0])
         everything: Any = np.arange(length).reshape(self._shape)
         numbers = everything[index]

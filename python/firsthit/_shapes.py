@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import cast, number, numbers, settle, table, text, vector
+from ._arrays import cast, number, numbers, settle, table, vector
+from ._properties import given, shaped
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Mapping
 
     import numpy.typing as npt
 
@@ -243,10 +243,14 @@ class Mesh(Shape):
         index if left out.
     slots : (m,) array_like of int, optional
         The index of each triangle's material among those of the object.
-    vertex_properties : dict of str to (n,) array_like, optional
-        Numbers of the vertices by name, such as the quality of a scan.
-    face_properties : dict of str to (f,) array_like, optional
+    vertex_properties : dict of str to (n,) or (n, k) array_like, optional
+        Numbers of the vertices by name, such as the quality of a scan. Where a ray meets the mesh,
+        `Hits.attribute` interpolates floats; integers and bools are labels, which it takes from the
+        nearest corner.
+    face_properties : dict of str to (f,) or (f, k) array_like, optional
         The same for the polygons that ``faces`` counts.
+    corner_properties : dict of str to (m, 3) or (m, 3, k) array_like, optional
+        The same for the corners of the triangles.
 
     Raises
     ------
@@ -275,6 +279,7 @@ class Mesh(Shape):
         slots: npt.ArrayLike | None = None,
         vertex_properties: Mapping[str, npt.ArrayLike] | None = None,
         face_properties: Mapping[str, npt.ArrayLike] | None = None,
+        corner_properties: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
         if triangles is None:
             other: Any = vertices
@@ -293,8 +298,9 @@ class Mesh(Shape):
             for name, value in [("faces", faces), ("slots", slots)]
         ]
         properties = [
-            *_properties("vertex_properties", vertex_properties, is_of_vertices=True),
-            *_properties("face_properties", face_properties, is_of_vertices=False),
+            *given("vertex_properties", vertex_properties, "vertices"),
+            *given("face_properties", face_properties, "faces"),
+            *given("corner_properties", corner_properties, "corners"),
         ]
         self._mesh = _firsthit.Mesh(points, corners, attributes, labels, properties)
 
@@ -357,59 +363,27 @@ class Mesh(Shape):
 
     @property
     def vertex_properties(self) -> dict[str, npt.NDArray[Any]]:
-        """The numbers of the vertices by name, each (n,) float32 or float64: a copy.
+        """The numbers of the vertices by name, each (n,) or (n, k) float32 or float64: a copy.
 
-        They hold a PLY file's properties that have no meaning to firsthit.
+        They hold a PLY file's properties that have no meaning to firsthit, and of a glTF file the
+        attributes that begin with an underscore, and ``COLOR_1`` and so on.
         """
-        return {name: values for mine, name, values in self._mesh.properties() if mine}
+        return self._properties("vertices")
 
     @property
     def face_properties(self) -> dict[str, npt.NDArray[Any]]:
-        """The numbers of the polygons by name, each (f,) float32 or float64: a copy.
+        """The numbers of the polygons by name, each (f,) or (f, k) float32 or float64: a copy.
 
         ``values[frame["face"]]`` is a picture of them, where every pixel hits this mesh.
         """
-        return {name: values for mine, name, values in self._mesh.properties() if not mine}
+        return self._properties("faces")
 
-    def __repr__(self) -> str:
-        vertices, triangles = self._mesh.counts()
-        plural = "" if triangles == 1 else "s"
-        return f"Mesh({vertices:,} vertices, {triangles:,} triangle{plural})"
+    @property
+    def corner_properties(self) -> dict[str, npt.NDArray[Any]]:
+        """The numbers of the corners by name, each (m, 3) or (m, 3, k) float: a copy."""
+        return self._properties("corners")
 
-    def __reduce__(self) -> tuple[type[Mesh], tuple[object, ...]]:
-        """Pickle by value."""
-        properties = (self.vertex_properties, self.face_properties)
-        attributes = (*self._mesh.attributes(), *self._mesh.labels(), *properties)
-        return type(self), (self.vertices, self.triangles, *attributes)
-
-
-def _attribute(name: str, value: Any, columns: int) -> npt.NDArray[np.float32]:
-    array = numbers(name, value)
-    if array.ndim == 3 and array.shape[1:] == (3, columns):
-        return cast(array, np.float32)
-    if array.ndim == 3:
-        raise ValueError(f"{name} must have the shape (m, 3, {columns}), got {array.shape}")
-    return table(name, array, columns, np.float32)
-
-
-def _properties(
-    name: str, given: Mapping[str, npt.ArrayLike] | None, *, is_of_vertices: bool
-) -> Iterator[tuple[bool, str, npt.NDArray[Any]]]:
-    if not isinstance(given, Mapping | None):
-        raise TypeError(f"{name} must be a dict of arrays, got {given!r}")
-    for key, value in (given or {}).items():
-        yield is_of_vertices, text(f"a name of {name}", key), _values(key, value)
-
-
-def _values(name: str, value: Any) -> npt.NDArray[Any]:
-    array = numbers(name, value)
-    if array.ndim != 1:
-        raise ValueError(f"{name} must be one number for each, got the shape {array.shape}")
-    fits = array.dtype in (np.float32, np.float16, np.int8, np.uint8, np.int16, np.uint16)
-    return cast(array, np.float32 if fits else np.float64)
-
-
-def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
+    def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
     array = numbers(name, value)
     if array.shape != (triangles,) or array.dtype.kind not in "iu":
         raise ValueError(

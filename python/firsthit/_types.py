@@ -30,6 +30,8 @@ ChannelName = Literal[
     "front",
 ]
 
+#: What of a mesh has an attribute.
+AttributeOf = Literal["vertices", "corners", "faces"]
 ShaderName = Literal["lambert", "unlit", "normal"]
 Projection = Literal["perspective", "orthographic", "equirectangular"]
 RayStart = Literal["viewplane", "eye"]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ._types import (
     AlphaMode,
+    AttributeOf,
     ChannelName,
     DistanceName,
     Filter,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlphaMode",
+    "AttributeOf",
     "ChannelName",
     "DistanceName",
     "Filter",

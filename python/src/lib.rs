@@ -7,6 +7,7 @@
 )]
 
 mod arrays;
+mod attributes;
 mod camera;
 mod errors;
 mod filters;
@@ -29,6 +30,8 @@ use pyo3::prelude::*;
 mod _firsthit {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::attributes::{attribute, attribute_names};
     #[pymodule_export]
     use crate::camera::Camera;
     #[pymodule_export]

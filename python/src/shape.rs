@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firsthit::shape::{Attribute, Property, PropertyOf, PropertyValues};
+use firsthit::shape::Attribute;
 use firsthit::{Cone, Cuboid, Cylinder, DVec3, Disc, Plane, Positions, Sphere};
 use numpy::{
     PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
@@ -11,6 +11,7 @@ use numpy::{
 use pyo3::prelude::*;
 
 use crate::arrays::{collected, copied, not_contiguous};
+use crate::attributes::{PropertyIn, PropertyOut, property_out};
 use crate::errors::raise;
 use crate::run::run;
 
@@ -41,7 +42,8 @@ impl Mesh {
         let colors = colors.map(|array| attribute(&array)).transpose()?;
         let alphas = alphas.map(|array| attribute(&array)).transpose()?;
         let [faces, slots] = labels.map(|array| array.map(|array| array.as_array().to_vec()));
-        let properties = properties.into_iter().map(PropertyIn::property).collect();
+        let properties = properties.into_iter().map(PropertyIn::property);
+        let properties = properties.collect::<PyResult<Vec<_>>>()?;
         let mesh = py.detach(|| {
             let mut mesh = firsthit::Mesh::new(Positions::compact(points), corners)?;
             if let Some(normals) = normals {
@@ -98,21 +100,12 @@ impl Mesh {
         ])
     }
 
-    /// The numbers by name: whether of vertices, name, values: a copy.
-    fn properties<'py>(&self, py: Python<'py>) -> PyResult<Vec<(bool, String, Bound<'py, PyAny>)>> {
-        let out = |property: &Property| {
-            let values = match &property.values {
-                PropertyValues::Single(values) => {
-                    PyArray1::from_vec(py, copied(values)?).into_any()
-                }
-                PropertyValues::Double(values) => {
-                    PyArray1::from_vec(py, copied(values)?).into_any()
-                }
-            };
-            let is_of_vertices = property.of == PropertyOf::Vertices;
-            Ok((is_of_vertices, property.name.clone(), values))
-        };
-        self.0.properties().iter().map(out).collect()
+    /// The numbers by name, as they go in: a copy.
+    fn properties<'py>(&self, py: Python<'py>) -> PyResult<Vec<PropertyOut<'py>>> {
+        let properties = self.0.properties().iter();
+        properties
+            .map(|property| property_out(py, property))
+            .collect()
     }
 
     /// How many vertices and triangles there are.
@@ -149,38 +142,6 @@ struct AttributesIn<'py>(
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
 );
-
-/// Numbers by name: whether of vertices, name, values.
-#[derive(FromPyObject)]
-struct PropertyIn<'py>(bool, String, ValuesIn<'py>);
-
-#[derive(FromPyObject)]
-enum ValuesIn<'py> {
-    Single(PyReadonlyArray1<'py, f32>),
-    Double(PyReadonlyArray1<'py, f64>),
-}
-
-impl PropertyIn<'_> {
-    fn property(self) -> Property {
-        let Self(is_of_vertices, name, values) = self;
-        Property {
-            name,
-            of: if is_of_vertices {
-                PropertyOf::Vertices
-            } else {
-                PropertyOf::Faces
-            },
-            values: match values {
-                ValuesIn::Single(values) => {
-                    PropertyValues::Single(values.as_array().to_vec().into())
-                }
-                ValuesIn::Double(values) => {
-                    PropertyValues::Double(values.as_array().to_vec().into())
-                }
-            },
-        }
-    }
-}
 
 type ArrayOut<'py> = Bound<'py, PyArrayDyn<f32>>;
 

@@ -91,7 +91,10 @@ fn rich_mesh() -> Arc<Mesh> {
     let mesh = mesh
         .with_slots((0..count).map(|k| k % 3).collect())
         .unwrap();
-    Arc::new(mesh.with_properties(vec![of_vertices, of_faces, of_corners]).unwrap())
+    Arc::new(
+        mesh.with_properties(vec![of_vertices, of_faces, of_corners])
+            .unwrap(),
+    )
 }
 
 fn materials() -> Vec<Material> {

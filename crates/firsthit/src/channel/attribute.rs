@@ -74,7 +74,12 @@ pub fn attribute(
             return Err(Error::Interrupted);
         }
         let first = index * CHUNK;
-        let mut known = Known { scene, name, of, last: None };
+        let mut known = Known {
+            scene,
+            name,
+            of,
+            last: None,
+        };
         for (k, value) in values.chunks_exact_mut(components).enumerate() {
             known.look_up(hits, first + k, value);
         }
@@ -86,7 +91,10 @@ pub fn attribute(
     if count <= CHUNK {
         values.chunks_mut(chunk).enumerate().try_for_each(fill)?;
     } else {
-        values.par_chunks_mut(chunk).enumerate().try_for_each(fill)?;
+        values
+            .par_chunks_mut(chunk)
+            .enumerate()
+            .try_for_each(fill)?;
     }
     Ok(AttributeValues { components, values })
 }
@@ -143,7 +151,11 @@ fn unknown(name: &str, of: Option<PropertyOf>, scene: &Scene) -> Error {
         _ => format!("there are {}", names.join(", ")),
     };
     let got = format!("'{}'; {there}", escape_controls(name));
-    Error::argument("attribute", "the name of one that a mesh of the scene has", got)
+    Error::argument(
+        "attribute",
+        "the name of one that a mesh of the scene has",
+        got,
+    )
 }
 
 /// The attribute of the object that was hit last: the next hit is often of the same.

@@ -21,7 +21,9 @@ use crate::geometry::{Bounds, DAffine3, DVec3};
 use crate::image::write_whole;
 use crate::memory;
 use crate::scene::{Material, Object, Scene, Texture};
-use crate::shape::{Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape};
+use crate::shape::{
+    Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape,
+};
 use crate::watch::Watch;
 use crate::world::World;
 

@@ -112,10 +112,18 @@ impl Property {
     pub(super) fn check(&self, counts: &Counts) -> Result<()> {
         let named = |what: String| format!("{what} of '{}'", self.name);
         let has_some = self.components > 0;
-        require("properties", "at least one number for each", has_some, named("0".into()))?;
+        require(
+            "properties",
+            "at least one number for each",
+            has_some,
+            named("0".into()),
+        )?;
         let (count, expected) = match self.of {
             PropertyOf::Vertices => (counts.vertices, "as many as vertices"),
-            PropertyOf::Corners => (counts.triangles.saturating_mul(3), "three for each triangle"),
+            PropertyOf::Corners => (
+                counts.triangles.saturating_mul(3),
+                "three for each triangle",
+            ),
             PropertyOf::Faces => (counts.faces, "one for each face"),
         };
         let length = self.values.len();

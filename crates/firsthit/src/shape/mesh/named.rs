@@ -65,9 +65,9 @@ impl Mesh {
             PropertyOf::Vertices => 1,
             PropertyOf::Faces => 2,
         };
-        let named = self.attributes().filter(|found| {
-            found.name == name && of.is_none_or(|of| found.of() == of)
-        });
+        let named = self
+            .attributes()
+            .filter(|found| found.name == name && of.is_none_or(|of| found.of() == of));
         // Of equal ones the first.
         named.min_by_key(|found| (found.is_own(), rank(found.of())))
     }
@@ -232,6 +232,13 @@ mod tests {
             refused(pairs.clone()).to_string(),
             "properties must be as many as vertices, got 9 numbers, 2 for each, of 'a'"
         );
-        assert!(square().with_properties(vec![Property { components: 0, ..pairs }]).is_err());
+        assert!(
+            square()
+                .with_properties(vec![Property {
+                    components: 0,
+                    ..pairs
+                }])
+                .is_err()
+        );
     }
 }

@@ -1,0 +1,76 @@
+"""Numbers of meshes by name: of vertices, corners or faces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._arrays import cast, numbers, text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import numpy.typing as npt
+
+    from ._types import AttributeOf
+
+
+def _properties(self, of: str) -> dict[str, npt.NDArray[Any]]:
+        all_of_them = self._mesh.properties()
+        return {
+            name: _shaped(of, values, components)
+            for whose, name, components, _, values in all_of_them
+            if whose == of
+        }
+
+    def __repr__(self) -> str:
+        vertices, triangles = self._mesh.counts()
+        plural = "" if triangles == 1 else "s"
+        return f"Mesh({vertices:,} vertices, {triangles:,} triangle{plural})"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by value; which properties are labels does not show in their arrays."""
+        mesh = self._mesh
+        arrays = (mesh.vertices(), mesh.triangles(), tuple(mesh.attributes()))
+        return _mesh_of, (type(self), *arrays, list(mesh.labels()), mesh.properties())
+
+
+def _mesh_of(kind: type[Mesh], *native: Any) -> Mesh:
+    return kind._wrap(_firsthit.Mesh(*native))
+
+
+def _attribute(name: str, value: Any, columns: int) -> npt.NDArray[np.float32]:
+    array = numbers(name, value)
+    if array.ndim == 3 and array.shape[1:] == (3, columns):
+        return cast(array, np.float32)
+    if array.ndim == 3:
+        raise ValueError(f"{name} must have the shape (m, 3, {columns}), got {array.shape}")
+    return table(name, array, columns, np.float32)
+
+
+def given(
+    name: str, arrays: Mapping[str, npt.ArrayLike] | None, of: AttributeOf
+) -> Iterator[tuple[str, str, int, bool, npt.NDArray[Any]]]:
+    """Yield what the native half wants to know of each: whose, name, components, label, numbers."""
+    if not isinstance(arrays, Mapping | None):
+        raise TypeError(f"{name} must be a dict of arrays, got {arrays!r}")
+    for key, value in (arrays or {}).items():
+        named, array = text(f"a name of {name}", key), numbers(key, value)
+        axes = 2 if of == "corners" else 1
+        is_right = array.ndim in (axes, axes + 1) and (of != "corners" or array.shape[1] == 3)
+        if not is_right or 0 in array.shape[axes:]:
+            wanted = "(m, 3) or (m, 3, k)" if of == "corners" else "(n,) or (n, k)"
+            raise ValueError(f"{key} must have the shape {wanted}, got {array.shape}")
+        components = array.shape[axes] if array.ndim > axes else 1
+        is_label = array.dtype.kind in "iub"
+        fits = array.dtype in (np.float32, np.float16, np.int8, np.uint8, np.int16, np.uint16)
+        values = cast(array, np.float32 if fits else np.float64).reshape(-1)
+        yield of, named, components, is_label, values
+
+
+def shaped(of: str, values: npt.NDArray[Any], components: int) -> npt.NDArray[Any]:
+    """Return the numbers of a property as they were given."""
+    shape = (-1, 3) if of == "corners" else (-1,)
+    return values.reshape(shape if components == 1 else (*shape, components))

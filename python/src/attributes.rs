@@ -1,0 +1,125 @@
+//! Attributes of meshes, by name: into meshes, out of them, and where rays met them.
+
+use firsthit::channel::{AttributeName, AttributeValues, attribute as look_up, attributes};
+use firsthit::shape::{Between, Property, PropertyOf, PropertyValues};
+use firsthit::watch::Watch;
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::arrays::{HitsIn, copied};
+use crate::errors::raise;
+use crate::run::{guarded, report_done, run_reported};
+use crate::scene::Scene;
+use crate::shoot::FEW;
+
+/// What has a property, by its name.
+const OF: [(&str, PropertyOf); 3] = [
+    ("vertices", PropertyOf::Vertices),
+    ("corners", PropertyOf::Corners),
+    ("faces", PropertyOf::Faces),
+];
+
+fn of_named(name: &str) -> PyResult<PropertyOf> {
+    let found = OF.iter().find(|(known, _)| *known == name);
+    found.map(|&(_, of)| of).ok_or_else(|| {
+        let got = format!("of must be vertices, corners or faces, got {name:?}");
+        PyValueError::new_err(got)
+    })
+}
+
+fn name_of(of: PropertyOf) -> &'static str {
+    let found = OF.iter().find(|&&(_, known)| known == of);
+    found.map_or("faces", |(name, _)| name)
+}
+
+/// Numbers by name: what has them, name, how many each has, whether between corners those of the nearest count, and the numbers.
+#[derive(FromPyObject)]
+pub(crate) struct PropertyIn<'py>(String, String, usize, bool, ValuesIn<'py>);
+
+#[derive(FromPyObject)]
+enum ValuesIn<'py> {
+    Single(PyReadonlyArray1<'py, f32>),
+    Double(PyReadonlyArray1<'py, f64>),
+}
+
+impl PropertyIn<'_> {
+    pub(crate) fn property(self) -> PyResult<Property> {
+        let Self(of, name, components, is_of_nearest, values) = self;
+        Ok(Property {
+            name,
+            of: of_named(&of)?,
+            components,
+            between: if is_of_nearest {
+                Between::NearestCorner
+            } else {
+                Between::Interpolated
+            },
+            values: match values {
+                ValuesIn::Single(values) => {
+                    PropertyValues::Single(values.as_array().to_vec().into())
+                }
+                ValuesIn::Double(values) => {
+                    PropertyValues::Double(values.as_array().to_vec().into())
+                }
+            },
+        })
+    }
+}
+
+/// A property as it goes in.
+pub(crate) type PropertyOut<'py> = (&'static str, String, usize, bool, Bound<'py, PyAny>);
+
+pub(crate) fn property_out<'py>(
+    py: Python<'py>,
+    property: &Property,
+) -> PyResult<PropertyOut<'py>> {
+    let values = match &property.values {
+        PropertyValues::Single(values) => PyArray1::from_vec(py, copied(values)?).into_any(),
+        PropertyValues::Double(values) => PyArray1::from_vec(py, copied(values)?).into_any(),
+    };
+    let is_of_nearest = property.between == Between::NearestCorner;
+    let of = name_of(property.of);
+    Ok((
+        of,
+        property.name.clone(),
+        property.components,
+        is_of_nearest,
+        values,
+    ))
+}
+
+/// An attribute at hits: how many numbers each has, and the numbers, flat.
+#[pyfunction]
+pub(crate) fn attribute<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    named: (String, Option<String>),
+    hits: HitsIn<'py>,
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<(usize, Bound<'py, PyArray1<f64>>)> {
+    let (name, of) = named;
+    let of = of.as_deref().map(of_named).transpose()?;
+    let hits = hits.hits()?;
+    let work = |watch: &dyn Watch| look_up(&name, of, &scene.0, &hits, watch);
+    let report = report.as_ref();
+    let AttributeValues { components, values } = if hits.len() < FEW {
+        let made = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
+        report_done(report, hits.len())?;
+        made
+    } else {
+        run_reported(py, threads, report, |stop| work(stop))?
+    };
+    Ok((components, PyArray1::from_vec(py, values)))
+}
+
+/// The attributes that a scene's meshes have: name, what has them, how many numbers.
+#[pyfunction]
+pub(crate) fn attribute_names(scene: &Scene) -> Vec<(String, &'static str, usize)> {
+    let out = |found: AttributeName<'_>| {
+        let of = name_of(found.of);
+        (found.name.to_owned(), of, found.components)
+    };
+    attributes(&scene.0).into_iter().map(out).collect()
+}
