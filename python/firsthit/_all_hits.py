@@ -166,6 +166,11 @@ class AllHits:
         return self.hits.uv
 
     @property
+    def base_color(self) -> npt.NDArray[np.float64]:
+        """The linear colours of the surfaces, without light, (m, 3) float64."""
+        return self.hits.base_color
+
+    @property
     def origin(self) -> npt.NDArray[Any]:
         """The origins of the rays, in world space, (..., 3), of the type that was given."""
         return self._rays.origins()

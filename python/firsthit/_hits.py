@@ -30,7 +30,10 @@ if TYPE_CHECKING:
     Index = npt.ArrayLike | slice | EllipsisType | None | tuple[Any, ...]
 
 #: How many numbers a channel has for each ray, where that is not one.
-_COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2}
+_COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2, "base_color": 3}
+
+#: What the columns of a table end in, where that is not x, y, z.
+_LETTERS = {"barycentric": "012", "uv": "uv", "base_color": "rgb"}
 
 #: What can be asked about a camera's hits, and about those of other rays.
 _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
@@ -153,6 +156,14 @@ class Hits(Attributed):
     def uv(self) -> npt.NDArray[np.float64]:
         """The texture coordinates, (..., 2) float64; NaN where there are none."""
         return self.channel("uv")
+
+    @property
+    def base_color(self) -> npt.NDArray[np.float64]:
+        """The linear colours of the surfaces, without light, (..., 3) float64.
+
+        That of the material, times its texture there, times the mesh's own between its corners.
+        """
+        return self.channel("base_color")
 
     @property
     def range(self) -> npt.NDArray[np.floating[Any]]:
@@ -376,7 +387,7 @@ class Hits(Attributed):
             if components == 1:
                 table[name] = array.reshape(-1)
                 continue
-            letters = "012" if name == "barycentric" else "uv" if components == 2 else "xyz"
+            letters = _LETTERS.get(name, "xyz")
             columns = array.reshape(-1, components)
             for k, letter in enumerate(letters):
                 table[f"{name}_{letter}"] = columns[:, k]

@@ -13,7 +13,7 @@ DistanceName = Literal["t", "range", "z"]
 #: Channels of identifiers, int32.
 IdentifierName = Literal["object", "primitive", "face"]
 #: Channels of several float64 for each ray.
-VectorName = Literal["normal", "position", "barycentric", "uv"]
+VectorName = Literal["normal", "position", "barycentric", "uv", "base_color"]
 #: All channels. ``color`` is float32 and ``front`` is bool; `firsthit.render` lists the rest.
 ChannelName = Literal[
     "color",
@@ -27,6 +27,7 @@ ChannelName = Literal[
     "position",
     "barycentric",
     "uv",
+    "base_color",
     "front",
 ]
 

@@ -88,7 +88,7 @@ def test_the_length_is_that_of_the_first_axis():
 def test_items_are_the_channels_in_their_order():
     of_rays = ("t", "object", "primitive", "face", "normal", "position", "barycentric", "uv")
     hits = scene().shoot(*CAMERA.rays())
-    assert tuple(name for name, _ in hits.items()) == (*of_rays, "front") == hits.channels
+    assert tuple(name for name, _ in hits.items()) == (*of_rays, "base_color", "front") == hits.channels
     hits = scene().shoot(CAMERA)
     assert [name for name, _ in hits.items()][:4] == ["t", "range", "z", "object"]
     for name, array in hits.items():
@@ -110,6 +110,8 @@ def test_tables_have_a_row_for_each_ray_and_the_columns_of_the_program_s_csv():
     np.testing.assert_array_equal(table["position_z"], [1, np.nan])
     assert list(hits.to_dict(["object", "uv"])) == ["object", "uv_u", "uv_v"]
     assert list(hits.to_dict("uv")) == ["uv_u", "uv_v"]
+    levels = ["base_color_r", "base_color_g", "base_color_b"]
+    assert list(hits.to_dict("base_color")) == levels
 
 
 def test_tables_of_a_camera_s_hits_know_their_pixels():

@@ -54,6 +54,9 @@ fn header(frame: &Frame) -> Vec<String> {
             (1, name) => header.push(name.to_owned()),
             (3, "barycentric") => header.extend((0..3).map(|k| format!("barycentric_{k}"))),
             (2, name) => header.extend(["u", "v"].map(|axis| format!("{name}_{axis}"))),
+            (_, name @ "base_color") => {
+                header.extend(["r", "g", "b"].map(|level| format!("{name}_{level}")));
+            }
             (_, name) => header.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}"))),
         }
     }

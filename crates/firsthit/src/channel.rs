@@ -212,6 +212,17 @@ pub const KINDS: &[Kind] = &[
         }),
     },
     Kind {
+        name: "base_color",
+        about: "linear colour of the surface there, with its texture, without light; NaN for a miss",
+        components: 3,
+        display: Display::Fraction,
+        unit: Unit::LinearColor,
+        frame: None,
+        make: Make::Doubles(|surface, out| {
+            out.copy_from_slice(&surface.color().to_array());
+        }),
+    },
+    Kind {
         name: "front",
         about: "whether the front of the surface was met; false for a miss",
         components: 1,

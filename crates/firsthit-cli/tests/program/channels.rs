@@ -72,12 +72,13 @@ fn every_pixel_has_the_distances_of_the_formula() {
 #[test]
 fn arrays_have_the_types_and_shapes_that_are_documented() {
     let lab = Lab::with_square();
-    let names = "color,t,range,z,object,primitive,face,normal,position,barycentric,uv,front";
+    let names =
+        "color,t,range,z,object,primitive,face,normal,position,barycentric,uv,base_color,front";
     lab.ok(&format!(
         "render square.ply --size 32x24 --channels {names} -o all.npz"
     ));
     let all = lab.npz("all.npz");
-    assert_eq!(all.len(), 12);
+    assert_eq!(all.len(), 13);
     for (name, array) in &all {
         let (dtype, components) = match name.as_str() {
             "color" => ("<f4", 3),

@@ -41,6 +41,9 @@ pub(super) fn stored(channel: &Channel) -> Stored {
         (name, 2) => ["U", "V"].map(|axis| format!("{name}.{axis}")).to_vec(),
         ("normal", 3) => ["N.X", "N.Y", "N.Z"].map(str::to_owned).to_vec(),
         ("position", 3) => ["P.X", "P.Y", "P.Z"].map(str::to_owned).to_vec(),
+        ("base_color", 3) => ["R", "G", "B"]
+            .map(|level| format!("base_color.{level}"))
+            .to_vec(),
         (name, components) => (0..components).map(|k| format!("{name}.{k}")).collect(),
     };
     match channel.data {
