@@ -383,7 +383,40 @@ class Mesh(Shape):
         """The numbers of the corners by name, each (m, 3) or (m, 3, k) float: a copy."""
         return self._properties("corners")
 
-    def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
+    def _properties(self, of: str) -> dict[str, npt.NDArray[Any]]:
+        all_of_them = self._mesh.properties()
+        return {
+            name: shaped(of, values, components)
+            for whose, name, components, _, values in all_of_them
+            if whose == of
+        }
+
+    def __repr__(self) -> str:
+        vertices, triangles = self._mesh.counts()
+        plural = "" if triangles == 1 else "s"
+        return f"Mesh({vertices:,} vertices, {triangles:,} triangle{plural})"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by value; which properties are labels does not show in their arrays."""
+        mesh = self._mesh
+        arrays = (mesh.vertices(), mesh.triangles(), tuple(mesh.attributes()))
+        return _mesh_of, (type(self), *arrays, list(mesh.labels()), mesh.properties())
+
+
+def _mesh_of(kind: type[Mesh], *native: Any) -> Mesh:
+    return kind._wrap(_firsthit.Mesh(*native))
+
+
+def _attribute(name: str, value: Any, columns: int) -> npt.NDArray[np.float32]:
+    array = numbers(name, value)
+    if array.ndim == 3 and array.shape[1:] == (3, columns):
+        return cast(array, np.float32)
+    if array.ndim == 3:
+        raise ValueError(f"{name} must have the shape (m, 3, {columns}), got {array.shape}")
+    return table(name, array, columns, np.float32)
+
+
+def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
     array = numbers(name, value)
     if array.shape != (triangles,) or array.dtype.kind not in "iu":
         raise ValueError(

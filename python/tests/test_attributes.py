@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support import SQUARE, bumpy_sphere
 
-#: Rays down onto the square: (0.25, 0.5, 0.25), (0.125, 0.25, 0.625), and one that misses.
+#: Rays down onto the square: (0.25, 0.5, 0.25), (0.125, 0.375, 0.5), and one that misses.
 ORIGINS = np.array([[0.75, 0.25, 1], [0.375, 0.875, 1], [3, 3, 1]])
 DOWN = (0, 0, -1)
 
@@ -68,9 +68,7 @@ def test_corners_and_faces_have_numbers_of_their_own():
     np.testing.assert_array_equal(hits["a"][met], weighted(weights, corners["a"][primitive]))
     twice = corners["b"].astype(np.float64)[primitive]
     np.testing.assert_array_equal(hits["b"][met], weighted(weights, twice))
-    np.testing.assert_array_equal(
-        hits.attribute("a", of="faces")[met], faces["a"][primitive]
-    )
+    np.testing.assert_array_equal(hits.attribute("a", of="faces")[met], faces["a"][primitive])
     np.testing.assert_array_equal(hits["part"][met], primitive - 5)
     assert hits.attributes == ("a", "b", "part")
 
@@ -173,7 +171,7 @@ def test_pickled_meshes_keep_their_properties_and_which_are_labels():
         scene.add(made)
         hits = scene.shoot(ORIGINS[:2], DOWN)
         assert hits["label"].tolist() == [2, 4]
-        assert hits["heat"].tolist() == [0.25 * 1.5 + 1 + 0.75, 0.125 * 1.5 + 0.75 + 2.5]
+        assert hits["heat"].tolist() == [0.25 * 1.5 + 1 + 0.75, 0.125 * 1.5 + 0.375 * 3 + 2]
         assert hits["part"].tolist() == [7, 8]
 
 

@@ -88,7 +88,11 @@ def test_the_length_is_that_of_the_first_axis():
 def test_items_are_the_channels_in_their_order():
     of_rays = ("t", "object", "primitive", "face", "normal", "position", "barycentric", "uv")
     hits = scene().shoot(*CAMERA.rays())
-    assert tuple(name for name, _ in hits.items()) == (*of_rays, "base_color", "front") == hits.channels
+    assert (
+        tuple(name for name, _ in hits.items())
+        == (*of_rays, "base_color", "front")
+        == hits.channels
+    )
     hits = scene().shoot(CAMERA)
     assert [name for name, _ in hits.items()][:4] == ["t", "range", "z", "object"]
     for name, array in hits.items():

@@ -253,7 +253,7 @@ pub(crate) struct ShootArgs {
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
     /// The channels to compute, with commas between: t, object, primitive, face, normal, position, barycentric,
-    /// uv, front [default: t,object,primitive; for .ply and .pcd position and normal too]
+    /// uv, base_color, front [default: t,object,primitive; for .ply and .pcd position and normal too]
     #[arg(
         long,
         value_name = "NAMES",
