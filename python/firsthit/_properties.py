@@ -31,7 +31,7 @@ def given(
             wanted = "(m, 3) or (m, 3, k)" if of == "corners" else "(n,) or (n, k)"
             raise ValueError(f"{key} must have the shape {wanted}, got {array.shape}")
         components = array.shape[axes] if array.ndim > axes else 1
-        is_label = array.dtype.kind in "iub"
+        is_label = array.dtype.kind in "iu"
         fits = array.dtype in (np.float32, np.float16, np.int8, np.uint8, np.int16, np.uint16)
         values = cast(array, np.float32 if fits else np.float64).reshape(-1)
         yield of, named, components, is_label, values
