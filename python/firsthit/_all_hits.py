@@ -281,7 +281,7 @@ class AllHits:
         By a name, return the channel or the attribute of all hits, as `Hits` do.
         """
         if isinstance(index, str):
-            return self.hits[index]
+            return self.hits._named(index)
         numbers = np.arange(self._rays.length).reshape(self.shape)[cast("Any", index)]
         chosen = np.ascontiguousarray(np.reshape(numbers, -1))
         if np.ndim(numbers) == 0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, cast, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import numpy as np
 
@@ -27,7 +27,18 @@ if TYPE_CHECKING:
     from ._traceable import Built
     from ._types import DistanceName, IdentifierName, Progress, VectorName
 
-    Index = npt.ArrayLike | slice | EllipsisType | None | tuple[Any, ...]
+    # No ArrayLike, which text is too.
+    Index = (
+        npt.NDArray[Any]
+        | np.integer[Any]
+        | np.bool_
+        | int
+        | list[Any]
+        | slice
+        | EllipsisType
+        | None
+        | tuple[Any, ...]
+    )
 
 #: How many numbers a channel has for each ray, where that is not one.
 _COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2, "base_color": 3}
@@ -448,20 +459,17 @@ class Hits(Attributed):
             arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
             _firsthit.write(file, list(self._shape), arrays, origin, None)
 
-    @overload
-    def __getitem__(self, index: str) -> npt.NDArray[Any]: ...
-
-    @overload
-    def __getitem__(self, index: Index) -> Hits: ...
-
-    def __getitem__(self, index: Index | str) -> Hits | npt.NDArray[Any]:
+    # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a
+    # checker would no longer know what comes out. `attribute` and `channel` have types.
+    def __getitem__(self, index: Index) -> Hits:
         """Return some of the hits, as for an array of their shape: by a mask, a slice, ...
 
         By a name, return the channel that is called so, or else the `attribute`.
         """
-        if isinstance(index, str):
-            is_channel = index in _OF_A_CAMERA
-            return self.channel(cast("Any", index)) if is_channel else self.attribute(index)
+        name: Any = index
+        if isinstance(name, str):
+            named: Any = self._named(name)
+            return named  # type: ignore[no-any-return]
         length = len(self._arrays[0])
         everything: Any = np.arange(length).reshape(self._shape)
         numbers = everything[index]
@@ -475,6 +483,13 @@ class Hits(Attributed):
         some._single = None if self._single is None else self._single[chosen]
         some._source = self._source.take(chosen, some._shape)
         return some
+
+    def _named(self, name: str) -> npt.NDArray[Any]:
+        """Return the channel of that name, or else the attribute."""
+        for known in _OF_A_CAMERA:
+            if known == name:
+                return self.channel(known)
+        return self.attribute(name)
 
     def __len__(self) -> int:
         """Return the number of hits along the first axis, as for an array."""

@@ -1,5 +1,10 @@
 //! The command line: every option in one place, the help texts being what users read.
 
+#![allow(
+    clippy::doc_markdown,
+    reason = "help texts are no Markdown: names of channels stand as they are typed"
+)]
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};

@@ -44,7 +44,7 @@ fn many() -> (Scene, Vec<Ray>, Vec<f64>, Vec<f64>) {
     let (points, triangles) = bumpy_sphere(12, 4);
     let mut numbers = Numbers::new(31);
     let mut any = |count: usize| -> Vec<f64> {
-        let any = |_| (numbers.unit() - 0.5) * 2f64.powi(numbers.below(80) as i32 - 40);
+        let any = |_| (numbers.unit() - 0.5) * (1_u64 << numbers.below(60)) as f64;
         (0..count).map(any).collect()
     };
     let (heat, tints) = (any(points.len()), any(6 * triangles.len()));

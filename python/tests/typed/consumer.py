@@ -67,6 +67,9 @@ def hits(scene: fh.Scene, camera: fh.Camera) -> None:
     assert_type(hits[hits.object == 0], fh.Hits)
     assert_type(hits[hits.object == 0].z, npt.NDArray[np.floating[Any]])
     assert_type(hits[2:4, ::2], fh.Hits)
+    assert_type(hits.attributes, tuple[str, ...])
+    for attribute in hits.attributes:
+        assert_type(hits.attribute(attribute, of="vertices"), Doubles)
     assert_type(len(hits), int)
     assert_type(hits.channel("normal", progress=True), Doubles)
     assert_type(hits.channel("face", threads=1), Integers)
