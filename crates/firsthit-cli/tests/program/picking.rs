@@ -1,5 +1,7 @@
 //! Which objects are there, and which sides of them.
 
+use std::fmt::Write as _;
+
 use crate::support::Lab;
 
 /// Two cubes of one file, one on the other, of which a ray from above meets the tops at t = 1 and 2, and the bottoms at 2 and 3.
@@ -8,7 +10,7 @@ fn tower(lab: &Lab) {
         let mut text = format!("o {name}\n");
         for corner in 0..8_u32 {
             let [x, y, up] = [corner & 1, corner >> 1 & 1, corner >> 2].map(f64::from);
-            text += &format!("v {x} {y} {}\n", z + up);
+            writeln!(text, "v {x} {y} {}", z + up).unwrap();
         }
         for face in [
             [0, 2, 3, 1],
@@ -19,7 +21,7 @@ fn tower(lab: &Lab) {
             [2, 0, 4, 6],
         ] {
             let [a, b, c, d] = face.map(|corner: u32| corner + first);
-            text += &format!("f {a} {b} {c} {d}\n");
+            writeln!(text, "f {a} {b} {c} {d}").unwrap();
         }
         text
     };
