@@ -31,12 +31,15 @@ pub(crate) struct FilterArrays<'py>(
     Option<Places<'py>>,
 );
 
+/// The arrays of [`Places`].
+type PlaceSlices<'a> = (&'a [i32], &'a [i32], &'a [[f64; 2]]);
+
 /// [`FilterArrays`] for a number of rays.
 pub(crate) struct Filters<'a> {
     masks: Option<&'a [u32]>,
     cull: Option<Side>,
     skip: Option<(&'a [i32], &'a [i32])>,
-    left: Option<(&'a [i32], &'a [i32], &'a [[f64; 2]])>,
+    left: Option<PlaceSlices<'a>>,
 }
 
 impl FilterArrays<'_> {
