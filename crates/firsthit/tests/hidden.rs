@@ -2,10 +2,10 @@
 #![allow(
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
     reason = "a test may panic, and its numbers are small"
 )]
 
-#[allow(dead_code, reason = "some of it is for other tests")]
 mod support;
 
 use std::sync::Arc;
@@ -47,113 +47,127 @@ fn objects() -> Vec<Object> {
     ]
 }
 
+/// What is asked, and the scene that has only the objects which are not hidden, with their identifiers elsewhere.
+struct Judge {
+    fewer: Scene,
+    kept: Vec<usize>,
+    points: Vec<[f64; 3]>,
+    rays: Vec<Ray>,
+}
+
+impl Judge {
+    /// Whether identifiers of a scene and those of the fewer objects mean the same.
+    fn are_same(&self, found: &[i32], expected: &[i32]) -> bool {
+        let number = |object: i32| usize::try_from(object).map_or(-1, |k| self.kept[k] as i32);
+        found
+            .iter()
+            .copied()
+            .eq(expected.iter().map(|&k| number(k)))
+    }
+
+    /// Returns how many rays meet something.
+    fn rays(&self, scene: &Scene) -> usize {
+        let first = |scene| trace(scene, &self.rays, First, &()).unwrap();
+        let (hits, expected) = (first(scene), first(&self.fewer));
+        assert_eq!(hits.t, expected.t);
+        assert!(self.are_same(&hits.object, &expected.object));
+        let count = |scene| trace(scene, &self.rays, Count, &()).unwrap();
+        assert_eq!(count(scene), count(&self.fewer));
+        let every = |scene| trace(scene, &self.rays, All { nearest: None }, &()).unwrap();
+        let (every, expected) = (every(scene), every(&self.fewer));
+        assert_eq!(every.hits.t, expected.hits.t);
+        assert!(self.are_same(&every.hits.object, &expected.hits.object));
+        hits.count_hit()
+    }
+
+    fn distances(&self, scene: &Scene) {
+        let wanted = Wanted {
+            count: 3,
+            ..Wanted::default()
+        };
+        let nearest = |scene| closest_points(scene, &self.points, wanted, &()).unwrap();
+        let judged = closest_points_with(Method::BruteForce, scene, &self.points, wanted, &());
+        let expected = nearest(&self.fewer);
+        for found in [nearest(scene), judged.unwrap()] {
+            assert_eq!(found.distance, expected.distance);
+            assert!(self.are_same(&found.object, &expected.object));
+        }
+        let signed = |scene| signed_distances(scene, &self.points, &()).ok();
+        assert_eq!(signed(scene), signed(&self.fewer));
+    }
+
+    fn insides(&self, scene: &Scene) {
+        let points: Vec<DVec3> = self.points.iter().copied().map(DVec3::from).collect();
+        let held = |scene| inside(scene, &points, By::Union, &()).unwrap().is_inside;
+        assert_eq!(held(scene), held(&self.fewer));
+        let lengths = |scene| {
+            let lengths = path_lengths(scene, &self.rays, By::Union, &()).unwrap();
+            lengths.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+        };
+        assert_eq!(lengths(scene), lengths(&self.fewer));
+        for (k, rule) in rules(scene).unwrap().into_iter().enumerate() {
+            assert!(self.kept.contains(&k) || rule == Rule::Nothing);
+        }
+    }
+
+    fn sections(&self, scene: &Scene) {
+        let plane = SectionPlane::new(DVec3::ZERO, DVec3::new(0.1, 0.2, 1.0)).unwrap();
+        let cut = |scene| section(scene, plane, &()).unwrap();
+        let (cut, expected) = (cut(scene), cut(&self.fewer));
+        assert_eq!(cut.area().to_bits(), expected.area().to_bits());
+        assert_eq!(cut.perimeter().to_bits(), expected.perimeter().to_bits());
+    }
+}
+
+/// Points among the objects, and rays from them.
+fn asked(numbers: &mut Numbers) -> (Vec<[f64; 3]>, Vec<Ray>) {
+    let middle = DVec3::new(2.5, 0.0, 0.0);
+    let points: Vec<_> = (0..400).map(|_| 3.0 * numbers.point() + middle).collect();
+    let rays = points
+        .iter()
+        .map(|&origin| Ray::new(origin, numbers.point()));
+    let rays = rays.collect();
+    (points.iter().map(DVec3::to_array).collect(), rays)
+}
+
 #[test]
 fn hidden_objects_are_as_if_they_were_not_there() {
     let all = objects();
     let mut numbers = Numbers::new(7);
-    let points: Vec<[f64; 3]> = (0..400)
-        .map(|_| {
-            let p = 3.0 * numbers.point();
-            (p + DVec3::new(2.5, 0.0, 0.0)).to_array()
-        })
-        .collect();
-    let rays: Vec<Ray> = points
-        .iter()
-        .map(|&origin| Ray::new(DVec3::from(origin), numbers.point()))
-        .collect();
     let mut is_met = 0;
-    for round in 0..24_u32 {
-        // The cone is always hidden, by its mask or by name.
-        let is_hidden: Vec<bool> = (0..all.len())
-            .map(|k| k == 8 || numbers.below(3) == 0 || round == k as u32)
-            .collect();
-        let by_mask = |object: &Object| object.clone().masked(0);
-        let hide = |object: &Object| object.clone().hidden(true);
+    for round in 0..24_usize {
+        let (points, rays) = asked(&mut numbers);
+        // The cone is always hidden.
+        let is_hidden =
+            |k: usize, numbers: &mut Numbers| k == 8 || numbers.below(3) == 0 || round == k;
+        let is_hidden: Vec<bool> = (0..all.len()).map(|k| is_hidden(k, &mut numbers)).collect();
+        let kept: Vec<usize> = (0..all.len()).filter(|&k| !is_hidden[k]).collect();
+        let fewer = Scene::new(kept.iter().map(|&k| all[k].clone()).collect()).unwrap();
+        let judge = Judge {
+            fewer,
+            kept,
+            points,
+            rays,
+        };
+
         let marked =
             all.iter()
                 .zip(&is_hidden)
                 .map(|(object, &is_hidden)| match (is_hidden, round % 2) {
                     (false, _) => object.clone(),
-                    (true, 0) => by_mask(object),
-                    (true, _) => hide(object),
+                    (true, 0) => object.clone().masked(0),
+                    (true, _) => object.clone().hidden(true),
                 });
         let built = Scene::new(marked.collect()).unwrap();
         let mut later = Scene::new(all.clone()).unwrap();
         let changes: Vec<(usize, bool)> = is_hidden.iter().copied().enumerate().collect();
         later.hide_objects(&changes).unwrap();
-        // Identifiers of the scene that has only the others.
-        let kept: Vec<usize> = (0..all.len()).filter(|&k| !is_hidden[k]).collect();
-        let number = |object: i32| usize::try_from(object).map_or(-1, |k| kept[k] as i32);
-        let fewer = Scene::new(kept.iter().map(|&k| all[k].clone()).collect()).unwrap();
-        let asked: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
         for scene in [&built, &later] {
-            let (hits, expected) = (
-                trace(scene, &rays, First, &()),
-                trace(&fewer, &rays, First, &()),
-            );
-            let (hits, expected) = (hits.unwrap(), expected.unwrap());
-            assert_eq!(hits.t, expected.t);
-            assert!(
-                hits.object
-                    .iter()
-                    .copied()
-                    .eq(expected.object.iter().map(|&k| number(k)))
-            );
-            is_met += hits.object.iter().filter(|&&object| object >= 0).count();
-            assert_eq!(
-                trace(scene, &rays, Count, &()).unwrap(),
-                trace(&fewer, &rays, Count, &()).unwrap()
-            );
-            let every = trace(scene, &rays, All { nearest: None }, &()).unwrap();
-            let of_fewer = trace(&fewer, &rays, All { nearest: None }, &()).unwrap();
-            assert_eq!(every.hits.t, of_fewer.hits.t);
-
-            let wanted = Wanted {
-                count: 3,
-                ..Wanted::default()
-            };
-            let nearest = closest_points(scene, &points, wanted, &()).unwrap();
-            let judged = closest_points_with(Method::BruteForce, scene, &points, wanted, &());
-            let expected = closest_points(&fewer, &points, wanted, &()).unwrap();
-            for found in [nearest, judged.unwrap()] {
-                assert_eq!(found.distance, expected.distance);
-                assert!(
-                    found
-                        .object
-                        .iter()
-                        .copied()
-                        .eq(expected.object.iter().map(|&k| number(k)))
-                );
-            }
-            let signed = signed_distances(scene, &points, &());
-            match signed_distances(&fewer, &points, &()) {
-                Ok(expected) => assert_eq!(signed.unwrap(), expected),
-                Err(_) => assert!(signed.is_err()),
-            }
-
-            assert_eq!(
-                inside(scene, &asked, By::Union, &()).unwrap().is_inside,
-                inside(&fewer, &asked, By::Union, &()).unwrap().is_inside
-            );
-            let known = rules(scene).unwrap();
-            assert!(
-                is_hidden
-                    .iter()
-                    .zip(&known)
-                    .all(|(&hidden, &rule)| !hidden || rule == Rule::Nothing)
-            );
-            let lengths = path_lengths(scene, &rays, By::Union, &()).unwrap();
-            let expected = path_lengths(&fewer, &rays, By::Union, &()).unwrap();
-            let bits =
-                |lengths: Vec<f64>| lengths.into_iter().map(f64::to_bits).collect::<Vec<_>>();
-            assert_eq!(bits(lengths), bits(expected));
-
-            let plane = SectionPlane::new(DVec3::ZERO, DVec3::new(0.1, 0.2, 1.0)).unwrap();
-            let cut = section(scene, plane, &()).unwrap();
-            let expected = section(&fewer, plane, &()).unwrap();
-            assert_eq!(cut.area().to_bits(), expected.area().to_bits());
-            assert_eq!(cut.perimeter().to_bits(), expected.perimeter().to_bits());
-            assert_eq!(scene.bounds(), fewer.bounds());
+            is_met += judge.rays(scene);
+            judge.distances(scene);
+            judge.insides(scene);
+            judge.sections(scene);
+            assert_eq!(scene.bounds(), judge.fewer.bounds());
         }
     }
     assert!(is_met > 2000, "{is_met}");
