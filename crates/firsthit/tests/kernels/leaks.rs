@@ -7,8 +7,8 @@ use firsthit::shape::triangle::{EdgeRule, Shear};
 use firsthit::shoot::{Any, Cpu, First, trace_with};
 use firsthit::{DVec3, Object, Ray, Scene};
 
-use super::support::{Numbers, mesh, refdata};
-use super::{sets, soak_rays};
+use super::sets;
+use super::support::{Numbers, mesh, refdata, soak_rays};
 
 /// Aims at each mesh that is closed, from a point inside, where it is, far away and in other sizes: at corners and
 /// at edges, so many rays each, other ones in each round. Returns how many rays there were.

@@ -190,17 +190,13 @@ fn sheets_seen_almost_along_them() {
     assert!(hits > 70_000, "{hits}");
 }
 
-fn soak_rays() -> usize {
-    std::env::var("FIRSTHIT_SOAK").map_or(1_000_000, |text| text.parse().unwrap())
-}
-
 /// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
 #[test]
 #[ignore = "takes long: make soak"]
 fn soak() {
     let mut shot = 0;
     let mut round = 0;
-    while shot < soak_rays() {
+    while shot < support::soak_rays() {
         // Every round has rays of its own; those of the test are the first.
         shot += soups(round..round + 48, 4000);
         round += 48;

@@ -104,6 +104,11 @@ pub fn refdata() -> PathBuf {
     path
 }
 
+/// How many rays a soak shoots: `FIRSTHIT_SOAK`, see the Makefile.
+pub fn soak_rays() -> usize {
+    std::env::var("FIRSTHIT_SOAK").map_or(1_000_000, |text| text.parse().unwrap())
+}
+
 pub fn scene(objects: Vec<Object>) -> Scene {
     Scene::new(objects).unwrap()
 }
