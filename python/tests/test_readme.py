@@ -1,10 +1,13 @@
-"""README.md's example in Python runs as it stands."""
+"""README.md's example in Python and the lines of docs/guide.md run as they stand."""
 
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import firsthit as fh
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -26,3 +29,41 @@ def test_the_readme_s_example_runs(tmp_path, monkeypatch):
     assert (part["color"] == whole["color"][100:200, 300:500]).all()
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"part.glb", "part.png", "out.exr", "out.png", "cloud.ply", "panorama.png"}
+
+
+def test_the_guide_s_lines_run_and_write_its_pictures(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
+    guide = (ROOT / "docs" / "guide.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", guide, re.DOTALL)
+    told = {}
+    for block in blocks:
+        exec(block, told)
+    assert max(len(block.splitlines()) for block in blocks[1:]) <= 4
+    assert told["z"].shape == told["cone"].shape == told["thick"].shape == (220, 480)
+    assert told["cone"].any()
+    assert told["pairs"].shape == (5, 2)
+    assert float(told["there"]) > 0.9
+    pictures = re.findall(r"\(images/([a-z]+\.png)\)", guide)
+    assert len(pictures) == 5
+    for name in pictures:
+        ours, kept = (fh.Frame.load(path / name) for path in (tmp_path, ROOT / "docs" / "images"))
+        for channel, array in ours.items():
+            np.testing.assert_array_equal(array, kept[channel])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the lines are for a Unix shell")
+def test_the_guide_s_commands_run(tmp_path):
+    shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
+    guide = (ROOT / "docs" / "guide.md").read_text()
+    commands = re.findall(r"```sh\n(.*?)\n```", guide, re.DOTALL)
+    assert len(commands) == 5
+    answers = []
+    for command in commands:
+        line = command.replace("firsthit ", f"{sys.executable} -m firsthit ")
+        done = subprocess.run(
+            line, shell=True, cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        answers.append(done.stdout.split())
+    assert [answer[0] for answer in answers[2:]] == ["visible", "thickness", "inside"]
+    assert [float(answer[1]) for answer in answers[2:]] == [0.0, pytest.approx(1, abs=0.1), 1.0]
