@@ -35,7 +35,14 @@ pub(crate) enum Command {
     /// Find the nearest points of a 3D file, and how far away they are.
     Nearest(NearestArgs),
     /// Tell which points are inside the objects of a 3D file.
-    Inside(InsideArgs),
+    #[command(after_help = help::INSIDE_EXAMPLES)]
+    Inside(ListArgs),
+    /// Tell which points see each other, past the objects of a 3D file.
+    #[command(after_help = help::VISIBLE_EXAMPLES)]
+    Visible(ListArgs),
+    /// Measure how thick the objects of a 3D file are, at points of their surfaces.
+    #[command(after_help = help::THICKNESS_EXAMPLES)]
+    Thickness(ListArgs),
     /// Show what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
     /// Compare two outputs, channel by channel.
@@ -334,10 +341,10 @@ pub(crate) struct NearestArgs {
     pub(crate) run: RunArgs,
 }
 
+/// A list of questions about a scene, each with one number for an answer.
 #[derive(Debug, Args)]
-#[command(after_help = help::INSIDE_EXAMPLES)]
-pub(crate) struct InsideArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+pub(crate) struct ListArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The points: .npy, .npz or .csv, or - for standard input
     pub(crate) points: PathBuf,

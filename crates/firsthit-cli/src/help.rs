@@ -16,13 +16,15 @@ Examples:
   firsthit build city.glb               city.fhs, which opens in milliseconds
   firsthit nearest part.stl points.npy  the nearest points of the surface
   firsthit inside part.stl points.npy   which points are inside
+  firsthit visible city.glb pairs.npy   which points see each other
+  firsthit thickness part.stl points.npy
   firsthit info part.stl --json         what is in the file
   firsthit info all.npz                 its channels, camera and scene
   firsthit diff all.npz again.exr       whether two outputs are the same
   firsthit section part.stl --normal 0,0,1 -o cut.svg
   firsthit lint part.stl                whether it has holes, flipped faces, ...
 
-With --json, render, shoot, nearest, inside, section, lint, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, nearest, inside, visible, thickness, section, lint, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -83,6 +85,24 @@ Examples:
 Points are an array of shape (n, 3); as .npy, as .npz with the entry points, or as .csv with three numbers in a \
 line. The channels are distance, object, primitive, position and barycentric; with --count there is also point, the number of the \
 point in the input, from 0.";
+pub(crate) const VISIBLE_EXAMPLES: &str = "\
+Examples:
+  firsthit visible city.glb pairs.npy -o visible.npy
+  echo 0,0,2,50,10,1.5 | firsthit visible city.glb -
+
+Pairs of points are arrays of shape (n, 6), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with six \
+numbers in a line. The answer for each is 1 or true if nothing is between the two points. It does not depend on which comes first. \
+A surface exactly at one of them does not count.";
+
+pub(crate) const THICKNESS_EXAMPLES: &str = "\
+Examples:
+  firsthit thickness part.stl points.npy -o thickness.npy
+  echo 1,2,3 | firsthit thickness part.stl -
+
+Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with three numbers in \
+a line. Each stands for the surface point nearest to it. The answer is the distance from there, against the normal, to the other side of \
+the same object: inf where there is none. firsthit nearest tells which surface points these are.";
+
 pub(crate) const INSIDE_EXAMPLES: &str = "\
 Examples:
   firsthit inside part.stl points.npy -o inside.npy

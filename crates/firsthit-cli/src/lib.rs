@@ -79,6 +79,8 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Build(args) => commands::build::run(&args, &interrupted),
         Command::Nearest(args) => commands::nearest::run(&args, &interrupted),
         Command::Inside(args) => commands::inside::run(&args, &interrupted),
+        Command::Visible(args) => commands::visible::run(&args, &interrupted),
+        Command::Thickness(args) => commands::thickness::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Diff(args) => commands::diff::run(&args),
         Command::Section(args) => commands::section::run(&args, &interrupted),

@@ -99,6 +99,29 @@ pub const INSIDE: &Kind = &Kind {
     make: Make::Elsewhere,
 };
 
+/// Whether two points see each other. It is no channel of hits, so not among [`KINDS`]; [`visible`](crate::shoot::visible())
+/// has its data.
+pub const VISIBLE: &Kind = &Kind {
+    name: "visible",
+    about: "whether the two points see each other",
+    components: 1,
+    display: Display::Mask,
+    unit: Unit::None,
+    frame: None,
+    make: Make::Elsewhere,
+};
+
+/// How thick an object is. It is no channel of hits, so not among [`KINDS`]; [`thickness`](crate::measure::thickness()) has its data.
+pub const THICKNESS: &Kind = &Kind {
+    name: "thickness",
+    about: "distance inwards to the other side; inf where there is none",
+    components: 1,
+    display: Display::Distance,
+    unit: Unit::SceneLength,
+    frame: None,
+    make: Make::Elsewhere,
+};
+
 /// Every channel. A new one is a new row.
 pub const KINDS: &[Kind] = &[
     Kind {

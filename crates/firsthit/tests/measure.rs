@@ -10,7 +10,7 @@ mod support;
 
 use std::array::from_fn;
 
-use firsthit::measure::{By, Rule, inside, path_lengths, rules, winding_number};
+use firsthit::measure::{By, Rule, inside, path_lengths, rules, thickness, winding_number};
 use firsthit::shoot::{Count, trace};
 use firsthit::watch::Watch;
 use firsthit::{
@@ -18,7 +18,7 @@ use firsthit::{
     Transform,
 };
 use num_rational::BigRational;
-use num_traits::{One, Signed, Zero};
+use num_traits::{One, Signed, ToPrimitive, Zero};
 use support::rational::{Exact, cross, dot, exact, minus};
 use support::{Numbers, bumpy_sphere, mesh, scene};
 
@@ -633,4 +633,70 @@ fn rays_from_outside_cross_closed_meshes_in_pairs() {
     }
     println!("{total} rays, {crossings} crossings");
     assert!(crossings > total as u64 / 2);
+}
+
+/// Ahead of the surface, what is thick is the object itself, whatever else is in it.
+#[test]
+fn an_object_is_as_thick_as_it_is_deep() {
+    let plate = || Cuboid::new(DVec3::splat(-2.0), DVec3::new(2.0, 2.0, 0.5)).unwrap();
+    let ball = Sphere::new(DVec3::new(0.0, 0.0, -1.0), 0.5).unwrap();
+    let (points, triangles) = bumpy_sphere(4, 2);
+    let bumpy: Vec<DVec3> = points.iter().map(|&p| 0.25 * p).collect();
+    let scene = scene(vec![
+        Object::new(plate()),
+        Object::new(ball),
+        Object::new(mesh(&bumpy, triangles)),
+    ]);
+    let above = [
+        [0.125, 0.25, 0.75],
+        [1.5, 0.0, 3.0],
+        [0.0, 0.0, -2.25],
+        [3.0, 0.25, -1.0],
+    ];
+    assert_eq!(
+        thickness(&scene, &above, &()).unwrap(),
+        [2.5, 2.5, 2.5, 4.0]
+    );
+    // In the ball, the ball is nearest.
+    assert_eq!(
+        thickness(&scene, &[[0.0, 0.0, -1.4375]], &()).unwrap(),
+        [1.0]
+    );
+    let odd = [[f64::NAN; 3], [f64::INFINITY, 0.0, 0.0]];
+    assert!(
+        thickness(&scene, &odd, &())
+            .unwrap()
+            .iter()
+            .all(|length| length.is_nan())
+    );
+}
+
+/// From a face's middle inwards, an exact ray crosses a closed mesh next where it is as far as it is thick there.
+#[test]
+fn the_thickness_of_a_mesh_is_that_of_rational_arithmetic() {
+    let (points, triangles) = bumpy_sphere(3, 4);
+    let scene = scene(vec![Object::new(mesh(&points, triangles))]);
+    let mesh = scene.objects()[0].mesh().unwrap();
+    let count = mesh.triangles().len();
+    let middles = (0..count).map(|k| mesh.corners(k).into_iter().sum::<DVec3>() / 3.0);
+    let middles: Vec<DVec3> = middles.collect();
+    let asked: Vec<_> = middles.iter().map(DVec3::to_array).collect();
+    let found = thickness(&scene, &asked, &()).unwrap();
+    for (k, (&from, &found)) in middles.iter().zip(&found).enumerate() {
+        let (origin, way) = (exact(from), exact(-mesh.normal(k)));
+        let others = (0..count).filter(|&other| other != k).filter_map(|other| {
+            let [a, b, c] = mesh
+                .corners(other)
+                .map(|corner| minus(&exact(corner), &origin));
+            let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&way, &cross(p, q)));
+            let is_met =
+                sides.iter().all(Signed::is_positive) || sides.iter().all(Signed::is_negative);
+            let n = cross(&minus(&b, &a), &minus(&c, &a));
+            is_met
+                .then(|| dot(&n, &a) / dot(&n, &way))
+                .filter(Signed::is_positive)
+        });
+        let expected = others.min().unwrap().to_f64().unwrap();
+        assert!((found - expected).abs() < 1e-13, "{k}: {found} {expected}");
+    }
 }

@@ -1,67 +1,32 @@
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use firsthit::channel::INSIDE;
-use firsthit::image::{Data, Frame};
+use firsthit::image::Data;
 use firsthit::measure::{By, Rule, inside};
-use firsthit::render::origin;
 use firsthit::{DVec3, Scene};
 use serde_json::json;
 
-use super::sinks::{self, Sinks};
-use crate::args::InsideArgs;
-use crate::console::{counted, end_report, say, warn};
+use super::list::{self, Answers};
+use crate::args::ListArgs;
+use crate::console::counted;
 use crate::failure::Failure;
-use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
-use crate::rays;
 
-pub(crate) fn run(args: &InsideArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    sinks::announce(&args.output);
-    let outputs = (&args.output[..], args.format);
-    let inputs = [args.file.as_path(), args.points.as_path()];
-    let sinks = Sinks::new(outputs, &inputs, &[INSIDE], &args.run)?;
-    let started = Instant::now();
-    with_threads(&args.run, || {
-        let points = rays::read_points(&args.points)?;
-        let points: Vec<_> = points.into_iter().map(DVec3::from).collect();
-        let Loaded {
-            scene, warnings, ..
-        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
-        warn(&warnings);
-        let progress = Progress::new(points.len() as u64, sinks.is_quiet, interrupted);
-        let found = inside(&scene, &points, By::Union, &progress)?;
-        drop(progress);
-        warn(warning(&scene, &found.rules).as_slice());
-        let count = found
-            .is_inside
-            .iter()
-            .filter(|&&is_inside| is_inside)
-            .count() as u64;
-        let mut frame = Frame::new([points.len()]).from_origin(origin(&scene, None, None));
-        frame.push(INSIDE.channel(Data::Bool(found.is_inside)))?;
-        sinks.write(&frame, interrupted)?;
-        let seconds = started.elapsed().as_secs_f64();
-        if args.run.json {
-            let rules: Vec<_> = found.rules.iter().map(|rule| rule.name()).collect();
-            let done = json!({
-                "outputs": sinks.as_json(&[INSIDE]),
-                "points": points.len(),
-                "inside": count,
-                "rules": rules,
-                "objects": scene.objects().len(),
-                "triangles": scene.triangles(),
-                "seconds": seconds,
-            });
-            end_report(done).map_err(|error| Failure::stdout(&error))?;
-        } else if !args.run.quiet {
-            let (names, points) = (sinks.names(), counted(points.len() as u64, "point"));
-            say(format_args!(
-                "{names}: {points}, {count} inside, {seconds:.2} s"
-            ));
-        }
-        Ok(())
-    })
+pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
+        let points: Vec<_> = points.iter().copied().map(DVec3::from).collect();
+        let found = inside(scene, &points, By::Union, progress)?;
+        let held = found.is_inside.iter().filter(|&&is_inside| is_inside);
+        let count = held.count();
+        let rules: Vec<_> = found.rules.iter().map(|rule| rule.name()).collect();
+        Ok(Answers {
+            data: Data::Bool(found.is_inside),
+            summary: format!("{count} inside"),
+            facts: vec![("inside", json!(count)), ("rules", json!(rules))],
+            warnings: warning(scene, &found.rules).into_iter().collect(),
+        })
+    };
+    list::run(args, (INSIDE, "point"), ask, interrupted)
 }
 
 /// That some objects are open.

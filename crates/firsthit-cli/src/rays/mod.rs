@@ -136,15 +136,20 @@ pub(crate) fn read(
     arrays(tables, (rays, directions), limits)
 }
 
-/// Reads points from a file, `-` being standard input.
-pub(crate) fn read_points(path: &Path) -> Result<Triples, Failure> {
+/// Reads points from a file, `-` being standard input; with six columns pairs of points.
+pub(crate) fn read_points<const COLUMNS: usize>(
+    path: &Path,
+) -> Result<Vec<[f64; COLUMNS]>, Failure> {
     let tables = load(path, "points")?;
     match &tables[..] {
-        [table] if table.columns == 3 || table.values.is_empty() => Ok(table.triples(0)),
+        [table] if table.columns == COLUMNS || table.values.is_empty() => {
+            Ok(table.values.as_chunks().0.to_vec())
+        }
         tables => {
             let columns = tables.iter().map(|table| table.columns.to_string());
             let columns = columns.collect::<Vec<_>>().join(" and ");
-            let what = format!("points must be one array of 3 columns, got columns: {columns}");
+            let what =
+                format!("points must be one array of {COLUMNS} columns, got columns: {columns}");
             Err(bad(path, &what))
         }
     }

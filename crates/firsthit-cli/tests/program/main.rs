@@ -21,6 +21,7 @@ mod json;
 mod legend;
 mod lines;
 mod lint;
+mod list;
 mod nearest;
 mod outputs;
 mod picking;

@@ -2,11 +2,13 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 12] = [
     "render",
     "shoot",
     "nearest",
     "inside",
+    "visible",
+    "thickness",
     "section",
     "lint",
     "build",

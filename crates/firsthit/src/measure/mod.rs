@@ -1,4 +1,4 @@
-//! What is inside objects: points, and stretches of rays.
+//! What is inside objects: points, and stretches of rays; and how thick they are.
 //!
 //! An object is known from outside to inside by a [`Rule`]:
 //!
@@ -13,10 +13,12 @@
 mod inside;
 mod paths;
 mod sweep;
+mod thickness;
 mod winding;
 
 pub use inside::{Insides, inside};
 pub use paths::path_lengths;
+pub use thickness::thickness;
 pub use winding::winding_number;
 
 use crate::error::Result;

@@ -1,0 +1,75 @@
+//! A list of questions, and a channel of answers.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use firsthit::Scene;
+use firsthit::channel::Kind;
+use firsthit::image::{Data, Frame};
+use firsthit::render::origin;
+use serde_json::{Map, Value, json};
+
+use super::sinks::{self, Sinks};
+use crate::args::ListArgs;
+use crate::console::{counted, end_report, say, warn};
+use crate::failure::Failure;
+use crate::loading::{self, Loaded, with_threads};
+use crate::progress::Progress;
+use crate::rays;
+
+/// The answers to a list.
+pub(super) struct Answers {
+    /// One for each question.
+    pub(super) data: Data,
+    /// What is said of them, such as `3 inside`.
+    pub(super) summary: String,
+    /// The same for `--json`, by name.
+    pub(super) facts: Vec<(&'static str, Value)>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// Reads a list of rows of `columns` numbers, asks, and writes and reports what the answers are.
+pub(super) fn run<const COLUMNS: usize>(
+    args: &ListArgs,
+    (kind, noun): (&'static Kind, &str),
+    ask: impl FnOnce(&Scene, &[[f64; COLUMNS]], &Progress<'_>) -> Result<Answers, Failure> + Send,
+    interrupted: &AtomicBool,
+) -> Result<(), Failure> {
+    sinks::announce(&args.output);
+    let outputs = (&args.output[..], args.format);
+    let inputs = [args.file.as_path(), args.points.as_path()];
+    let sinks = Sinks::new(outputs, &inputs, &[kind], &args.run)?;
+    let started = Instant::now();
+    with_threads(&args.run, || {
+        let list = rays::read_points::<COLUMNS>(&args.points)?;
+        let Loaded {
+            scene, warnings, ..
+        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        warn(&warnings);
+        let progress = Progress::new(list.len() as u64, sinks.is_quiet, interrupted);
+        let answers = ask(&scene, &list, &progress)?;
+        drop(progress);
+        warn(&answers.warnings);
+        let mut frame = Frame::new([list.len()]).from_origin(origin(&scene, None, None));
+        frame.push(kind.channel(answers.data))?;
+        sinks.write(&frame, interrupted)?;
+        let seconds = started.elapsed().as_secs_f64();
+        if args.run.json {
+            let mut done = Map::new();
+            done.insert("outputs".into(), sinks.as_json(&[kind]).into());
+            done.insert(format!("{noun}s"), json!(list.len()));
+            for (name, fact) in answers.facts {
+                done.insert(name.into(), fact);
+            }
+            done.insert("objects".into(), json!(scene.objects().len()));
+            done.insert("triangles".into(), json!(scene.triangles()));
+            done.insert("seconds".into(), json!(seconds));
+            end_report(Value::Object(done)).map_err(|error| Failure::stdout(&error))?;
+        } else if !args.run.quiet {
+            let (names, asked) = (sinks.names(), counted(list.len() as u64, noun));
+            let summary = answers.summary;
+            say(format_args!("{names}: {asked}, {summary}, {seconds:.2} s"));
+        }
+        Ok(())
+    })
+}
