@@ -210,6 +210,12 @@ def elements(
     return np.ascontiguousarray(_piece(view, part, trailing))
 
 
+def at_numbers(numbers: npt.NDArray[np.int64], shape: tuple[int, ...]) -> tuple[Any, ...]:
+    """Return the index of elements of an array that are counted row by row."""
+    # NumPy has no index of nothing but axes that are not there.
+    return np.unravel_index(numbers, shape) if shape else ()
+
+
 def _piece(view: npt.NDArray[_Number], part: slice, trailing: int) -> npt.NDArray[_Number]:
     leading = view.shape[: view.ndim - trailing]
     rest = view.shape[view.ndim - trailing :]

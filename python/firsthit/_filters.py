@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from ._arrays import elements, numbers
+from ._arrays import at_numbers, elements, numbers
 from ._types import Side
 
 if TYPE_CHECKING:
@@ -78,7 +78,8 @@ class Filters:
 
         def of(array: npt.NDArray[Any], trailing: int = 0) -> npt.NDArray[Any]:
             view = np.broadcast_to(array, shape + array.shape[array.ndim - trailing :])
-            return view[np.unravel_index(chosen, shape)]
+            some: npt.NDArray[Any] = view[at_numbers(chosen, shape)]
+            return some.reshape(len(chosen), *array.shape[array.ndim - trailing :])
 
         skip = None if self.skip is None else (of(self.skip[0]), of(self.skip[1]))
         left = None

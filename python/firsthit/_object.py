@@ -130,7 +130,8 @@ def placed(
 
 def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
     """Return the identifiers of objects, each once and in order; removed ones are not there."""
-    several = [given] if isinstance(given, str) or hasattr(given, "__index__") else given
+    is_one = isinstance(given, str) or (hasattr(given, "__index__") and np.ndim(given) == 0)
+    several: Any = [given] if is_one else given
     try:
         wanted = list(several)
     except TypeError:

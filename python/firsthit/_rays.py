@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._arrays import CHUNK, chunks, flat, is_flat, is_own, lock, numbers, plain
+from ._arrays import CHUNK, at_numbers, chunks, flat, is_flat, is_own, lock, numbers, plain
 from ._memory import SMALL, empty
 
 if TYPE_CHECKING:
@@ -171,7 +171,7 @@ class Rays:
                 taken.append(array.reshape(3))
             else:
                 view = np.broadcast_to(array, (*self.shape, 3))
-                taken.append(view[np.unravel_index(chosen, self.shape)].reshape(*shape, 3))
+                taken.append(view[at_numbers(chosen, self.shape)].reshape(*shape, 3))
         return Rays((*taken, NO_MINIMUM, NO_MAXIMUM), shape)
 
     def only(self, chosen: npt.NDArray[np.bool_]) -> Rays:

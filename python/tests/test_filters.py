@@ -137,6 +137,7 @@ def test_objects_are_chosen_by_identifier_or_name():
         ("part 0", [0, 3]),
         (2, [2]),
         (np.int32(1), [1]),
+        (np.array([1, 2]), [1, 2]),
         ([], []),
         ([0, "part 1"], [0, 1]),
     ]:

@@ -100,6 +100,7 @@ def test_what_is_embedded_does_not_count():
     points = np.array([[0.5, 0.25, 2], [1.5, 0.5, 2], [0, 0, -2]])
     np.testing.assert_array_equal(scene.thickness(points), [4, 4, 4])
     np.testing.assert_array_equal(scene.thickness([[0, 0, 0.999]]), [2])
+    assert float(scene.thickness([0.5, 0.25, 2])) == 4
     # A sheet has nothing behind it.
     np.testing.assert_array_equal(scene.thickness([[0.5, 0.25, 0.01]]), [np.inf])
 
