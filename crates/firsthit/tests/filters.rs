@@ -62,14 +62,21 @@ fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec<RayFilter>
         .map(|_| Ray::new(2.0 * numbers.point(), numbers.point()))
         .collect();
     let hits = trace(scene, &starts, First, &()).unwrap();
+    let crossings = trace(scene, &starts, All::default(), &()).unwrap();
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
     for (k, start) in starts.iter().enumerate() {
         let mut filter = RayFilter::NONE;
         let mut ray = *start;
         let hit = hits.get(k);
+        // Any of those in the ray's way: where triangles lie in one place, not only the lowest.
+        let on_the_way = crossings.offsets[k]..crossings.offsets[k + 1];
+        let skipped = match on_the_way.len() {
+            0 => hit,
+            count => crossings.hits.get(on_the_way.start + numbers.below(count)),
+        };
         let surface = SurfaceId {
-            object: hit.object,
-            primitive: hit.primitive,
+            object: skipped.object,
+            primitive: skipped.primitive,
         };
         if k % 2 == 0 && !hit.is_miss() {
             let way = numbers.point();

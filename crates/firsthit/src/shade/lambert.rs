@@ -1,9 +1,9 @@
 //! Matte surfaces: the light that falls on them, by the cosine of its angle (Lambert, "Photometria", 1760).
 
 use super::Shading;
-use crate::geometry::{Color, DVec3, Ray, unit};
+use crate::geometry::{Color, DVec3, Filtered, Ray, RayFilter, Rays, unit};
 use crate::scene::{Light, SurfaceInteraction};
-use crate::shoot::{Any, trace_with};
+use crate::shoot::Answers;
 
 /// The settings of the Lambert shader. Surfaces are lit on both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,19 +38,22 @@ pub(super) fn shade(
         }
     }
     let mut shadow_rays = Vec::with_capacity(lit.len());
+    let mut filters = Vec::with_capacity(lit.len());
     let mut arriving = Vec::with_capacity(lit.len());
     for source in shading.scene.lights() {
         shadow_rays.clear();
+        filters.clear();
         arriving.clear();
         for (index, (_, point)) in lit.iter().enumerate() {
             if let Some((ray, light)) = arriving_at(point, source) {
                 shadow_rays.push(ray);
+                filters.push(point.filter);
                 arriving.push((index, light));
             }
         }
         let mut shadows = Vec::new();
         if settings.shadows {
-            shadows = all_blocked(shading, &shadow_rays);
+            shadows = all_blocked(shading, &Filtered::each(&shadow_rays, &filters));
         }
         for (k, &(index, light)) in arriving.iter().enumerate() {
             if shadows.get(k) != Some(&true) {
@@ -63,16 +66,12 @@ pub(super) fn shade(
     }
 }
 
-fn all_blocked(shading: &Shading<'_>, rays: &[Ray]) -> Vec<bool> {
-    let (engine, scene) = (shading.engine, shading.scene);
-    let one = |ray| engine.any_hit(scene, ray);
-    if let [ray] = rays {
-        return vec![one(ray)];
-    }
-    match trace_with(engine, scene, rays, Any, &()) {
-        Ok(blocked) => blocked,
-        Err(_) => rays.iter().map(one).collect(),
-    }
+fn all_blocked(shading: &Shading<'_>, rays: &Filtered<'_, Vec<Ray>>) -> Vec<bool> {
+    let mut blocked = vec![false; rays.len()];
+    let answers = Answers::Any(&mut blocked);
+    let traced = shading.engine.trace(shading.scene, rays, answers, &());
+    debug_assert!(traced.is_ok(), "nobody stops it");
+    blocked
 }
 
 /// A point of a surface with its normals on the side that is seen.
@@ -80,8 +79,8 @@ struct Lit {
     position: DVec3,
     geometric: DVec3,
     smooth: DVec3,
-    /// Where its shadow rays start.
-    start: DVec3,
+    /// What its shadow rays do not meet: the surface they leave.
+    filter: RayFilter,
     /// The surface's colour.
     color: Color,
     /// The light that is known to arrive.
@@ -101,13 +100,12 @@ impl Lit {
         }
         let smooth = surface.shading_normal();
         let side = if surface.is_front() { 1.0 } else { -1.0 };
-        let (ray, hit) = (surface.ray(), surface.hit());
-        let (position, geometric) = (ray.at(hit.t), side * geometric);
+        let (start, filter) = surface.leave(side * geometric);
         Ok(Self {
-            position,
-            geometric,
+            position: start.origin,
+            geometric: side * geometric,
             smooth: side * smooth,
-            start: off_the_surface(ray, position, geometric),
+            filter,
             color,
             light: settings.ambient,
         })
@@ -142,7 +140,7 @@ fn arriving_at(point: &Lit, source: &Light) -> Option<(Ray, Color)> {
     let cosine = unit(towards).dot(point.smooth);
     // Written so that a NaN (the point is where the light is) fails.
     (cosine > 0.0 && towards.dot(point.geometric) > 0.0).then(|| {
-        let ray = Ray::new(point.start, towards).up_to(distance);
+        let ray = Ray::new(point.position, towards).up_to(distance);
         (ray, cosine * light)
     })
 }
@@ -153,14 +151,4 @@ fn within_cone(cosine: f64, inner_angle: f64, outer_angle: f64) -> f64 {
     let (inner, outer) = (libm::cos(inner_angle), libm::cos(outer_angle));
     let share = ((cosine - outer) / (inner - outer).max(1e-9)).clamp(0.0, 1.0);
     share * share
-}
-
-/// Where shadow rays start: off the surface by more than the rounding of the point on it, so that they do
-/// not meet the surface they start from. (The idea is that of Wächter and Binder, "A Fast and Robust
-/// Method for Avoiding Self-Intersection", Ray Tracing Gems (2019), chapter 6.)
-fn off_the_surface(ray: &Ray, position: DVec3, normal: DVec3) -> DVec3 {
-    // The point carries the rounding of the largest coordinate on the way to it. In float64 a millionth of
-    // a millionth of it is both far above that and far below anything to be seen.
-    let largest = position.abs().max(ray.origin.abs()).max_element();
-    position + 1e-12 * largest.max(1e-300) * normal
 }

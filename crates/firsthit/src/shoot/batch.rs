@@ -179,7 +179,7 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
                 tree, mesh, ray, ..
             } = instance;
             let found = if Q::IS_FILTERED {
-                let filtered = (&ray, walk.mesh_filter(scene));
+                let filtered = (&ray, walk.query.mesh_filter());
                 accel::query_mesh_filtered::<L, Q::InMesh>(l, scratch, (tree, mesh), filtered)
             } else {
                 accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray)
@@ -365,7 +365,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
             for (lane, (index, instance)) in chunk.iter().enumerate() {
                 packet.put(lane, &instance.ray);
                 if Q::IS_FILTERED {
-                    packet.set_filter(lane, walks[*index].mesh_filter(scene));
+                    packet.set_filter(lane, walks[*index].query.mesh_filter());
                 }
             }
             firsts.push((count, chunk.len()));

@@ -13,7 +13,7 @@ pub(super) fn sees(filter: &RayFilter, object: &Object) -> bool {
 }
 
 /// What a ray does not meet of the mesh of an object.
-pub(super) fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
+fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
     let of_object = |surface: SurfaceId| {
         let is_there = u32::try_from(surface.object) == Ok(index);
         is_there.then(|| u32::try_from(surface.primitive).ok())?
@@ -36,7 +36,7 @@ fn departure_point(
     let here = &scene.objects()[index as usize];
     let mesh = left.mesh()?;
     let triangle = usize::try_from(primitive).ok()?;
-    let is_same_space = left.transform() == here.transform();
+    let is_same_space = object.cast_unsigned() == index || left.transform() == here.transform();
     (is_same_space && triangle < mesh.triangles().len()).then(|| {
         let corners = mesh.corners(triangle);
         let point = DeparturePoint::new(corners, departure.barycentric);
@@ -67,17 +67,40 @@ pub(super) fn in_object(
 ) -> Option<(Ray, MeshFilter)> {
     let object = &scene.objects()[index as usize];
     let mut ray = scaled.in_object(object, t_max)?;
-    let filter = mesh_filter(scene, from, index);
+    let filter = match object.mesh() {
+        Some(_) => mesh_filter(scene, from, index),
+        None => MeshFilter::NONE,
+    };
     if let Some(point) = filter.departure() {
         ray.origin = point.rounded;
     } else if let Some(departure) = from.departure
-        && u32::try_from(departure.surface.object) != Ok(index)
+        && !is_of(&departure.surface, index)
     {
         let coordinate = largest_coordinate(scene, scaled, departure.surface, object);
         let beyond = TRANSFORMS * coordinate / scaled.ray.direction.abs().max_element();
         ray.t_min = ray.t_min.max(beyond);
     }
     ray.is_valid().then_some((ray, filter))
+}
+
+/// Whether a ray meets all of an object that is no mesh and that it sees.
+#[inline(always)]
+pub(super) fn meets_all_of(filter: &RayFilter, index: u32) -> bool {
+    let is_elsewhere = |surface: SurfaceId| !is_of(&surface, index);
+    filter.cull.is_none()
+        && filter
+            .skip
+            .iter()
+            .flatten()
+            .all(|&surface| is_elsewhere(surface))
+        && filter
+            .departure
+            .is_none_or(|departure| is_elsewhere(departure.surface))
+}
+
+#[inline(always)]
+fn is_of(surface: &SurfaceId, index: u32) -> bool {
+    surface.object == index.cast_signed()
 }
 
 /// The crossings of a ray in object space with a shape that is no mesh.
@@ -87,21 +110,16 @@ pub(super) fn crossings(
     shape: &Shape,
     ray: &Ray,
 ) -> [Option<Crossing>; 2] {
-    let is_here = |surface: &SurfaceId| u32::try_from(surface.object) == Ok(index);
     let left = filter.departure.map(|departure| departure.surface);
-    let left = left.filter(is_here);
-    let skipped = filter.skip.map(|surface| surface.filter(is_here));
+    let left = left.filter(|surface| is_of(surface, index));
+    let skipped = filter
+        .skip
+        .map(|surface| surface.filter(|surface| is_of(surface, index)));
     if left.is_none() && skipped == [None; 2] {
         return shape.crossings(ray).map(|crossing| {
             crossing.filter(|crossing| is_not_culled(filter, shape, ray, crossing))
         });
     }
-    let line = Ray {
-        t_min: f64::NEG_INFINITY,
-        t_max: f64::INFINITY,
-        ..*ray
-    };
-    let mut crossings = shape.crossings(&line);
     if let Some(surface) = left {
         // Out of a convex shape nothing more of it is ahead; into one, the far end. A flat shape is left behind.
         let normal = shape.normal(ray.origin, surface.primitive);
@@ -109,6 +127,14 @@ pub(super) fn crossings(
         if !is_inwards {
             return [None; 2];
         }
+    }
+    let line = Ray {
+        t_min: f64::NEG_INFINITY,
+        t_max: f64::INFINITY,
+        ..*ray
+    };
+    let mut crossings = shape.crossings(&line);
+    if left.is_some() {
         crossings[0] = None;
     }
     for (surface, end) in skipped.iter().zip([0.0, 1.0]) {

@@ -6,7 +6,7 @@ use crate::accel::{self, CrossingList, MeshQuery};
 use crate::geometry::{Hit, RayFilter, Rays};
 use crate::scene::Scene;
 use crate::shape::Crossing;
-use crate::shape::triangle::clear_of;
+use crate::shape::triangle::{MeshFilter, clear_of};
 
 /// What is asked about a ray, and what it has met so far.
 pub(super) trait RayQuery: Copy + Send {
@@ -28,6 +28,14 @@ pub(super) trait RayQuery: Copy + Send {
     fn filter(&self) -> &RayFilter {
         &RayFilter::NONE
     }
+    /// What the ray does not meet of the mesh that it is at.
+    #[inline(always)]
+    fn mesh_filter(&self) -> &MeshFilter {
+        &MeshFilter::NONE
+    }
+    /// Comes to a mesh.
+    #[inline(always)]
+    fn enter(&mut self, _filter: MeshFilter) {}
     /// After the only object of a scene.
     fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self;
     /// Takes what an object was found to do to the ray. Returns the `t_max` of the scaled ray from here on, which the
@@ -147,8 +155,10 @@ impl RayQuery for EveryHit {
 /// A query for a ray that does not meet everything.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FilteredQuery<Q> {
-    pub(super) query: Q,
-    pub(super) filter: RayFilter,
+    query: Q,
+    filter: RayFilter,
+    /// That of the mesh that the ray is at.
+    in_mesh: MeshFilter,
 }
 
 impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
@@ -158,6 +168,7 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
     const START: Self = Self {
         query: Q::START,
         filter: RayFilter::NONE,
+        in_mesh: MeshFilter::NONE,
     };
 
     fn begin(rays: &dyn Rays, index: usize) -> Self {
@@ -170,6 +181,16 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
     #[inline(always)]
     fn filter(&self) -> &RayFilter {
         &self.filter
+    }
+
+    #[inline(always)]
+    fn mesh_filter(&self) -> &MeshFilter {
+        &self.in_mesh
+    }
+
+    #[inline(always)]
+    fn enter(&mut self, filter: MeshFilter) {
+        self.in_mesh = filter;
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use super::scaled_ray::ScaledRay;
 use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::Ray;
 use crate::scene::{OnTheWay, Scene};
-use crate::shape::triangle::{MeshFilter, Shear};
+use crate::shape::triangle::Shear;
 use crate::shape::{Crossing, Mesh, Shape, Surface};
 use crate::simd::Lanes;
 
@@ -90,7 +90,10 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             let ray = if Q::IS_FILTERED {
                 let scaled_and_filter = (scaled, self.query.filter());
                 let in_object = filter::in_object(scene, scaled_and_filter, index, self.t_max);
-                in_object.map(|(ray, _)| ray)
+                in_object.map(|(ray, in_mesh)| {
+                    self.query.enter(in_mesh);
+                    ray
+                })
             } else {
                 scaled.in_object(object, self.t_max)
             };
@@ -102,7 +105,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 (Shape::Mesh(mesh), Some(tree)) => {
                     let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
-                    let is_near = is_near && (!Q::IS_FILTERED || self.is_sharp(scene, tree));
+                    let is_near = is_near && (!Q::IS_FILTERED || self.is_sharp(tree));
                     if is_plain && is_near && tree.has_nodes() {
                         return Some(Instance {
                             object: index,
@@ -119,17 +122,10 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         None
     }
 
-    /// What the ray does not meet of the last object's mesh.
-    pub(super) fn mesh_filter(&self, scene: &Scene) -> MeshFilter {
-        filter::mesh_filter(scene, self.query.filter(), self.object)
-    }
-
     /// Whether float32 can tell what is ahead of the start.
-    fn is_sharp(&self, scene: &Scene, tree: &MeshTree) -> bool {
-        let filter = self.mesh_filter(scene);
-        filter
-            .departure()
-            .is_none_or(|point| tree.is_sharp_from(point))
+    fn is_sharp(&self, tree: &MeshTree) -> bool {
+        let departure = self.query.mesh_filter().departure();
+        departure.is_none_or(|point| tree.is_sharp_from(point))
     }
 
     /// Takes what the last mesh was found to do to the ray.
@@ -143,8 +139,8 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
 
     /// Intersects a shape that is no mesh.
     fn shape(&mut self, scene: &Scene, shape: &Shape, ray: &Ray) {
-        if Q::IS_FILTERED {
-            let filter = self.query.filter();
+        let filter = self.query.filter();
+        if Q::IS_FILTERED && !filter::meets_all_of(filter, self.object) {
             let crossings = filter::crossings(filter, self.object, shape, ray);
             let crossings = crossings.into_iter().flatten();
             crossings.for_each(|crossing| self.cross(scene, crossing));
@@ -175,11 +171,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         ray: &Ray,
     ) {
         let object = &scene.objects()[self.object as usize];
-        let filter = if Q::IS_FILTERED {
-            self.mesh_filter(scene)
-        } else {
-            MeshFilter::NONE
-        };
+        let filter = *self.query.mesh_filter();
         let off = filter.departure().map_or(0.0, |point| point.off);
         accel::each_candidate(
             l,

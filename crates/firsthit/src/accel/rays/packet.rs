@@ -74,8 +74,8 @@ impl Index<usize> for Filters {
 
 impl Packet {
     /// Says what the ray in a lane does not meet.
-    pub(crate) fn set_filter(&mut self, lane: usize, filter: MeshFilter) {
-        self.filters.0[lane % RAYS] = filter;
+    pub(crate) fn set_filter(&mut self, lane: usize, filter: &MeshFilter) {
+        self.filters.0[lane % RAYS] = *filter;
     }
 
     /// Puts a ray into a lane.

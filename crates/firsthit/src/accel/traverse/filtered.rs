@@ -1,7 +1,7 @@
 //! Any query, for rays that do not meet everything: some leave a triangle, or cull a side, or skip triangles.
 //!
 //! 1. Hand a candidate to the query where the filter cannot matter: it is met for certain, and ahead of the ray's start for certain,
-//!    no side is culled, and it is not skipped.
+//!    no side is culled, and neither it nor a copy in its place is skipped.
 //! 2. For any other candidate, and for each copy in its place, the exact test of [`MeshFilter`] decides.
 
 use super::mesh_packet::MeshRay;
@@ -25,7 +25,6 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
     type Found = Q::Found;
     const EDGES: EdgeRule = Q::EDGES;
     const NONE: Self::Found = Q::NONE;
-    const IN_PACKETS: bool = false;
 
     #[inline(always)]
     fn new(limits: Limits) -> Self {
@@ -48,16 +47,18 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
             return;
         }
         let tree = ray.tree;
-        let triangle = || tree.triangle(&tree.leaves[leaf as usize], lane);
+        let here = || {
+            let triangle = tree.triangle(&tree.leaves[leaf as usize], lane);
+            let copies = tree.copies_of(triangle).iter().map(|&[_, copy]| copy);
+            std::iter::once(triangle).chain(copies)
+        };
         let is_ahead = is_certain && low > self.limits.t_min_high;
-        if is_ahead && ray.filter().is_transparent_to(triangle) {
+        if is_ahead && ray.filter().is_transparent_to(here) {
             return self
                 .query
                 .visit_one(l, ray, (leaf, lane), (low, high), is_certain);
         }
-        let triangle = triangle();
-        let copies = tree.copies_of(triangle).iter().map(|&[_, copy]| copy);
-        for triangle in std::iter::once(triangle).chain(copies) {
+        for triangle in here() {
             if let Some(crossing) = ray.intersect_filtered(l, Self::EDGES, triangle) {
                 self.query.see(l, ray, crossing);
             }
@@ -90,11 +91,25 @@ impl<Q: MeshQuery> Visitor for FilteredQuery<Q> {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
+        let mut left = candidates.possible;
+        if ray.filter().is_transparent() {
+            let ahead = l.lt(l.splat(self.limits.t_min_high), candidates.low);
+            let settled = left & candidates.certain & ahead;
+            left &= !settled;
+            let settled = Candidates {
+                possible: settled,
+                ..*candidates
+            };
+            self.query.visit(l, ray, leaf, &settled);
+        }
+        if left == 0 || self.query.limit() < 0.0 {
+            return;
+        }
         let mut lows = Aligned([0.0; LANES]);
         let mut highs = lows;
         l.store(candidates.low, &mut lows.0);
         l.store(candidates.high, &mut highs.0);
-        for lane in set_bits(candidates.possible) {
+        for lane in set_bits(left) {
             let is_certain = candidates.certain >> lane & 1 == 1;
             let depths = (lows.0[lane], highs.0[lane]);
             self.visit_one(l, ray, (leaf, lane), depths, is_certain);

@@ -56,7 +56,7 @@ pub(crate) fn query_mesh_filtered<L: Lanes, Q: MeshQuery>(
     l: L,
     scratch: &mut Scratch,
     (tree, mesh): (&MeshTree, &Mesh),
-    (ray, filter): (&Ray, MeshFilter),
+    (ray, filter): (&Ray, &MeshFilter),
 ) -> Q::Found {
     scratch.packet.put(0, ray);
     scratch.packet.set_filter(0, filter);

@@ -46,10 +46,20 @@ impl MeshFilter {
         self.departure.as_ref().map(|(_, point)| point)
     }
 
-    /// Whether a triangle that is ahead of the start for certain is met wherever a ray without a filter meets it.
+    /// Whether the ray meets every triangle ahead of its start that a ray without a filter meets.
     #[inline(always)]
-    pub(crate) fn is_transparent_to(&self, triangle: impl FnOnce() -> u32) -> bool {
-        self.cull.is_none() && (self.skip == [NO_TRIANGLE; 2] || !self.skip.contains(&triangle()))
+    pub(crate) fn is_transparent(&self) -> bool {
+        self.cull.is_none() && self.skip == [NO_TRIANGLE; 2]
+    }
+
+    /// The same for triangles in one place.
+    #[inline(always)]
+    pub(crate) fn is_transparent_to<T: Iterator<Item = u32>>(
+        &self,
+        triangles: impl FnOnce() -> T,
+    ) -> bool {
+        let skips = |triangle| self.skip.contains(&triangle);
+        self.is_transparent() || self.cull.is_none() && !triangles().any(skips)
     }
 
     /// Where the ray meets a triangle, if it does; `settle` is as in [`Shear::intersect_by`].
