@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use firsthit::lint::{Finding, KINDS, Kind, LintSettings, Report, lint};
 use firsthit::watch::Watch;
-use firsthit::{DVec3, Error, Mesh, Object, Positions, Scene, Sphere, Transform};
+use firsthit::{DAffine3, DVec3, Error, Mesh, Object, Positions, Scene, Sphere, Transform};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use support::rational::{Exact, cross, dot, exact, minus};
@@ -99,6 +99,59 @@ fn a_surface_in_several_objects_has_no_hole_between_them() {
         part(&FACES[1..]).placed(Transform::translation(DVec3::X).unwrap()),
     ]);
     check(&apart, &[("hole", 6, "around 2 holes")]);
+}
+
+#[test]
+fn two_places_of_one_mesh_close_each_other() {
+    let half = Arc::new(Mesh::new(Positions::compact(SQUARE.to_vec()), ROOF.to_vec()).unwrap());
+    let mirrored = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    let below = Object::new(Arc::clone(&half)).placed(Transform::new(mirrored).unwrap());
+    check(&scene(vec![Object::new(Arc::clone(&half)), below]), &[]);
+    let apart = Transform::translation(DVec3::Z).unwrap();
+    let above = Object::new(Arc::clone(&half)).placed(apart);
+    check(
+        &scene(vec![Object::new(half), above]),
+        &[("hole", 4, "around 1 hole")],
+    );
+}
+
+/// A square, the tip of a roof over it, and the roof.
+const SQUARE: [[f64; 3]; 5] = [
+    [0.0, 0.0, 0.0],
+    [2.0, 0.0, 0.0],
+    [2.0, 2.0, 0.0],
+    [0.0, 2.0, 0.0],
+    [1.0, 1.0, 1.0],
+];
+const ROOF: [[u32; 3]; 4] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+
+#[test]
+fn places_are_in_the_world() {
+    let mut points = POINTS.map(|p| p.to_array()).to_vec();
+    points.push([1.0, 2.0, 3.0]);
+    let mesh = Arc::new(Mesh::new(Positions::compact(points), FACES[1..].to_vec()).unwrap());
+    let up = Transform::translation(DVec3::new(0.0, 0.0, 10.0)).unwrap();
+    let report = lint(
+        &scene(vec![Object::new(mesh).placed(up)]),
+        &LintSettings::default(),
+        &(),
+    );
+    let report = report.unwrap();
+    let of = |name: &str| {
+        report
+            .findings()
+            .iter()
+            .find(|finding| finding.kind.name == name)
+    };
+    let unused = of("unreferenced").unwrap().places[0].position;
+    assert_eq!(unused, DVec3::new(1.0, 2.0, 13.0));
+    assert!(
+        of("hole")
+            .unwrap()
+            .places
+            .iter()
+            .all(|place| place.position.z >= 10.0)
+    );
 }
 
 #[test]

@@ -12,7 +12,7 @@ use super::groups::Groups;
 use super::report::{Found, Place, primitive};
 use super::subject::{Subject, stop_if_asked};
 use crate::error::Result;
-use crate::geometry::{DVec3, compare_points};
+use crate::geometry::{DVec3, Transform, compare_points};
 use crate::watch::Watch;
 
 /// An edge of one face.
@@ -22,16 +22,22 @@ pub(super) struct Border {
     ends: [DVec3; 2],
     subject: usize,
     object: i32,
+    /// Whether the object is the first that has the mesh.
+    is_first: bool,
     triangle: u32,
 }
 
-/// The edges of a mesh with one face.
-pub(super) fn borders(subject: &Subject<'_>) -> impl Iterator<Item = Border> {
+/// The edges with one face, of an object that has a mesh.
+pub(super) fn borders(
+    subject: &Subject<'_>,
+    object: i32,
+    transform: &Transform,
+) -> impl Iterator<Item = Border> {
     let single = subject.meetings().filter(|meeting| meeting.len() == 1);
-    single.map(|meeting| {
+    single.map(move |meeting| {
         let [a, b] = meeting[0]
             .ends
-            .map(|place| subject.in_world(subject.point(place)));
+            .map(|place| transform.point_in_world(subject.point(place)));
         Border {
             ends: if compare_points(a, b) == Ordering::Greater {
                 [b, a]
@@ -39,7 +45,8 @@ pub(super) fn borders(subject: &Subject<'_>) -> impl Iterator<Item = Border> {
                 [a, b]
             },
             subject: subject.index,
-            object: subject.object,
+            object,
+            is_first: object == subject.object,
             triangle: meeting[0].triangle,
         }
     })
@@ -52,13 +59,15 @@ pub(super) fn check(facts: &Facts<'_>, found: &mut Found<'_>, watch: &dyn Watch)
         by_end(0).then_with(|| by_end(1))
     };
     borders.par_sort_unstable_by(|a, b| {
-        let by_triangle = || (a.subject, a.triangle).cmp(&(b.subject, b.triangle));
+        let by_triangle = || (a.object, a.triangle).cmp(&(b.object, b.triangle));
         by_ends(a, b).then_with(by_triangle)
     });
     stop_if_asked(watch)?;
     let same = borders.chunk_by(|a, b| by_ends(a, b) == Ordering::Equal);
-    let alone = same.filter(|same| same.iter().all(|border| border.subject == same[0].subject));
-    let mut open: Vec<Border> = alone.flatten().copied().collect();
+    let alone = same.filter(|same| same.iter().all(|border| border.object == same[0].object));
+    // Of objects that share a mesh only the first is told of.
+    let is_told = |border: &&Border| border.is_first;
+    let mut open: Vec<Border> = alone.flatten().filter(is_told).copied().collect();
     open.sort_unstable_by_key(|border| (border.subject, border.triangle));
     for border in &open {
         let [a, b] = border.ends;

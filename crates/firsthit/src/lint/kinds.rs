@@ -106,7 +106,7 @@ pub const KINDS: &[Kind] = &[
     Kind {
         name: "far",
         counted: "mesh",
-        about: "float32 meshes so far from the origin that less than 1/16384 of their size cannot be told apart",
+        about: "float32 meshes so far from the origin that neighbouring float32 coordinates are more than 1/16384 of their size apart",
         color: [0, 0, 0],
         check: Check::Mesh(scale::far),
     },

@@ -28,6 +28,7 @@ pub use marked::save_marked;
 pub use report::{Finding, Place, Report};
 
 use crate::error::Result;
+use crate::geometry::Transform;
 use crate::memory;
 use crate::scene::{Object, Scene};
 use crate::shape::Mesh;
@@ -61,7 +62,7 @@ struct Facts<'a> {
     scene: &'a Scene,
     /// The distinct meshes, each with the first object that has it.
     meshes: Vec<(i32, &'a Mesh)>,
-    /// The edges with one face, of all meshes.
+    /// The edges with one face, of all objects.
     borders: Vec<Border>,
 }
 
@@ -112,7 +113,19 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         };
         let subject = Subject::new([index, object.0], mesh, object.1.transform(), watch)?;
         facts.meshes.push((marks[index].objects[0], mesh));
-        facts.borders.extend(holes::borders(&subject));
+        let single = holes::borders(&subject, 0, &Transform::IDENTITY).count();
+        let of_all = single.saturating_mul(marks[index].objects.len());
+        let bytes = of_all.saturating_add(facts.borders.len());
+        memory::check(
+            "the edges of holes",
+            bytes.saturating_mul(2 * size_of::<Border>()),
+        )?;
+        for &object in &marks[index].objects {
+            let transform = with_mesh(scene, usize::try_from(object).unwrap_or(0));
+            let transform = transform.map_or(subject.transform, |((_, it), _)| it.transform());
+            let borders = holes::borders(&subject, object, transform);
+            facts.borders.extend(borders);
+        }
         for draft in &mut drafts {
             if let Check::Mesh(check) = draft.kind.check {
                 draft.take(&mut marks, settings, |found| check(&subject, found, watch))?;

@@ -9,6 +9,7 @@ use super::subject::{stop_if_asked, used_vertices};
 use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::memory;
+use crate::scene::Scene;
 use crate::shape::{Mesh, Positions};
 use crate::watch::Watch;
 
@@ -27,17 +28,22 @@ fn buffers<'a>(facts: &Facts<'a>) -> Vec<(i32, &'a Positions, Vec<&'a Mesh>)> {
     buffers
 }
 
-/// Counts the vertices of a buffer that are `wanted`; the first is the place, in object space.
+/// Counts the vertices of a buffer that are `wanted`; the first is the place.
 fn add(
-    object: i32,
-    positions: &Positions,
+    scene: &Scene,
+    (object, positions): (i32, &Positions),
     wanted: impl Fn(u32) -> bool,
     (found, watch): (&mut Found<'_>, &dyn Watch),
 ) -> Result<()> {
     stop_if_asked(watch)?;
+    let in_scene = usize::try_from(object)
+        .ok()
+        .and_then(|k| scene.objects().get(k));
+    let in_world =
+        |point| in_scene.map_or(point, |object| object.transform().point_in_world(point));
     let count = u32::try_from(positions.len()).unwrap_or(u32::MAX);
     for vertex in (0..count).filter(|&vertex| wanted(vertex)) {
-        found.add_elsewhere(1, object, positions.get(vertex));
+        found.add_elsewhere(1, object, in_world(positions.get(vertex)));
     }
     Ok(())
 }
@@ -50,7 +56,12 @@ pub(super) fn non_finite(
 ) -> Result<()> {
     for (object, positions, _) in buffers(facts) {
         let is_nowhere = |vertex: u32| !positions.get(vertex).is_finite();
-        add(object, positions, is_nowhere, (&mut *found, watch))?;
+        add(
+            facts.scene,
+            (object, positions),
+            is_nowhere,
+            (&mut *found, watch),
+        )?;
     }
     found
         .places
@@ -71,7 +82,12 @@ pub(super) fn unreferenced(
             is_used[vertex as usize] = true;
         }
         let is_free = |vertex: u32| !is_used[vertex as usize];
-        add(object, positions, is_free, (&mut *found, watch))?;
+        add(
+            facts.scene,
+            (object, positions),
+            is_free,
+            (&mut *found, watch),
+        )?;
     }
     Ok(())
 }
