@@ -285,9 +285,9 @@ fn shape(record: &ShapeRecord, meshes: &[Built]) -> Result<Shape> {
             Arc::clone(mesh).into()
         }
         ShapeRecord::Sphere(center, Number(radius)) => Sphere::new(center.into(), radius)?.into(),
-        ShapeRecord::Plane(point, normal) => Plane::again(point.into(), normal.into())?.into(),
+        ShapeRecord::Plane(point, normal) => Plane::new(point.into(), normal.into())?.into(),
         ShapeRecord::Disc(center, normal, Number(radius)) => {
-            Disc::again(center.into(), normal.into(), radius)?.into()
+            Disc::new(center.into(), normal.into(), radius)?.into()
         }
         ShapeRecord::Box(low, high) => Cuboid::new(low.into(), high.into())?.into(),
         ShapeRecord::Cylinder(bottom, top, Number(radius)) => {

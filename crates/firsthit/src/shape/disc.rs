@@ -39,15 +39,6 @@ impl Disc {
         })
     }
 
-    /// The disc with these of another, to the last bit; see [`Plane::again`].
-    #[cfg(feature = "fhs")]
-    pub(crate) fn again(center: DVec3, facing: DVec3, radius: f64) -> Result<Self> {
-        Ok(Self {
-            plane: Plane::again(center, facing)?,
-            ..Self::new(center, facing, radius)?
-        })
-    }
-
     /// Its middle.
     pub fn center(&self) -> DVec3 {
         self.center

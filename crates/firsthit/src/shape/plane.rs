@@ -4,9 +4,7 @@ use super::{Crossing, Nearest, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{
-    Bounds, DVec3, Ray, Transform, require, require_direction, require_finite, unit,
-};
+use crate::geometry::{Bounds, DVec3, Ray, Transform, require_direction, require_finite, unit};
 
 /// The infinite plane through a point.
 ///
@@ -32,23 +30,13 @@ impl Plane {
     /// [`Error::Argument`](crate::Error::Argument) for a normal of length zero and for numbers that are
     /// not finite.
     pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
-        let normal = unit(require_direction("normal", normal)?);
+        let normal = require_direction("normal", normal)?;
+        // One that was made here before keeps its bits: to make a normal of length one of one that is can change it.
+        let is_unit = (normal.length_squared() - 1.0).abs() <= 8.0 * f64::EPSILON;
+        let normal = if is_unit { normal } else { unit(normal) };
         Ok(Self {
             point: require_finite("point", point)?,
             normal,
-        })
-    }
-
-    /// The plane with this [`point`](Self::point) and this [`facing`](Self::facing) of another, to the last bit: to make a
-    /// normal of length one of one that is can change it.
-    #[cfg(feature = "fhs")]
-    pub(crate) fn again(point: DVec3, facing: DVec3) -> Result<Self> {
-        let plane = Self::new(point, facing)?;
-        let is_unit = (facing.length_squared() - 1.0).abs() < 1e-12;
-        require("normal", "of length one", is_unit, facing)?;
-        Ok(Self {
-            normal: facing,
-            ..plane
         })
     }
 
