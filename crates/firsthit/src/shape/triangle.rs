@@ -254,6 +254,12 @@ pub(crate) struct Doubtful {
 }
 
 impl Doubtful {
+    /// Whether the triangle's plane is surely not met between two `t`; rays from a mesh's vertex come to many such triangles.
+    #[inline(always)]
+    pub(crate) fn is_outside(&self, t_min: f64, t_max: f64) -> bool {
+        self.meeting.is_outside(t_min, t_max)
+    }
+
     /// What exact arithmetic says.
     #[inline(never)]
     pub(crate) fn settle(self) -> Option<TriangleHit> {

@@ -118,11 +118,16 @@ impl MeshQuery for All {
         let leaf = &ray.tree.leaves[leaf as usize];
         if let Some(crossing) = ray.intersect(l, Self::EDGES, leaf, lane) {
             self.list.push(crossing, 0);
-        }
-        for &[_, copy] in ray.tree.copies_of(ray.tree.triangle(leaf, lane)) {
-            // Its corners may be in another order.
-            if let Some(crossing) = ray.intersect_triangle(l, Self::EDGES, copy) {
-                self.list.push(crossing, 0);
+            // Copies have the same corners in the same order.
+            for &[_, copy] in ray.tree.copies_of(ray.tree.triangle(leaf, lane)) {
+                let primitive = copy.cast_signed();
+                self.list.push(
+                    Crossing {
+                        primitive,
+                        ..crossing
+                    },
+                    0,
+                );
             }
         }
     }

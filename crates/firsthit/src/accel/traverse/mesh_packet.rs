@@ -64,25 +64,9 @@ impl MeshRay<'_> {
     ) -> Option<Crossing> {
         let corners = self.tree.corners(self.mesh, leaf, lane);
         let ray = self.packet.ray(self.lane);
-        let settle = |doubtful| l.call(SettleExactly(doubtful));
+        let settle = |doubtful| settle_within(l, &ray, doubtful);
         let hit = Shear::new(&ray).intersect_by(edges, corners, settle)?;
         ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
-    }
-
-    /// The exact test for a triangle of the mesh, by its index.
-    #[inline(always)]
-    pub(super) fn intersect_triangle<L: Lanes>(
-        &self,
-        l: L,
-        edges: EdgeRule,
-        triangle: u32,
-    ) -> Option<Crossing> {
-        let corners = self.mesh.corners(triangle as usize);
-        let ray = self.packet.ray(self.lane);
-        let settle = |doubtful| l.call(SettleExactly(doubtful));
-        let hit = Shear::new(&ray).intersect_by(edges, corners, settle)?;
-        ray.holds(hit.t)
-            .then(|| hit.crossing(triangle.cast_signed()))
     }
 
     /// What the ray does not meet.
@@ -101,7 +85,7 @@ impl MeshRay<'_> {
     ) -> Option<Crossing> {
         let corners = self.mesh.corners(triangle as usize);
         let ray = self.packet.ray(self.lane);
-        let settle = |doubtful| l.call(SettleExactly(doubtful));
+        let settle = |doubtful| settle_within(l, &ray, doubtful);
         let ray_and_shear = (&ray, &Shear::new(&ray));
         let hit = self
             .filter()
@@ -161,6 +145,15 @@ impl MeshRay<'_> {
     fn crossing(&self, leaf: &Meshlet, lane: usize, hit: TriangleHit) -> Crossing {
         hit.crossing(self.tree.triangle(leaf, lane).cast_signed())
     }
+}
+
+/// What exact arithmetic says, if that can be between the ray's ends.
+#[inline(always)]
+fn settle_within<L: Lanes>(l: L, ray: &Ray, doubtful: Doubtful) -> Option<TriangleHit> {
+    if doubtful.is_outside(ray.t_min, ray.t_max) {
+        return None;
+    }
+    l.call(SettleExactly(doubtful))
 }
 
 /// Exact arithmetic for a triangle that float64 could not decide, as a function of its own: it is rarely called.

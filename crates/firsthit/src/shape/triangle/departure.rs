@@ -24,7 +24,7 @@ use super::place::Meeting;
 use super::{Doubtful, EdgeRule, Shear, TriangleHit};
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, difference, sum};
-use crate::geometry::exact::{Expansion, Scaled};
+use crate::geometry::exact::{Expansion, Scaled, power};
 use crate::geometry::{DVec2, DVec3, Ray};
 
 /// How far the origin may be off the point, as a share of the largest coordinate of a corner.
@@ -136,13 +136,7 @@ struct Exact {
     unit_of_t: f64,
 }
 
-/// Two to the power of `exponent`.
-#[expect(clippy::cast_sign_loss, reason = "small exponents")]
-const fn power(exponent: i32) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
-}
-
-/// Brings a number to around 2^150, so that products of five keep all their digits.
+/// The power of two below a number. Numbers are divided by it and multiplied by 2^150, so that products of five keep all their digits.
 fn unit_of(largest: f64) -> f64 {
     f64::from_bits(largest.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
 }
