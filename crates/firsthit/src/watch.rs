@@ -17,3 +17,12 @@ pub trait Watch: Sync {
 }
 
 impl Watch for () {}
+
+/// Stops what another watch stops, and tells it of no progress: for a step of something whose progress is counted otherwise.
+pub(crate) struct OnlyStops<'a>(pub(crate) &'a dyn Watch);
+
+impl Watch for OnlyStops<'_> {
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped()
+    }
+}

@@ -3,14 +3,11 @@
 use super::sweep::{Met, Solids};
 use super::{By, Rule};
 use crate::error::Result;
-use crate::geometry::{DVec3, Ray, Rays};
+use crate::geometry::DVec3;
 use crate::memory;
 use crate::scene::Scene;
+use crate::shoot::FromPoints;
 use crate::watch::Watch;
-
-/// The direction of the ray whose crossings are counted: not along any axis or diagonal, where models have their edges and faces,
-/// and with few digits, so that determinants are mostly certain in float64.
-const DIRECTION: DVec3 = DVec3::new(0.4375, 0.625, 0.65625);
 
 /// Which points are inside, and how that is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,18 +91,5 @@ impl Solids<'_> {
         for object in met.objects() {
             flags[object] ^= self.rules[object] == Rule::Parity;
         }
-    }
-}
-
-/// A ray from each of some points.
-struct FromPoints<'a>(&'a [DVec3]);
-
-impl Rays for FromPoints<'_> {
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn ray(&self, index: usize) -> Ray {
-        Ray::new(self.0[index], DIRECTION)
     }
 }

@@ -5,11 +5,10 @@
 
 use super::{ClosestPoints, Method, Wanted, closest_points_with};
 use crate::error::{Error, Result, escape_controls};
-use crate::geometry::{DVec3, Ray, Rays};
 use crate::memory;
 use crate::scene::Scene;
-use crate::shoot::{All, Cpu, trace_with};
-use crate::watch::Watch;
+use crate::shoot::{All, BruteForce, Cpu, Engine, FromPoints, trace_with};
+use crate::watch::{OnlyStops, Watch};
 
 /// How far each of `points` is from the nearest surface: negative for a point inside any object, positive for one outside of
 /// all, zero on a surface. Where objects overlap, the surface of one within the other counts too. Infinite where
@@ -27,7 +26,8 @@ use crate::watch::Watch;
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for an object that is not [closed](crate::Shape::is_closed): it has no inside. Those of
+/// [`Error::Argument`] for an object that is not [closed](crate::Shape::is_closed), or of which a material cuts parts out: it has
+/// no inside. Those of
 /// [`closest_points`](super::closest_points).
 pub fn signed_distances(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<f64>> {
     signed_distances_with(Method::default(), scene, points, watch)
@@ -59,19 +59,19 @@ pub fn signed_distances_with(
     let mut signed = memory::filled(points.len(), f64::INFINITY)?;
     for (points, signed) in points.chunks(PIECE).zip(signed.chunks_mut(PIECE)) {
         let nearest = closest_points_with(method, scene, points, Wanted::default(), watch)?;
-        sign(scene, points, &nearest, signed, watch)?;
+        sign(method, (scene, points), &nearest, signed, watch)?;
     }
     Ok(signed)
 }
 
 fn sign(
-    scene: &Scene,
-    points: &[[f64; 3]],
+    method: Method,
+    (scene, points): (&Scene, &[[f64; 3]]),
     nearest: &ClosestPoints,
     signed: &mut [f64],
     watch: &dyn Watch,
 ) -> Result<()> {
-    let is_inside = are_inside(scene, points, watch)?;
+    let is_inside = are_inside(method, scene, points, watch)?;
     let all = signed.iter_mut().zip(&nearest.distance).zip(is_inside);
     for ((signed, &distance), is_inside) in all {
         // On a surface it is neither: no negative zero.
@@ -81,38 +81,23 @@ fn sign(
     Ok(())
 }
 
-/// Along no axis, no diagonal and no plane that drawings like; with few digits, so that it is itself in float32 too.
-const DIRECTION: DVec3 = DVec3::new(0.4375, 0.625, 0.65625);
-
-/// The rays of points.
-struct FromPoints<'a>(&'a [[f64; 3]]);
-
-impl Rays for FromPoints<'_> {
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn ray(&self, index: usize) -> Ray {
-        Ray::new(DVec3::from(self.0[index]), DIRECTION)
-    }
-}
-
 /// Whether each point is inside any object, all of which are closed.
-fn are_inside(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<bool>> {
-    /// Progress is told of distances alone.
-    struct Quiet<'a>(&'a dyn Watch);
-    impl Watch for Quiet<'_> {
-        fn is_stopped(&self) -> bool {
-            self.0.is_stopped()
-        }
-    }
-    let engine = Cpu::default();
+fn are_inside(
+    method: Method,
+    scene: &Scene,
+    points: &[[f64; 3]],
+    watch: &dyn Watch,
+) -> Result<Vec<bool>> {
+    let engine: &dyn Engine = match method {
+        Method::BruteForce => &BruteForce,
+        Method::Trees(set) => &Cpu::with(set),
+    };
     let crossings = trace_with(
-        &engine,
+        engine,
         scene,
         &FromPoints(points),
         All::default(),
-        &Quiet(watch),
+        &OnlyStops(watch),
     )?;
     let mut objects = Vec::new();
     let is_inside = |range: &[usize]| {

@@ -338,10 +338,11 @@ impl Scene {
         self.top.on_the_way()
     }
 
-    /// The first object that is not [closed](Shape::is_closed).
+    /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out.
     pub(crate) fn first_open_object(&self) -> Option<usize> {
         let find = || {
-            let is_open = |object: &Object| !object.is_hidden() && !object.shape().is_closed();
+            let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();
+            let is_open = |object: &Object| !object.is_hidden() && has_gaps(object);
             self.objects.iter().position(is_open)
         };
         *self.first_open.get_or_init(find)

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use firsthit::nearest::{Method, closest_point, signed_distances, signed_distances_with};
-use firsthit::{Cuboid, Cylinder, DQuat, DVec3, Disc, Object, Plane, Sphere, Transform};
-use firsthit::{DAffine3, Mesh};
+use firsthit::{
+    AlphaMode, Color, Cuboid, Cylinder, DQuat, DVec3, Disc, Object, Plane, Sphere, Transform,
+};
+use firsthit::{DAffine3, Material, Mesh};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
@@ -107,8 +109,16 @@ fn what_has_no_inside_is_refused() {
     let plane = Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap());
     let disc = Object::new(Disc::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap());
     let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+    let (points, triangles) = bumpy_sphere(3, 2);
+    let see_through = Material {
+        alpha: 0.5,
+        alpha_mode: AlphaMode::Mask { cutoff: 0.6 },
+        ..Material::colored(Color::ONE)
+    };
+    let cut_out = Object::new(mesh(&points, triangles)).with_materials([see_through]);
     for (object, what) in [
         (open, "mesh \"lid off\""),
+        (cut_out, "mesh \"\""),
         (plane, "plane \"\""),
         (disc, "disc \"\""),
     ] {
