@@ -24,12 +24,12 @@ ALL = 0xFFFFFFFF
 
 
 class Filters:
-    """Which objects rays see, which side they pass through, which surfaces they skip or leave.
+    """What rays see: which objects, which side they pass through, which surfaces they skip or leave.
 
     All arrays are ours, and broadcast against the rays.
     """
 
-    __slots__ = ("cull", "left", "masks", "skip")
+    __slots__ = ("cull", "left", "masks", "only", "skip")
 
     def __init__(
         self,
@@ -37,15 +37,18 @@ class Filters:
         cull: Side | None = None,
         skip: Surfaces | None = None,
         left: Places | None = None,
+        only: npt.NDArray[np.int32] | None = None,
     ) -> None:
         self.masks, self.cull, self.skip, self.left = masks, cull, skip, left
+        #: The object that each ray meets, and no other.
+        self.only = only
 
     @classmethod
     def of(cls, masks: Any, cull: Any, skip: Any, left: Places | None = None) -> Filters | None:
         """Check what a user gave; ``None`` where rays meet everything."""
         if masks is None and cull is None and skip is None and left is None:
             return None
-        if cull is not None and cull not in get_args(Side):
+        if cull is not None and not (isinstance(cull, str) and cull in get_args(Side)):
             raise ValueError(f"cull must be 'front', 'back' or None, got {cull!r}")
         return cls(
             None if masks is None else _integers("mask", masks, np.uint32),
@@ -56,13 +59,14 @@ class Filters:
 
     def shapes(self) -> list[tuple[int, ...]]:
         """Return the shapes of the arrays, without the axis of the weights."""
-        arrays = [] if self.masks is None else [self.masks]
+        arrays = [array for array in (self.masks, self.only) if array is not None]
         arrays += [*(self.skip or ()), *(self.left or ())[:2]]
         return [array.shape for array in arrays]
 
     def part(self, part: slice, shape: tuple[int, ...]) -> _firsthit._Filters:
         """Return those of some of the rays, whose shape is given, as the native half takes them."""
         masks = None if self.masks is None else elements(self.masks, shape, part)
+        only = None if self.only is None else elements(self.only, shape, part)
         skip = left = None
         if self.skip is not None:
             identifiers, primitive = self.skip
@@ -71,7 +75,7 @@ class Filters:
             identifiers, primitive, weights = self.left
             both = elements(identifiers, shape, part), elements(primitive, shape, part)
             left = (*both, elements(weights, shape, part, 1).reshape(-1, 2))
-        return masks, self.cull, skip, left
+        return masks, self.cull, skip, left, only
 
     def taken(self, chosen: npt.NDArray[np.int64], shape: tuple[int, ...]) -> Filters:
         """Return those of some rays, by their numbers among rays of a shape."""
@@ -85,7 +89,8 @@ class Filters:
         left = None
         if self.left is not None:
             left = of(self.left[0]), of(self.left[1]), of(self.left[2], 1)
-        return Filters(None if self.masks is None else of(self.masks), self.cull, skip, left)
+        masks, only = (None if array is None else of(array) for array in (self.masks, self.only))
+        return Filters(masks, self.cull, skip, left, only)
 
 
 def surfaces(name: str, given: Any) -> Surfaces:

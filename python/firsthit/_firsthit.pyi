@@ -62,6 +62,7 @@ _Filters = tuple[
     Side | None,
     _Surfaces | None,
     tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]] | None,
+    npt.NDArray[np.int32] | None,
 ]
 _Rays = tuple[
     npt.NDArray[np.float64],

@@ -10,7 +10,7 @@ import numpy as np
 from . import _firsthit
 from ._all_hits import shoot_all
 from ._arrays import chunks, elements, flat, numbers, plain, threads_or_all
-from ._filters import surfaces
+from ._filters import Filters, surfaces
 from ._hits import Hits
 from ._leaving import rays_of
 from ._progress import following, later
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._filters import Surfaces
     from ._leaving import LeavingRays
     from ._traceable import Built
-    from ._types import Progress
+    from ._types import Progress, Selection
 
     Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 
@@ -40,13 +40,18 @@ class Sights(Traceable):
         *,
         skip_a: Pair | None = None,
         skip_b: Pair | None = None,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Tell whether points see each other: whether nothing is on the line between them.
 
-        The answer does not depend on which of the two comes first, to the bit. The ends themselves
-        do not count: a surface there hides nothing.
+        The answer does not depend on which of the two comes first, to the bit. What is at an end
+        hides nothing, for points of a surface are rounded to one side of it or the other: what is
+        nearer to an end than 2^-40 of the ends' largest coordinate, some 1e-12 of it, and the
+        surfaces of ends that are `Hits`. So two points of a solid's surface see each other through
+        the solid, and the far side of a surface sees a lamp; whether an end faces the other is
+        another question: ``((lamp - hits.position) * hits.normal).sum(-1) > 0``.
 
         Parameters
         ----------
@@ -56,7 +61,9 @@ class Sights(Traceable):
             and the surfaces there do not hide them; a miss sees nothing.
         skip_a, skip_b : pair of (...) array_like of int, optional
             The object and primitive on which each point of an array lies, -1 where there is none.
-            Being rounded, the point may be to one side of it; it does not hide the point.
+            It hides nothing, also where the line is nearly along it.
+        objects : int, str, or sequence of them, optional
+            What may be in the way, by identifiers or names: no other object hides anything.
         threads, progress
             As for `shoot`; pairs are counted.
 
@@ -92,7 +99,7 @@ class Sights(Traceable):
                 f"a {ends[0][0].shape} and b {ends[1][0].shape} must broadcast against each other, "
                 "and so must skip_a and skip_b"
             ) from None
-        use, native = threads_or_all(threads), self._native()
+        use, native = threads_or_all(threads), self._seen(self._ready(), None, objects)
         length = math.prod(shape)
         seen = np.empty(length, np.bool_)
         with following(progress, length) as report:
@@ -107,6 +114,7 @@ class Sights(Traceable):
         points: npt.ArrayLike | Hits,
         directions: npt.ArrayLike | None = None,
         *,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.float64]:
@@ -149,56 +157,48 @@ class Sights(Traceable):
         array([0.5, 4. ])
         """
         use, built = threads_or_all(threads), self._ready()
-        hits = points if isinstance(points, Hits) else _nearest(built, points, use)
-        ways = -hits.normal if directions is None else directions
-        rays = rays_of(hits.leave(ways), None)
+        native = self._seen(built, None, objects)
+        hits = points if isinstance(points, Hits) else _nearest(built, native, points, use)
+        ways = -hits.normal if directions is None else _of_length_one(directions)
+        leaving = rays_of(hits.leave(ways), None)
+        assert leaving.filters is not None
+        filters = Filters(left=leaving.filters.left, only=hits.object)
+        rays = Rays(leaving.arrays, leaving.shape, filters=filters)
         with following(progress, rays.length) as report:
-            found = shoot_rays(built, _again(rays), use, report)
-        t, own = found.t.copy(), np.broadcast_to(hits.object, rays.shape)
-        others = (found.object >= 0) & (found.object != own)
-        if others.any():
-            t[others] = _next_of(built, hits.leave(ways), others, own, use)
-        lengths = np.linalg.norm(np.broadcast_to(rays.directions(), (*rays.shape, 3)), axis=-1)
-        with np.errstate(invalid="ignore"):
-            thick: npt.NDArray[np.float64] = np.where(own < 0, np.nan, t * lengths)
+            found = shoot_rays(built, rays, use, report, None, native)
+        own = np.broadcast_to(hits.object, rays.shape)
+        thick: npt.NDArray[np.float64] = np.where(own < 0, np.nan, found.t)
         return thick
 
 
-def _again(rays: Rays) -> Rays:
-    """Return the same rays for a query that forgets what they do not meet."""
-    return Rays(rays.arrays, rays.shape, filters=rays.filters)
+def _of_length_one(directions: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return directions with the length one; NaN for those of length zero."""
+    ways = np.array(numbers("directions", directions), np.float64)
+    if ways.ndim == 0 or ways.shape[-1] != 3:
+        raise ValueError(f"directions must have the shape (..., 3), got {ways.shape}")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Squares of very long and very short ones leave the range of float64.
+        ways /= np.abs(ways).max(axis=-1, keepdims=True)
+        ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
+    return ways
 
 
-def _nearest(built: Built, points: npt.ArrayLike, threads: int) -> Hits:
+def _nearest(
+    built: Built, native: _firsthit.Scene, points: npt.ArrayLike, threads: int
+) -> Hits:
     """Return the surface points that are nearest to points, as if they were hit."""
     array = numbers("points", points)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
     shape = array.shape[:-1]
     wanted = plain(array.reshape(-1, 3)), (1, math.inf), threads, None
-    _, identifiers, primitive, places, weights = _firsthit.closest_points(built.native, *wanted)
+    _, identifiers, primitive, places, weights = _firsthit.closest_points(native, *wanted)
     length = len(identifiers)
     t = np.where(identifiers < 0, np.inf, 0.0)
     arrays = t, identifiers, primitive, weights.reshape(length, 2)
     ways = np.array([0.0, 0.0, 1.0])
     rays = Rays.of(places.reshape(*shape, 3), ways, are_own=True)
     return Hits._of(built, arrays, Source(None, None, rays), shape, threads)
-
-
-def _next_of(
-    built: Built,
-    rays: LeavingRays,
-    chosen: npt.NDArray[np.bool_],
-    own: npt.NDArray[np.int32],
-    threads: int,
-) -> npt.NDArray[np.float64]:
-    """Return where the chosen rays next meet their own object, whatever they meet before."""
-    met = shoot_all(built, rays_of(rays, None).only(chosen), threads, None)
-    t = np.full(met.shape, np.inf)
-    is_own = met.object == own[chosen][met.ray]
-    ray, first = np.unique(met.ray[is_own], return_index=True)
-    t[ray] = met.t[is_own][first]
-    return t
 
 
 def _end(name: str, given: Any, skip: Pair | None) -> tuple[npt.NDArray[Any], Surfaces | None]:

@@ -21,7 +21,8 @@ type Places<'py> = (
     PyReadonlyArray2<'py, f64>,
 );
 
-/// Filters as they come: masks, the name of the side that is culled, surfaces that are skipped, places that are left.
+/// Filters as they come: masks, the name of the side that is culled, surfaces that are skipped, places that are left, objects that alone
+/// are met.
 /// Of each array n elements or one.
 #[derive(FromPyObject)]
 pub(crate) struct FilterArrays<'py>(
@@ -29,6 +30,7 @@ pub(crate) struct FilterArrays<'py>(
     Option<String>,
     Option<Identifiers<'py>>,
     Option<Places<'py>>,
+    Option<PyReadonlyArray1<'py, i32>>,
 );
 
 /// The arrays of [`Places`].
@@ -40,12 +42,13 @@ pub(crate) struct Filters<'a> {
     cull: Option<Side>,
     skip: Option<(&'a [i32], &'a [i32])>,
     left: Option<PlaceSlices<'a>>,
+    only: Option<&'a [i32]>,
 }
 
 impl FilterArrays<'_> {
     /// For so many rays.
     pub(crate) fn filters(&self, count: usize) -> PyResult<Filters<'_>> {
-        let Self(masks, cull, skip, left) = self;
+        let Self(masks, cull, skip, left, only) = self;
         let masks = masks
             .as_ref()
             .map(|masks| slice(masks, count))
@@ -66,6 +69,7 @@ impl FilterArrays<'_> {
             cull: cull.as_ref().map(side).transpose()?,
             skip: skip.transpose()?,
             left: left.transpose()?,
+            only: only.as_ref().map(|only| slice(only, count)).transpose()?,
         })
     }
 }
@@ -114,6 +118,7 @@ impl Filters<'_> {
         });
         RayFilter {
             mask: self.masks.map_or(u32::MAX, |masks| *of(masks, index)),
+            only: self.only.map(|only| *of(only, index)),
             cull: self.cull,
             skip: [skip, None],
             departure,

@@ -102,6 +102,8 @@ pub struct Departure {
 pub struct RayFilter {
     /// The ray does not meet an object whose mask has no bit in common with this.
     pub mask: u32,
+    /// The ray meets only the object with this identifier, if any; its mask counts too.
+    pub only: Option<i32>,
     /// The ray does not meet this side of any surface.
     pub cull: Option<Side>,
     /// The ray does not meet these: the first where it starts, the second where it ends, at `t = 1`.
@@ -113,7 +115,8 @@ pub struct RayFilter {
     /// surface, nor its neighbours where they touch it at the start. All else is met, however near.
     ///
     /// The ray's origin is that point, rounded to float64. That is so for a triangle and all meshes of the same transform. Other transforms
-    /// round, and other shapes are met with rounding: from there, what is nearer than 2^-40 of the largest coordinate is not met.
+    /// round, and other shapes are met with rounding: from there, what is nearer than 2^-40 of the largest coordinate, of the start
+    /// and of both objects, is not met.
     pub departure: Option<Departure>,
 }
 
@@ -121,6 +124,7 @@ impl RayFilter {
     /// The ray meets everything.
     pub const NONE: Self = Self {
         mask: u32::MAX,
+        only: None,
         cull: None,
         skip: [None; 2],
         departure: None,

@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use super::winding::winding_number;
 use super::{By, Rule, rules};
 use crate::error::{Error, Result};
-use crate::geometry::{DVec3, Ray, Rays};
+use crate::geometry::{DVec3, Ray, RayFilter, Rays};
 use crate::scene::Scene;
 use crate::shoot::{All, AllHits, Cpu, trace_into};
-use crate::watch::Watch;
+use crate::watch::{OnlyStops, Watch};
 
 /// Rays whose crossings are in memory at a time.
 const BLOCK: usize = 1 << 14;
@@ -24,7 +24,7 @@ const FEW: usize = 512;
 /// So many solid angles take about a tenth of a second.
 const FEW_ANGLES: u64 = 1 << 21;
 
-/// A scene, by what it is known to be inside each of its objects, and which of them are open.
+/// A scene with the rule of each object, and which of the objects are open.
 pub(super) struct Solids<'a> {
     pub(super) scene: &'a Scene,
     pub(super) rules: Vec<Rule>,
@@ -90,8 +90,8 @@ impl<'a> Solids<'a> {
         rays < FEW && triangles.saturating_mul(rays as u64) < FEW_ANGLES
     }
 
-    /// Makes a row of `answers` for each ray, from all it crosses beyond its `t_min`, its end being of no account; with the memory that
-    /// `state` makes for some rays.
+    /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is ignored. `state` makes memory that the
+    /// rays of a piece use one after the other.
     pub(super) fn sweep<T: Send, S>(
         &self,
         rays: &dyn Rays,
@@ -115,7 +115,7 @@ impl<'a> Solids<'a> {
                 self.scene,
                 &part,
                 (All::default(), &mut all),
-                &Stop(watch),
+                &OnlyStops(watch),
             )?;
             let all = &all;
             let piece = |(number, answers): (usize, &mut [T])| {
@@ -161,13 +161,12 @@ impl Rays for Part<'_> {
     fn ray(&self, index: usize) -> Ray {
         self.rays.ray(self.first + index).up_to(f64::INFINITY)
     }
-}
 
-/// Stops what another stops, without counting: rays are done when they have their answers.
-struct Stop<'a>(&'a dyn Watch);
+    fn is_filtered(&self) -> bool {
+        self.rays.is_filtered()
+    }
 
-impl Watch for Stop<'_> {
-    fn is_stopped(&self) -> bool {
-        self.0.is_stopped()
+    fn filter(&self, index: usize) -> RayFilter {
+        self.rays.filter(self.first + index)
     }
 }

@@ -2,17 +2,17 @@
 //!
 //! 1. Find the point of the surface that is nearest to each point.
 //! 2. Send a ray inwards from there, which leaves the surface without an epsilon.
-//! 3. Take where it first meets the same object. Where it meets another one before, look through all of its hits.
+//! 3. Take where it first meets the same object; it meets no other.
 
 use crate::error::Result;
 use crate::geometry::{DVec3, Filtered, Hit, Ray, RayFilter};
 use crate::memory;
 use crate::nearest::{ClosestPoints, Wanted, closest_points};
 use crate::scene::Scene;
-use crate::shoot::{All, AllHits, First, trace};
-use crate::watch::Watch;
+use crate::shoot::{First, trace};
+use crate::watch::{OnlyStops, Watch};
 
-/// How many points are done at a time: all hits of some of their rays may be in memory at once.
+/// How many points are done at a time.
 const PIECE: usize = 1 << 14;
 
 /// How thick the objects are at the surface points nearest to `points`, in scene units: the distance inwards, against the normal, to where
@@ -43,15 +43,6 @@ pub fn thickness(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Resul
     Ok(all)
 }
 
-/// Points are counted, not what is done for each.
-struct OnlyStops<'a>(&'a dyn Watch);
-
-impl Watch for OnlyStops<'_> {
-    fn is_stopped(&self) -> bool {
-        self.0.is_stopped()
-    }
-}
-
 fn measure(
     scene: &Scene,
     from: &ClosestPoints,
@@ -62,22 +53,10 @@ fn measure(
     let inwards = (0..lengths.len()).map(|k| inwards(scene, from, k));
     let (rays, filters): (Vec<Ray>, Vec<RayFilter>) = inwards.unzip();
     let first = trace(scene, &Filtered::each(&rays, &filters), First, watch)?;
-    let mut others = Vec::new();
-    for (k, length) in lengths.iter_mut().enumerate() {
-        match (from.object[k], first.object[k]) {
-            (-1, _) => {}
-            (own, met) if met == own || met == -1 => *length = first.t[k],
-            _ => others.push(k),
+    for ((length, &object), &t) in lengths.iter_mut().zip(&from.object).zip(&first.t) {
+        if object >= 0 {
+            *length = t;
         }
-    }
-    let rays: Vec<Ray> = others.iter().map(|&k| rays[k]).collect();
-    let filters: Vec<RayFilter> = others.iter().map(|&k| filters[k]).collect();
-    let every = All { nearest: None };
-    let AllHits { offsets, hits } = trace(scene, &Filtered::each(&rays, &filters), every, watch)?;
-    for (&k, ends) in others.iter().zip(offsets.windows(2)) {
-        let mut met = ends[0]..ends[1];
-        let own = met.find(|&hit| hits.object[hit] == from.object[k]);
-        lengths[k] = own.map_or(f64::INFINITY, |hit| hits.t[hit]);
     }
     Ok(())
 }
@@ -95,5 +74,7 @@ fn inwards(scene: &Scene, from: &ClosestPoints, k: usize) -> (Ray, RayFilter) {
         // It meets nothing.
         return (Ray::new(DVec3::NAN, DVec3::Z), RayFilter::NONE);
     };
-    surface.leave(-surface.normal())
+    let (ray, filter) = surface.leave(-surface.normal());
+    let only = Some(hit.object);
+    (ray, RayFilter { only, ..filter })
 }

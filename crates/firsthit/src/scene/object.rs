@@ -29,6 +29,8 @@ pub struct Object {
     materials: Arc<[Material]>,
     has_cutouts: bool,
     is_out_of_range: bool,
+    /// See [`Object::farthest`].
+    farthest: f64,
     mask: u32,
     is_hidden: bool,
 }
@@ -58,6 +60,7 @@ impl Object {
         Self {
             name: String::new(),
             is_out_of_range: is_out_of_range(&shape),
+            farthest: farthest(&shape, &Transform::IDENTITY),
             shape,
             transform: Transform::IDENTITY,
             materials: Arc::default(),
@@ -75,11 +78,17 @@ impl Object {
 
     /// The same object, its shape taken to the world by `transform`.
     pub fn placed(self, transform: Transform) -> Self {
-        Self { transform, ..self }
+        let farthest = farthest(&self.shape, &transform);
+        Self {
+            transform,
+            farthest,
+            ..self
+        }
     }
 
     /// Takes its shape to the world by another transform.
     pub(super) fn place(&mut self, transform: Transform) {
+        self.farthest = farthest(&self.shape, &transform);
         self.transform = transform;
     }
 
@@ -311,6 +320,11 @@ impl Object {
         }
     }
 
+    /// No coordinate that its place in the world is computed from is larger than this.
+    pub(crate) fn farthest(&self) -> f64 {
+        self.farthest
+    }
+
     /// Whether a coordinate of its shape is so large that its square leaves float64: then it is not met.
     #[inline]
     pub(crate) fn is_out_of_range(&self) -> bool {
@@ -318,11 +332,29 @@ impl Object {
     }
 }
 
-fn is_out_of_range(shape: &Shape) -> bool {
-    let Bounds { low, high } = match shape {
+/// The box around what a shape is made from.
+fn numbers_of(shape: &Shape) -> Bounds {
+    match shape {
         Shape::Plane(plane) => Bounds::of([plane.point()]),
         shape => shape.bounds(),
-    };
+    }
+}
+
+fn farthest(shape: &Shape, transform: &Transform) -> f64 {
+    let Bounds { low, high } = numbers_of(shape);
+    if !low.cmple(high).all() {
+        return 0.0;
+    }
+    let corner = low.abs().max(high.abs());
+    let to_world = transform.world_from_object();
+    let axes = to_world.matrix3;
+    let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::abs);
+    let reach = x * corner.x + y * corner.y + z * corner.z + to_world.translation.abs();
+    reach.max_element()
+}
+
+fn is_out_of_range(shape: &Shape) -> bool {
+    let Bounds { low, high } = numbers_of(shape);
     // Not of nothing, whose box is inside out.
     let largest = low.abs().max(high.abs()).max_element();
     low.cmple(high).all() && largest > Ray::FARTHEST

@@ -99,7 +99,7 @@ fn all_crossings<Q: MeshQuery>(
     mut accept: impl FnMut(Crossing),
 ) {
     let object = &scene.objects()[index as usize];
-    if !filter::sees(filter, object) {
+    if !filter::sees(filter, index, object) {
         return;
     }
     let t_max = scaled.ray.t_max;
@@ -107,7 +107,7 @@ fn all_crossings<Q: MeshQuery>(
         return;
     };
     let Shape::Mesh(mesh) = object.shape() else {
-        let crossings = filter::crossings(filter, index, object.shape(), &ray);
+        let crossings = filter::crossings(filter, index, object.shape(), (&ray, scaled.t_scale));
         crossings.into_iter().flatten().for_each(accept);
         return;
     };

@@ -8,8 +8,9 @@ use crate::shape::{Crossing, Shape, Surface};
 
 /// Whether a ray sees an object at all.
 #[inline(always)]
-pub(super) fn sees(filter: &RayFilter, object: &Object) -> bool {
-    !object.is_hidden() && object.mask() & filter.mask != 0
+pub(super) fn sees(filter: &RayFilter, index: u32, object: &Object) -> bool {
+    let is_asked_for = filter.only.is_none_or(|only| only == index.cast_signed());
+    is_asked_for && !object.is_hidden() && object.mask() & filter.mask != 0
 }
 
 /// What a ray does not meet of the mesh of an object.
@@ -48,14 +49,14 @@ fn departure_point(
 /// another transform, only what is beyond this share of the largest coordinate is met.
 const TRANSFORMS: f64 = 4096.0 * f64::EPSILON;
 
-/// The largest number that the place of a start and of an object in the world is computed from.
+/// The largest number that the places of a start and of an object in the world are computed from.
 fn largest_coordinate(scene: &Scene, scaled: &ScaledRay, left: SurfaceId, object: &Object) -> f64 {
-    let translation = |object: &Object| object.transform().world_from_object().translation;
     let left = usize::try_from(left.object).ok();
     let left = left.and_then(|left| scene.objects().get(left));
-    let left = left.map_or(DVec3::ZERO, translation);
-    let largest = scaled.ray.origin.abs().max(left.abs());
-    largest.max(translation(object).abs()).max_element()
+    let start = scaled.ray.origin.abs().max_element();
+    start
+        .max(left.map_or(0.0, Object::farthest))
+        .max(object.farthest())
 }
 
 /// A ray in an object's space, and what it does not meet of the object's mesh.
@@ -73,9 +74,7 @@ pub(super) fn in_object(
     };
     if let Some(point) = filter.departure() {
         ray.origin = point.rounded;
-    } else if let Some(departure) = from.departure
-        && !is_of(&departure.surface, index)
-    {
+    } else if let Some(departure) = from.departure {
         let coordinate = largest_coordinate(scene, scaled, departure.surface, object);
         let beyond = TRANSFORMS * coordinate / scaled.ray.direction.abs().max_element();
         ray.t_min = ray.t_min.max(beyond);
@@ -103,12 +102,12 @@ fn is_of(surface: &SurfaceId, index: u32) -> bool {
     surface.object == index.cast_signed()
 }
 
-/// The crossings of a ray in object space with a shape that is no mesh.
+/// The crossings of a ray in object space with a shape that is no mesh; its `t` times `t_scale` is the caller's.
 pub(super) fn crossings(
     filter: &RayFilter,
     index: u32,
     shape: &Shape,
-    ray: &Ray,
+    (ray, t_scale): (&Ray, f64),
 ) -> [Option<Crossing>; 2] {
     let left = filter.departure.map(|departure| departure.surface);
     let left = left.filter(|surface| is_of(surface, index));
@@ -137,7 +136,7 @@ pub(super) fn crossings(
     if left.is_some() {
         crossings[0] = None;
     }
-    for (surface, end) in skipped.iter().zip([0.0, 1.0]) {
+    for (surface, end) in skipped.iter().zip([0.0, 1.0 / t_scale]) {
         if let Some(surface) = surface {
             leave_out(&mut crossings, surface.primitive, end);
         }

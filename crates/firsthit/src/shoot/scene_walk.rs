@@ -84,7 +84,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 continue;
             }
             let object = &scene.objects()[index as usize];
-            if Q::IS_FILTERED && !filter::sees(self.query.filter(), object) {
+            if Q::IS_FILTERED && !filter::sees(self.query.filter(), index, object) {
                 continue;
             }
             let ray = if Q::IS_FILTERED {
@@ -141,7 +141,8 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     fn shape(&mut self, scene: &Scene, shape: &Shape, ray: &Ray) {
         let filter = self.query.filter();
         if Q::IS_FILTERED && !filter::meets_all_of(filter, self.object) {
-            let crossings = filter::crossings(filter, self.object, shape, ray);
+            let t_scale = self.scaled.as_ref().map_or(1.0, |scaled| scaled.t_scale);
+            let crossings = filter::crossings(filter, self.object, shape, (ray, t_scale));
             let crossings = crossings.into_iter().flatten();
             crossings.for_each(|crossing| self.cross(scene, crossing));
         } else if Q::ALL {

@@ -11,7 +11,7 @@ use crate::watch::Watch;
 pub struct Viewpoint {
     /// Where it is in the world.
     pub position: DVec3,
-    /// The surface that it lies on, if any: that does not hide it.
+    /// The surface that it lies on, if any: that hides nothing.
     pub surface: Option<SurfaceId>,
 }
 
@@ -25,8 +25,11 @@ impl Viewpoint {
     }
 }
 
-/// Whether the two points of each pair see each other: whether nothing is between them, at `0 < t < 1` on the ray from one to
-/// the other.
+/// Whether the two points of each pair see each other: whether nothing is between them.
+///
+/// What is at an end does not count: the points of a surface are rounded, to one side of it or the other. So nothing counts within
+/// 2^-40 of the ends' largest coordinate from an end, measured along the longest axis of the line; at a coordinate of 1 that is 10^-12.
+/// Nor does an end's [`surface`](Viewpoint::surface), also where the line is nearly along it.
 ///
 /// The answer does not depend on which comes first: the ray goes from the point with the lower coordinates, by `x`, then `y`,
 /// then `z`. A point sees itself; one that is not finite, or beyond 10^150, sees no other. The answers are in the order of the pairs.
@@ -49,14 +52,21 @@ pub fn visible(scene: &Scene, pairs: &[[Viewpoint; 2]], watch: &dyn Watch) -> Re
     let mut answers = trace(scene, &sights, Any, watch)?;
     for (index, answer) in answers.iter_mut().enumerate() {
         let [a, b] = pairs[index].map(|end| end.position);
+        let is_within_reach = || {
+            let ray = sights.ray(index);
+            Ray::new(ray.origin, ray.direction).is_valid()
+        };
         *answer = if a == b {
             a.is_finite()
         } else {
-            sights.ray(index).is_valid() && !*answer
+            is_within_reach() && !*answer
         };
     }
     Ok(answers)
 }
+
+/// What is nearer to an end than this share of the largest coordinate is at the end: some hundred times what transforms round.
+const AT_END: f64 = 4096.0 * f64::EPSILON;
 
 /// The rays of lines of sight.
 struct Sights<'a>(&'a [[Viewpoint; 2]]);
@@ -83,10 +93,13 @@ impl Rays for Sights<'_> {
         self.0.len()
     }
 
-    /// Its direction may be zero or infinite: then it meets nothing.
+    /// Its direction may be zero or infinite, and its end before its start: then it meets nothing.
     fn ray(&self, index: usize) -> Ray {
         let [from, to] = self.ordered(index).map(|end| end.position);
-        Ray::new(from, to - from).up_to(1.0_f64.next_down())
+        let ray = Ray::new(from, to - from);
+        let largest = from.abs().max(to.abs()).max_element();
+        let at_end = AT_END * largest / ray.direction.abs().max_element();
+        ray.beyond(at_end).up_to(1.0 - at_end)
     }
 
     fn is_filtered(&self) -> bool {
