@@ -92,6 +92,14 @@ def count(name: str, value: object) -> int:
     return int(whole)
 
 
+def fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
+    """Tell whether an array of a shape can be broadcast to another shape."""
+    try:
+        return np.broadcast_shapes(shape, wanted) == wanted
+    except ValueError:
+        return False
+
+
 def index(name: str, value: Any) -> int:
     """Return a whole number, of Python's or NumPy's, that says which of several is meant."""
     if not isinstance(value, bool | np.bool_):

@@ -15,6 +15,7 @@ from ._traceable import Traceable
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ._turn import Turn
     from ._types import MeshLike, Selection
 
 #: After so many changes their list begins anew, and the next build starts from all objects.
@@ -32,8 +33,10 @@ class Changes(Traceable):
     _objects: list[Object]
     #: The identifiers of the objects that changed. A change replaces the object, then adds it here.
     _moves: list[int]
+    #: Two threads must not change the same object at once: one of the changes would be lost.
+    _changing: Turn
 
-    def move(self, identifier: int, transform: npt.ArrayLike | None) -> None:
+    def move(self, identifier: int | str, transform: npt.ArrayLike | None) -> None:
         """Move an object: replace its transform.
 
         Later calls give the results of a scene that is built anew. The move itself takes
@@ -46,8 +49,8 @@ class Changes(Traceable):
 
         Parameters
         ----------
-        identifier : int
-            The object's identifier, of Python's or NumPy's.
+        identifier : int or str
+            The object's identifier, of Python's or NumPy's; or its name, if no other object has it.
         transform : (4, 4) or (3, 4) array_like, or None
             The affine map from object space to world space, for columns; it must be invertible.
             ``None`` is the identity.
@@ -57,9 +60,10 @@ class Changes(Traceable):
         IndexError
             For an identifier that no object has, or one that was removed.
         ValueError
-            For a transform of a wrong shape, and for one that is not invertible.
+            For a transform of a wrong shape, and for one that is not invertible; for a name that no
+            object has, or several.
         TypeError
-            For an identifier that is no int.
+            For an identifier that is no int and no name.
 
         Examples
         --------
@@ -152,13 +156,13 @@ class Changes(Traceable):
             gone: dict[str, Any] = {"_shape": NOTHING, "_name": "", "_materials": ()}
             self._change(identifier, **gone, _is_removed=True, _is_hidden=True)
 
-    def replace(self, identifier: int, shape: Shape | MeshLike) -> None:
+    def replace(self, identifier: int | str, shape: Shape | MeshLike) -> None:
         """Give an object another shape; its name, transform, materials and mask stay.
 
         Parameters
         ----------
-        identifier : int
-            The object's identifier.
+        identifier : int or str
+            The object's identifier or name, as for `move`.
         shape : Shape, or another package's mesh
             As for `Scene.add`. Of another package's mesh the shape is taken, not the material.
 
@@ -183,7 +187,7 @@ class Changes(Traceable):
             shape = _foreign.mesh(shape)[0]
         self._change(identifier, _shape=shape)
 
-    def update_vertices(self, identifier: int, vertices: npt.ArrayLike) -> None:
+    def update_vertices(self, identifier: int | str, vertices: npt.ArrayLike) -> None:
         """Move the vertices of an object's mesh; its triangles and attributes stay.
 
         The mesh's tree is not built anew, but its boxes are fitted to the new vertices, which takes
@@ -194,8 +198,8 @@ class Changes(Traceable):
 
         Parameters
         ----------
-        identifier : int
-            The object's identifier.
+        identifier : int or str
+            The object's identifier or name, as for `move`.
         vertices : (n, 3) array_like
             As many vertices as the mesh has, in object space.
 
@@ -227,9 +231,15 @@ class Changes(Traceable):
 
     def _change(self, identifier: int, **others: Any) -> None:
         # The object is replaced before the change is noted: a build that knows of the change then
-        # has the object there. A signal's handler or another thread may change and build at any
-        # step.
-        self._objects[identifier] = self._objects[identifier]._but(**others)
-        if len(self._moves) >= _MOST_MOVES:
-            self._moves = []
-        self._moves.append(identifier)
+        # has the object there. A signal's handler may change and build at any step, and waits for
+        # nobody: where it was faster, begin again.
+        with self._changing.taken():
+            while True:
+                old = self._objects[identifier]
+                new = old._but(**others)
+                if self._objects[identifier] is old:
+                    self._objects[identifier] = new
+                    break
+            if len(self._moves) >= _MOST_MOVES:
+                self._moves = []
+            self._moves.append(identifier)

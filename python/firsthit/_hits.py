@@ -98,6 +98,10 @@ class Hits(Attributed):
         self._single = singles_within(t, t_min, t_max).reshape(-1)
         return self
 
+    def __array__(self, dtype: Any = None, copy: Any = None) -> npt.NDArray[Any]:
+        """Refuse: hits are several arrays, and one would be taken for points or numbers."""
+        raise TypeError("hits are no array: say which is meant, hits.position or hits.t")
+
     @property
     def shape(self) -> tuple[int, ...]:
         """The rays' shape; (rows, columns) for a camera."""

@@ -16,7 +16,7 @@ from ._traceable import Traceable
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._types import Progress, Rule
+    from ._types import Progress, Rule, Selection
 
 
 class Measures(Traceable):
@@ -29,6 +29,7 @@ class Measures(Traceable):
         by: Literal["object"] | None = None,
         *,
         return_rules: Literal[False] = False,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_]: ...
@@ -40,6 +41,7 @@ class Measures(Traceable):
         by: Literal["object"] | None = None,
         *,
         return_rules: Literal[True],
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> tuple[npt.NDArray[np.bool_], tuple[Rule, ...]]: ...
@@ -50,6 +52,7 @@ class Measures(Traceable):
         by: Literal["object"] | None = None,
         *,
         return_rules: bool = False,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_] | tuple[npt.NDArray[np.bool_], tuple[Rule, ...]]:
@@ -72,6 +75,8 @@ class Measures(Traceable):
             ``None`` asks about all objects together, ``"object"`` about each.
         return_rules : bool
             Whether to tell, too, how it is known for each object.
+        objects : int, str, or sequence of them, optional
+            Ask about these only, by identifiers or names; the others are not there.
         threads, progress
             As for `shoot`; points are counted.
 
@@ -111,18 +116,19 @@ class Measures(Traceable):
             raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
         is_by_object, with_rules = _is_by_object(by), flag("return_rules", return_rules)
         use, built = threads_or_all(threads), self._ready()
+        native = self._seen(built, None, objects)
         leading = array.shape[:-1]
         length = math.prod(leading)
         pieces = []
         with following(progress, length) as report:
             for part in [slice(0, length)] if is_flat(array) else chunks(length):
                 told, some = later(report, part.start), flat(array, part, 1)
-                pieces.append(_firsthit.inside(built.native, some, is_by_object, use, told))
+                pieces.append(_firsthit.inside(native, some, is_by_object, use, told))
         shape = (*leading, len(built.objects)) if is_by_object else leading
         found = _joined(pieces, np.bool_).reshape(shape)
         if not with_rules:
             return found
-        rules: Any = _firsthit.rules(built.native)
+        rules: Any = _firsthit.rules(native)
         return found, tuple(rules)
 
     def path_length(
@@ -133,6 +139,7 @@ class Measures(Traceable):
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.float64]:
@@ -148,6 +155,8 @@ class Measures(Traceable):
         by : {"object", None}
             ``"object"`` measures each object by itself; ``None`` measures all together, where a
             stretch in several objects counts once.
+        objects : int, str, or sequence of them, optional
+            As for `inside`.
 
         Returns
         -------
@@ -181,12 +190,13 @@ class Measures(Traceable):
         is_by_object = _is_by_object(by)
         rays = Rays.of(origins, directions, t_min, t_max)
         use, built = threads_or_all(threads), self._ready()
+        native = self._seen(built, None, objects)
         pieces = []
         with following(progress, rays.length) as report:
             for part in rays.parts():
                 told, count = later(report, part.start), part.stop - part.start
                 made = _firsthit.path_lengths(
-                    built.native, rays.part(part), count, is_by_object, use, told
+                    native, rays.part(part), count, is_by_object, use, told
                 )
                 pieces.append(made)
         shape = (*rays.shape, len(built.objects)) if is_by_object else rays.shape

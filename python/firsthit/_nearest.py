@@ -16,7 +16,7 @@ from ._traceable import Traceable
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._types import Progress
+    from ._types import Progress, Selection
 
 
 class ClosestPoints(NamedTuple):
@@ -54,6 +54,7 @@ class NearestQueries(Traceable):
         *,
         k: int | None = None,
         radius: float = math.inf,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> ClosestPoints:
@@ -74,6 +75,8 @@ class NearestQueries(Traceable):
             Find that many for each point, each of another (object, primitive), in order.
         radius : float
             The largest distance that counts, itself included.
+        objects : int, str, or sequence of them, optional
+            Search these only, by identifiers or names; the others are not there.
         threads : int, optional
             How many threads to use; all cores if left out. The answers are the same.
         progress : bool or callable, optional
@@ -112,7 +115,7 @@ class NearestQueries(Traceable):
         within = _radius(radius)
         with following(progress, len(flat)) as report:
             distance, identifiers, primitive, point, weights = _firsthit.closest_points(
-                self._native(), flat, (count, within), use, report
+                self._seen(self._ready(), None, objects), flat, (count, within), use, report
             )
         shape = shape if k is None else (*shape, count)
         second, third = weights.reshape(-1, 2).T
@@ -129,6 +132,7 @@ class NearestQueries(Traceable):
         self,
         points: npt.ArrayLike,
         *,
+        objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.float64]:
@@ -140,7 +144,7 @@ class NearestQueries(Traceable):
 
         Parameters
         ----------
-        points, threads, progress
+        points, objects, threads, progress
             As for `closest_point`.
 
         Returns
@@ -151,7 +155,7 @@ class NearestQueries(Traceable):
         Raises
         ------
         ValueError
-            For an object that is not closed, and for what `closest_point` raises it.
+            For an object that is not closed, or of which a material cuts parts out, and for what `closest_point` raises it.
         MemoryError
             If the answers do not fit into memory.
 
@@ -167,7 +171,8 @@ class NearestQueries(Traceable):
         shape, flat = _flat(points)
         use = threads_or_all(threads)
         with following(progress, len(flat)) as report:
-            signed = _firsthit.signed_distances(self._native(), flat, use, report)
+            native = self._seen(self._ready(), None, objects)
+            signed = _firsthit.signed_distances(native, flat, use, report)
         return signed.reshape(shape)
 
 

@@ -130,6 +130,8 @@ def placed(
 
 def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
     """Return the identifiers of objects, each once and in order; removed ones are not there."""
+    if isinstance(given, bytes | bytearray):
+        raise TypeError(f"objects must be identifiers or names, got {given!r}")
     is_one = isinstance(given, str) or (hasattr(given, "__index__") and np.ndim(given) == 0)
     several: Any = [given] if is_one else given
     try:
@@ -149,7 +151,12 @@ def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
 
 
 def identified(objects: Sequence[Object], given: object) -> int:
-    """Return the identifier of an object that is there."""
+    """Return the identifier of an object that is there, by that or by a name that no other has."""
+    if isinstance(given, str):
+        several = chosen(objects, given)
+        if len(several) > 1:
+            raise ValueError(f"{len(several)} objects have the name {given!r}: {several}")
+        return several[0]
     identifier = index("object", given)
     if not 0 <= identifier < len(objects):
         raise IndexError(f"there is no object {identifier!r}; there are {len(objects)}")

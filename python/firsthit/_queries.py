@@ -9,9 +9,9 @@ import numpy as np
 
 from . import _firsthit
 from ._all_hits import checked, shoot_all, shoot_nearest
-from ._arrays import numbers, threads_or_all
+from ._arrays import fits, numbers, threads_or_all
 from ._camera import Camera
-from ._filters import ALL, Filters, one_mask
+from ._filters import Filters
 from ._hits import Hits
 from ._leaving import rays_of
 from ._object import chosen
@@ -132,6 +132,9 @@ class Queries(Traceable):
                 raise ValueError("directions must be left out with a camera, which has its own")
             filters = Filters.of(masks, cull, skip)
             limits = [numbers("t_min", t_min), numbers("t_max", t_max)]
+            for name, limit in zip(("t_min", "t_max"), limits, strict=True):
+                if not fits(limit.shape, (origins.rows, origins.columns)):
+                    raise ValueError(f"{name} {limit.shape} must broadcast to the camera's pixels")
             is_open = np.all(limits[0] == 0.0) and np.all(limits[1] == math.inf)
             length = origins.rows * origins.columns
             with following(progress, length) as report:
@@ -378,15 +381,6 @@ class Queries(Traceable):
             if wanted is None:
                 return shoot_all(built, rays, use, report, seen)
             return shoot_nearest(built, rays, wanted, use, report, seen)
-
-    def _seen(
-        self, built: Built, mask: npt.ArrayLike | None, objects: Selection | None
-    ) -> _firsthit.Scene:
-        """Return what rays of one mask are shot at, where there is one, and of some objects."""
-        if objects is None and (mask is None or np.ndim(mask)):
-            return built.native
-        bits = ALL if mask is None or np.ndim(mask) else one_mask("mask", mask)
-        return built.seen(bits, None if objects is None else chosen(built.objects, objects))
 
 
 def _answers(

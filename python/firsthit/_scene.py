@@ -80,7 +80,7 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
         #: Whether the first camera is the one to look through, as in scene files.
         self._has_view = False
         self._last: _Last | None = None
-        self._turn = Turn()
+        self._turn, self._changing = Turn(), Turn()
 
     @overload
     def add(

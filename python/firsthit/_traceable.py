@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _firsthit
+from ._filters import ALL, one_mask
+from ._object import chosen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import numpy.typing as npt
+
     from ._lights import Light
     from ._object import Object
-    from ._types import Vector
+    from ._types import Selection, Vector
 
 
 class Built:
@@ -77,6 +83,15 @@ class Traceable:
     def _native(self) -> _firsthit.Scene:
         """Return what rays are shot at."""
         return self._ready().native
+
+    def _seen(
+        self, built: Built, mask: npt.ArrayLike | None, objects: Selection | None
+    ) -> _firsthit.Scene:
+        """Return what rays of one mask are shot at, where there is one, and of some objects."""
+        if objects is None and (mask is None or np.ndim(mask)):
+            return built.native
+        bits = ALL if mask is None or np.ndim(mask) else one_mask("mask", mask)
+        return built.seen(bits, None if objects is None else chosen(built.objects, objects))
 
     @property
     def up(self) -> Vector:

@@ -300,7 +300,7 @@ def test_moves_between_two_calls_go_together(monkeypatch, most):
         assert len(scene._moves) <= most
 
 
-@pytest.mark.parametrize("wrong", [None, "0", 0.5, True, np.True_, [0]])
+@pytest.mark.parametrize("wrong", [None, b"0", 0.5, True, np.True_, [0]])
 def test_only_an_int_says_which_object_moves(wrong):
     with pytest.raises(TypeError, match="object must be an int, got"):
         ball().move(wrong, None)
