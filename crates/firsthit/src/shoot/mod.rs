@@ -10,6 +10,7 @@
 mod all;
 mod batch;
 mod brute_force;
+mod encounter;
 mod engine;
 mod filter;
 mod hit_order;
@@ -23,6 +24,7 @@ mod visible;
 
 pub use all::{AllAnswers, AllHits, RaysOfHits};
 pub use brute_force::BruteForce;
+pub(crate) use encounter::{Encounter, Encounters, Rejection};
 pub use engine::{Cpu, Engine};
 pub use hits::{HitSlices, Hits};
 pub use query::{All, Answers, Any, Count, First, Query};
