@@ -48,9 +48,7 @@ class _Last(NamedTuple):
     known: int
 
 
-class Scene(
-    Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable, Explainable
-):
+class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable, Explainable):
     """Objects and lights. Any number of threads may use it at once.
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any

@@ -39,7 +39,8 @@ def test_it_agrees_with_shoot_and_shoot_all(seed):
     settings = [{}, {"cull": "back"}, {"mask": 1}, {"t_max": 3.0}, {"t_min": -2.0}]
     hits = 0
     for k in range(100):
-        ray = random.uniform(-4, 4, 3), random.uniform(-1, 1, 3)
+        origin = random.uniform(-4, 4, 3)
+        ray = origin, random.uniform(-2, 2, 3) - origin
         use = settings[k % len(settings)]
         story, hit = scene.explain(*ray, **use), scene.shoot(*ray, **use)
         met = scene.shoot_all(*ray, **use)
