@@ -99,13 +99,13 @@ fn ray(scene: &Scene, numbers: &mut Numbers, k: usize) -> (Ray, RayFilter) {
         4 if !hit.is_miss() => ray = ray.up_to(hit.t),
         _ => {}
     }
-    if k % 5 == 0 {
+    if k.is_multiple_of(5) {
         filter.mask = 1 << numbers.below(4);
     }
     if k % 7 < 2 {
         filter.cull = Some([Side::Front, Side::Back][k % 7]);
     }
-    if k % 11 == 0 {
+    if k.is_multiple_of(11) {
         ray.direction *= 1e-120;
     }
     (ray, filter)

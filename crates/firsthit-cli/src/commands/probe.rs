@@ -37,7 +37,7 @@ pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Fail
         }
         let mut text = story::text(&story, args.all);
         if !guessed.is_empty() {
-            text += &format!("guessed    {}\n", guessed.join(", "));
+            text.extend(["guessed    ", &guessed.join(", "), "\n"]);
         }
         let written = std::io::stdout().write_all(text.as_bytes());
         written.map_err(|error| Failure::stdout(&error))

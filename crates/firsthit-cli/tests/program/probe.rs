@@ -1,5 +1,7 @@
 //! The story of one ray.
 
+use std::fmt::Write as _;
+
 use serde_json::{Value, json};
 
 use crate::support::Lab;
@@ -143,11 +145,13 @@ fn many_objects_are_counted_and_all_are_listed_if_asked() {
     let mut text = String::new();
     for k in 0..40 {
         let corner = 3 * k + 1;
-        text += &format!(
+        write!(
+            text,
             "o s{k}\nv 0 0 {k}\nv 1 0 {k}\nv 0 1 {k}\nf {corner} {} {}\n",
             corner + 1,
             corner + 2
-        );
+        )
+        .unwrap();
     }
     lab.write("stack.obj", text);
     let ray = "probe stack.obj --ray 0.2,0.3,50,0,0,-1";

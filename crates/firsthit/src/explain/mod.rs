@@ -161,8 +161,8 @@ pub fn explain<'a>(
     let seen = but(scene, &out)?;
     let rays = [*ray];
     let rays = Filtered::new(&rays, *filter);
-    let hit = trace(&*seen, &rays, First, watch)?.get(0);
-    let all = trace(&*seen, &rays, All::default(), watch)?;
+    let hit = trace(&seen, &rays, First, watch)?.get(0);
+    let all = trace(&seen, &rays, All::default(), watch)?;
     let (behind, behind_count) = behind(scene, ray, &hit, (&all, settings.behind))?;
     Ok(Explanation {
         ray: *ray,

@@ -150,19 +150,20 @@ mod tests {
         }
     }
 
+    // Few values, so that rays go through edges and corners, along sides, and start and end on them.
+    const PLACES: &[f64] = &[-1.0, 0.0, 0.1, 0.3, 1.0, 1.0 + f64::EPSILON, 1e17, 5e-324];
+    const STEPS: &[f64] = &[-1.0, 0.0, 0.0, 0.1, 0.3, 1.0, 1e100, 1e-200];
+    const ENDS: &[f64] = &[-1.0, 0.0, 0.1, 1.0, 3.0, 10.0, f64::INFINITY];
+
     #[test]
     fn boxes_are_passed_as_in_rational_arithmetic() {
         let mut state = 3_u64;
-        // Few values, so that rays go through edges and corners, along sides, and start and end on them.
         let mut pick = |values: &[f64]| {
             state = state
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963_407);
             values[usize::try_from(state >> 33).unwrap() % values.len()]
         };
-        const PLACES: &[f64] = &[-1.0, 0.0, 0.1, 0.3, 1.0, 1.0 + f64::EPSILON, 1e17, 5e-324];
-        const STEPS: &[f64] = &[-1.0, 0.0, 0.0, 0.1, 0.3, 1.0, 1e100, 1e-200];
-        const ENDS: &[f64] = &[-1.0, 0.0, 0.1, 1.0, 3.0, 10.0, f64::INFINITY];
         let mut counts = [0; 5];
         for _ in 0..20_000 {
             let mut point = || DVec3::new(pick(PLACES), pick(PLACES), pick(PLACES));
