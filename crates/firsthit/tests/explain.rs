@@ -365,3 +365,46 @@ fn a_pixel_is_that_of_the_picture() {
     let outside = Pixel::new(&camera, 9, 0).unwrap_err().to_string();
     assert!(outside.contains("9 x 6, from 0,0 to 8,5"), "{outside}");
 }
+
+#[test]
+fn a_copy_of_a_triangle_that_is_skipped_is_the_hit() {
+    let mut numbers = Numbers::new(8);
+    let points: Vec<DVec3> = (0..90).map(|_| numbers.point()).collect();
+    let triangle = |k: u32| [3 * k, 3 * k + 1, 3 * k + 2];
+    let corners: Vec<[u32; 3]> = (0..30).chain(0..30).map(triangle).collect();
+    let soup = scene(vec![Object::new(mesh(&points, corners))]);
+    for k in 0..30 {
+        let [a, b, c] = [0, 1, 2].map(|corner| points[3 * k + corner]);
+        let (middle, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a));
+        let ray = Ray::new(middle + 1e-6 * normal, -normal);
+        let surface = |primitive: usize| {
+            let primitive = i32::try_from(primitive).unwrap();
+            Some(SurfaceId {
+                object: 0,
+                primitive,
+            })
+        };
+        let skipping = |skip| ExplainSettings {
+            filter: RayFilter {
+                skip,
+                ..RayFilter::NONE
+            },
+            ..ExplainSettings::default()
+        };
+        let one = skipping([surface(k), None]);
+        let story = explain(&soup, &ray, &one, &()).unwrap();
+        check(&soup, &story);
+        let hit = story.hit.unwrap().hit;
+        assert_eq!(hit.primitive, i32::try_from(k + 30).unwrap());
+        assert_eq!(story.candidates[0].reason, Reason::Hit);
+        let only = skipping([surface(k), surface(k + 30)]);
+        let short = ray.up_to(2e-6);
+        let story = explain(&soup, &short, &only, &()).unwrap();
+        let candidate = story.candidates[0];
+        assert_eq!(candidate.reason, Reason::Skipped);
+        assert_eq!(
+            Some(candidate.place.unwrap().primitive),
+            i32::try_from(k).ok()
+        );
+    }
+}
