@@ -18,6 +18,7 @@ from ._all_hits import AllHits
 from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
+from ._explain import Candidate, Crossing, Explanation
 from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
@@ -41,11 +42,14 @@ __all__ = [
     "AllHits",
     "Box",
     "Camera",
+    "Candidate",
     "ClosestPoints",
     "Cone",
+    "Crossing",
     "Cylinder",
     "DirectionalLight",
     "Disc",
+    "Explanation",
     "FileError",
     "FileFormatError",
     "FileReadError",

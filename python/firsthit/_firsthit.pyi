@@ -24,6 +24,7 @@ __all__ = [
     "closest_points",
     "count",
     "defaults",
+    "explain",
     "inside",
     "instruction_set",
     "lint_kinds",
@@ -287,6 +288,13 @@ def occluded(
 def visible(
     scene: Scene, ends: tuple[_Ends, _Ends], count: int, threads: int, report: _Report | None
 ) -> npt.NDArray[np.bool_]: ...
+def explain(
+    scene: Scene,
+    rays: _Rays,
+    pixel: tuple[Camera, int, int] | None,
+    among: Sequence[int] | None,
+    behind: int,
+) -> tuple[str, str]: ...
 def count(
     scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.uint32], report: _Report | None
 ) -> None: ...

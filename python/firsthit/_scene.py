@@ -13,6 +13,7 @@ from ._arrays import color_of, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._changes import Changes
+from ._explain import Explainable
 from ._filters import ALL, one_mask
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._lint import Lintable
@@ -47,7 +48,7 @@ class _Last(NamedTuple):
     known: int
 
 
-class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable):
+class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable, Explainable):
     """Objects and lights. Any number of threads may use it at once.
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any

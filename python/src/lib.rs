@@ -10,6 +10,7 @@ mod arrays;
 mod attributes;
 mod camera;
 mod errors;
+mod explain;
 mod filters;
 mod frame;
 mod lint;
@@ -34,6 +35,8 @@ mod _firsthit {
     use crate::attributes::{attribute, attribute_names};
     #[pymodule_export]
     use crate::camera::Camera;
+    #[pymodule_export]
+    use crate::explain::explain;
     #[pymodule_export]
     use crate::filters::visible;
     #[pymodule_export]

@@ -43,6 +43,8 @@ pub(crate) enum Command {
     /// Measure how thick the objects of a 3D file are, at points of their surfaces.
     #[command(after_help = help::THICKNESS_EXAMPLES)]
     Thickness(ListArgs),
+    /// Tell the whole story of one ray: what it meets first, why not another object, and what lies behind.
+    Probe(Box<ProbeArgs>),
     /// Show what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),
     /// Compare two outputs, channel by channel.
@@ -471,6 +473,47 @@ pub(crate) struct LintArgs {
     /// The number of threads; the result is the same for any [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
     pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::PROBE_EXAMPLES)]
+pub(crate) struct ProbeArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    /// The pixel through whose centre the ray goes: its column from the left and its row from the top, both from 0. The picture is
+    /// that of firsthit render with the same options
+    #[arg(long, value_name = "X,Y", value_parser = values::pixel, allow_hyphen_values = true, required_unless_present = "ray")]
+    pub(crate) pixel: Option<(usize, usize)>,
+    /// The ray itself: its origin and its direction, of any length
+    #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", value_parser = values::ray, allow_hyphen_values = true,
+        conflicts_with_all = ["pixel", "camera", "view", "position", "aim", "look_at", "up", "fov", "focal_length", "viewplane",
+        "projection", "orthographic", "ray_start", "size"])]
+    pub(crate) ray: Option<(DVec3, DVec3)>,
+    /// Hits have a t above this. With a negative one, the ray also meets what is behind its start [default: 0]
+    #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]
+    pub(crate) t_min: Option<f64>,
+    /// Hits have a t up to this, itself included [default: inf]
+    #[arg(long, value_name = "T", value_parser = values::t_max, allow_hyphen_values = true)]
+    pub(crate) t_max: Option<f64>,
+    /// The side of surfaces that the ray passes through: the front is where the normal points
+    #[arg(long, value_name = "SIDE")]
+    pub(crate) cull: Option<CulledSide>,
+    /// List every object and everything behind the hit, not only the first of each kind
+    #[arg(long)]
+    pub(crate) all: bool,
+    /// Print JSON, with every object: pixel, ray, fault, hit, behind, behind_count, counts, candidates, guessed, warnings. Infinite numbers are
+    /// null; a miss has null for hit
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// The number of threads; the result is the same for any [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) pick: PickArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
 }

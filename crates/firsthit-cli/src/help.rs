@@ -23,8 +23,9 @@ Examples:
   firsthit diff all.npz again.exr       whether two outputs are the same
   firsthit section part.stl --normal 0,0,1 -o cut.svg
   firsthit lint part.stl                whether it has holes, flipped faces, ...
+  firsthit probe part.stl --pixel 640,360
 
-With --json, render, shoot, nearest, inside, visible, thickness, section, lint, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -113,6 +114,16 @@ a line. The answer for each is 1 or true if it is inside any object.
 
 A closed mesh and a solid hold a point if a ray from it crosses them an odd number of times, which is decided exactly. An open mesh \
 holds the points around which its winding number is above one half; a warning counts such meshes. A plane and a disc hold nothing.";
+
+pub(crate) const PROBE_EXAMPLES: &str = "\
+Examples:
+  firsthit probe part.stl --pixel 512,384
+  firsthit probe part.stl --pixel 512,384 --view front --size 1024x768
+  firsthit probe part.stl --ray 0,0,10,0,0,-1 --all
+  firsthit probe scene.toml --pixel 20,30 --hide glass --json
+
+Each object has one reason why it is or is not the hit. Its box is the one around it along the axes of the world. A t has all its \
+digits, other numbers have six; --json has all of all. Exit code 0 also if the ray meets nothing.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

@@ -48,7 +48,11 @@ pub(crate) fn six_digits(x: f64) -> f64 {
 
 /// A number to six digits, in exponential notation if it would have many zeros.
 pub(crate) fn number(x: f64) -> String {
-    let x = six_digits(x);
+    exact_number(six_digits(x))
+}
+
+/// A number to all its digits, in exponential notation if it would have many zeros.
+pub(crate) fn exact_number(x: f64) -> String {
     if x == 0.0 || (1e-9..1e16).contains(&x.abs()) {
         return x.to_string();
     }

@@ -16,6 +16,7 @@ mod loading;
 mod output;
 mod progress;
 mod rays;
+pub mod story;
 mod usage;
 mod values;
 
@@ -81,6 +82,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Inside(args) => commands::inside::run(&args, &interrupted),
         Command::Visible(args) => commands::visible::run(&args, &interrupted),
         Command::Thickness(args) => commands::thickness::run(&args, &interrupted),
+        Command::Probe(args) => commands::probe::run(&args, &interrupted),
         Command::Info(args) => commands::info::run(&args),
         Command::Diff(args) => commands::diff::run(&args),
         Command::Section(args) => commands::section::run(&args, &interrupted),

@@ -83,6 +83,22 @@ pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     .map(DVec3::from)
 }
 
+/// A ray: its origin and its direction.
+pub(crate) fn ray(text: &str) -> Result<(DVec3, DVec3), String> {
+    let form = "six finite numbers with commas between them, the origin and the direction, such as 0,0,10,0,0,-1";
+    let [a, b, c, x, y, z] = numbers::<6>(text, ',', form)?;
+    Ok((DVec3::new(a, b, c), DVec3::new(x, y, z)))
+}
+
+/// A pixel: its column and its row.
+pub(crate) fn pixel(text: &str) -> Result<(usize, usize), String> {
+    let parse = |part: &str| part.trim().parse::<usize>().ok();
+    let both = text
+        .split_once(',')
+        .and_then(|(column, row)| Some((parse(column)?, parse(row)?)));
+    both.ok_or_else(|| "expected a column and a row, whole numbers from 0, such as 640,360".into())
+}
+
 /// Linear numbers, or sRGB in the ways of CSS.
 pub(crate) fn color(text: &str) -> Result<Color, String> {
     if text.trim().eq_ignore_ascii_case(TRANSPARENT) {

@@ -94,6 +94,7 @@ pub mod camera;
 pub mod channel;
 pub mod error;
 pub mod example;
+pub mod explain;
 #[cfg(feature = "fhs")]
 pub mod fhs;
 pub mod geometry;

@@ -12,6 +12,7 @@ pub(crate) mod lint;
 mod list;
 mod listing;
 pub(crate) mod nearest;
+pub(crate) mod probe;
 pub(crate) mod render;
 pub(crate) mod schema;
 pub(crate) mod section;

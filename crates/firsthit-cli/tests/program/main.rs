@@ -25,6 +25,7 @@ mod list;
 mod nearest;
 mod outputs;
 mod picking;
+mod probe;
 mod rays;
 mod scene_file;
 mod section;

@@ -2,7 +2,7 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "render",
     "shoot",
     "nearest",
@@ -11,6 +11,7 @@ const COMMANDS: [&str; 12] = [
     "thickness",
     "section",
     "lint",
+    "probe",
     "build",
     "info",
     "demo",
@@ -217,6 +218,7 @@ fn the_version_can_be_asked_of_every_command() {
         "diff",
         "section",
         "lint",
+        "probe",
         "demo",
         "schema",
         "completions",

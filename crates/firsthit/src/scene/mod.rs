@@ -338,6 +338,11 @@ impl Scene {
         self.top.on_the_way()
     }
 
+    /// A box around each object, from which the tree over them is made.
+    pub(crate) fn boxes(&self) -> &[Bounds] {
+        self.top.boxes()
+    }
+
     /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out.
     pub(crate) fn first_open_object(&self) -> Option<usize> {
         let find = || {

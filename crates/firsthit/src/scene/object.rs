@@ -213,7 +213,7 @@ impl Object {
     }
 
     /// Whether its material is cut out where a triangle was hit: then there is no hit.
-    fn is_cut_out(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
+    pub(crate) fn is_cut_out(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
         let slot = mesh.slot(triangle);
         let Some(material) = self.materials.get(slot).or(self.materials.last()) else {
             return false;

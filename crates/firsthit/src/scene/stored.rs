@@ -29,11 +29,6 @@ impl Scene {
         self.trees.get(object)?.as_ref()
     }
 
-    /// A box around each object.
-    pub(crate) fn boxes(&self) -> &[Bounds] {
-        self.top.boxes()
-    }
-
     /// The scene of these parts, as [`Scene::new`] makes it of its objects. What takes long to find, the boxes and the
     /// duplicates, is taken as it is: what is wrong there makes wrong answers and no more.
     ///

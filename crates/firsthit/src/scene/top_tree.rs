@@ -108,7 +108,6 @@ impl TopTree {
     }
 
     /// A box around each object.
-    #[cfg(feature = "fhs")]
     pub(super) fn boxes(&self) -> &[Bounds] {
         &self.boxes
     }

@@ -159,7 +159,12 @@ fn leave_out(crossings: &mut [Option<Crossing>; 2], primitive: i32, end: f64) {
     }
 }
 
-fn is_not_culled(filter: &RayFilter, shape: &Shape, ray: &Ray, crossing: &Crossing) -> bool {
+pub(super) fn is_not_culled(
+    filter: &RayFilter,
+    shape: &Shape,
+    ray: &Ray,
+    crossing: &Crossing,
+) -> bool {
     filter.cull.is_none_or(|culled| {
         let point: DVec3 = ray.at(crossing.t);
         let along = ray.direction.dot(shape.normal(point, crossing.primitive));

@@ -67,7 +67,7 @@ impl ScaledRay {
     }
 
     /// The float64 nearest to the exact `t` of a hit in a triangle.
-    fn nearest_t(&self, scene: &Scene, hit: &Hit) -> f64 {
+    pub(super) fn nearest_t(&self, scene: &Scene, hit: &Hit) -> f64 {
         if self.is_departing {
             return hit.t;
         }

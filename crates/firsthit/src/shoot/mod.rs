@@ -10,6 +10,7 @@
 mod all;
 mod batch;
 mod brute_force;
+mod encounter;
 mod engine;
 mod filter;
 mod from_points;
@@ -24,6 +25,7 @@ mod visible;
 
 pub use all::{AllAnswers, AllHits, RaysOfHits};
 pub use brute_force::BruteForce;
+pub(crate) use encounter::{Encounter, Encounters, Rejection};
 pub use engine::{Cpu, Engine};
 pub(crate) use from_points::FromPoints;
 pub use hits::{HitSlices, Hits};

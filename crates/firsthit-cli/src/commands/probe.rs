@@ -1,0 +1,76 @@
+use std::io::Write;
+use std::sync::atomic::AtomicBool;
+
+use firsthit::explain::{ExplainSettings, Explanation, Pixel, explain};
+use firsthit::{Ray, RayFilter};
+use serde_json::json;
+
+use crate::args::ProbeArgs;
+use crate::camera::{camera, check, of_file};
+use crate::console::{end_report, warn};
+use crate::failure::Failure;
+use crate::loading::{self, Loaded, with_count};
+use crate::progress::Interrupt;
+use crate::story;
+
+pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    check(&args.camera)?;
+    let limits = (
+        args.t_min.unwrap_or(0.0),
+        args.t_max.unwrap_or(f64::INFINITY),
+    );
+    if limits.0 >= limits.1 {
+        return Err(Failure::usage(
+            "--t-max must be above --t-min, which is 0 if not given",
+        ));
+    }
+    with_count(args.threads, || {
+        let loaded = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        warn(&loaded.warnings);
+        let (story, guessed) = probe(args, limits, &loaded, &Interrupt(interrupted))?;
+        if args.json {
+            let mut done = story::json(&story);
+            if let Some(fields) = done.as_object_mut() {
+                fields.insert("guessed".to_owned(), json!(guessed));
+            }
+            return end_report(done).map_err(|error| Failure::stdout(&error));
+        }
+        let mut text = story::text(&story, args.all);
+        if !guessed.is_empty() {
+            text.extend(["guessed    ", &guessed.join(", "), "\n"]);
+        }
+        let written = std::io::stdout().write_all(text.as_bytes());
+        written.map_err(|error| Failure::stdout(&error))
+    })
+}
+
+/// The story of the ray that the arguments name, and what was guessed of the camera.
+fn probe<'a>(
+    args: &ProbeArgs,
+    limits: (f64, f64),
+    loaded: &'a Loaded,
+    watch: &Interrupt<'_>,
+) -> Result<(Explanation<'a>, Vec<String>), Failure> {
+    let Loaded { scene, model, .. } = loaded;
+    let filter = RayFilter {
+        cull: args.cull.map(From::from),
+        ..RayFilter::NONE
+    };
+    let mut settings = ExplainSettings {
+        filter,
+        ..ExplainSettings::default()
+    };
+    if args.all {
+        settings.behind = usize::MAX;
+    }
+    if let Some((origin, direction)) = args.ray {
+        let ray = Ray::new(origin, direction).beyond(limits.0).up_to(limits.1);
+        return Ok((explain(scene, &ray, &settings, watch)?, Vec::new()));
+    }
+    let base = of_file(&args.camera, model)?;
+    let chosen = camera(&args.camera, (&args.file, &base), scene, model)?;
+    let (column, row) = args.pixel.unwrap_or_default();
+    let pixel = Pixel::new(&chosen.camera, column, row)?;
+    let story = pixel.explain(scene, (&chosen.camera, limits), &settings, watch)?;
+    Ok((story, chosen.guessed))
+}

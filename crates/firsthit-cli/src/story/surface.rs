@@ -1,0 +1,158 @@
+//! The hit of a story: the surface there, and its material.
+
+use firsthit::explain::{AttributeThere, HitDetails, Pixel};
+use firsthit::scene::MapRole;
+use firsthit::shape::PropertyOf;
+use firsthit::{AlphaMode, DVec2, Material};
+use serde_json::{Value, json};
+
+use super::{list, named, part};
+use crate::hints::{exact_number, number, triple};
+
+/// How many numbers of an attribute people read, and how many attributes.
+const MOST: usize = 12;
+
+/// The hit in words.
+pub(super) fn lines(details: &HitDetails<'_>, pixel: Option<&Pixel>) -> Vec<String> {
+    let hit = &details.hit;
+    let from_camera = pixel.map_or_else(String::new, |pixel| {
+        format!(", range {}, z {}", number(pixel.range), number(pixel.z))
+    });
+    let face = if details.shape == "mesh" {
+        format!(", face {}", details.face)
+    } else {
+        String::new()
+    };
+    let named = named(hit.object, details.name, details.shape);
+    let part = part(details.shape, hit.primitive);
+    let side = if details.is_front { "front" } else { "back" };
+    let mut lines = vec![
+        format!("hit        t {}{from_camera}", exact_number(hit.t)),
+        format!("           {named}, {part}{face}"),
+        format!("           position {}", triple(details.position)),
+        format!("           normal {}, {side} met", triple(details.normal)),
+    ];
+    if details.shading_normal.to_array() != details.normal.to_array()
+        && details.shading_normal.is_finite()
+    {
+        let shading = triple(details.shading_normal);
+        lines.push(format!("           shading normal {shading}"));
+    }
+    if let Some(weights) = weights(hit.barycentric) {
+        lines.push(format!("           barycentric {}", list(&weights)));
+    }
+    if let Some(uv) = details.uv {
+        lines.push(format!("           uv {}", list(&uv.to_array())));
+    }
+    let color = triple(details.color);
+    lines.push(format!("           base colour {color}, linear"));
+    lines.push(match (details.slot, details.material) {
+        (Some(slot), Some(material)) => {
+            format!("           material {slot}: {}", material_text(material))
+        }
+        _ => "           no material".to_owned(),
+    });
+    lines.extend(details.attributes.iter().take(MOST).map(attribute_line));
+    let more = details.attributes.len().saturating_sub(MOST);
+    if more > 0 {
+        lines.push(format!("           ... and {more} more attributes"));
+    }
+    lines
+}
+
+/// The weights of all corners of a triangle.
+fn weights(barycentric: DVec2) -> Option<[f64; 3]> {
+    let [b, c] = barycentric.to_array();
+    (!barycentric.is_nan()).then_some([1.0 - b - c, b, c])
+}
+
+fn material_text(material: &Material) -> String {
+    let alpha = match material.alpha_mode {
+        AlphaMode::Opaque => "opaque".to_owned(),
+        AlphaMode::Mask { cutoff } => format!("cut out below alpha {}", number(cutoff)),
+        AlphaMode::Blend => "translucent".to_owned(),
+    };
+    let mut words = vec![
+        format!("colour {}", triple(material.color)),
+        format!("alpha {}", number(material.alpha)),
+        alpha,
+    ];
+    if material.unlit {
+        words.push("unlit".to_owned());
+    }
+    for (role, name) in [(MapRole::Color, "colour"), (MapRole::Alpha, "alpha")] {
+        if let Some([columns, rows]) = map_size(material, role) {
+            words.push(format!("{name} map of {columns} x {rows}"));
+        }
+    }
+    words.join(", ")
+}
+
+fn map_size(material: &Material, role: MapRole) -> Option<[usize; 2]> {
+    let texture = &material.maps.get(role)?.texture;
+    Some([texture.columns(), texture.rows()])
+}
+
+fn attribute_line(attribute: &AttributeThere<'_>) -> String {
+    let AttributeThere { name, of, values } = attribute;
+    let shown = list(&values[..values.len().min(MOST)]);
+    let more = if values.len() > MOST { ",..." } else { "" };
+    let of = of_name(*of);
+    format!("           attribute '{name}' of {of}: {shown}{more}")
+}
+
+fn of_name(of: PropertyOf) -> &'static str {
+    match of {
+        PropertyOf::Vertices => "vertices",
+        PropertyOf::Corners => "corners",
+        PropertyOf::Faces => "faces",
+    }
+}
+
+/// The hit for programs.
+pub(super) fn json(details: &HitDetails<'_>) -> Value {
+    let attribute = |attribute: &AttributeThere<'_>| {
+        json!({
+            "name": attribute.name,
+            "of": of_name(attribute.of),
+            "values": attribute.values,
+        })
+    };
+    let attributes = details.attributes.iter().map(attribute);
+    json!({
+        "t": details.hit.t,
+        "object": details.hit.object,
+        "primitive": details.hit.primitive,
+        "name": details.name,
+        "shape": details.shape,
+        "face": details.face,
+        "position": details.position.to_array(),
+        "normal": details.normal.to_array(),
+        "shading_normal": details.shading_normal.to_array(),
+        "front": details.is_front,
+        "barycentric": weights(details.hit.barycentric),
+        "uv": details.uv.map(|uv| uv.to_array()),
+        "base_color": details.color.to_array(),
+        "material": details.material.map(|material| material_json(details.slot, material)),
+        "attributes": attributes.collect::<Vec<_>>(),
+    })
+}
+
+fn material_json(slot: Option<usize>, material: &Material) -> Value {
+    let (mode, cutoff) = match material.alpha_mode {
+        AlphaMode::Opaque => ("opaque", None),
+        AlphaMode::Mask { cutoff } => ("mask", Some(cutoff)),
+        AlphaMode::Blend => ("blend", None),
+    };
+    json!({
+        "slot": slot,
+        "color": material.color.to_array(),
+        "alpha": material.alpha,
+        "alpha_mode": mode,
+        "cutoff": cutoff,
+        "unlit": material.unlit,
+        "double_sided": material.double_sided,
+        "color_map": map_size(material, MapRole::Color),
+        "alpha_map": map_size(material, MapRole::Alpha),
+    })
+}

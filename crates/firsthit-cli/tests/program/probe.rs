@@ -1,0 +1,192 @@
+//! The story of one ray.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+
+use crate::support::Lab;
+
+/// Three squares across the z axis, the upper two in one place, and a small one far away.
+const SQUARES: &str = "\
+o low\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n\
+o high\nv -1 -1 2\nv 1 -1 2\nv 1 1 2\nv -1 1 2\nf 5 6 7 8\n\
+o copy\nv -1 -1 2\nv 1 -1 2\nv 1 1 2\nv -1 1 2\nf 9 10 11 12\n\
+o far\nv 8 8 0\nv 9 8 0\nv 9 9 0\nf 13 14 15\n";
+
+fn lab() -> Lab {
+    let lab = Lab::new();
+    lab.write("squares.obj", SQUARES);
+    lab
+}
+
+fn story(lab: &Lab, arguments: &str) -> Value {
+    let outcome = lab.ok(&format!("probe {arguments} --json"));
+    serde_json::from_slice(&outcome.stdout).unwrap()
+}
+
+#[test]
+fn a_ray_is_told_in_words() {
+    let lab = lab();
+    let outcome = lab.ok("probe squares.obj --ray 0.5,0.25,5,0,0,-1");
+    assert_eq!(outcome.stderr, "");
+    assert_eq!(
+        outcome.text(),
+        "\
+ray        from 0.5,0.25,5 along 0,0,-1, 0 < t <= inf
+hit        t 3
+           object 1 'high' (mesh), triangle 0, face 0
+           position 0.5,0.25,2
+           normal 0,0,1, front met
+           barycentric 0.25,0.125,0.625
+           base colour 0.6,0.6,0.6, linear
+           no material
+behind     t 3: object 2 'copy' (mesh), triangle 0, front
+           t 5: object 0 'low' (mesh), triangle 0, front
+objects    4 in all
+           object 1 'high' (mesh): the hit, at t 3, triangle 0
+           object 2 'copy' (mesh): met at the same t, but with a higher identifier, at t 3, triangle 0
+           object 0 'low' (mesh): met behind the hit, at t 5, triangle 0
+           1 object: box missed
+"
+    );
+}
+
+#[test]
+fn limits_sides_and_hidden_objects_are_reasons() {
+    let lab = lab();
+    let reasons = |arguments: &str| {
+        let story = story(&lab, arguments);
+        let candidates = story["candidates"].as_array().unwrap().iter();
+        let reasons = candidates.map(|it| it["reason"].as_str().unwrap().to_owned());
+        reasons.collect::<Vec<_>>().join(" ")
+    };
+    let down = "squares.obj --ray 0.5,0.25,5,0,0,-1";
+    assert_eq!(
+        reasons(&format!("{down} --t-max 2.5 --hide copy")),
+        "beyond_end beyond_end hidden box_missed"
+    );
+    assert_eq!(
+        reasons(&format!("{down} --t-min 4 --only low --only high")),
+        "hit behind_start hidden hidden"
+    );
+    assert_eq!(
+        reasons(&format!("{down} --cull front")),
+        "culled_front culled_front culled_front box_missed"
+    );
+    // Past the triangle, through its flat box, and beyond that.
+    assert_eq!(
+        reasons("squares.obj --ray 8.1,8.9,1,0,0,-1"),
+        "box_missed box_missed box_missed surface_missed"
+    );
+    let miss = story(&lab, "squares.obj --ray 8.1,8.9,1,0,0,-1");
+    assert_eq!((&miss["hit"], &miss["behind"]), (&Value::Null, &json!([])));
+    assert_eq!(
+        miss["counts"],
+        json!({"box_missed": 3, "surface_missed": 1})
+    );
+    let outcome = lab.ok("probe squares.obj --ray 8.1,8.9,1,0,0,-1");
+    assert!(outcome.text().contains("hit        none\n"));
+    let near = "object 3 'far' (mesh): box met, surface missed\n";
+    assert!(outcome.text().contains(near), "{}", outcome.text());
+    let outcome = lab.ok("probe squares.obj --ray 0,0,0,0,0,0");
+    let why = "it meets nothing: its direction is zero\n";
+    assert!(outcome.text().contains(why), "{}", outcome.text());
+}
+
+#[test]
+fn a_pixel_is_that_of_the_picture_with_the_same_options() {
+    let lab = lab();
+    let camera = "--position 0,0,9 --aim 0,0,-1 --up 0,1,0 --fov 20 --size 8x6 --hide high";
+    lab.ok(&format!(
+        "render squares.obj {camera} -o all.npz --channels object,primitive,t,range,z,normal,position"
+    ));
+    let all = lab.npz("all.npz");
+    let mut hits = 0;
+    for (k, object) in all["object"].values.iter().enumerate() {
+        let (row, column) = (k / 8, k % 8);
+        let story = story(
+            &lab,
+            &format!("squares.obj {camera} --pixel {column},{row}"),
+        );
+        let hit = &story["hit"];
+        if *object < 0.0 {
+            assert_eq!(hit, &Value::Null);
+            continue;
+        }
+        hits += 1;
+        let of = |name: &str| all[name].values[k];
+        for name in ["object", "primitive", "t"] {
+            assert_eq!(
+                hit[name].as_f64(),
+                Some(of(name)),
+                "{name} at {column},{row}"
+            );
+        }
+        for name in ["range", "z"] {
+            assert_eq!(story["pixel"][name].as_f64(), Some(of(name)), "{name}");
+        }
+        for name in ["normal", "position"] {
+            let expected = &all[name].values[3 * k..3 * k + 3];
+            assert_eq!(hit[name], json!(expected), "{name}");
+        }
+        assert_eq!(story["pixel"]["columns"], 8);
+    }
+    assert!(hits > 4, "{hits}");
+    lab.fails(
+        &format!("probe squares.obj {camera} --pixel 8,0"),
+        2,
+        "there are 8 x 6, from 0,0 to 7,5",
+    );
+}
+
+#[test]
+fn many_objects_are_counted_and_all_are_listed_if_asked() {
+    let lab = Lab::new();
+    let mut text = String::new();
+    for k in 0..40 {
+        let corner = 3 * k + 1;
+        write!(
+            text,
+            "o s{k}\nv 0 0 {k}\nv 1 0 {k}\nv 0 1 {k}\nf {corner} {} {}\n",
+            corner + 1,
+            corner + 2
+        )
+        .unwrap();
+    }
+    lab.write("stack.obj", text);
+    let ray = "probe stack.obj --ray 0.2,0.3,50,0,0,-1";
+    let few = lab.ok(ray);
+    let lines: Vec<&str> = few.text().lines().map(str::trim).collect();
+    assert!(lines.contains(&"... and 29 crossings"), "{lines:?}");
+    assert!(lines.contains(&"34 more objects: met behind the hit"));
+    assert!(lines.contains(&"object 38 's38' (mesh): met behind the hit, at t 12, triangle 0"));
+    let all = lab.ok(&format!("{ray} --all"));
+    let of_objects = all.text().lines().filter(|line| line.contains("object "));
+    // The hit, 39 crossings behind it, and all objects.
+    assert_eq!(of_objects.count(), 1 + 39 + 40);
+    let story = story(&lab, "stack.obj --ray 0.2,0.3,50,0,0,-1");
+    assert_eq!(story["candidates"].as_array().unwrap().len(), 40);
+    assert_eq!(story["counts"], json!({"hit": 1, "behind_hit": 39}));
+    assert_eq!(story["behind_count"], 39);
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    let lab = lab();
+    lab.fails("probe squares.obj", 2, "--pixel");
+    lab.fails("probe squares.obj --pixel 1", 2, "such as 640,360");
+    lab.fails("probe squares.obj --pixel=-1,2", 2, "such as 640,360");
+    lab.fails("probe squares.obj --ray 1,2,3", 2, "six finite numbers");
+    lab.fails(
+        "probe squares.obj --ray 0,0,5,0,0,-1 --view top",
+        2,
+        "cannot be used with",
+    );
+    lab.fails(
+        "probe squares.obj --ray 0,0,5,0,0,-1 --t-min 3 --t-max 2",
+        2,
+        "--t-max must be above --t-min",
+    );
+    lab.fails("probe squares.obj --pixel 5000,0", 2, "1024 x 768");
+    lab.fails("probe none.obj --pixel 0,0", 3, "none.obj");
+}

@@ -1,0 +1,97 @@
+//! Why an object is or is not what a ray meets first.
+
+use crate::geometry::Side;
+use crate::shoot::Rejection;
+
+/// Makes [`Reason`] and what depends on the list of reasons.
+macro_rules! reasons {
+    ($($(#[$doc:meta])* $kind:ident $name:literal $about:literal;)*) => {
+        /// Why an object is or is not what a ray meets first. Those that say more about the ray come first.
+        ///
+        /// ```
+        /// use firsthit::explain::Reason;
+        ///
+        /// assert_eq!(Reason::BoxMissed.name(), "box_missed");
+        /// assert_eq!(Reason::BoxMissed.about(), "box missed");
+        /// assert_eq!(Reason::ALL[0], Reason::Hit);
+        /// ```
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Reason {
+            $($(#[$doc])* $kind,)*
+        }
+
+        impl Reason {
+            /// Every reason, in order.
+            pub const ALL: &[Self] = &[$(Self::$kind),*];
+
+            /// Its name, for programs.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$kind => $name,)* }
+            }
+
+            /// What it says of the object, for people.
+            pub fn about(self) -> &'static str {
+                match self { $(Self::$kind => $about,)* }
+            }
+        }
+    };
+}
+
+reasons! {
+    /// The object is what the ray meets first.
+    Hit "hit" "the hit";
+    /// The ray meets it at the same `t`, but its identifier is higher.
+    Tied "tied" "met at the same t, but with a higher identifier";
+    /// The ray meets it behind the hit.
+    BehindHit "behind_hit" "met behind the hit";
+    /// The ray would meet its front, and passes through fronts.
+    CulledFront "culled_front" "culled where its front would be met";
+    /// The ray would meet its back, and passes through backs.
+    CulledBack "culled_back" "culled where its back would be met";
+    /// The ray would meet it where the alpha of its material cuts it out.
+    CutOut "cut_out" "cut out by alpha where it would be met";
+    /// The ray would meet a surface that it is told to skip.
+    Skipped "skipped" "skipped where it would be met";
+    /// The ray leaves this surface.
+    Left "left" "left by the ray";
+    /// The ray would meet it beyond its end, `t_max`.
+    BeyondEnd "beyond_end" "met only beyond the ray's end";
+    /// The ray would meet it behind its start, `t_min`.
+    BehindStart "behind_start" "met only behind the ray's start";
+    /// The ray passes through its box, but past its surface.
+    SurfaceMissed "surface_missed" "box met, surface missed";
+    /// The ray passes through its box behind the hit, and past its surface.
+    BoxBehindHit "box_behind_hit" "box behind the hit";
+    /// Its box is beyond the ray's end.
+    BoxBeyondEnd "box_beyond_end" "box beyond the ray's end";
+    /// Its box is behind the ray's start.
+    BoxBehindStart "box_behind_start" "box behind the ray's start";
+    /// The line of the ray does not meet its box.
+    BoxMissed "box_missed" "box missed";
+    /// It has no surface.
+    Empty "empty" "no surface";
+    /// Its numbers, or those of the ray in its space, are too large for float64.
+    OutOfRange "out_of_range" "numbers out of range";
+    /// The ray is not valid.
+    NoRay "no_ray" "the ray meets nothing";
+    /// Its mask and that of the ray have no bit in common.
+    Masked "masked" "left out by the masks";
+    /// It is not among the objects that were asked for.
+    NotAmong "not_among" "not among the objects that were asked for";
+    /// It is hidden.
+    Hidden "hidden" "hidden";
+}
+
+impl From<Rejection> for Reason {
+    fn from(rejection: Rejection) -> Self {
+        match rejection {
+            Rejection::Left => Self::Left,
+            Rejection::Skipped => Self::Skipped,
+            Rejection::Culled(Side::Front) => Self::CulledFront,
+            Rejection::Culled(Side::Back) => Self::CulledBack,
+            Rejection::CutOut => Self::CutOut,
+            Rejection::BeyondEnd => Self::BeyondEnd,
+            Rejection::BehindStart => Self::BehindStart,
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! What a ray does to one object, whatever the others do: it meets it, or there is a reason why not.
+//!
+//! 1. The line of the ray, without ends, goes through the tree of a mesh, and every triangle that it may touch is asked (`accel`'s
+//!    `each_candidate`). Other shapes are asked directly.
+//! 2. What the ray itself meets there, the code of [`BruteForce`](super::BruteForce) decides. The first of it is kept.
+//! 3. Of what the line touches and the ray does not meet, one place and its reason are kept.
+
+use super::filter;
+use super::scaled_ray::ScaledRay;
+use crate::accel::{self, InstructionSet, MeshTree, Scratch};
+use crate::geometry::{Hit, Ray, RayFilter, Side, SurfaceId};
+use crate::scene::{Object, Scene};
+use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
+use crate::shape::{Crossing, Mesh, Shape, Surface};
+use crate::simd::{self, Kernel, Lanes};
+
+/// Why a ray does not meet a place that its line touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rejection {
+    /// The ray starts on this surface and leaves it.
+    Left,
+    /// The ray is told to skip it.
+    Skipped,
+    /// The ray passes through this side.
+    Culled(Side),
+    /// The material is cut out there.
+    CutOut,
+    /// It is beyond the ray's end.
+    BeyondEnd,
+    /// It is not ahead of the ray's start.
+    BehindStart,
+}
+
+/// What a ray does to an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Encounter {
+    /// No ray meets it.
+    Hidden,
+    /// The ray's mask leaves it out, or the ray meets another object only.
+    Masked,
+    /// Its numbers, or those of the ray in its space, are out of range.
+    OutOfRange,
+    /// The line of the ray does not touch it.
+    Untouched,
+    /// The line touches it, but the ray does not meet it.
+    Rejected(Hit, Rejection),
+    /// The first place where the ray meets it.
+    Met(Hit),
+}
+
+/// A ray that is brought to objects one by one.
+pub(crate) struct Encounters<'a> {
+    scene: &'a Scene,
+    ray: Ray,
+    filter: &'a RayFilter,
+    scaled: ScaledRay,
+    /// The same without ends.
+    line: ScaledRay,
+    scratch: Scratch,
+    set: InstructionSet,
+}
+
+impl<'a> Encounters<'a> {
+    /// `None` for a ray that is not [valid](Ray::is_valid).
+    pub(crate) fn new(scene: &'a Scene, ray: &Ray, filter: &'a RayFilter) -> Option<Self> {
+        Some(Self {
+            scene,
+            ray: *ray,
+            filter,
+            scaled: ScaledRay::filtered(ray, filter)?,
+            line: ScaledRay::new(&endless(ray))?,
+            scratch: Scratch::new(),
+            set: InstructionSet::current().unwrap_or(InstructionSet::Portable),
+        })
+    }
+
+    /// Whether two hits have the same `t`, so that their identifiers decide which is first.
+    pub(crate) fn are_tied(&self, one: &Hit, other: &Hit) -> bool {
+        let t = |hit| self.scaled.nearest_t(self.scene, hit);
+        t(one) == t(other)
+    }
+
+    /// What the ray does to the object `index` of the scene.
+    pub(crate) fn with(&mut self, index: u32) -> Encounter {
+        let scene = self.scene;
+        let object = &scene.objects()[index as usize];
+        if object.is_hidden() {
+            return Encounter::Hidden;
+        }
+        if !filter::sees(self.filter, index, object) {
+            return Encounter::Masked;
+        }
+        let Some(line) = self.line.in_object(object, f64::INFINITY) else {
+            return Encounter::OutOfRange;
+        };
+        let t_max = self.scaled.ray.t_max;
+        let within = filter::in_object(scene, (&self.scaled, self.filter), index, t_max);
+        let mut touched = Touched {
+            object,
+            index,
+            ray: within.map(|(ray, _)| ray),
+            mesh_filter: within.map_or(MeshFilter::NONE, |(_, filter)| filter),
+            line: within.map_or(line, |(ray, _)| endless(&ray)),
+            scene,
+            whole: &self.ray,
+            filter: self.filter,
+            scaled: &self.scaled,
+            first: None,
+            rejected: None,
+        };
+        match (object.shape(), scene.mesh_tree(index as usize)) {
+            (Shape::Mesh(mesh), Some(tree)) => {
+                let off = touched
+                    .mesh_filter
+                    .departure()
+                    .map_or(0.0, |point| point.off);
+                let (shear, line) = (Shear::new(&touched.line), touched.line);
+                let each = EachCandidate {
+                    scratch: &mut self.scratch,
+                    mesh: (tree, mesh),
+                    line: &line,
+                    off,
+                    visit: |triangle| touched.triangle(mesh, triangle, &shear),
+                };
+                simd::run(self.set, each);
+            }
+            (shape, _) => touched.shape(shape),
+        }
+        match (touched.first, touched.rejected) {
+            (Some(hit), _) => Encounter::Met(hit),
+            (None, Some((hit, why))) => Encounter::Rejected(hit, why),
+            (None, None) => Encounter::Untouched,
+        }
+    }
+}
+
+/// The line of a ray.
+fn endless(ray: &Ray) -> Ray {
+    Ray {
+        t_min: f64::NEG_INFINITY,
+        t_max: f64::INFINITY,
+        ..*ray
+    }
+}
+
+/// Visits every triangle of a mesh that a line may touch, those in the place of others too.
+struct EachCandidate<'a, V> {
+    scratch: &'a mut Scratch,
+    mesh: (&'a MeshTree, &'a Mesh),
+    line: &'a Ray,
+    off: f64,
+    visit: V,
+}
+
+impl<V: FnMut(u32) + Send> Kernel for EachCandidate<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let mut visit = self.visit;
+        let line = (self.line, self.off, true);
+        accel::each_candidate(l, self.scratch, self.mesh, line, |triangle, t_max| {
+            visit(triangle);
+            t_max
+        });
+    }
+}
+
+/// What is known of an object so far.
+struct Touched<'a> {
+    scene: &'a Scene,
+    object: &'a Object,
+    index: u32,
+    /// The ray as the caller has it.
+    whole: &'a Ray,
+    filter: &'a RayFilter,
+    scaled: &'a ScaledRay,
+    /// The ray in object space; `None` where nothing of it is left there.
+    ray: Option<Ray>,
+    mesh_filter: MeshFilter,
+    /// The line in object space.
+    line: Ray,
+    first: Option<Hit>,
+    rejected: Option<(Hit, Rejection)>,
+}
+
+impl Touched<'_> {
+    /// Asks a triangle.
+    fn triangle(&mut self, mesh: &Mesh, triangle: u32, shear: &Shear) {
+        if let Some(ray) = &self.ray {
+            let how = (EdgeRule::Closed, &self.mesh_filter);
+            let met = self
+                .object
+                .intersect_triangle(mesh, triangle, how, (ray, shear));
+            if met.is_some_and(|crossing| self.accept(crossing)) {
+                return;
+            }
+        }
+        let number = triangle as usize;
+        let Some(touch) = mesh.intersect_triangle(number, EdgeRule::Closed, shear) else {
+            return;
+        };
+        let is_culled = || {
+            let culls = MeshFilter::new([None; 2], self.filter.cull, None);
+            let numbered = (triangle, mesh.corners(number));
+            let line = (&self.line, shear);
+            let met = culls.intersect(line, EdgeRule::Closed, numbered, Doubtful::settle);
+            met.is_none()
+        };
+        let is_cut_out = || self.object.is_cut_out(mesh, number, touch.barycentric);
+        let crossing = touch.crossing(triangle.cast_signed());
+        let why = self.reason(&crossing, is_culled, is_cut_out);
+        self.reject(crossing, why);
+    }
+
+    /// Asks a shape that is no mesh.
+    fn shape(&mut self, shape: &Shape) {
+        let t_scale = self.scaled.t_scale;
+        let crossings =
+            |ray: &Ray| filter::crossings(self.filter, self.index, shape, (ray, t_scale));
+        let met = self.ray.as_ref().map_or([None; 2], crossings);
+        for crossing in met.into_iter().flatten() {
+            self.accept(crossing);
+        }
+        if self.first.is_some() {
+            return;
+        }
+        for crossing in shape.crossings(&self.line).into_iter().flatten() {
+            let is_culled = || !filter::is_not_culled(self.filter, shape, &self.line, &crossing);
+            let why = self.reason(&crossing, is_culled, || false);
+            self.reject(crossing, why);
+        }
+    }
+
+    /// Takes a crossing, if it is a hit of the caller's ray.
+    fn accept(&mut self, crossing: Crossing) -> bool {
+        let Some(hit) = self.scaled.hit(self.index, crossing) else {
+            return false;
+        };
+        let is_first = |first: &Hit| self.scaled.precedes(self.scene, &hit, first);
+        if self.first.as_ref().is_none_or(is_first) {
+            self.first = Some(hit);
+        }
+        true
+    }
+
+    /// Why a crossing with the line is none with the ray.
+    fn reason(
+        &self,
+        crossing: &Crossing,
+        is_culled: impl Fn() -> bool,
+        is_cut_out: impl Fn() -> bool,
+    ) -> Rejection {
+        let is_this = |surface: &SurfaceId| {
+            u32::try_from(surface.object) == Ok(self.index)
+                && surface.primitive == crossing.primitive
+        };
+        let left = self.filter.departure.map(|departure| departure.surface);
+        if left.as_ref().is_some_and(is_this) {
+            return Rejection::Left;
+        }
+        if self.filter.skip.iter().flatten().any(is_this) {
+            return Rejection::Skipped;
+        }
+        let t = self.scaled.t_scale * crossing.t;
+        if t <= self.whole.t_min || self.ray.is_some_and(|ray| crossing.t <= ray.t_min) {
+            return Rejection::BehindStart;
+        }
+        if t > self.whole.t_max || self.ray.is_none_or(|ray| crossing.t > ray.t_max) {
+            return Rejection::BeyondEnd;
+        }
+        match self.filter.cull {
+            Some(side) if is_culled() => Rejection::Culled(side),
+            _ if is_cut_out() => Rejection::CutOut,
+            // It touches the surface that the ray leaves, at the start.
+            _ => Rejection::BehindStart,
+        }
+    }
+
+    /// Keeps a crossing that the ray does not meet, if it tells more than the one that is kept.
+    fn reject(&mut self, crossing: Crossing, why: Rejection) {
+        let hit = Hit {
+            t: self.scaled.t_scale * crossing.t,
+            object: self.index.cast_signed(),
+            primitive: crossing.primitive,
+            barycentric: crossing.barycentric,
+        };
+        let is_better = |(kept, reason): &(Hit, Rejection)| {
+            let (new, old) = (rank(&hit, why), rank(kept, *reason));
+            let by_place = new.0.cmp(&old.0).then(new.1.total_cmp(&old.1));
+            by_place.then(hit.primitive.cmp(&kept.primitive)).is_lt()
+        };
+        if hit.t.is_finite() && self.rejected.as_ref().is_none_or(is_better) {
+            self.rejected = Some((hit, why));
+        }
+    }
+}
+
+/// What is told first: the nearest of what is on the ray, then what is the least beyond its end, then the least behind its start.
+fn rank(hit: &Hit, why: Rejection) -> (u8, f64) {
+    match why {
+        Rejection::Left | Rejection::Skipped | Rejection::Culled(_) | Rejection::CutOut => {
+            (0, hit.t)
+        }
+        Rejection::BeyondEnd => (1, hit.t),
+        Rejection::BehindStart => (2, -hit.t),
+    }
+}

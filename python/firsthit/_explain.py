@@ -1,0 +1,227 @@
+"""The whole story of one ray."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import _firsthit
+from ._arrays import count, index
+from ._camera import Camera
+from ._filters import Filters
+from ._leaving import rays_of
+from ._object import chosen
+from ._rays import Rays
+from ._traceable import Traceable
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._leaving import LeavingRays
+    from ._types import Selection, Side
+
+
+class Crossing(NamedTuple):
+    """A crossing of a ray with a surface, behind what the ray meets first."""
+
+    #: The ray's parameter.
+    t: float
+    #: The object's identifier.
+    object: int
+    #: The primitive, such as the triangle.
+    primitive: int
+    #: The object's name; may be empty.
+    name: str
+    #: The name of its shape, such as ``"mesh"``.
+    shape: str
+    #: Whether the ray goes from the front to the back.
+    front: bool
+
+
+class Candidate(NamedTuple):
+    """An object, and why it is or is not what a ray meets first."""
+
+    #: The object's identifier.
+    object: int
+    #: Its name; may be empty.
+    name: str
+    #: The name of its shape, such as ``"mesh"``.
+    shape: str
+    #: Why, such as ``"hit"``, ``"behind_hit"``, ``"culled_back"`` or ``"box_missed"``.
+    reason: str
+    #: Where the reason is; ``None`` where the line of the ray does not touch the surface.
+    t: float | None
+    #: Which primitive it is about; ``None`` as before.
+    primitive: int | None
+
+
+class Explanation:
+    """The story of a ray, from `Scene.explain`. ``print`` shows it. Read-only."""
+
+    __slots__ = ("_record", "_text")
+
+    def __init__(self, text: str, record: dict[str, Any]) -> None:
+        self._text, self._record = text, record
+
+    @property
+    def hit(self) -> dict[str, Any] | None:
+        """What the ray meets first; ``None`` for a miss.
+
+        The keys are t, object, primitive, name, shape, face, position, normal, shading_normal,
+        front, barycentric, uv, base_color, material and attributes. There is ``None`` for what the
+        surface does not have.
+        """
+        hit: dict[str, Any] | None = copy.deepcopy(self._record["hit"])
+        return hit
+
+    @property
+    def behind(self) -> tuple[Crossing, ...]:
+        """The first crossings behind the hit, in order; as many as were asked for."""
+        return tuple(
+            Crossing(*(place[name] for name in Crossing._fields))
+            for place in self._record["behind"]
+        )
+
+    @property
+    def behind_count(self) -> int:
+        """How many crossings there are behind the hit."""
+        return int(self._record["behind_count"])
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Every object, in the order of identifiers, and why it is or is not the hit."""
+        return tuple(
+            Candidate(*(one[name] for name in Candidate._fields))
+            for one in self._record["candidates"]
+        )
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many objects there are for each reason that occurs."""
+        return dict(self._record["counts"])
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with a ray that cannot meet anything, such as a zero direction."""
+        fault: str | None = self._record["fault"]
+        return fault
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all of it in dicts, lists, numbers and strings, as ``json.dumps`` takes them.
+
+        Returns
+        -------
+        dict
+            What ``firsthit probe --json`` prints but for warnings and guesses: pixel, ray, fault,
+            hit, behind, behind_count, counts, candidates. Numbers that are not finite are ``None``.
+        """
+        return copy.deepcopy(self._record)
+
+    def __str__(self) -> str:
+        return self._text.rstrip("\n")
+
+    def __repr__(self) -> str:
+        hit = self._record["hit"]
+        met = "miss" if hit is None else f"t={hit['t']}, object={hit['object']}"
+        return f"Explanation({met}, {len(self._record['candidates'])} objects)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Explanation, (self._text, self._record)
+
+
+class Explainable(Traceable):
+    """The part of `Scene` that explains rays."""
+
+    def explain(
+        self,
+        origin: npt.ArrayLike | Camera | LeavingRays,
+        direction: npt.ArrayLike | None = None,
+        *,
+        pixel: tuple[int, int] | None = None,
+        t_min: float = 0.0,
+        t_max: float = math.inf,
+        mask: int | None = None,
+        cull: Side | None = None,
+        skip: tuple[int, int] | None = None,
+        objects: Selection | None = None,
+        behind: int = 10,
+    ) -> Explanation:
+        """Tell the whole story of one ray.
+
+        What it meets first and the surface there, why each other object is not that, and what lies
+        behind. It agrees to the bit with `shoot` and `shoot_all`.
+
+        Parameters
+        ----------
+        origin, direction : (3,) array_like
+            The ray, in world space. Instead of both, a `Camera` with a ``pixel``, or
+            `LeavingRays` (`Hits.leave`) of the shape ``()``.
+        pixel : pair of int, optional
+            Of a camera: the column from the left and the row from the top, both from 0. The ray
+            goes through the pixel's centre.
+        t_min, t_max, mask, cull, skip, objects
+            As for `shoot`, for this ray.
+        behind : int
+            How many crossings behind the hit are listed; the others are counted.
+
+        Returns
+        -------
+        Explanation
+            ``print`` shows it as ``firsthit probe`` does.
+
+        Raises
+        ------
+        ValueError
+            For a pixel outside of the picture, for more than one ray, and as `shoot`.
+        MemoryError
+            If there is too little memory.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Plane(point=(0, 0, 0), normal=(0, 0, 1)), name="ground")
+        0
+        >>> scene.add(fh.Sphere(center=(0, 0, 1), radius=1), name="ball")
+        1
+        >>> story = scene.explain((0, 0, 5), (0, 0, -1))
+        >>> story.hit["name"], story.hit["t"]
+        ('ball', 3.0)
+        >>> [(one.name, one.reason) for one in story.candidates]
+        [('ground', 'behind_hit'), ('ball', 'hit')]
+        >>> [(place.t, place.name) for place in story.behind]
+        [(5.0, 'ground'), (5.0, 'ball')]
+        """
+        through = None
+        if isinstance(origin, Camera):
+            if direction is not None:
+                raise ValueError("direction must be left out with a camera, which has its own")
+            through = (origin._native, *_pixel(pixel))
+            filters = Filters.of(mask, cull, skip)
+            # The limits and filters alone count.
+            rays = Rays.of((0, 0, 0), (0, 0, 1), t_min, t_max, filters=filters)
+        elif pixel is not None:
+            raise ValueError("pixel must be left out without a camera")
+        else:
+            rays = rays_of(origin, direction, t_min, t_max, masks=mask, cull=cull, skip=skip)
+        if rays.shape != ():
+            raise ValueError(f"explain takes one ray, got rays of shape {rays.shape}")
+        built, most = self._ready(), count("behind", behind)
+        among = None if objects is None else chosen(built.objects, objects)
+        given = rays.part(slice(0, 1))
+        text, record = _firsthit.explain(built.native, given, through, among, most)
+        return Explanation(text, json.loads(record))
+
+
+def _pixel(pixel: tuple[int, int] | None) -> tuple[int, int]:
+    """Return a pixel's column and row."""
+    if pixel is None:
+        raise ValueError("pixel must be given with a camera")
+    if not isinstance(pixel, tuple | list) or len(pixel) != 2:
+        raise ValueError(f"pixel must be a pair (column, row), got {pixel!r}")
+    column, row = (index("pixel", part) for part in pixel)
+    if column < 0 or row < 0:
+        raise ValueError(f"pixel must be one of the picture, got {pixel!r}")
+    return column, row

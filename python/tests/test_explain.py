@@ -1,0 +1,155 @@
+"""The story of one ray agrees with what else there is to be asked."""
+
+import json
+import pickle
+import subprocess
+import sys
+
+import firsthit as fh
+import numpy as np
+import pytest
+from support import bumpy_sphere
+
+
+def everything(seed):
+    """Shapes in a heap, some in one place, some masked or hidden."""
+    random = np.random.default_rng(seed)
+    scene = fh.Scene()
+    bumpy = fh.Mesh(*bumpy_sphere(8, seed))
+    for _ in range(12):
+        place = np.eye(4)
+        place[:3, 3] = random.uniform(-2, 2, 3)
+        shapes = [
+            bumpy,
+            fh.Sphere(random.uniform(-2, 2, 3), 0.7),
+            fh.Box((-1, -1, -1), random.uniform(0, 1, 3)),
+            fh.Disc((0, 0, 0), random.normal(size=3), 1.5),
+        ]
+        shape = shapes[random.integers(4)]
+        mask = int(random.integers(1, 4))
+        for _ in range(random.integers(1, 3)):
+            scene.add(shape, name=f"n{len(scene.objects)}", transform=place, mask=mask)
+    scene.hide(int(random.integers(len(scene.objects))))
+    return scene, random
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_it_agrees_with_shoot_and_shoot_all(seed):
+    scene, random = everything(seed)
+    settings = [{}, {"cull": "back"}, {"mask": 1}, {"t_max": 3.0}, {"t_min": -2.0}]
+    hits = 0
+    for k in range(100):
+        origin = random.uniform(-4, 4, 3)
+        ray = origin, random.uniform(-2, 2, 3) - origin
+        use = settings[k % len(settings)]
+        story, hit = scene.explain(*ray, **use), scene.shoot(*ray, **use)
+        met = scene.shoot_all(*ray, **use)
+        if hit.object < 0:
+            assert story.hit is None
+            assert story.behind_count == 0
+            continue
+        hits += 1
+        for name in ("t", "object", "primitive", "face", "front"):
+            assert story.hit[name] == getattr(hit, name), name
+        for name in ("position", "normal", "base_color"):
+            np.testing.assert_array_equal(story.hit[name], np.asarray(getattr(hit, name)))
+        assert story.behind_count == len(met.t) - 1
+        assert [place.t for place in story.behind] == list(met.t[1:11])
+        assert [place.front for place in story.behind] == list(met.front[1:11])
+        by_reason = {one.object: one.reason for one in story.candidates}
+        assert list(by_reason) == list(range(len(scene.objects)))
+        for identifier, reason in by_reason.items():
+            if reason in {"hidden", "masked"}:
+                continue
+            alone = scene.shoot(*ray, objects=identifier, **use)
+            assert (alone.object >= 0) == (reason in {"hit", "tied", "behind_hit"}), reason
+    assert hits > 20
+
+
+def test_a_pixel_is_that_of_a_camera():
+    scene, _ = everything(9)
+    camera = fh.Camera.look_at((0, -9, 3), (0, 0, 0), (0, 0, 1), 40, 5, 7)
+    hits = scene.shoot(camera)
+    for row in range(5):
+        for column in range(7):
+            story = scene.explain(camera, pixel=(column, row))
+            found = -1 if story.hit is None else story.hit["object"]
+            assert found == hits.object[row, column]
+            if found >= 0:
+                assert story.hit["t"] == hits.t[row, column]
+                assert story.to_dict()["pixel"]["z"] == hits.z[row, column]
+    limited = scene.explain(camera, pixel=(3, 2), t_max=1.0, cull="front")
+    assert limited.hit is None
+    assert limited.to_dict()["ray"]["cull"] == "front"
+
+
+def test_rays_that_leave_surfaces_and_chosen_objects():
+    scene = fh.Scene()
+    scene.add(fh.Mesh(*bumpy_sphere(8, 1)), name="skin")
+    scene.add(fh.Sphere((0, 0, 0), 0.1), name="core")
+    hits = scene.shoot((0, 0, 5), (0, 0, -1))
+    inwards = hits.leave((0.0, 0.0, -1.0))
+    story = scene.explain(inwards)
+    assert story.hit["name"] == "core"
+    assert story.to_dict()["ray"]["leaves"] == [0, int(hits.primitive)]
+    story = scene.explain(inwards, objects="skin")
+    assert (story.hit["name"], story.counts) == ("skin", {"hit": 1, "not_among": 1})
+
+
+def test_the_text_is_that_of_the_program(tmp_path):
+    (tmp_path / "part.obj").write_text("o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    ray = "0.2,0.3,5,0,0,-1"
+    command = [sys.executable, "-m", "firsthit", "probe", "part.obj", "--ray", ray]
+    told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    story = fh.load(tmp_path / "part.obj").explain((0.2, 0.3, 5), (0, 0, -1))
+    assert told.stdout == f"{story}\n"
+    command.append("--json")
+    told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    record = json.loads(told.stdout)
+    assert record.pop("warnings") == record.pop("guessed") == []
+    assert record == story.to_dict() == json.loads(json.dumps(story.to_dict()))
+
+
+def test_a_story_can_be_pickled_and_is_not_changed_from_outside():
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1))
+    story = scene.explain((0, 0, 5), (0, 0, -1))
+    assert repr(story) == "Explanation(t=4.0, object=0, 1 objects)"
+    story.hit["t"] = 0
+    story.to_dict()["hit"] = None
+    again = pickle.loads(pickle.dumps(story))
+    assert again.hit["t"] == 4.0
+    assert str(again) == str(story)
+    assert repr(scene.explain((9, 9, 9), (0, 0, 1))) == "Explanation(miss, 1 objects)"
+    assert scene.explain((0, 0, 5), (0, 0, 0)).fault == "its direction is zero"
+
+
+def test_what_makes_no_sense_is_refused():
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1))
+    camera = fh.Camera.look_at((0, -9, 3), (0, 0, 0), (0, 0, 1), 40, 5, 7)
+    up = (0, 0, 1)
+    with pytest.raises(ValueError, match="7 x 5, from 0,0 to 6,4"):
+        scene.explain(camera, pixel=(7, 0))
+    with pytest.raises(ValueError, match="one of the picture"):
+        scene.explain(camera, pixel=(-1, 0))
+    with pytest.raises(ValueError, match="pixel must be given"):
+        scene.explain(camera)
+    with pytest.raises(ValueError, match="pair"):
+        scene.explain(camera, pixel=3)
+    with pytest.raises(TypeError, match="int"):
+        scene.explain(camera, pixel=(0.5, 1))
+    with pytest.raises(ValueError, match="without a camera"):
+        scene.explain(up, up, pixel=(0, 0))
+    with pytest.raises(ValueError, match="direction must be left out"):
+        scene.explain(camera, up, pixel=(0, 0))
+    with pytest.raises(ValueError, match=r"one ray, got rays of shape \(2,\)"):
+        scene.explain([up, up], up)
+    with pytest.raises(ValueError, match="directions"):
+        scene.explain(up)
+    with pytest.raises(ValueError, match="cull"):
+        scene.explain(up, up, cull="side")
+    with pytest.raises(ValueError, match="behind"):
+        scene.explain(up, up, behind=-1)
+    with pytest.raises(ValueError, match="no object"):
+        scene.explain(up, up, objects="cube")
