@@ -13,7 +13,7 @@ from ._files import distinct, files, is_cloud, is_of_several
 from ._leaving import leaving
 from ._progress import following
 from ._rounding import singles, singles_within
-from ._types import ChannelName
+from ._types import ChannelName, NamedIdentifier
 
 if TYPE_CHECKING:
     import os
@@ -60,8 +60,8 @@ class Hits(Attributed):
     array of the rays' shape. ``hits["name"]`` is a channel, or an attribute of the meshes that were
     hit. ``hits.to_dict()`` is a table.
 
-    A miss has ``t``, ``range`` and ``z`` of infinity; ``object``, ``primitive`` and ``face`` of -1;
-    a false ``front``; and NaN elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
+    A miss has ``t``, ``range`` and ``z`` of infinity; identifiers of -1; a false ``front``; and NaN
+    elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
     others are computed when they are first read, from the rays and the scene as they were shot.
 
     All arrays are read-only, because hits compute from them and return the same memory at every
@@ -127,6 +127,64 @@ class Hits(Attributed):
     def face(self) -> npt.NDArray[np.int32]:
         """The identifiers of the polygons that became triangles, (...) int32; -1 for a miss."""
         return self.channel("face")
+
+    @property
+    def node(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the file's nodes that objects come from, (...) int32; -1 for none."""
+        return self.channel("node")
+
+    @property
+    def mesh(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the meshes that objects are, or are parts of, (...) int32.
+
+        Objects of one mesh are its instances. -1 for a miss and for other shapes.
+        """
+        return self.channel("mesh")
+
+    @property
+    def material(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the materials, (...) int32; -1 for a miss and where there is none.
+
+        Materials that are alike in name and look are one.
+        """
+        return self.channel("material")
+
+    def names(self, channel: NamedIdentifier) -> tuple[str, ...]:
+        """Return the names of what the identifiers of a channel stand for.
+
+        Parameters
+        ----------
+        channel : {"object", "node", "mesh", "material"}
+            The channel.
+
+        Returns
+        -------
+        tuple of str
+            The name of each identifier, from 0 on; empty for what has none. A node's is its path
+            from the root of the file's tree, such as ``truck/wheel``.
+
+        Raises
+        ------
+        ValueError
+            For another channel.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> for x in (0, 3):
+        ...     steel = fh.Material(color="gray", name="steel")
+        ...     ball = scene.add(fh.Sphere(center=(x, 0, 0), radius=1), material=steel)
+        >>> hits = scene.shoot([[0, 0, 5], [3, 0, 5], [9, 0, 5]], [0, 0, -1])
+        >>> hits.material
+        array([ 0,  0, -1], dtype=int32)
+        >>> hits.names("material")
+        ('steel',)
+        """
+        if channel not in get_args(NamedIdentifier):
+            known = ", ".join(get_args(NamedIdentifier))
+            raise ValueError(f"channel must be one of {known}, got {channel!r}")
+        return tuple(self._built.native.names(channel))
 
     @property
     def barycentric(self) -> npt.NDArray[np.float64]:
@@ -454,7 +512,7 @@ class Hits(Attributed):
         camera = self._source.camera
         says_camera = is_cloud(path) or self._source.is_whole
         native = camera._native if camera is not None and says_camera else None
-        origin = _firsthit.origin(self._built.native, native)
+        origin = _firsthit.origin(self._built.native, native, names)
         for file, held in wanted:
             arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
             _firsthit.write(file, list(self._shape), arrays, origin, None)

@@ -11,7 +11,9 @@ Vector = tuple[float, float, float]
 #: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
 DistanceName = Literal["t", "range", "z"]
 #: Channels of identifiers, int32.
-IdentifierName = Literal["object", "primitive", "face"]
+IdentifierName = Literal["object", "primitive", "face", "node", "mesh", "material"]
+#: Channels of identifiers that stand for something with a name.
+NamedIdentifier = Literal["object", "node", "mesh", "material"]
 #: Channels of several float64 for each ray.
 VectorName = Literal["normal", "position", "barycentric", "uv", "base_color"]
 #: All channels. ``color`` is float32 and ``front`` is bool; `firsthit.render` lists the rest.
@@ -23,6 +25,9 @@ ChannelName = Literal[
     "object",
     "primitive",
     "face",
+    "node",
+    "mesh",
+    "material",
     "normal",
     "position",
     "barycentric",

@@ -157,11 +157,17 @@ pub(crate) fn metadata(
 
 /// The JSON of the origin of what rays met, of a camera's or of others.
 #[pyfunction]
-pub(crate) fn origin(py: Python<'_>, scene: &Scene, camera: Option<&Camera>) -> PyResult<String> {
+pub(crate) fn origin(
+    py: Python<'_>,
+    scene: &Scene,
+    camera: Option<&Camera>,
+    channels: Vec<String>,
+) -> PyResult<String> {
+    let kinds = kinds(py, &channels)?;
     let sensor = camera.map(|camera| &camera.0 as &dyn Sensor);
     // The fingerprint takes long the first time.
     let origin = run(py, 0, |_| {
-        Ok(firsthit::render::origin(&scene.0, sensor, None))
+        Ok(firsthit::render::origin(&scene.0, sensor, None, &kinds))
     })?;
     serde_json::to_string(&origin).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }

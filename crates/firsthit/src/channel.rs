@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
 use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
-use crate::scene::{Scene, SurfaceInteraction};
+use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
 use crate::sensor::Sensor;
 use crate::shoot::Hits;
 use crate::watch::Watch;
@@ -63,6 +63,8 @@ enum Make {
     Doubles(fn(&SurfaceInteraction<'_>, &mut [f64])),
     /// From a hit; -1 for a miss.
     Identifier(fn(&Hit) -> i32),
+    /// From what the object that is met comes from; -1 for a miss.
+    Origin(fn(&Catalog, &Object, &Hit) -> i32),
     /// From what a ray meets; -1 for a miss.
     Integer(fn(&SurfaceInteraction<'_>) -> i32),
     /// From what a ray meets; false for a miss.
@@ -188,6 +190,33 @@ pub const KINDS: &[Kind] = &[
         make: Make::Integer(face),
     },
     Kind {
+        name: "node",
+        about: "identifier of the node that the object comes from; -1 for a miss and where there is none",
+        components: 1,
+        display: Display::Identifier,
+        unit: Unit::None,
+        frame: None,
+        make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.node_of(object))),
+    },
+    Kind {
+        name: "mesh",
+        about: "identifier of the mesh that the object is, or is a part of; -1 for a miss and other shapes",
+        components: 1,
+        display: Display::Identifier,
+        unit: Unit::None,
+        frame: None,
+        make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.mesh_of(object))),
+    },
+    Kind {
+        name: "material",
+        about: "identifier of the material; -1 for a miss and where there is none",
+        components: 1,
+        display: Display::Identifier,
+        unit: Unit::None,
+        frame: None,
+        make: Make::Origin(material),
+    },
+    Kind {
         name: "normal",
         about: "geometric normal in the world, of length one, outwards; NaN for a miss",
         components: 3,
@@ -265,6 +294,16 @@ fn is_front(surface: &SurfaceInteraction<'_>) -> bool {
     surface.is_front()
 }
 
+fn of_object(hit: &Hit, number: impl FnOnce(usize) -> i32) -> i32 {
+    usize::try_from(hit.object).map_or(-1, number)
+}
+
+fn material(catalog: &Catalog, object: &Object, hit: &Hit) -> i32 {
+    let slot = object.material_slot(hit.primitive);
+    let number = |slot| of_object(hit, |object| catalog.materials_of(object)[slot]);
+    slot.map_or(-1, number)
+}
+
 /// The kind of that name.
 ///
 /// # Errors
@@ -285,6 +324,11 @@ impl Kind {
     /// Whether it takes a sensor: rays from elsewhere do not have it.
     pub fn needs_sensor(&self) -> bool {
         matches!(self.make, Make::Distance(_))
+    }
+
+    /// Whether metadata have a table of what its identifiers stand for.
+    pub fn has_names(&self) -> bool {
+        matches!(self.make, Make::Origin(_)) || self.name == "object"
     }
 
     /// Whether it takes a shader.
@@ -377,7 +421,9 @@ impl Kind {
             Make::Doubles(_) => {
                 Data::Float64(filled(count.saturating_mul(self.components), f64::NAN)?)
             }
-            Make::Identifier(_) | Make::Integer(_) => Data::Int32(filled(count, -1)?),
+            Make::Identifier(_) | Make::Origin(_) | Make::Integer(_) => {
+                Data::Int32(filled(count, -1)?)
+            }
             Make::Flag(_) => Data::Bool(filled(count, false)?),
             Make::Color | Make::Elsewhere => {
                 return Err(Error::argument(
@@ -399,6 +445,7 @@ enum Part<'a> {
         &'a mut [f64],
     ),
     Identifier(fn(&Hit) -> i32, &'a mut [i32]),
+    Origin(fn(&Catalog, &Object, &Hit) -> i32, &'a mut [i32]),
     Integer(fn(&SurfaceInteraction<'_>) -> i32, &'a mut [i32]),
     Flag(fn(&SurfaceInteraction<'_>) -> bool, &'a mut [bool]),
     Distance(usize, &'a mut [f64]),
@@ -423,6 +470,10 @@ impl<'a> Part<'a> {
                 let parts = values.chunks_mut(CHUNK);
                 parts.map(|part| Self::Identifier(value, part)).collect()
             }
+            (Data::Int32(values), &Make::Origin(value)) => {
+                let parts = values.chunks_mut(CHUNK);
+                parts.map(|part| Self::Origin(value, part)).collect()
+            }
             (Data::Int32(values), &Make::Integer(value)) => {
                 let parts = values.chunks_mut(CHUNK);
                 parts.map(|part| Self::Integer(value, part)).collect()
@@ -444,6 +495,8 @@ impl<'a> Part<'a> {
 /// Fills the parts of channels that belong to `count` rays from `first` on, where they hit something.
 fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
     let needs_surface = parts.iter().any(Part::needs_surface);
+    let has_origin = parts.iter().any(|part| matches!(part, Part::Origin(..)));
+    let catalog = has_origin.then(|| shots.scene.catalog());
     for k in 0..count {
         let hit = shots.hits.get(first + k);
         if hit.is_miss() {
@@ -457,6 +510,11 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
             match part {
                 Part::T(out) => out[k] = hit.t,
                 Part::Identifier(value, out) => out[k] = value(&hit),
+                Part::Origin(value, out) => {
+                    if let (Some(object), Some(catalog)) = (shots.scene.object(&hit), catalog) {
+                        out[k] = value(catalog, object, &hit);
+                    }
+                }
                 Part::Distance(which, out) => {
                     if let Some(sensor) = shots.sensor {
                         out[k] = sensor.range_and_z(first + k, hit.t)[*which];

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::frame::{Channel, Display, Frame};
+use super::names::Names;
 use super::origin::{CameraRecord, Origin};
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
@@ -33,6 +34,9 @@ pub struct Metadata {
     pub samples: Option<u32>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
+    /// What the identifiers of the channels `object`, `node`, `mesh` and `material` stand for, if one of them is in this file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub names: Option<Names>,
 }
 
 /// How pixels lie: the same in all outputs.
@@ -137,10 +141,12 @@ impl Metadata {
             camera,
             samples,
             first_pixel,
+            names,
         } = frame.origin.clone();
         let has_colors = channels
             .iter()
             .any(|channel| channel.display == Display::Color);
+        let has = |name: &str| channels.iter().any(|channel| channel.name == name);
         Self {
             metadata_version: METADATA_VERSION,
             firsthit: env!("CARGO_PKG_VERSION").to_owned(),
@@ -152,6 +158,7 @@ impl Metadata {
                 .map(|channel| ChannelRecord::of(channel, camera.is_some(), stored(channel)))
                 .collect(),
             camera,
+            names: names.and_then(|names| names.of_channels(has)),
         }
     }
 

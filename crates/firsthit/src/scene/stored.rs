@@ -75,6 +75,7 @@ impl Scene {
             top,
             bounds: OnceLock::from(bounds),
             first_open: OnceLock::new(),
+            catalog: OnceLock::new(),
             lights: Vec::new(),
             has_own_lights: true,
             up: None,
