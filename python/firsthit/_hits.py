@@ -9,7 +9,7 @@ import numpy as np
 from . import _firsthit
 from ._arrays import lock, threads_or_all
 from ._attributes import Attributed
-from ._files import distinct, files, is_cloud, is_of_several
+from ._files import attribute_of, distinct, files, is_cloud, is_of_several
 from ._leaving import leaving
 from ._progress import following
 from ._rounding import singles, singles_within
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._leaving import LeavingRays
     from ._source import Arrays, Source
     from ._traceable import Built
-    from ._types import DistanceName, IdentifierName, Progress, VectorName
+    from ._types import Asked, DistanceName, IdentifierName, Progress, VectorName
 
     # No ArrayLike, which text is too.
     Index = (
@@ -465,7 +465,7 @@ class Hits(Attributed):
     def save(
         self,
         path: str | os.PathLike[str],
-        channels: ChannelName | Sequence[ChannelName] | None = None,
+        channels: Asked | Sequence[Asked] | None = None,
     ) -> None:
         """Write the hits to a file, whole or not at all.
 
@@ -479,8 +479,8 @@ class Hits(Attributed):
             With ``{channel}`` in the name each channel has a file of its own. The metadata name the
             camera where the hits are those of all its pixels, or a point cloud.
         channels : str or sequence of str, optional
-            Some of `channels`; a name counts once. If left out, ``t``, ``object`` and
-            ``primitive``, for a point cloud ``position`` and ``normal`` too, and for a file that
+            Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; a name counts once. If
+            left out, ``t``, ``object`` and ``primitive``, for a point cloud ``position`` and ``normal`` too, and for a file that
             takes one channel ``t`` alone.
 
         Raises
@@ -501,8 +501,9 @@ class Hits(Attributed):
         >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
         >>> hits.save("cloud.ply", ["position", "normal", "object"])
         """
+        names: list[str]
         if channels is not None:
-            names = distinct(channels, self.channels)
+            names = list(distinct(channels, self.channels))
         else:
             names = ["t", "object", "primitive"] if is_of_several(path) else ["t"]
             names = ["normal", *names] if is_cloud(path) else names
@@ -514,7 +515,7 @@ class Hits(Attributed):
         native = camera._native if camera is not None and says_camera else None
         origin = _firsthit.origin(self._built.native, native, names)
         for file, held in wanted:
-            arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
+            arrays = [(name, np.ascontiguousarray(self._asked(name)).ravel()) for name in held]
             _firsthit.write(file, list(self._shape), arrays, origin, None)
 
     # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a
@@ -541,6 +542,11 @@ class Hits(Attributed):
         some._single = None if self._single is None else self._single[chosen]
         some._source = self._source.take(chosen, some._shape)
         return some
+
+    def _asked(self, name: str) -> npt.NDArray[Any]:
+        """Return what a name among the channels of a file asks for."""
+        attribute = attribute_of(name)
+        return self._named(name) if attribute is None else self.attribute(attribute)
 
     def _named(self, name: str) -> npt.NDArray[Any]:
         """Return the channel of that name, or else the attribute."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NewType, Protocol
 
 #: Three numbers, as attributes have them; arguments take anything array_like of three.
 Vector = tuple[float, float, float]
@@ -35,6 +35,12 @@ ChannelName = Literal[
     "base_color",
     "front",
 ]
+
+#: The channel of an attribute, for type checkers: ``AttributeChannel("attribute:quality")``. At run
+#: time it is the text itself, which does as well.
+AttributeChannel = NewType("AttributeChannel", str)
+#: What pictures and files of hits can be asked for.
+Asked = ChannelName | AttributeChannel
 
 #: What of a mesh has an attribute.
 AttributeOf = Literal["vertices", "corners", "faces"]

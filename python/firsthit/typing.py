@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ._types import (
     AlphaMode,
+    AttributeChannel,
     AttributeOf,
     ChannelName,
     DistanceName,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlphaMode",
+    "AttributeChannel",
     "AttributeOf",
     "ChannelName",
     "DistanceName",

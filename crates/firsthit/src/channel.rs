@@ -2,6 +2,9 @@
 
 mod attribute;
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
@@ -38,13 +41,13 @@ impl std::fmt::Debug for Shots<'_> {
 }
 
 /// A kind of output: its name, what it says, and how it is made from hits.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Kind {
     /// The channel's name, in files too.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// One line for help texts: what it is, its unit, and its value for a miss.
     pub about: &'static str,
-    /// Numbers for each ray.
+    /// Numbers for each ray; 0 for an attribute, of which the scene decides.
     pub components: usize,
     /// How it becomes a picture.
     pub display: Display,
@@ -55,7 +58,7 @@ pub struct Kind {
     make: Make,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 enum Make {
     /// From a hit; for a miss the parameter of that, which is infinite.
     T,
@@ -71,6 +74,8 @@ enum Make {
     Flag(fn(&SurfaceInteraction<'_>) -> bool),
     /// Which of [`Sensor::range_and_z`].
     Distance(usize),
+    /// An attribute of the meshes, by its name.
+    Attribute(Arc<str>),
     /// From a shader, by `render`.
     Color,
     /// Not from first hits.
@@ -80,7 +85,7 @@ enum Make {
 /// The number of the ray that each hit belongs to, where a ray may have several. It is no channel of a picture, so not among
 /// [`KINDS`]; [`AllHits::ray_numbers`](crate::shoot::AllHits::ray_numbers) has its data.
 pub const RAY: &Kind = &Kind {
-    name: "ray",
+    name: Cow::Borrowed("ray"),
     about: "number of the ray, from 0",
     components: 1,
     display: Display::Identifier,
@@ -92,7 +97,7 @@ pub const RAY: &Kind = &Kind {
 /// Whether a point is inside an object. It is no channel of hits, so not among [`KINDS`];
 /// [`inside`](crate::measure::inside()) has its data.
 pub const INSIDE: &Kind = &Kind {
-    name: "inside",
+    name: Cow::Borrowed("inside"),
     about: "whether the point is inside an object",
     components: 1,
     display: Display::Mask,
@@ -104,7 +109,7 @@ pub const INSIDE: &Kind = &Kind {
 /// Whether two points see each other. It is no channel of hits, so not among [`KINDS`]; [`visible`](crate::shoot::visible())
 /// has its data.
 pub const VISIBLE: &Kind = &Kind {
-    name: "visible",
+    name: Cow::Borrowed("visible"),
     about: "whether the two points see each other",
     components: 1,
     display: Display::Mask,
@@ -115,7 +120,7 @@ pub const VISIBLE: &Kind = &Kind {
 
 /// How thick an object is. It is no channel of hits, so not among [`KINDS`]; [`thickness`](crate::measure::thickness()) has its data.
 pub const THICKNESS: &Kind = &Kind {
-    name: "thickness",
+    name: Cow::Borrowed("thickness"),
     about: "distance inwards to the other side; inf where there is none",
     components: 1,
     display: Display::Distance,
@@ -127,7 +132,7 @@ pub const THICKNESS: &Kind = &Kind {
 /// Every channel. A new one is a new row.
 pub const KINDS: &[Kind] = &[
     Kind {
-        name: "color",
+        name: Cow::Borrowed("color"),
         about: "linear red, green, blue (Rec. 709); the background for a miss",
         components: 3,
         display: Display::Color,
@@ -136,7 +141,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Color,
     },
     Kind {
-        name: "t",
+        name: Cow::Borrowed("t"),
         about: "distance from the ray's start along the ray (in lengths of the direction); inf for a miss",
         components: 1,
         display: Display::Distance,
@@ -145,7 +150,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::T,
     },
     Kind {
-        name: "range",
+        name: Cow::Borrowed("range"),
         about: "distance from the camera's position along the ray; inf for a miss",
         components: 1,
         display: Display::Distance,
@@ -154,7 +159,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Distance(0),
     },
     Kind {
-        name: "z",
+        name: Cow::Borrowed("z"),
         about: "distance from the camera's position along its aim; inf for a miss",
         components: 1,
         display: Display::Distance,
@@ -163,7 +168,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Distance(1),
     },
     Kind {
-        name: "object",
+        name: Cow::Borrowed("object"),
         about: "identifier of the object; -1 for a miss",
         components: 1,
         display: Display::Identifier,
@@ -172,7 +177,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Identifier(|hit| hit.object),
     },
     Kind {
-        name: "primitive",
+        name: Cow::Borrowed("primitive"),
         about: "identifier of the object's part, such as the triangle; -1 for a miss",
         components: 1,
         display: Display::Identifier,
@@ -181,7 +186,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Identifier(|hit| hit.primitive),
     },
     Kind {
-        name: "face",
+        name: Cow::Borrowed("face"),
         about: "identifier of the polygon that the triangle was part of; -1 for a miss",
         components: 1,
         display: Display::Identifier,
@@ -190,7 +195,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Integer(face),
     },
     Kind {
-        name: "node",
+        name: Cow::Borrowed("node"),
         about: "identifier of the node that the object comes from; -1 for a miss and where there is none",
         components: 1,
         display: Display::Identifier,
@@ -199,7 +204,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.node_of(object))),
     },
     Kind {
-        name: "mesh",
+        name: Cow::Borrowed("mesh"),
         about: "identifier of the mesh that the object is, or is a part of; -1 for a miss and other shapes",
         components: 1,
         display: Display::Identifier,
@@ -208,7 +213,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.mesh_of(object))),
     },
     Kind {
-        name: "material",
+        name: Cow::Borrowed("material"),
         about: "identifier of the material; -1 for a miss and where there is none",
         components: 1,
         display: Display::Identifier,
@@ -217,7 +222,7 @@ pub const KINDS: &[Kind] = &[
         make: Make::Origin(material),
     },
     Kind {
-        name: "normal",
+        name: Cow::Borrowed("normal"),
         about: "geometric normal in the world, of length one, outwards; NaN for a miss",
         components: 3,
         display: Display::Direction,
@@ -228,7 +233,7 @@ pub const KINDS: &[Kind] = &[
         }),
     },
     Kind {
-        name: "position",
+        name: Cow::Borrowed("position"),
         about: "where the hit is in the world; NaN for a miss",
         components: 3,
         display: Display::Position,
@@ -239,7 +244,7 @@ pub const KINDS: &[Kind] = &[
         }),
     },
     Kind {
-        name: "barycentric",
+        name: Cow::Borrowed("barycentric"),
         about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
         components: 3,
         display: Display::Fraction,
@@ -251,7 +256,7 @@ pub const KINDS: &[Kind] = &[
         }),
     },
     Kind {
-        name: "uv",
+        name: Cow::Borrowed("uv"),
         about: "texture coordinates; NaN for a miss and where there are none",
         components: 2,
         display: Display::Fraction,
@@ -264,7 +269,7 @@ pub const KINDS: &[Kind] = &[
         }),
     },
     Kind {
-        name: "base_color",
+        name: Cow::Borrowed("base_color"),
         about: "linear colour of the surface there, with its texture, without light; NaN for a miss",
         components: 3,
         display: Display::Fraction,
@@ -275,7 +280,7 @@ pub const KINDS: &[Kind] = &[
         }),
     },
     Kind {
-        name: "front",
+        name: Cow::Borrowed("front"),
         about: "whether the front of the surface was met; false for a miss",
         components: 1,
         display: Display::Mask,
@@ -310,17 +315,83 @@ fn material(catalog: &Catalog, object: &Object, hit: &Hit) -> i32 {
 ///
 /// [`Error::Argument`] for a name that no kind has.
 pub fn kind(name: &str) -> Result<&'static Kind> {
-    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    let names: Vec<&str> = KINDS.iter().map(|kind| &*kind.name).collect();
     KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
         Error::argument(
             "channel",
             "a channel's name",
-            format!("{name:?}; there are {}", names.join(", ")),
+            format!(
+                "{name:?}; there are {}, and {ATTRIBUTE}NAME for an attribute",
+                names.join(", ")
+            ),
         )
     })
 }
 
+/// What the names of channels of attributes begin with.
+pub const ATTRIBUTE: &str = "attribute:";
+
+/// What a name asks for: the kind of that name, or with [`ATTRIBUTE`] before it the attribute of the meshes, see
+/// [`Kind::attribute`].
+///
+/// # Errors
+///
+/// [`Error::Argument`] for a name that no kind has, and for an attribute without a name.
+pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
+    match name.strip_prefix(ATTRIBUTE) {
+        Some("") => Err(Error::argument("channel", "an attribute's name", name)),
+        Some(attribute) => Ok(Cow::Owned(Kind::attribute(attribute))),
+        None => kind(name).map(Cow::Borrowed),
+    }
+}
+
 impl Kind {
+    /// The kind of an attribute of the meshes, as [`attribute()`] gives it. The channel's name is `attribute:` and the attribute's
+    /// name, in which `_` stands for what is no letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all.
+    /// A scene that does not have it refuses it.
+    pub fn attribute(name: &str) -> Self {
+        let plain = |char: char| match char {
+            '.' | '-' | '_' => char,
+            _ if char.is_ascii_alphanumeric() => char,
+            _ => '_',
+        };
+        let shown: String = name.chars().take(LONGEST_NAME).map(plain).collect();
+        Self {
+            name: format!("{ATTRIBUTE}{shown}").into(),
+            about: "attribute of the meshes that were hit; NaN for a miss and where there is none",
+            components: 0,
+            display: Display::Quantity,
+            unit: Unit::None,
+            frame: None,
+            make: Make::Attribute(name.into()),
+        }
+    }
+
+    /// The channel's name where a file's name has it: no system takes a colon for anything else then.
+    pub fn name_in_path(&self) -> String {
+        self.name.replace(':', "-")
+    }
+
+    /// The attribute's name in meshes, if it is one.
+    pub fn attribute_name(&self) -> Option<&str> {
+        match &self.make {
+            Make::Attribute(name) => Some(name),
+            _ => None,
+        }
+    }
+
+    /// Fails for an attribute that no mesh of the scene has.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`], which lists those there are.
+    pub fn check(&self, scene: &Scene) -> Result<()> {
+        let name = self.attribute_name();
+        name.map_or(Ok(()), |name| {
+            attribute::components(name, None, scene).map(drop)
+        })
+    }
+
     /// Whether it takes a sensor: rays from elsewhere do not have it.
     pub fn needs_sensor(&self) -> bool {
         matches!(self.make, Make::Distance(_))
@@ -347,7 +418,7 @@ impl Kind {
     /// The channel of this kind with `data`, which [`Frame::push`](crate::image::Frame::push) checks.
     pub fn channel(&self, data: Data) -> Channel {
         Channel {
-            name: self.name,
+            name: self.name.clone(),
             components: self.components,
             data,
             display: self.display,
@@ -360,6 +431,9 @@ impl Kind {
     }
 }
 
+/// So many characters of an attribute's name a channel's name has at most.
+const LONGEST_NAME: usize = 100;
+
 /// How many rays a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
@@ -368,14 +442,47 @@ const CHUNK: usize = 1 << 12;
 ///
 /// # Errors
 ///
-/// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, and for a channel that needs a sensor where
-/// there is none, [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, for a channel that needs a sensor where
+/// there is none, and for an attribute that no mesh has, [`Error::Interrupted`] when `watch` stops it.
 pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
+    let others = kinds.iter().copied();
+    let others: Vec<&Kind> = others
+        .filter(|kind| kind.attribute_name().is_none())
+        .collect();
+    let mut made = make_at_hits(&others, shots, watch)?.into_iter();
+    let mut channels = Vec::with_capacity(kinds.len());
+    for kind in kinds {
+        let Some(name) = kind.attribute_name() else {
+            channels.extend(made.next());
+            continue;
+        };
+        let found = attribute(name, None, shots.scene, shots.hits, &Silent(watch))?;
+        let mut channel = kind.channel(Data::Float64(found.values));
+        channel.components = found.components;
+        channels.push(channel);
+    }
+    if others.is_empty() && !kinds.is_empty() {
+        watch.advance(shots.rays.len() as u64);
+    }
+    Ok(channels)
+}
+
+/// Stops as the other, and tells it nothing.
+struct Silent<'a>(&'a dyn Watch);
+
+impl Watch for Silent<'_> {
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped()
+    }
+}
+
+/// The channels that are no attributes.
+fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
     for kind in kinds {
         let is_made_elsewhere = matches!(kind.make, Make::Color | Make::Elsewhere);
         if is_made_elsewhere || (kind.needs_sensor() && shots.sensor.is_none()) {
             let expected = "one that rays without a camera have";
-            return Err(Error::argument("channel", expected, kind.name));
+            return Err(Error::argument("channel", expected, &*kind.name));
         }
     }
     let count = shots.rays.len();
@@ -425,11 +532,11 @@ impl Kind {
                 Data::Int32(filled(count, -1)?)
             }
             Make::Flag(_) => Data::Bool(filled(count, false)?),
-            Make::Color | Make::Elsewhere => {
+            Make::Color | Make::Attribute(_) | Make::Elsewhere => {
                 return Err(Error::argument(
                     "channel",
                     "one without a shader",
-                    self.name,
+                    &*self.name,
                 ));
             }
         })

@@ -194,6 +194,9 @@ impl<'a> Picture<'a> {
         let shape = self.sensor.shape();
         let region = self.region.clone().unwrap_or_else(|| Region::all(shape));
         region.check(shape)?;
+        self.channels
+            .iter()
+            .try_for_each(|kind| kind.check(self.scene))?;
         let [rows, columns] = region.shape();
         let bytes = |kind: &&Kind| kind.components * size_of::<f32>();
         let each: usize = self.channels.iter().map(bytes).sum();

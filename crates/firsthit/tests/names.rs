@@ -5,9 +5,11 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use firsthit::image::{Names, read};
+use firsthit::image::{Data, Names, read};
 use firsthit::load::{LoadSettings, load, load_bytes};
+use firsthit::render::Region;
 use firsthit::scene::Label;
+use firsthit::shape::{Property, PropertyOf, PropertyValues};
 use firsthit::world::World;
 use firsthit::{
     Color, DVec3, Material, Mesh, Object, Positions, Render, Scene, Sphere, Transform, fhs,
@@ -189,6 +191,103 @@ fn nodes_of_a_scene_file_are_those_of_each_of_its_tables() {
             pair(5, 1),
             (None, None)
         ]
+    );
+}
+
+/// Some formats keep metadata as ASCII or Latin-1 only.
+#[test]
+fn names_of_any_script_come_back_from_every_format() {
+    let name = "R\u{e4}der \u{8eca}\u{1f69a}\"\\";
+    let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap()).named(name);
+    let scene = Scene::new(vec![ball]).unwrap();
+    for file in ["a.npz", "a.exr", "a.ply", "a.pcd", "a.png"] {
+        let channels: &[&str] = match file {
+            "a.png" => &["object"],
+            _ => &["position", "object"],
+        };
+        let names = names_in(&scene, channels, file).unwrap();
+        assert_eq!(names.object.unwrap()[0].name, name, "{file}");
+    }
+}
+
+/// A triangle in the plane z = 0 seen from above: the number at a pixel is linear in its place.
+#[test]
+fn pictures_have_attributes_as_channels() {
+    let heat = PropertyValues::Double(vec![10.0, 20.0, 40.0].into());
+    let many = PropertyValues::Double((0..15).map(f64::from).collect::<Vec<_>>().into());
+    let heat = Property::new("heat (K)", PropertyOf::Vertices, heat);
+    let many = Property {
+        components: 5,
+        ..Property::new("many", PropertyOf::Vertices, many)
+    };
+    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2]]).unwrap();
+    let mesh = mesh.with_properties(vec![heat, many]).unwrap();
+    let scene = Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap();
+    let channels = ["position", "attribute:heat (K)", "attribute:many"];
+    let picture = || Render::new(&scene).size(20, 30).channels(&channels);
+    let frame = picture().frame().unwrap();
+    let values = |name: &str| match frame.channel(name).map(|channel| &channel.data) {
+        Some(Data::Float64(values)) => values.clone(),
+        other => panic!("{name}: {other:?}"),
+    };
+    let (places, heat) = (values("position"), values("attribute:heat__K_"));
+    let (places, _) = places.as_chunks::<3>();
+    let mut hits = 0;
+    for (&[x, y, _], heat) in places.iter().zip(&heat) {
+        let expected = 10.0 + 10.0 * x + 30.0 * y;
+        assert!((heat - expected).abs() < 1e-12 || (x.is_nan() && heat.is_nan()));
+        hits += usize::from(!x.is_nan());
+    }
+    assert!(hits > 50, "{hits}");
+    assert_eq!(frame.channel("attribute:many").unwrap().components, 5);
+    assert_eq!(values("attribute:many").len(), 5 * 20 * 30);
+    // In slabs, regions and files they are the same numbers.
+    let part = picture()
+        .region(Region {
+            rows: 3..9,
+            columns: 5..25,
+        })
+        .frame()
+        .unwrap();
+    let part = part.channel("attribute:heat__K_").unwrap().data.clone();
+    assert_eq!(part.len(), 6 * 20);
+    assert_eq!(part.value(0).to_bits(), heat[3 * 30 + 5].to_bits());
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["a.npz", "a.exr", "a.ply", "a.pcd"] {
+        let path = folder.path().join(file);
+        frame.save(&path).unwrap();
+        let metadata = read(&path).unwrap().metadata.unwrap();
+        assert_eq!(
+            metadata.channel("attribute:many").unwrap().components,
+            5,
+            "{file}"
+        );
+    }
+    let png = folder.path().join("a.png");
+    frame.save_channel("attribute:heat__K_", &png).unwrap();
+    let refused = frame
+        .save_channel("attribute:many", &png)
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("one to three numbers"), "{refused}");
+    let unknown = Render::new(&scene)
+        .channels(&["attribute:cold"])
+        .frame()
+        .unwrap_err();
+    assert!(
+        unknown
+            .to_string()
+            .contains("'cold'; there are heat (K), many"),
+        "{unknown}"
+    );
+    let nameless = Render::new(&scene)
+        .channels(&["attribute:"])
+        .frame()
+        .unwrap_err();
+    assert!(
+        nameless.to_string().contains("an attribute's name"),
+        "{nameless}"
     );
 }
 

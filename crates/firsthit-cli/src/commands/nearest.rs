@@ -166,7 +166,7 @@ fn report(
         let channels: Vec<&str> = frame
             .channels()
             .iter()
-            .map(|channel| channel.name)
+            .map(|channel| &*channel.name)
             .collect();
         let of_file = |file| json!({"file": file, "channels": channels});
         let files = if args.output.is_empty() {

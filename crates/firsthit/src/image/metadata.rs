@@ -178,7 +178,23 @@ impl Metadata {
     ///
     /// Never: every field is of a type that JSON has.
     pub fn to_json(&self) -> String {
-        serde_json::to_string(self).expect("strings, numbers and lists of them are JSON")
+        let text =
+            serde_json::to_string(self).expect("strings, numbers and lists of them are JSON");
+        if text.is_ascii() {
+            return text;
+        }
+        let mut ascii = String::with_capacity(text.len());
+        for char in text.chars() {
+            if char.is_ascii() {
+                ascii.push(char);
+                continue;
+            }
+            // Only strings have others, the names of objects and the like, and there these are the same.
+            for unit in char.encode_utf16(&mut [0; 2]) {
+                ascii.extend(["\\u".to_owned(), format!("{unit:04x}")]);
+            }
+        }
+        ascii
     }
 
     /// From JSON.
@@ -211,7 +227,7 @@ impl ChannelRecord {
     fn of(channel: &Channel, has_camera: bool, stored: Option<Stored>) -> Self {
         let description = &channel.description;
         Self {
-            name: channel.name.to_owned(),
+            name: channel.name.to_string(),
             about: description.about.to_owned(),
             dtype: channel.data.kind().to_owned(),
             components: channel.components as u64,

@@ -1,6 +1,7 @@
 //! What identifiers stand for.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -47,12 +48,12 @@ impl Names {
     /// The tables of all objects, nodes, meshes and materials, as far as there is room.
     pub(crate) fn new<'a>(
         objects: impl ExactSizeIterator<Item = (&'a str, i32, i32, &'a [i32])>,
-        [nodes, meshes, materials]: [&[std::sync::Arc<str>]; 3],
+        [nodes, meshes, materials]: [&[Arc<str>]; 3],
     ) -> Self {
         let mut names = Self::default();
-        let mut table = |of: &str, list: &[std::sync::Arc<str>]| {
+        let mut table = |of: &str, list: &[Arc<str>]| {
             let entries = list.iter().map(|name| (name.len(), name));
-            let taken = taken(entries).map(|name| name.to_string()).collect();
+            let taken: Vec<String> = taken(entries).map(ToString::to_string).collect();
             names.lack(of, list.len(), &taken);
             Some(taken)
         };
@@ -67,7 +68,7 @@ impl Names {
             mesh: identifier(mesh),
             materials: materials.to_vec(),
         });
-        let objects = objects.collect();
+        let objects: Vec<ObjectNames> = objects.collect();
         names.lack("object", count, &objects);
         Self {
             object: Some(objects),
@@ -78,7 +79,7 @@ impl Names {
         }
     }
 
-    fn lack<T>(&mut self, of: &str, count: usize, taken: &Vec<T>) {
+    fn lack<T>(&mut self, of: &str, count: usize, taken: &[T]) {
         if taken.len() < count {
             let lacking = (count - taken.len()) as u64;
             self.left_out.insert(of.to_owned(), lacking);
@@ -121,7 +122,7 @@ mod tests {
 
     #[test]
     fn tables_end_where_there_is_no_more_room() {
-        let long: std::sync::Arc<str> = "x".repeat(MOST_BYTES - 3 * ENTRY_BYTES).into();
+        let long: Arc<str> = "x".repeat(MOST_BYTES - 3 * ENTRY_BYTES).into();
         let nodes = [long, "a".into(), "b".into(), "c".into()];
         let objects = [("", -1, 0, &[][..]), ("ball", 2, -1, &[1, 0])];
         let names = Names::new(objects.into_iter(), [&nodes, &[], &[]]);

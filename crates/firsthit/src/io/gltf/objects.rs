@@ -112,17 +112,16 @@ impl<'a, 'b> Objects<'a, 'b> {
         let node = nodes::label(self.placed, place);
         let budget = &mut self.report.budget;
         budget.charge(node.name.len() as u64, "a node's path")?;
-        let label = match self.labels.get(&mesh) {
-            Some(known) => known.clone(),
-            None => {
-                let entry = self.document.meshes.get(mesh);
-                let name = entry.and_then(|entry| entry.name.as_deref());
-                let name = escape_controls(name.unwrap_or_default());
-                budget.charge(name.len() as u64, "a mesh's name")?;
-                Label {
-                    number: mesh as u64,
-                    name: name.into(),
-                }
+        let label = if let Some(known) = self.labels.get(&mesh) {
+            known.clone()
+        } else {
+            let entry = self.document.meshes.get(mesh);
+            let name = entry.and_then(|entry| entry.name.as_deref());
+            let name = escape_controls(name.unwrap_or_default());
+            budget.charge(name.len() as u64, "a mesh's name")?;
+            Label {
+                number: mesh as u64,
+                name: name.into(),
             }
         };
         self.labels.insert(mesh, label.clone());
