@@ -480,8 +480,8 @@ class Hits(Attributed):
             camera where the hits are those of all its pixels, or a point cloud.
         channels : str or sequence of str, optional
             Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; a name counts once. If
-            left out, ``t``, ``object`` and ``primitive``, for a point cloud ``position`` and ``normal`` too, and for a file that
-            takes one channel ``t`` alone.
+            left out, ``t``, ``object`` and ``primitive``, for a point cloud ``position`` and
+            ``normal`` too, and for a file that takes one channel ``t`` alone.
 
         Raises
         ------

@@ -155,7 +155,7 @@ impl Scene {
                 return Ok(objects.map(|object| object.name().to_owned()).collect());
             }
         };
-        Ok(names.iter().map(|name| name.to_string()).collect())
+        Ok(names.iter().map(ToString::to_string).collect())
     }
 
     /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.

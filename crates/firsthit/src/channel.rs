@@ -1,13 +1,19 @@
 //! What can be asked about hits: the table of output channels.
 
+mod asked;
 mod attribute;
+mod kinds;
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+pub use asked::{ATTRIBUTE, asked};
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
+pub use kinds::{INSIDE, KINDS, RAY, THICKNESS, VISIBLE};
+
+use asked::Silent;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
@@ -82,233 +88,6 @@ enum Make {
     Elsewhere,
 }
 
-/// The number of the ray that each hit belongs to, where a ray may have several. It is no channel of a picture, so not among
-/// [`KINDS`]; [`AllHits::ray_numbers`](crate::shoot::AllHits::ray_numbers) has its data.
-pub const RAY: &Kind = &Kind {
-    name: Cow::Borrowed("ray"),
-    about: "number of the ray, from 0",
-    components: 1,
-    display: Display::Identifier,
-    unit: Unit::None,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// Whether a point is inside an object. It is no channel of hits, so not among [`KINDS`];
-/// [`inside`](crate::measure::inside()) has its data.
-pub const INSIDE: &Kind = &Kind {
-    name: Cow::Borrowed("inside"),
-    about: "whether the point is inside an object",
-    components: 1,
-    display: Display::Mask,
-    unit: Unit::None,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// Whether two points see each other. It is no channel of hits, so not among [`KINDS`]; [`visible`](crate::shoot::visible())
-/// has its data.
-pub const VISIBLE: &Kind = &Kind {
-    name: Cow::Borrowed("visible"),
-    about: "whether the two points see each other",
-    components: 1,
-    display: Display::Mask,
-    unit: Unit::None,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// How thick an object is. It is no channel of hits, so not among [`KINDS`]; [`thickness`](crate::measure::thickness()) has its data.
-pub const THICKNESS: &Kind = &Kind {
-    name: Cow::Borrowed("thickness"),
-    about: "distance inwards to the other side; inf where there is none",
-    components: 1,
-    display: Display::Distance,
-    unit: Unit::SceneLength,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// Every channel. A new one is a new row.
-pub const KINDS: &[Kind] = &[
-    Kind {
-        name: Cow::Borrowed("color"),
-        about: "linear red, green, blue (Rec. 709); the background for a miss",
-        components: 3,
-        display: Display::Color,
-        unit: Unit::LinearColor,
-        frame: None,
-        make: Make::Color,
-    },
-    Kind {
-        name: Cow::Borrowed("t"),
-        about: "distance from the ray's start along the ray (in lengths of the direction); inf for a miss",
-        components: 1,
-        display: Display::Distance,
-        unit: Unit::DirectionLength,
-        frame: Some("ray"),
-        make: Make::T,
-    },
-    Kind {
-        name: Cow::Borrowed("range"),
-        about: "distance from the camera's position along the ray; inf for a miss",
-        components: 1,
-        display: Display::Distance,
-        unit: Unit::SceneLength,
-        frame: Some("camera"),
-        make: Make::Distance(0),
-    },
-    Kind {
-        name: Cow::Borrowed("z"),
-        about: "distance from the camera's position along its aim; inf for a miss",
-        components: 1,
-        display: Display::Distance,
-        unit: Unit::SceneLength,
-        frame: Some("camera"),
-        make: Make::Distance(1),
-    },
-    Kind {
-        name: Cow::Borrowed("object"),
-        about: "identifier of the object; -1 for a miss",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Identifier(|hit| hit.object),
-    },
-    Kind {
-        name: Cow::Borrowed("primitive"),
-        about: "identifier of the object's part, such as the triangle; -1 for a miss",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Identifier(|hit| hit.primitive),
-    },
-    Kind {
-        name: Cow::Borrowed("face"),
-        about: "identifier of the polygon that the triangle was part of; -1 for a miss",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Integer(face),
-    },
-    Kind {
-        name: Cow::Borrowed("node"),
-        about: "identifier of the node that the object comes from; -1 for a miss and where there is none",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.node_of(object))),
-    },
-    Kind {
-        name: Cow::Borrowed("mesh"),
-        about: "identifier of the mesh that the object is, or is a part of; -1 for a miss and other shapes",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.mesh_of(object))),
-    },
-    Kind {
-        name: Cow::Borrowed("material"),
-        about: "identifier of the material; -1 for a miss and where there is none",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Origin(material),
-    },
-    Kind {
-        name: Cow::Borrowed("normal"),
-        about: "geometric normal in the world, of length one, outwards; NaN for a miss",
-        components: 3,
-        display: Display::Direction,
-        unit: Unit::None,
-        frame: Some("world"),
-        make: Make::Doubles(|surface, out| {
-            out.copy_from_slice(&surface.normal().to_array());
-        }),
-    },
-    Kind {
-        name: Cow::Borrowed("position"),
-        about: "where the hit is in the world; NaN for a miss",
-        components: 3,
-        display: Display::Position,
-        unit: Unit::SceneLength,
-        frame: Some("world"),
-        make: Make::Doubles(|surface, out| {
-            out.copy_from_slice(&surface.position().to_array());
-        }),
-    },
-    Kind {
-        name: Cow::Borrowed("barycentric"),
-        about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
-        components: 3,
-        display: Display::Fraction,
-        unit: Unit::None,
-        frame: Some("triangle"),
-        make: Make::Doubles(|surface, out| {
-            let [b, c] = surface.hit().barycentric.to_array();
-            out.copy_from_slice(&[1.0 - b - c, b, c]);
-        }),
-    },
-    Kind {
-        name: Cow::Borrowed("uv"),
-        about: "texture coordinates; NaN for a miss and where there are none",
-        components: 2,
-        display: Display::Fraction,
-        unit: Unit::None,
-        frame: Some("texture"),
-        make: Make::Doubles(|surface, out| {
-            if let Some(uv) = surface.uv() {
-                out.copy_from_slice(&uv.to_array());
-            }
-        }),
-    },
-    Kind {
-        name: Cow::Borrowed("base_color"),
-        about: "linear colour of the surface there, with its texture, without light; NaN for a miss",
-        components: 3,
-        display: Display::Fraction,
-        unit: Unit::LinearColor,
-        frame: None,
-        make: Make::Doubles(|surface, out| {
-            out.copy_from_slice(&surface.color().to_array());
-        }),
-    },
-    Kind {
-        name: Cow::Borrowed("front"),
-        about: "whether the front of the surface was met; false for a miss",
-        components: 1,
-        display: Display::Mask,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Flag(is_front),
-    },
-];
-
-// Of any lifetime, as the methods are not.
-fn face(surface: &SurfaceInteraction<'_>) -> i32 {
-    surface.face()
-}
-
-fn is_front(surface: &SurfaceInteraction<'_>) -> bool {
-    surface.is_front()
-}
-
-fn of_object(hit: &Hit, number: impl FnOnce(usize) -> i32) -> i32 {
-    usize::try_from(hit.object).map_or(-1, number)
-}
-
-fn material(catalog: &Catalog, object: &Object, hit: &Hit) -> i32 {
-    let slot = object.material_slot(hit.primitive);
-    let number = |slot| of_object(hit, |object| catalog.materials_of(object)[slot]);
-    slot.map_or(-1, number)
-}
-
 /// The kind of that name.
 ///
 /// # Errors
@@ -328,70 +107,7 @@ pub fn kind(name: &str) -> Result<&'static Kind> {
     })
 }
 
-/// What the names of channels of attributes begin with.
-pub const ATTRIBUTE: &str = "attribute:";
-
-/// What a name asks for: the kind of that name, or with [`ATTRIBUTE`] before it the attribute of the meshes, see
-/// [`Kind::attribute`].
-///
-/// # Errors
-///
-/// [`Error::Argument`] for a name that no kind has, and for an attribute without a name.
-pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
-    match name.strip_prefix(ATTRIBUTE) {
-        Some("") => Err(Error::argument("channel", "an attribute's name", name)),
-        Some(attribute) => Ok(Cow::Owned(Kind::attribute(attribute))),
-        None => kind(name).map(Cow::Borrowed),
-    }
-}
-
 impl Kind {
-    /// The kind of an attribute of the meshes, as [`attribute()`] gives it. The channel's name is `attribute:` and the attribute's
-    /// name, in which `_` stands for what is no letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all.
-    /// A scene that does not have it refuses it.
-    pub fn attribute(name: &str) -> Self {
-        let plain = |char: char| match char {
-            '.' | '-' | '_' => char,
-            _ if char.is_ascii_alphanumeric() => char,
-            _ => '_',
-        };
-        let shown: String = name.chars().take(LONGEST_NAME).map(plain).collect();
-        Self {
-            name: format!("{ATTRIBUTE}{shown}").into(),
-            about: "attribute of the meshes that were hit; NaN for a miss and where there is none",
-            components: 0,
-            display: Display::Quantity,
-            unit: Unit::None,
-            frame: None,
-            make: Make::Attribute(name.into()),
-        }
-    }
-
-    /// The channel's name where a file's name has it: no system takes a colon for anything else then.
-    pub fn name_in_path(&self) -> String {
-        self.name.replace(':', "-")
-    }
-
-    /// The attribute's name in meshes, if it is one.
-    pub fn attribute_name(&self) -> Option<&str> {
-        match &self.make {
-            Make::Attribute(name) => Some(name),
-            _ => None,
-        }
-    }
-
-    /// Fails for an attribute that no mesh of the scene has.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`], which lists those there are.
-    pub fn check(&self, scene: &Scene) -> Result<()> {
-        let name = self.attribute_name();
-        name.map_or(Ok(()), |name| {
-            attribute::components(name, None, scene).map(drop)
-        })
-    }
-
     /// Whether it takes a sensor: rays from elsewhere do not have it.
     pub fn needs_sensor(&self) -> bool {
         matches!(self.make, Make::Distance(_))
@@ -431,9 +147,6 @@ impl Kind {
     }
 }
 
-/// So many characters of an attribute's name a channel's name has at most.
-const LONGEST_NAME: usize = 100;
-
 /// How many rays a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
@@ -465,15 +178,6 @@ pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec
         watch.advance(shots.rays.len() as u64);
     }
     Ok(channels)
-}
-
-/// Stops as the other, and tells it nothing.
-struct Silent<'a>(&'a dyn Watch);
-
-impl Watch for Silent<'_> {
-    fn is_stopped(&self) -> bool {
-        self.0.is_stopped()
-    }
 }
 
 /// The channels that are no attributes.
