@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use firsthit::image::{Data, Names, read};
+use firsthit::image::{Data, Frame, Names, read};
 use firsthit::load::{LoadSettings, load, load_bytes};
 use firsthit::render::Region;
 use firsthit::scene::Label;
@@ -210,9 +210,8 @@ fn names_of_any_script_come_back_from_every_format() {
     }
 }
 
-/// A triangle in the plane z = 0 seen from above: the number at a pixel is linear in its place.
-#[test]
-fn pictures_have_attributes_as_channels() {
+/// A triangle in the plane z = 0 with a number, and with five, at each vertex.
+fn plate() -> Scene {
     let heat = PropertyValues::Double(vec![10.0, 20.0, 40.0].into());
     let many = PropertyValues::Double((0..15).map(f64::from).collect::<Vec<_>>().into());
     let heat = Property::new("heat (K)", PropertyOf::Vertices, heat);
@@ -220,75 +219,84 @@ fn pictures_have_attributes_as_channels() {
         components: 5,
         ..Property::new("many", PropertyOf::Vertices, many)
     };
-    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2]]).unwrap();
+    let mesh = Mesh::clone(&triangle());
     let mesh = mesh.with_properties(vec![heat, many]).unwrap();
-    let scene = Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap();
-    let channels = ["position", "attribute:heat (K)", "attribute:many"];
-    let picture = || Render::new(&scene).size(20, 30).channels(&channels);
-    let frame = picture().frame().unwrap();
-    let values = |name: &str| match frame.channel(name).map(|channel| &channel.data) {
-        Some(Data::Float64(values)) => values.clone(),
+    Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap()
+}
+
+fn plate_picture(scene: &Scene) -> Render<'_> {
+    let channels = &["position", "attribute:heat (K)", "attribute:many"];
+    Render::new(scene).size(20, 30).channels(channels)
+}
+
+fn doubles<'a>(frame: &'a Frame, name: &str) -> &'a [f64] {
+    match frame.channel(name).map(|channel| &channel.data) {
+        Some(Data::Float64(values)) => values,
         other => panic!("{name}: {other:?}"),
-    };
-    let (places, heat) = (values("position"), values("attribute:heat__K_"));
-    let (places, _) = places.as_chunks::<3>();
+    }
+}
+
+/// The number is linear in the place.
+#[test]
+fn pictures_have_attributes_as_channels() {
+    let scene = plate();
+    let frame = plate_picture(&scene).frame().unwrap();
+    let heat = doubles(&frame, "attribute:heat__K_");
+    let (places, _) = doubles(&frame, "position").as_chunks::<3>();
     let mut hits = 0;
-    for (&[x, y, _], heat) in places.iter().zip(&heat) {
+    for (&[x, y, _], heat) in places.iter().zip(heat) {
         let expected = 10.0 + 10.0 * x + 30.0 * y;
         assert!((heat - expected).abs() < 1e-12 || (x.is_nan() && heat.is_nan()));
         hits += usize::from(!x.is_nan());
     }
     assert!(hits > 50, "{hits}");
     assert_eq!(frame.channel("attribute:many").unwrap().components, 5);
-    assert_eq!(values("attribute:many").len(), 5 * 20 * 30);
-    // In slabs, regions and files they are the same numbers.
-    let part = picture()
-        .region(Region {
-            rows: 3..9,
-            columns: 5..25,
-        })
-        .frame()
-        .unwrap();
-    let part = part.channel("attribute:heat__K_").unwrap().data.clone();
+    assert_eq!(doubles(&frame, "attribute:many").len(), 5 * 20 * 30);
+    let region = Region {
+        rows: 3..9,
+        columns: 5..25,
+    };
+    let part = plate_picture(&scene).region(region).frame().unwrap();
+    let part = doubles(&part, "attribute:heat__K_");
     assert_eq!(part.len(), 6 * 20);
-    assert_eq!(part.value(0).to_bits(), heat[3 * 30 + 5].to_bits());
+    assert_eq!(part[0].to_bits(), heat[3 * 30 + 5].to_bits());
+}
+
+#[test]
+fn files_have_attributes_as_channels() {
+    let scene = plate();
+    let frame = plate_picture(&scene).frame().unwrap();
     let folder = tempfile::tempdir().unwrap();
     for file in ["a.npz", "a.exr", "a.ply", "a.pcd"] {
         let path = folder.path().join(file);
         frame.save(&path).unwrap();
         let metadata = read(&path).unwrap().metadata.unwrap();
-        assert_eq!(
-            metadata.channel("attribute:many").unwrap().components,
-            5,
-            "{file}"
-        );
+        let many = metadata.channel("attribute:many").unwrap();
+        assert_eq!(many.components, 5, "{file}");
     }
     let png = folder.path().join("a.png");
     frame.save_channel("attribute:heat__K_", &png).unwrap();
-    let refused = frame
-        .save_channel("attribute:many", &png)
-        .unwrap_err()
-        .to_string();
-    assert!(refused.contains("one to three numbers"), "{refused}");
-    let unknown = Render::new(&scene)
-        .channels(&["attribute:cold"])
-        .frame()
-        .unwrap_err();
+    let refused = frame.save_channel("attribute:many", &png).unwrap_err();
     assert!(
-        unknown
-            .to_string()
-            .contains("'cold'; there are heat (K), many"),
+        refused.to_string().contains("one to three numbers"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn unknown_attributes_are_refused_with_those_there_are() {
+    let scene = plate();
+    let refused = |name| {
+        let error = Render::new(&scene).channels(&[name]).frame().unwrap_err();
+        error.to_string()
+    };
+    let unknown = refused("attribute:cold");
+    assert!(
+        unknown.contains("'cold'; there are heat (K), many"),
         "{unknown}"
     );
-    let nameless = Render::new(&scene)
-        .channels(&["attribute:"])
-        .frame()
-        .unwrap_err();
-    assert!(
-        nameless.to_string().contains("an attribute's name"),
-        "{nameless}"
-    );
+    let nameless = refused("attribute:");
+    assert!(nameless.contains("an attribute's name"), "{nameless}");
 }
 
 #[test]

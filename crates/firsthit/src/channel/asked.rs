@@ -27,7 +27,7 @@ pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
 }
 
 impl Kind {
-    /// The kind of an attribute of the meshes, as [`attribute()`] gives it. The channel's name is `attribute:` and the attribute's
+    /// The kind of an attribute of the meshes, as [`attribute()`](super::attribute()) gives it. The channel's name is `attribute:` and the attribute's
     /// name, in which `_` stands for what is no letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all.
     /// A scene that does not have it refuses it.
     pub fn attribute(name: &str) -> Self {

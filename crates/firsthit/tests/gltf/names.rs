@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use firsthit::channel::{Kind, Shots, kind, make};
 use firsthit::image::Data;
 use firsthit::shoot::{First, trace};
-use firsthit::{DVec3, Ray, Scene};
+use firsthit::{DVec3, Object, Ray, Scene};
 use serde_json::json;
 
 use crate::builder::Builder;
@@ -56,7 +56,7 @@ fn truck() -> Builder {
 #[test]
 fn objects_that_are_called_alike_are_told_apart() {
     let scene = truck().load().unwrap().into_scene().unwrap();
-    let names: Vec<&str> = scene.objects().iter().map(|object| object.name()).collect();
+    let names: Vec<&str> = scene.objects().iter().map(Object::name).collect();
     assert_eq!(names, ["wheel", "wheel", "wheel", "wheel", "plate"]);
     let catalog = scene.catalog();
     let nodes: Vec<&str> = catalog.nodes().iter().map(|name| &**name).collect();
