@@ -154,6 +154,7 @@ class Changes(Traceable):
         """
         for identifier in chosen(self._objects, objects):
             gone: dict[str, Any] = {"_shape": NOTHING, "_name": "", "_materials": ()}
+            gone["_labels"] = (None, None)
             self._change(identifier, **gone, _is_removed=True, _is_hidden=True)
 
     def replace(self, identifier: int | str, shape: Shape | MeshLike) -> None:
@@ -185,7 +186,9 @@ class Changes(Traceable):
             if not (hasattr(shape, "vertices") and hasattr(shape, "faces")):
                 raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
             shape = _foreign.mesh(shape)[0]
-        self._change(identifier, _shape=shape)
+        # It stays where it is in the file's tree, but is no longer that mesh.
+        node, _ = self._objects[identifier]._labels
+        self._change(identifier, _shape=shape, _labels=(node, None))
 
     def update_vertices(self, identifier: int | str, vertices: npt.ArrayLike) -> None:
         """Move the vertices of an object's mesh; its triangles and attributes stay.

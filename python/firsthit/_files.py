@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
@@ -18,6 +19,22 @@ OF_SEVERAL = (".npz", ".exr", *CLOUDS)
 _EACH = "{channel}"
 
 _Name = TypeVar("_Name", bound=str)
+
+#: What the name of an attribute's channel begins with.
+ATTRIBUTE = "attribute:"
+
+
+def attribute_of(name: str) -> str | None:
+    """Return the attribute that a channel's name stands for, if it is one."""
+    return name[len(ATTRIBUTE) :] or None if name.startswith(ATTRIBUTE) else None
+
+
+def _in_path(name: str) -> str:
+    """Return a channel's name as a file's name has it: an attribute's may have any characters."""
+    attribute = attribute_of(name)
+    if attribute is None:
+        return name
+    return "attribute-" + re.sub(r"[^A-Za-z0-9._-]", "_", attribute)[:100]
 
 
 def is_for_each(path: str | os.PathLike[str]) -> bool:
@@ -50,7 +67,7 @@ def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Pa
             f"path must not contain {_EACH}: a point cloud holds all channels, "
             f"got {os.fspath(path)}"
         )
-    return [(Path(os.fspath(path).replace(_EACH, name)), [name]) for name in names]
+    return [(Path(os.fspath(path).replace(_EACH, _in_path(name))), [name]) for name in names]
 
 
 def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Name]:
@@ -62,6 +79,8 @@ def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Na
     if not asked:
         raise ValueError(f"channels must be one or more of {', '.join(known)}, got none")
     for name in asked:
-        if name not in known:
-            raise ValueError(f"channels must be among {', '.join(known)}, got {name!r}")
+        is_attribute = isinstance(name, str) and attribute_of(name) is not None
+        if name not in known and not is_attribute:
+            there = f"{', '.join(known)}, {ATTRIBUTE}NAME"
+            raise ValueError(f"channels must be among {there}, got {name!r}")
     return list(dict.fromkeys(asked))

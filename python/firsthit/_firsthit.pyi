@@ -73,15 +73,19 @@ _Rays = tuple[
     _Filters | None,
 ]
 _Ends = tuple[npt.NDArray[np.float64], _Surfaces | None]
-_Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, bool]
+_Label = tuple[int, str]
+_Labels = tuple[_Label | None, _Label | None]
+_Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, bool, _Labels]
 #: What has it, name, components, whether it is a label, numbers.
 _Property = tuple[str, str, int, bool, npt.NDArray[Any]]
 _Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
 _Light = tuple[str, _Vector, _Vector, tuple[_Vector, tuple[float, float]] | None]
 _Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
-_Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool]
+_Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool, str]
 _MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
-_MaterialOut = tuple[_Vector, float, _MapOut | None, _MapOut | None, AlphaMode, float, bool, bool]
+_MaterialOut = tuple[
+    _Vector, float, _MapOut | None, _MapOut | None, AlphaMode, float, bool, bool, str
+]
 # Position, aim and up; focal length, width and height; rows and columns; projection and where
 # rays start.
 _View = tuple[
@@ -112,6 +116,7 @@ class _Model(TypedDict):
             list[list[float]] | None,
             list[_MaterialOut],
             tuple[int, bool],
+            _Labels,
         ]
     ]
     cameras: list[_CameraOut]
@@ -212,6 +217,7 @@ class Scene:
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
+    def names(self, channel: str) -> list[str]: ...
     def likely_up(self, convention: _Vector) -> _Vector: ...
     def changed(
         self,
@@ -363,7 +369,7 @@ def render_work(pixels: int, channels: Sequence[str], samples: int) -> int: ...
 def metadata(
     shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]], origin: str
 ) -> str: ...
-def origin(scene: Scene, camera: Camera | None) -> str: ...
+def origin(scene: Scene, camera: Camera | None, channels: Sequence[str]) -> str: ...
 def write(
     path: Path,
     shape: Sequence[int],

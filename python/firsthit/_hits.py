@@ -9,11 +9,11 @@ import numpy as np
 from . import _firsthit
 from ._arrays import lock, threads_or_all
 from ._attributes import Attributed
-from ._files import distinct, files, is_cloud, is_of_several
+from ._files import attribute_of, distinct, files, is_cloud, is_of_several
 from ._leaving import leaving
 from ._progress import following
 from ._rounding import singles, singles_within
-from ._types import ChannelName
+from ._types import ChannelName, NamedIdentifier
 
 if TYPE_CHECKING:
     import os
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._leaving import LeavingRays
     from ._source import Arrays, Source
     from ._traceable import Built
-    from ._types import DistanceName, IdentifierName, Progress, VectorName
+    from ._types import Asked, DistanceName, IdentifierName, Progress, VectorName
 
     # No ArrayLike, which text is too.
     Index = (
@@ -60,8 +60,8 @@ class Hits(Attributed):
     array of the rays' shape. ``hits["name"]`` is a channel, or an attribute of the meshes that were
     hit. ``hits.to_dict()`` is a table.
 
-    A miss has ``t``, ``range`` and ``z`` of infinity; ``object``, ``primitive`` and ``face`` of -1;
-    a false ``front``; and NaN elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
+    A miss has ``t``, ``range`` and ``z`` of infinity; identifiers of -1; a false ``front``; and NaN
+    elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
     others are computed when they are first read, from the rays and the scene as they were shot.
 
     All arrays are read-only, because hits compute from them and return the same memory at every
@@ -131,6 +131,64 @@ class Hits(Attributed):
     def face(self) -> npt.NDArray[np.int32]:
         """The identifiers of the polygons that became triangles, (...) int32; -1 for a miss."""
         return self.channel("face")
+
+    @property
+    def node(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the file's nodes that objects come from, (...) int32; -1 for none."""
+        return self.channel("node")
+
+    @property
+    def mesh(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the meshes that objects are, or are parts of, (...) int32.
+
+        Objects of one mesh are its instances. -1 for a miss and for other shapes.
+        """
+        return self.channel("mesh")
+
+    @property
+    def material(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the materials, (...) int32; -1 for a miss and where there is none.
+
+        Materials that are alike in name and look are one.
+        """
+        return self.channel("material")
+
+    def names(self, channel: NamedIdentifier) -> tuple[str, ...]:
+        """Return the names of what the identifiers of a channel stand for.
+
+        Parameters
+        ----------
+        channel : {"object", "node", "mesh", "material"}
+            The channel.
+
+        Returns
+        -------
+        tuple of str
+            The name of each identifier, from 0 on; empty for what has none. A node's is its path
+            from the root of the file's tree, such as ``truck/wheel``.
+
+        Raises
+        ------
+        ValueError
+            For another channel.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> for x in (0, 3):
+        ...     steel = fh.Material(color="gray", name="steel")
+        ...     ball = scene.add(fh.Sphere(center=(x, 0, 0), radius=1), material=steel)
+        >>> hits = scene.shoot([[0, 0, 5], [3, 0, 5], [9, 0, 5]], [0, 0, -1])
+        >>> hits.material
+        array([ 0,  0, -1], dtype=int32)
+        >>> hits.names("material")
+        ('steel',)
+        """
+        if channel not in get_args(NamedIdentifier):
+            known = ", ".join(get_args(NamedIdentifier))
+            raise ValueError(f"channel must be one of {known}, got {channel!r}")
+        return tuple(self._built.native.names(channel))
 
     @property
     def barycentric(self) -> npt.NDArray[np.float64]:
@@ -411,7 +469,7 @@ class Hits(Attributed):
     def save(
         self,
         path: str | os.PathLike[str],
-        channels: ChannelName | Sequence[ChannelName] | None = None,
+        channels: Asked | Sequence[Asked] | None = None,
     ) -> None:
         """Write the hits to a file, whole or not at all.
 
@@ -425,9 +483,9 @@ class Hits(Attributed):
             With ``{channel}`` in the name each channel has a file of its own. The metadata name the
             camera where the hits are those of all its pixels, or a point cloud.
         channels : str or sequence of str, optional
-            Some of `channels`; a name counts once. If left out, ``t``, ``object`` and
-            ``primitive``, for a point cloud ``position`` and ``normal`` too, and for a file that
-            takes one channel ``t`` alone.
+            Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; a name counts once. If
+            left out, ``t``, ``object`` and ``primitive``, for a point cloud ``position`` and
+            ``normal`` too, and for a file that takes one channel ``t`` alone.
 
         Raises
         ------
@@ -447,8 +505,9 @@ class Hits(Attributed):
         >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
         >>> hits.save("cloud.ply", ["position", "normal", "object"])
         """
+        names: list[str]
         if channels is not None:
-            names = distinct(channels, self.channels)
+            names = list(distinct(channels, self.channels))
         else:
             names = ["t", "object", "primitive"] if is_of_several(path) else ["t"]
             names = ["normal", *names] if is_cloud(path) else names
@@ -458,9 +517,9 @@ class Hits(Attributed):
         camera = self._source.camera
         says_camera = is_cloud(path) or self._source.is_whole
         native = camera._native if camera is not None and says_camera else None
-        origin = _firsthit.origin(self._built.native, native)
+        origin = _firsthit.origin(self._built.native, native, names)
         for file, held in wanted:
-            arrays = [(name, np.ascontiguousarray(self.channel(name)).ravel()) for name in held]
+            arrays = [(name, np.ascontiguousarray(self._asked(name)).ravel()) for name in held]
             _firsthit.write(file, list(self._shape), arrays, origin, None)
 
     # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a
@@ -487,6 +546,11 @@ class Hits(Attributed):
         some._single = None if self._single is None else self._single[chosen]
         some._source = self._source.take(chosen, some._shape)
         return some
+
+    def _asked(self, name: str) -> npt.NDArray[Any]:
+        """Return what a name among the channels of a file asks for."""
+        attribute = attribute_of(name)
+        return self._named(name) if attribute is None else self.attribute(attribute)
 
     def _named(self, name: str) -> npt.NDArray[Any]:
         """Return the channel of that name, or else the attribute."""

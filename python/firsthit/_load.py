@@ -132,10 +132,11 @@ def _scene_of(model: _firsthit._Model) -> Scene:
     scene._up_is_guessed = model["up_is_guessed"]
     meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
     materials = _Materials(model["textures"])
-    for name, shape, rows, looks, (mask, is_hidden) in model["objects"]:
+    for name, shape, rows, looks, (mask, is_hidden), labels in model["objects"]:
         made = meshes[shape] if isinstance(shape, int) else _analytic(*shape)
         looked = [materials.made(look) for look in looks]
         identifier = scene.add(made, name=name, transform=rows, material=looked or None, mask=mask)
+        scene._objects[identifier] = scene._objects[identifier]._but(_labels=labels)
         if is_hidden:
             scene.hide(identifier)
     for light in model["lights"]:
@@ -237,9 +238,9 @@ class _Materials:
 
     def made(self, look: _firsthit._MaterialOut) -> Material:
         if look not in self._made:
-            color, alpha, texture, alpha_texture, mode, cutoff, unlit, both = look
+            color, alpha, texture, alpha_texture, mode, cutoff, unlit, both, name = look
             maps = self._texture(texture), self._texture(alpha_texture)
-            made = Material((1, 1, 1), alpha, *maps, mode, cutoff, unlit, both)
+            made = Material((1, 1, 1), alpha, *maps, mode, cutoff, unlit, both, name)
             settle(made, color=as_vector("color", color))
             self._made[look] = made
         return self._made[look]

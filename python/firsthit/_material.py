@@ -170,6 +170,8 @@ class Material:
         Whether the colour is shown as it is, without any light.
     double_sided : bool
         Whether the file says that both sides are visible. Rays meet both sides in any case.
+    name : str
+        A name, which changes no picture: `Hits.names` has it. It need not be unique.
 
     Raises
     ------
@@ -193,6 +195,7 @@ class Material:
     cutoff: float
     unlit: bool
     double_sided: bool
+    name: str
 
     def __init__(
         self,
@@ -204,12 +207,13 @@ class Material:
         cutoff: float = 0.5,
         unlit: bool = False,  # noqa: FBT001, FBT002 - a material's words, mostly given by name
         double_sided: bool = True,  # noqa: FBT001, FBT002 - as above
+        name: str = "",
     ) -> None:
         settle(self, color=color_of("color", color), alpha=number("alpha", alpha))
         settle(self, texture=texture, alpha_texture=alpha_texture)
         settle(self, alpha_mode=text("alpha_mode", alpha_mode), cutoff=number("cutoff", cutoff))
         settle(self, unlit=flag("unlit", unlit))
-        settle(self, double_sided=flag("double_sided", double_sided))
+        settle(self, double_sided=flag("double_sided", double_sided), name=text("name", name))
         for name in ("texture", "alpha_texture"):
             if not isinstance(getattr(self, name), Texture | None):
                 raise TypeError(f"{name} must be a Texture, got {getattr(self, name)!r}")
@@ -225,4 +229,5 @@ class Material:
             self.cutoff,
             self.unlit,
             self.double_sided,
+            self.name,
         )

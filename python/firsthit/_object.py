@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from ._firsthit import _Labels as Labels
     from ._foreign import Part
     from ._types import Selection, Vector
 
@@ -37,10 +38,13 @@ class Object:
         mask: int = ALL,
         *,
         is_hidden: bool = False,
+        labels: Labels = (None, None),
     ) -> None:
         self._shape, self._name, self._transform = shape, name, transform
         self._materials, self._mask, self._is_hidden = materials, mask, is_hidden
         self._is_removed = False
+        #: What node and what mesh of a file it comes from.
+        self._labels = labels
         #: By which it is known wherever it moves.
         self._mark = mark or object()
 
@@ -53,6 +57,16 @@ class Object:
     def name(self) -> str:
         """Its name; may be empty."""
         return self._name
+
+    @property
+    def node(self) -> str | None:
+        """The node of a file that it comes from, as a path from the root; ``None`` if none."""
+        return None if self._labels[0] is None else self._labels[0][1]
+
+    @property
+    def mesh_name(self) -> str | None:
+        """The name of the file's mesh that it is, or is a part of; ``None`` if it has none."""
+        return None if self._labels[1] is None else self._labels[1][1]
 
     @property
     def transform(self) -> npt.NDArray[np.float64]:
@@ -99,7 +113,8 @@ class Object:
     def _is_made_of(self, other: Object) -> bool:
         """Tell whether it differs from another at most in place, and in being hidden."""
         is_same = self._shape is other._shape and self._materials is other._materials
-        return is_same and self._name == other._name and self._mask == other._mask
+        is_named_alike = self._name == other._name and self._labels == other._labels
+        return is_same and is_named_alike and self._mask == other._mask
 
     def __repr__(self) -> str:
         return f"Object({self._name!r}, {self._shape!r})"
@@ -108,7 +123,7 @@ class Object:
         rows = None if self._transform is None else self._transform.tolist()
         materials = [material._native() for material in self._materials]
         shape = self._shape._native()
-        return shape, self._name, rows, materials, self._mask, self._is_hidden
+        return shape, self._name, rows, materials, self._mask, self._is_hidden, self._labels
 
 
 def placed(

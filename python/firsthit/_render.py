@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from ._hits import Hits
     from ._progress import Report
     from ._traceable import Built
-    from .typing import ChannelName, OwnShade, Progress, ShaderName
+    from ._types import Asked
+    from .typing import OwnShade, Progress, ShaderName
 
 #: About how many rays an own shader sees at a time when there are several samples.
 _BATCH = 1 << 18
@@ -38,7 +39,7 @@ def render(
     scene: Scene,
     camera: Camera | None = None,
     *,
-    channels: ChannelName | Sequence[ChannelName] = ("color",),
+    channels: Asked | Sequence[Asked] = ("color",),
     background: Sky | npt.ArrayLike | None = None,
     samples: int | None = None,
     region: tuple[slice, slice] | None = None,
@@ -61,7 +62,8 @@ def render(
         The camera. If left out, it is the first camera of a scene file (TOML); of other scenes it
         is `Camera.framing`.
     channels : str or sequence of str
-        Any of those that the table below lists.
+        Any of those that the table below lists, and ``"attribute:NAME"`` for an attribute of the
+        meshes, as `Hits.attribute` gives it.
     background : Sky, (3,) array_like or str, optional
         The colour of misses: a `Sky`, linear numbers, sRGB as ``"#rrggbb"``, a CSS name, or
         ``"transparent"``. If left out, `Scene.background`, or a dark blue grey where that is
@@ -98,8 +100,8 @@ def render(
     Raises
     ------
     ValueError
-        For no channel, an unknown channel or shader, a value out of range, a region without pixels
-        or with steps, and colours of a wrong shape from ``shade``.
+        For no channel, an unknown channel, attribute or shader, a value out of range, a region
+        without pixels or with steps, and colours of a wrong shape from ``shade``.
     TypeError
         For a scene, a camera, a region, a shader or a flag of another type.
     MemoryError
@@ -115,12 +117,21 @@ def render(
     ``range``, ``z``                 float64            length, camera         inf
     ``object``, ``primitive``        int32              identifier             -1
     ``face``                         int32              identifier             -1
+    ``node``, ``mesh``               int32              identifier, see below  -1
+    ``material``                     int32              identifier, see below  -1
     ``normal``                       3 float64          length one, world      nan
     ``position``                     3 float64          length, world          nan
     ``barycentric``                  3 float64          weights of corners     nan
     ``uv``                           2 float64          texture coordinates    nan
+    ``base_color``                   3 float64          linear Rec. 709        nan
+    ``attribute:NAME``               any float64        the attribute's        nan
     ``front``                        bool               the front was met      False
     ===============================  =================  =====================  ================
+
+    A node is one of the file's tree, a mesh one of the file, whose parts may be several objects,
+    and materials that are alike in name and look are one. An object is itself an instance: of a
+    mesh, at a node. ``frame.metadata["names"]`` has the names of what identifiers stand for, and so
+    has `Hits.names`.
 
     Lengths are in scene units. ``t`` counts from the ray's start; ``range`` from the camera's
     position along the ray; ``z`` from the camera's position along its aim. With a transparent
@@ -180,7 +191,7 @@ def render(
     return Frame(part.shape, {name: made[name] for name in names}, origin)
 
 
-def _names(channels: ChannelName | Sequence[ChannelName]) -> list[str]:
+def _names(channels: str | Sequence[str]) -> list[str]:
     known: list[str] = [name for name, _ in _firsthit.channel_names()]
     return distinct(channels, known)
 

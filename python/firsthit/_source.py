@@ -30,7 +30,10 @@ if TYPE_CHECKING:
     ]
 
 #: What is neither float64 nor one of the arrays.
-_DTYPES: dict[str, type[np.generic]] = {"front": np.bool_, "face": np.int32}
+_DTYPES: dict[str, type[np.generic]] = {
+    "front": np.bool_,
+    **dict.fromkeys(("face", "node", "mesh", "material"), np.int32),
+}
 
 #: Below so many rays, four arrays of theirs are nothing to the system.
 _FEW = SMALL // 16

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NewType, Protocol
 
 #: Three numbers, as attributes have them; arguments take anything array_like of three.
 Vector = tuple[float, float, float]
@@ -11,7 +11,9 @@ Vector = tuple[float, float, float]
 #: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
 DistanceName = Literal["t", "range", "z"]
 #: Channels of identifiers, int32.
-IdentifierName = Literal["object", "primitive", "face"]
+IdentifierName = Literal["object", "primitive", "face", "node", "mesh", "material"]
+#: Channels of identifiers that stand for something with a name.
+NamedIdentifier = Literal["object", "node", "mesh", "material"]
 #: Channels of several float64 for each ray.
 VectorName = Literal["normal", "position", "barycentric", "uv", "base_color"]
 #: All channels. ``color`` is float32 and ``front`` is bool; `firsthit.render` lists the rest.
@@ -23,6 +25,9 @@ ChannelName = Literal[
     "object",
     "primitive",
     "face",
+    "node",
+    "mesh",
+    "material",
     "normal",
     "position",
     "barycentric",
@@ -30,6 +35,12 @@ ChannelName = Literal[
     "base_color",
     "front",
 ]
+
+#: The channel of an attribute, for type checkers: ``AttributeChannel("attribute:quality")``. At run
+#: time it is the text itself, which does as well.
+AttributeChannel = NewType("AttributeChannel", str)
+#: What pictures and files of hits can be asked for.
+Asked = ChannelName | AttributeChannel
 
 #: What of a mesh has an attribute.
 AttributeOf = Literal["vertices", "corners", "faces"]

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 from ._types import (
     AlphaMode,
+    AttributeChannel,
     AttributeOf,
     ChannelName,
     DistanceName,
     Filter,
     IdentifierName,
     MeshLike,
+    NamedIdentifier,
     Progress,
     Projection,
     RayStart,
@@ -37,12 +39,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlphaMode",
+    "AttributeChannel",
     "AttributeOf",
     "ChannelName",
     "DistanceName",
     "Filter",
     "IdentifierName",
     "MeshLike",
+    "NamedIdentifier",
     "OwnShade",
     "Progress",
     "Projection",

@@ -1,5 +1,6 @@
 //! Pictures, and files of them.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use firsthit::channel::{self, Kind};
@@ -27,12 +28,16 @@ use crate::scene::Scene;
 #[derive(FromPyObject)]
 pub(crate) struct ShadingIn(String, Option<Vec<[f64; 3]>>, Option<[f64; 3]>, bool);
 
-/// The table's rows of some channels.
-fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<&'static Kind>> {
-    let kinds = channels.iter().map(|name| channel::kind(name));
+/// The kinds of some channels.
+fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<Cow<'static, Kind>>> {
+    let kinds = channels.iter().map(|name| channel::asked(name));
     kinds
         .collect::<firsthit::Result<_>>()
         .map_err(|error| raise(py, &error))
+}
+
+fn references<'a>(kinds: &'a [Cow<'static, Kind>]) -> Vec<&'a Kind> {
+    kinds.iter().map(|kind| &**kind).collect()
 }
 
 /// How many rays [`render`] reports.
@@ -43,7 +48,8 @@ pub(crate) fn render_work(
     channels: Vec<String>,
     samples: u32,
 ) -> PyResult<u64> {
-    Ok(work(pixels, &kinds(py, &channels)?, samples))
+    let kinds = kinds(py, &channels)?;
+    Ok(work(pixels, &references(&kinds), samples))
 }
 
 /// The samples of a pixel, and the background (a colour, or horizon, zenith and up), where nobody says.
@@ -70,6 +76,7 @@ pub(crate) fn render<'py>(
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
     let kinds = kinds(py, &channels)?;
+    let kinds = references(&kinds);
     let ShadingIn(name, background, ambient, shadows) = shading;
     let shader = shader_in(&name, ambient, shadows);
     let mut shader = shader.map_err(|error| raise(py, &error))?;
@@ -157,11 +164,18 @@ pub(crate) fn metadata(
 
 /// The JSON of the origin of what rays met, of a camera's or of others.
 #[pyfunction]
-pub(crate) fn origin(py: Python<'_>, scene: &Scene, camera: Option<&Camera>) -> PyResult<String> {
+pub(crate) fn origin(
+    py: Python<'_>,
+    scene: &Scene,
+    camera: Option<&Camera>,
+    channels: Vec<String>,
+) -> PyResult<String> {
+    let kinds = kinds(py, &channels)?;
+    let kinds = references(&kinds);
     let sensor = camera.map(|camera| &camera.0 as &dyn Sensor);
     // The fingerprint takes long the first time.
     let origin = run(py, 0, |_| {
-        Ok(firsthit::render::origin(&scene.0, sensor, None))
+        Ok(firsthit::render::origin(&scene.0, sensor, None, &kinds))
     })?;
     serde_json::to_string(&origin).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
@@ -177,16 +191,20 @@ fn frame(
         .map_err(|error| PyValueError::new_err(format!("origin: {error}")))?;
     let mut frame = Frame::new(shape).from_origin(origin);
     for (name, array) in arrays {
-        let kind = channel::kind(&name).map_err(|error| raise(py, &error))?;
+        let kind = channel::asked(&name).map_err(|error| raise(py, &error))?;
         let data = data(&array)?;
         // Colours with a fourth number say so by how many there are.
         let elements: usize = frame.shape().iter().product();
         let is_transparent = kind.needs_shade() && elements > 0 && data.len() == 4 * elements;
-        let channel = if is_transparent {
+        let mut channel = if is_transparent {
             kind.transparent_channel(data)
         } else {
             kind.channel(data)
         };
+        if kind.attribute_name().is_some() {
+            let components = channel.data.len().checked_div(elements);
+            channel.components = components.unwrap_or(1).max(1);
+        }
         frame.push(channel).map_err(|error| raise(py, &error))?;
     }
     Ok(frame)

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use firsthit::fhs;
 use firsthit::load::{LoadSettings, Loaded};
 use firsthit::render::SAMPLES;
+use firsthit::scene::Label;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Background, DAffine3, Light, Object, Shader, Shape};
 use pyo3::prelude::*;
@@ -15,7 +16,7 @@ use crate::errors::raise;
 use crate::frame::{background_in, shader_in};
 use crate::material::{MaterialOut, Texels, material_out};
 use crate::run::run;
-use crate::scene::Scene;
+use crate::scene::{LabelTuple, Scene};
 use crate::shape::Mesh;
 
 /// A shape: the number of a mesh, or a kind and its numbers in the order of Python's arguments.
@@ -25,13 +26,14 @@ enum ShapeOut {
     Analytic(&'static str, Vec<f64>),
 }
 
-/// Name, shape, the rows of the transform, materials.
+/// Name, shape, the rows of the transform, materials, mask and whether it is hidden, the labels of its node and its mesh.
 type ObjectOut = (
     String,
     ShapeOut,
     Option<[[f64; 4]; 4]>,
     Vec<MaterialOut>,
     (u32, bool),
+    (Option<LabelTuple>, Option<LabelTuple>),
 );
 
 /// Name; what it is made from; whether rows, columns and width are the file's own.
@@ -178,7 +180,15 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
         let rows = (!transform.is_identity()).then(|| rows(transform.world_from_object()));
         let shape = shape_out(object.shape(), |mesh| meshes.number(mesh));
         let seen = (object.mask(), object.is_hidden());
-        (object.name().to_owned(), shape, rows, materials, seen)
+        let labels = (label_out(object.node()), label_out(object.mesh_label()));
+        (
+            object.name().to_owned(),
+            shape,
+            rows,
+            materials,
+            seen,
+            labels,
+        )
     };
     let objects = model.objects.iter().map(&mut object_out).collect();
     ModelOut {
@@ -195,6 +205,10 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
         warnings,
         scene: scene.map(Scene),
     }
+}
+
+fn label_out(label: Option<&Label>) -> Option<LabelTuple> {
+    label.map(|label| (label.number, label.name.to_string()))
 }
 
 /// Things that many share, each once, by number.

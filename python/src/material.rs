@@ -43,7 +43,7 @@ impl Texels {
 #[derive(FromPyObject)]
 pub(crate) struct MapIn<'py>(PyRef<'py, Texels>, [String; 2], String, [[f64; 3]; 2]);
 
-/// A material: colour, alpha, texture, texture for alpha, how alpha counts, its cutoff, unlit, double-sided.
+/// A material: colour, alpha, texture, texture for alpha, how alpha counts, its cutoff, unlit, double-sided, its name.
 #[derive(FromPyObject)]
 pub(crate) struct MaterialIn<'py>(
     [f64; 3],
@@ -54,6 +54,7 @@ pub(crate) struct MaterialIn<'py>(
     f64,
     bool,
     bool,
+    String,
 );
 
 /// What a name stands for.
@@ -80,7 +81,7 @@ fn map(MapIn(texels, wraps, filter, rows): &MapIn<'_>) -> PyResult<TextureMap> {
 }
 
 pub(crate) fn material(material: &MaterialIn<'_>) -> PyResult<Material> {
-    let MaterialIn(color, alpha, texture, alpha_texture, mode, cutoff, unlit, double_sided) =
+    let MaterialIn(color, alpha, texture, alpha_texture, mode, cutoff, unlit, double_sided, name) =
         material;
     let modes = [
         ("opaque", AlphaMode::Opaque),
@@ -88,6 +89,7 @@ pub(crate) fn material(material: &MaterialIn<'_>) -> PyResult<Material> {
         ("blend", AlphaMode::Blend),
     ];
     Ok(Material {
+        name: name.as_str().into(),
         color: Color::from(*color),
         alpha: *alpha,
         maps: (Maps::default())
@@ -125,6 +127,7 @@ pub(crate) type MaterialOut = (
     f64,
     bool,
     bool,
+    String,
 );
 
 /// What Python makes a material from; `number` gives textures their numbers.
@@ -153,6 +156,7 @@ pub(crate) fn material_out(
         cutoff,
         material.unlit,
         material.double_sided,
+        material.name.to_string(),
     )
 }
 

@@ -1,5 +1,6 @@
 //! Scenes.
 
+use firsthit::scene::Label;
 use firsthit::{Color, DAffine3, DMat3, DVec3, Light, Material, Object, Transform};
 use pyo3::prelude::*;
 
@@ -16,7 +17,8 @@ const FEW_OBJECTS: usize = 4096;
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Scene(pub(crate) firsthit::Scene);
 
-/// An object: shape, name, the rows of its transform if it has one, its materials, its mask, whether it is hidden.
+/// An object: shape, name, the rows of its transform if it has one, its materials, its mask, whether it is hidden, and what node and
+/// what mesh of a file it comes from.
 #[derive(FromPyObject)]
 struct ObjectIn<'py>(
     PyRef<'py, Shape>,
@@ -25,7 +27,18 @@ struct ObjectIn<'py>(
     Vec<MaterialIn<'py>>,
     u32,
     bool,
+    [Option<LabelTuple>; 2],
 );
+
+/// A label: its number and its name.
+pub(crate) type LabelTuple = (u64, String);
+
+fn label(label: Option<&LabelTuple>) -> Option<Label> {
+    label.map(|(number, name)| Label {
+        number: *number,
+        name: name.as_str().into(),
+    })
+}
 
 /// An object's number, and the rows of its transform.
 type Place = (usize, [[f64; 4]; 4]);
@@ -130,6 +143,21 @@ impl Scene {
         run(py, 0, |_| seen()).map(Self)
     }
 
+    /// The names of what the identifiers of a channel stand for: objects, nodes, meshes or materials.
+    fn names(&self, py: Python<'_>, channel: &str) -> PyResult<Vec<String>> {
+        let catalog = guarded(|| py.detach(|| self.0.catalog()))?;
+        let names = match channel {
+            "node" => catalog.nodes(),
+            "mesh" => catalog.meshes(),
+            "material" => catalog.materials(),
+            _ => {
+                let objects = self.0.objects().iter();
+                return Ok(objects.map(|object| object.name().to_owned()).collect());
+            }
+        };
+        Ok(names.iter().map(ToString::to_string).collect())
+    }
+
     /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.
     fn likely_up(&self, py: Python<'_>, convention: [f64; 3]) -> PyResult<[f64; 3]> {
         let up = run(py, 0, |_| Ok(self.0.likely_up(DVec3::from(convention))))?;
@@ -158,13 +186,15 @@ fn transform(py: Python<'_>, rows: &[[f64; 4]; 4]) -> PyResult<Transform> {
 }
 
 fn build(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
-    let ObjectIn(shape, name, rows, materials, mask, is_hidden) = object;
+    let ObjectIn(shape, name, rows, materials, mask, is_hidden, [node, mesh]) = object;
     let mut object = Object::new(shape.0.clone()).named(name.clone());
     if let Some(rows) = rows {
         object = object.placed(transform(py, rows)?);
     }
     let materials: Vec<Material> = materials.iter().map(material).collect::<PyResult<_>>()?;
     let object = object.masked(*mask).hidden(*is_hidden);
+    let object = object.from_node(label(node.as_ref()));
+    let object = object.from_mesh(label(mesh.as_ref()));
     Ok(object.with_materials(materials))
 }
 

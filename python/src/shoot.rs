@@ -232,5 +232,5 @@ pub(crate) fn channel<'py>(
 /// Every channel's name and meaning.
 #[pyfunction]
 pub(crate) fn channel_names() -> Vec<(&'static str, &'static str)> {
-    KINDS.iter().map(|kind| (kind.name, kind.about)).collect()
+    KINDS.iter().map(|kind| (&*kind.name, kind.about)).collect()
 }

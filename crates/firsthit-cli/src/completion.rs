@@ -26,7 +26,9 @@ impl TypedValueParser for ChannelNames {
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
         Some(Box::new(
-            self.0.channels().map(|kind| PossibleValue::new(kind.name)),
+            self.0
+                .channels()
+                .map(|kind| PossibleValue::new(&*kind.name)),
         ))
     }
 }

@@ -208,9 +208,14 @@ pub(crate) fn lint() -> String {
     LINT_EXAMPLES.to_owned() + &table(rows.map(|kind| (kind.name, kind.about)), 17)
 }
 
+/// What a channel that is no row of the table is.
+const ATTRIBUTES: &str = "an attribute of the meshes by its name, such as a property of a PLY (firsthit info lists them); NaN for a miss";
+
 /// Examples, and what each channel is.
 pub(crate) fn render() -> String {
-    let rows = KINDS.iter().map(|kind| (kind.name, kind.about));
+    let rows = KINDS.iter().map(|kind| (&*kind.name, kind.about));
     let text = format!("{RENDER_EXAMPLES}\n\nChannels:") + &table(rows, 11);
+    let attribute = [("attribute:NAME", ATTRIBUTES)];
+    let text = text + &table(attribute.into_iter(), 11);
     text + "\n\nA PNG shows distances from yellow (near) to violet, and misses in black; with --png-scale it holds them in 16 bits."
 }

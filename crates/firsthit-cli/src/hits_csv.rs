@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
+use firsthit::channel::ATTRIBUTE;
 use firsthit::image::{Data, Frame};
 
 use crate::failure::Failure;
@@ -50,9 +51,12 @@ pub(crate) fn write_rows(frame: &Frame, rows: Range<usize>, out: &mut dyn Write)
 fn header(frame: &Frame) -> Vec<String> {
     let mut header = Vec::new();
     for channel in frame.channels() {
-        match (channel.components, channel.name) {
+        match (channel.components, &*channel.name) {
             (1, name) => header.push(name.to_owned()),
             (3, "barycentric") => header.extend((0..3).map(|k| format!("barycentric_{k}"))),
+            (count, name) if name.starts_with(ATTRIBUTE) => {
+                header.extend((0..count).map(|k| format!("{name}_{k}")));
+            }
             (2, name) => header.extend(["u", "v"].map(|axis| format!("{name}_{axis}"))),
             (_, name @ "base_color") => {
                 header.extend(["r", "g", "b"].map(|level| format!("{name}_{level}")));

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use firsthit::channel::{KINDS, Kind};
+use firsthit::channel::{ATTRIBUTE, KINDS, Kind, asked};
 use firsthit::error::{escape_controls, escaped};
 use firsthit::image::{
     self, Display, FORMATS, Format, Frame, Holds, WriteSettings, short_legend, sidecar_of,
@@ -68,12 +68,25 @@ pub(crate) fn kinds(
             "depth" => "z",
             name => name,
         };
+        if let Some(kind) = attribute(wanted)? {
+            match kinds.iter().find(|other| other.name == kind.name) {
+                None => kinds.push(kind),
+                Some(other) if other.attribute_name() == kind.attribute_name() => {}
+                Some(_) => {
+                    return Err(Failure::usage(format!(
+                        "--channels: two attributes would both be called {}",
+                        kind.name
+                    )));
+                }
+            }
+            continue;
+        }
         let Some(kind) = KINDS.iter().find(|kind| kind.name == wanted) else {
-            let known: Vec<&str> = source.channels().map(|kind| kind.name).collect();
+            let known: Vec<&str> = source.channels().map(|kind| &*kind.name).collect();
             let meant = nearest_word(wanted, known.iter().copied());
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
             return Err(Failure::usage(format!(
-                "--channels: there is no channel \"{}\", only {}{meant}",
+                "--channels: there is no channel \"{}\", only {}, and attribute:NAME{meant}",
                 escape_controls(wanted),
                 known.join(", ")
             )));
@@ -91,6 +104,18 @@ pub(crate) fn kinds(
         }
     }
     Ok(kinds)
+}
+
+/// The channel of an attribute, if that is what is asked for; whether any mesh has it is known later. Channels are arguments of
+/// the program, and live as long.
+fn attribute(wanted: &str) -> Result<Option<&'static Kind>, Failure> {
+    if !wanted.starts_with(ATTRIBUTE) {
+        return Ok(None);
+    }
+    let kind = asked(wanted).map_err(|_| {
+        Failure::usage("--channels: attribute: takes the name of an attribute of the meshes")
+    })?;
+    Ok(Some(Box::leak(Box::new(kind.into_owned()))))
 }
 
 /// A file to be written.
@@ -122,7 +147,12 @@ pub(crate) fn orders(
         let channels = with_required(channels, [path]);
         let kinds = kinds(&channels, Source::Camera, quiet || !orders.is_empty())?;
         let made = targets(std::slice::from_ref(path), &kinds, Source::Camera, inputs)?;
-        let names = |kinds: &[&Kind]| kinds.iter().map(|kind| kind.name).collect::<Vec<_>>();
+        let names = |kinds: &[&Kind]| {
+            kinds
+                .iter()
+                .map(|kind| kind.name.clone())
+                .collect::<Vec<_>>()
+        };
         match orders
             .iter_mut()
             .find(|order| names(&order.kinds) == names(&kinds))
@@ -163,7 +193,7 @@ pub(crate) fn targets(
         let text = path.to_string_lossy();
         if text.contains(PLACEHOLDER) {
             for kind in kinds {
-                let path = PathBuf::from(text.replace(PLACEHOLDER, kind.name));
+                let path = PathBuf::from(text.replace(PLACEHOLDER, &kind.name_in_path()));
                 let format = format(&path, source)?;
                 if format.is_some_and(|format| format.holds == Holds::Points) {
                     return Err(Failure::usage(format!(
@@ -171,7 +201,7 @@ pub(crate) fn targets(
                         escaped(Path::new(&*text))
                     )));
                 }
-                let channel = Some(kind.name);
+                let channel = Some(&*kind.name);
                 targets.push(Target {
                     path,
                     format,
@@ -224,7 +254,7 @@ fn only_channel(
         return Ok(None);
     }
     match kinds {
-        [kind] => Ok(Some(kind.name)),
+        [kind] => Ok(Some(&*kind.name)),
         kinds if kinds.iter().any(|kind| kind.name == "color") => Ok(Some("color")),
         _ => Err(Failure::usage(format!(
             "{} holds one channel of several; put {PLACEHOLDER} into the name for a file of each, or use .exr or .npz",
@@ -365,7 +395,7 @@ pub(crate) fn as_json(
     let one = |(target, legend): (&Target, &Option<String>)| {
         let channels: Vec<&str> = match target.channel {
             Some(name) => vec![name],
-            None => kinds.iter().map(|kind| kind.name).collect(),
+            None => kinds.iter().map(|kind| &*kind.name).collect(),
         };
         json!({
             "file": target.path.to_string_lossy(),
@@ -413,7 +443,7 @@ pub(crate) fn write(
 fn legend(channel: &image::Channel, settings: WriteSettings) -> Option<String> {
     match settings.png_scale {
         Some(scale) if channel.display == Display::Distance => {
-            let name = channel.name;
+            let name = &channel.name;
             Some(format!("{name} in steps of {scale}, 16 bits; misses 0"))
         }
         _ => short_legend(channel),

@@ -1,16 +1,25 @@
 //! What can be asked about hits: the table of output channels.
 
+mod asked;
 mod attribute;
+mod kinds;
+
+use std::borrow::Cow;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
+pub use asked::{ATTRIBUTE, asked};
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
+pub use kinds::{INSIDE, KINDS, RAY, THICKNESS, VISIBLE};
+
+use asked::Silent;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
 use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
-use crate::scene::{Scene, SurfaceInteraction};
+use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
 use crate::sensor::Sensor;
 use crate::shoot::Hits;
 use crate::watch::Watch;
@@ -38,13 +47,13 @@ impl std::fmt::Debug for Shots<'_> {
 }
 
 /// A kind of output: its name, what it says, and how it is made from hits.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Kind {
     /// The channel's name, in files too.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// One line for help texts: what it is, its unit, and its value for a miss.
     pub about: &'static str,
-    /// Numbers for each ray.
+    /// Numbers for each ray; 0 for an attribute, of which the scene decides.
     pub components: usize,
     /// How it becomes a picture.
     pub display: Display,
@@ -55,7 +64,7 @@ pub struct Kind {
     make: Make,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 enum Make {
     /// From a hit; for a miss the parameter of that, which is infinite.
     T,
@@ -63,206 +72,20 @@ enum Make {
     Doubles(fn(&SurfaceInteraction<'_>, &mut [f64])),
     /// From a hit; -1 for a miss.
     Identifier(fn(&Hit) -> i32),
+    /// From what the object that is met comes from; -1 for a miss.
+    Origin(fn(&Catalog, &Object, &Hit) -> i32),
     /// From what a ray meets; -1 for a miss.
     Integer(fn(&SurfaceInteraction<'_>) -> i32),
     /// From what a ray meets; false for a miss.
     Flag(fn(&SurfaceInteraction<'_>) -> bool),
     /// Which of [`Sensor::range_and_z`].
     Distance(usize),
+    /// An attribute of the meshes, by its name.
+    Attribute(Arc<str>),
     /// From a shader, by `render`.
     Color,
     /// Not from first hits.
     Elsewhere,
-}
-
-/// The number of the ray that each hit belongs to, where a ray may have several. It is no channel of a picture, so not among
-/// [`KINDS`]; [`AllHits::ray_numbers`](crate::shoot::AllHits::ray_numbers) has its data.
-pub const RAY: &Kind = &Kind {
-    name: "ray",
-    about: "number of the ray, from 0",
-    components: 1,
-    display: Display::Identifier,
-    unit: Unit::None,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// Whether a point is inside an object. It is no channel of hits, so not among [`KINDS`];
-/// [`inside`](crate::measure::inside()) has its data.
-pub const INSIDE: &Kind = &Kind {
-    name: "inside",
-    about: "whether the point is inside an object",
-    components: 1,
-    display: Display::Mask,
-    unit: Unit::None,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// Whether two points see each other. It is no channel of hits, so not among [`KINDS`]; [`visible`](crate::shoot::visible())
-/// has its data.
-pub const VISIBLE: &Kind = &Kind {
-    name: "visible",
-    about: "whether the two points see each other",
-    components: 1,
-    display: Display::Mask,
-    unit: Unit::None,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// How thick an object is. It is no channel of hits, so not among [`KINDS`]; [`thickness`](crate::measure::thickness()) has its data.
-pub const THICKNESS: &Kind = &Kind {
-    name: "thickness",
-    about: "distance inwards to the other side; inf where there is none",
-    components: 1,
-    display: Display::Distance,
-    unit: Unit::SceneLength,
-    frame: None,
-    make: Make::Elsewhere,
-};
-
-/// Every channel. A new one is a new row.
-pub const KINDS: &[Kind] = &[
-    Kind {
-        name: "color",
-        about: "linear red, green, blue (Rec. 709); the background for a miss",
-        components: 3,
-        display: Display::Color,
-        unit: Unit::LinearColor,
-        frame: None,
-        make: Make::Color,
-    },
-    Kind {
-        name: "t",
-        about: "distance from the ray's start along the ray (in lengths of the direction); inf for a miss",
-        components: 1,
-        display: Display::Distance,
-        unit: Unit::DirectionLength,
-        frame: Some("ray"),
-        make: Make::T,
-    },
-    Kind {
-        name: "range",
-        about: "distance from the camera's position along the ray; inf for a miss",
-        components: 1,
-        display: Display::Distance,
-        unit: Unit::SceneLength,
-        frame: Some("camera"),
-        make: Make::Distance(0),
-    },
-    Kind {
-        name: "z",
-        about: "distance from the camera's position along its aim; inf for a miss",
-        components: 1,
-        display: Display::Distance,
-        unit: Unit::SceneLength,
-        frame: Some("camera"),
-        make: Make::Distance(1),
-    },
-    Kind {
-        name: "object",
-        about: "identifier of the object; -1 for a miss",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Identifier(|hit| hit.object),
-    },
-    Kind {
-        name: "primitive",
-        about: "identifier of the object's part, such as the triangle; -1 for a miss",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Identifier(|hit| hit.primitive),
-    },
-    Kind {
-        name: "face",
-        about: "identifier of the polygon that the triangle was part of; -1 for a miss",
-        components: 1,
-        display: Display::Identifier,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Integer(face),
-    },
-    Kind {
-        name: "normal",
-        about: "geometric normal in the world, of length one, outwards; NaN for a miss",
-        components: 3,
-        display: Display::Direction,
-        unit: Unit::None,
-        frame: Some("world"),
-        make: Make::Doubles(|surface, out| {
-            out.copy_from_slice(&surface.normal().to_array());
-        }),
-    },
-    Kind {
-        name: "position",
-        about: "where the hit is in the world; NaN for a miss",
-        components: 3,
-        display: Display::Position,
-        unit: Unit::SceneLength,
-        frame: Some("world"),
-        make: Make::Doubles(|surface, out| {
-            out.copy_from_slice(&surface.position().to_array());
-        }),
-    },
-    Kind {
-        name: "barycentric",
-        about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
-        components: 3,
-        display: Display::Fraction,
-        unit: Unit::None,
-        frame: Some("triangle"),
-        make: Make::Doubles(|surface, out| {
-            let [b, c] = surface.hit().barycentric.to_array();
-            out.copy_from_slice(&[1.0 - b - c, b, c]);
-        }),
-    },
-    Kind {
-        name: "uv",
-        about: "texture coordinates; NaN for a miss and where there are none",
-        components: 2,
-        display: Display::Fraction,
-        unit: Unit::None,
-        frame: Some("texture"),
-        make: Make::Doubles(|surface, out| {
-            if let Some(uv) = surface.uv() {
-                out.copy_from_slice(&uv.to_array());
-            }
-        }),
-    },
-    Kind {
-        name: "base_color",
-        about: "linear colour of the surface there, with its texture, without light; NaN for a miss",
-        components: 3,
-        display: Display::Fraction,
-        unit: Unit::LinearColor,
-        frame: None,
-        make: Make::Doubles(|surface, out| {
-            out.copy_from_slice(&surface.color().to_array());
-        }),
-    },
-    Kind {
-        name: "front",
-        about: "whether the front of the surface was met; false for a miss",
-        components: 1,
-        display: Display::Mask,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Flag(is_front),
-    },
-];
-
-// Of any lifetime, as the methods are not.
-fn face(surface: &SurfaceInteraction<'_>) -> i32 {
-    surface.face()
-}
-
-fn is_front(surface: &SurfaceInteraction<'_>) -> bool {
-    surface.is_front()
 }
 
 /// The kind of that name.
@@ -271,12 +94,15 @@ fn is_front(surface: &SurfaceInteraction<'_>) -> bool {
 ///
 /// [`Error::Argument`] for a name that no kind has.
 pub fn kind(name: &str) -> Result<&'static Kind> {
-    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    let names: Vec<&str> = KINDS.iter().map(|kind| &*kind.name).collect();
     KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
         Error::argument(
             "channel",
             "a channel's name",
-            format!("{name:?}; there are {}", names.join(", ")),
+            format!(
+                "{name:?}; there are {}, and {ATTRIBUTE}NAME for an attribute",
+                names.join(", ")
+            ),
         )
     })
 }
@@ -285,6 +111,11 @@ impl Kind {
     /// Whether it takes a sensor: rays from elsewhere do not have it.
     pub fn needs_sensor(&self) -> bool {
         matches!(self.make, Make::Distance(_))
+    }
+
+    /// Whether metadata have a table of what its identifiers stand for.
+    pub fn has_names(&self) -> bool {
+        matches!(self.make, Make::Origin(_)) || self.name == "object"
     }
 
     /// Whether it takes a shader.
@@ -303,7 +134,7 @@ impl Kind {
     /// The channel of this kind with `data`, which [`Frame::push`](crate::image::Frame::push) checks.
     pub fn channel(&self, data: Data) -> Channel {
         Channel {
-            name: self.name,
+            name: self.name.clone(),
             components: self.components,
             data,
             display: self.display,
@@ -324,14 +155,38 @@ const CHUNK: usize = 1 << 12;
 ///
 /// # Errors
 ///
-/// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, and for a channel that needs a sensor where
-/// there is none, [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, for a channel that needs a sensor where
+/// there is none, and for an attribute that no mesh has, [`Error::Interrupted`] when `watch` stops it.
 pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
+    let others = kinds.iter().copied();
+    let others: Vec<&Kind> = others
+        .filter(|kind| kind.attribute_name().is_none())
+        .collect();
+    let mut made = make_at_hits(&others, shots, watch)?.into_iter();
+    let mut channels = Vec::with_capacity(kinds.len());
+    for kind in kinds {
+        let Some(name) = kind.attribute_name() else {
+            channels.extend(made.next());
+            continue;
+        };
+        let found = attribute(name, None, shots.scene, shots.hits, &Silent(watch))?;
+        let mut channel = kind.channel(Data::Float64(found.values));
+        channel.components = found.components;
+        channels.push(channel);
+    }
+    if others.is_empty() && !kinds.is_empty() {
+        watch.advance(shots.rays.len() as u64);
+    }
+    Ok(channels)
+}
+
+/// The channels that are no attributes.
+fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
     for kind in kinds {
         let is_made_elsewhere = matches!(kind.make, Make::Color | Make::Elsewhere);
         if is_made_elsewhere || (kind.needs_sensor() && shots.sensor.is_none()) {
             let expected = "one that rays without a camera have";
-            return Err(Error::argument("channel", expected, kind.name));
+            return Err(Error::argument("channel", expected, &*kind.name));
         }
     }
     let count = shots.rays.len();
@@ -377,13 +232,15 @@ impl Kind {
             Make::Doubles(_) => {
                 Data::Float64(filled(count.saturating_mul(self.components), f64::NAN)?)
             }
-            Make::Identifier(_) | Make::Integer(_) => Data::Int32(filled(count, -1)?),
+            Make::Identifier(_) | Make::Origin(_) | Make::Integer(_) => {
+                Data::Int32(filled(count, -1)?)
+            }
             Make::Flag(_) => Data::Bool(filled(count, false)?),
-            Make::Color | Make::Elsewhere => {
+            Make::Color | Make::Attribute(_) | Make::Elsewhere => {
                 return Err(Error::argument(
                     "channel",
                     "one without a shader",
-                    self.name,
+                    &*self.name,
                 ));
             }
         })
@@ -399,6 +256,7 @@ enum Part<'a> {
         &'a mut [f64],
     ),
     Identifier(fn(&Hit) -> i32, &'a mut [i32]),
+    Origin(fn(&Catalog, &Object, &Hit) -> i32, &'a mut [i32]),
     Integer(fn(&SurfaceInteraction<'_>) -> i32, &'a mut [i32]),
     Flag(fn(&SurfaceInteraction<'_>) -> bool, &'a mut [bool]),
     Distance(usize, &'a mut [f64]),
@@ -423,6 +281,10 @@ impl<'a> Part<'a> {
                 let parts = values.chunks_mut(CHUNK);
                 parts.map(|part| Self::Identifier(value, part)).collect()
             }
+            (Data::Int32(values), &Make::Origin(value)) => {
+                let parts = values.chunks_mut(CHUNK);
+                parts.map(|part| Self::Origin(value, part)).collect()
+            }
             (Data::Int32(values), &Make::Integer(value)) => {
                 let parts = values.chunks_mut(CHUNK);
                 parts.map(|part| Self::Integer(value, part)).collect()
@@ -444,6 +306,8 @@ impl<'a> Part<'a> {
 /// Fills the parts of channels that belong to `count` rays from `first` on, where they hit something.
 fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
     let needs_surface = parts.iter().any(Part::needs_surface);
+    let has_origin = parts.iter().any(|part| matches!(part, Part::Origin(..)));
+    let catalog = has_origin.then(|| shots.scene.catalog());
     for k in 0..count {
         let hit = shots.hits.get(first + k);
         if hit.is_miss() {
@@ -457,6 +321,11 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
             match part {
                 Part::T(out) => out[k] = hit.t,
                 Part::Identifier(value, out) => out[k] = value(&hit),
+                Part::Origin(value, out) => {
+                    if let (Some(object), Some(catalog)) = (shots.scene.object(&hit), catalog) {
+                        out[k] = value(catalog, object, &hit);
+                    }
+                }
                 Part::Distance(which, out) => {
                     if let Some(sensor) = shots.sensor {
                         out[k] = sensor.range_and_z(first + k, hit.t)[*which];

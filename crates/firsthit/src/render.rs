@@ -12,7 +12,7 @@ use crate::channel::Kind;
 use crate::error::Result;
 use crate::geometry::summary::summary;
 use crate::geometry::{Color, DVec3, Ray, require};
-use crate::image::{Channel, Frame, Origin};
+use crate::image::{Channel, Frame, Names, Origin};
 use crate::memory;
 use crate::sampling::offset;
 use crate::scene::{Background, Light, Scene};
@@ -194,6 +194,9 @@ impl<'a> Picture<'a> {
         let shape = self.sensor.shape();
         let region = self.region.clone().unwrap_or_else(|| Region::all(shape));
         region.check(shape)?;
+        self.channels
+            .iter()
+            .try_for_each(|kind| kind.check(self.scene))?;
         let [rows, columns] = region.shape();
         let bytes = |kind: &&Kind| kind.components * size_of::<f32>();
         let each: usize = self.channels.iter().map(bytes).sum();
@@ -209,7 +212,12 @@ impl<'a> Picture<'a> {
     /// An empty frame of a region that says where it comes from.
     fn frame(&self, region: &Region) -> Frame {
         let first_pixel = [region.rows.start as u64, region.columns.start as u64];
-        let origin = origin(self.scene, Some(self.sensor), Some(self.samples));
+        let origin = origin(
+            self.scene,
+            Some(self.sensor),
+            Some(self.samples),
+            self.channels,
+        );
         Frame::new(region.shape()).from_origin(Origin {
             first_pixel,
             ..origin
@@ -256,15 +264,34 @@ pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
     (pixels as u64).saturating_mul(of_samples + u64::from(has_others))
 }
 
-/// What outputs say about where they come from: the scene's fingerprint and the camera, if one made the
-/// rays. `samples` are the points of a pixel that its colour is the mean of, if there are colours.
-pub fn origin(scene: &Scene, sensor: Option<&dyn Sensor>, samples: Option<u32>) -> Origin {
+/// What outputs say about where they come from: the scene's fingerprint, the camera, if one made the rays, and what the
+/// identifiers of the `channels` stand for. `samples` are the points of a pixel that its colour is the mean of, if there are colours.
+pub fn origin(
+    scene: &Scene,
+    sensor: Option<&dyn Sensor>,
+    samples: Option<u32>,
+    channels: &[&Kind],
+) -> Origin {
+    let has_names = channels.iter().any(|kind| kind.has_names());
     Origin {
         scene: Some(scene.fingerprint().to_owned()),
         camera: sensor.map(Sensor::record),
         samples,
         first_pixel: [0, 0],
+        names: has_names.then(|| names(scene)),
     }
+}
+
+/// The names of a scene's objects, and of what they come from.
+pub fn names(scene: &Scene) -> Names {
+    let catalog = scene.catalog();
+    let objects = scene.objects().iter().enumerate();
+    let objects = objects.map(|(number, object)| {
+        let (node, mesh) = (catalog.node_of(number), catalog.mesh_of(number));
+        (object.name(), node, mesh, catalog.materials_of(number))
+    });
+    let lists = [catalog.nodes(), catalog.meshes(), catalog.materials()];
+    Names::new(objects, lists)
 }
 
 /// The ray through the point of a pixel that its sample `sample` is at, pixels counted row by row from the top. The first is the

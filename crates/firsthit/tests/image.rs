@@ -90,7 +90,7 @@ fn an_npz_holds_exactly_what_the_frame_holds() {
     let frame = frame();
     let arrays = npz::arrays(encode("npz", &frame, None));
     for channel in frame.channels() {
-        let array = &arrays[channel.name];
+        let array = &arrays[&*channel.name];
         let shape: &[usize] = if channel.components == 3 {
             &[2, 3, 3]
         } else {

@@ -130,7 +130,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
     let scene = Scene::new(objects).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [50, 60]).unwrap();
     let hits = trace(&scene, &camera, First, &()).unwrap();
-    let channels: Vec<_> = channel::KINDS.iter().map(|kind| kind.name).collect();
+    let channels: Vec<_> = channel::KINDS.iter().map(|kind| &*kind.name).collect();
     let frame = Render::new(&scene)
         .size(50, 60)
         .channels(&channels)
@@ -225,7 +225,7 @@ fn everything_said_of_a_picture_shows_in_it() {
     let names: Vec<_> = frame
         .channels()
         .iter()
-        .map(|channel| channel.name)
+        .map(|channel| &*channel.name)
         .collect();
     assert_eq!(names, ["t", "object", "color"]);
     let error = small.channels(&["depth"]).frame().unwrap_err().to_string();

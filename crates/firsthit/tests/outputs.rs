@@ -75,7 +75,7 @@ fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
         }
         for channel in frame.channels() {
             paths.push(folder.join(format!("{}.{}", channel.name, format.name)));
-            write_channel(frame, channel.name, paths.last().unwrap()).unwrap();
+            write_channel(frame, &channel.name, paths.last().unwrap()).unwrap();
         }
     }
     for name in ["t", "range", "z"] {
@@ -193,8 +193,8 @@ fn files_of_different_formats_compare_channel_by_channel() {
     let (a, b) = (read(&exr).unwrap(), read(&npz).unwrap());
     for channel in frame.channels() {
         let (a, b) = (
-            a.array(channel.name).unwrap(),
-            b.array(channel.name).unwrap(),
+            a.array(&channel.name).unwrap(),
+            b.array(&channel.name).unwrap(),
         );
         let difference = compare(a, b, 0.0).unwrap();
         assert_eq!(

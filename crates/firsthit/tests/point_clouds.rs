@@ -268,7 +268,7 @@ fn the_header_tells_the_metadata_in_short_lines() {
             .collect();
         assert_eq!(
             names,
-            KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>()
+            KINDS.iter().map(|kind| &*kind.name).collect::<Vec<_>>()
         );
         assert_eq!(
             names,

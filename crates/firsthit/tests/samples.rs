@@ -151,7 +151,7 @@ fn every_engine_makes_the_same_picture() {
     let kinds: Vec<&Kind> = KINDS.iter().collect();
     let render = |engine: &dyn Engine| {
         let frame = Render::new(&scene).camera(camera).samples(2).engine(engine);
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
         all_bits(&frame.channels(&names).frame().unwrap(), 0..30, 0..40)
     };
     let slow = render(&BruteForce);

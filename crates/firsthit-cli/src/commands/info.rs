@@ -56,7 +56,8 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
     } = loaded;
     // Objects of one mesh have the same properties, so that the lists of all objects count together.
     let mut room = most;
-    let mut object = |object: &Object| {
+    let catalog = scene.catalog();
+    let mut object = |(number, object): (usize, &Object)| {
         let names = properties(object);
         let listed = names.iter().take(room);
         let listed: Vec<Value> = listed
@@ -66,13 +67,17 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         json!({
             "name": object.name(),
             "shape": object.shape().name(),
+            "node": named(catalog.node_of(number), catalog.nodes()),
+            "mesh": named(catalog.mesh_of(number), catalog.meshes()),
+            "materials": catalog.materials_of(number),
             "triangles": object.triangles(),
             "bounds": corners(object.bounds()),
             "properties": listed,
             "property_count": names.len(),
         })
     };
-    let objects: Vec<Value> = scene.objects().iter().take(most).map(&mut object).collect();
+    let objects = scene.objects().iter().enumerate().take(most);
+    let objects: Vec<Value> = objects.map(&mut object).collect();
     let looks = Looks::of(model, scene);
     json!({
         "triangles": scene.triangles(),
@@ -94,6 +99,15 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         },
         "warnings": warnings,
     })
+}
+
+/// An identifier and what it stands for, if it stands for anything.
+fn named(identifier: i32, names: &[Arc<str>]) -> Value {
+    let name = usize::try_from(identifier).ok().and_then(|k| names.get(k));
+    name.map_or(
+        Value::Null,
+        |name| json!({"id": identifier, "name": &**name}),
+    )
 }
 
 fn corners(bounds: Bounds) -> Value {

@@ -90,6 +90,7 @@ impl<'a> Looks<'a> {
         let material = |material: &&Material| {
             let texture = material.maps.get(MapRole::Color);
             json!({
+                "name": &*material.name,
                 "color": material.color.to_array(),
                 "alpha": material.alpha,
                 "alpha_mode": match material.alpha_mode {
@@ -186,12 +187,22 @@ fn light_line(number: usize, light: &Light) -> String {
     }
 }
 
-/// All materials in use, in the order of the objects; those that objects share once.
+/// All materials in use, in the order of their identifiers.
 fn materials(scene: &Scene) -> Vec<&Material> {
-    let mut known = HashSet::new();
-    let lists = scene.objects().iter().map(firsthit::Object::materials);
-    let new = lists.filter(|list| known.insert(Arc::as_ptr(list).cast::<Material>()));
-    new.flat_map(|list| list.iter()).collect()
+    let (mut known, mut found) = (HashSet::new(), Vec::new());
+    for (number, object) in scene.objects().iter().enumerate() {
+        let list = object.materials();
+        if !known.insert(Arc::as_ptr(list).cast::<Material>()) {
+            continue;
+        }
+        let identifiers = scene.catalog().materials_of(number);
+        for (&identifier, material) in identifiers.iter().zip(list.iter()) {
+            if usize::try_from(identifier) == Ok(found.len()) {
+                found.push(material);
+            }
+        }
+    }
+    found
 }
 
 /// All textures in use, in the order of the materials.

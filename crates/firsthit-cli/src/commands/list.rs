@@ -50,7 +50,7 @@ pub(super) fn run<const COLUMNS: usize>(
         let answers = ask(&scene, &list, &progress)?;
         drop(progress);
         warn(&answers.warnings);
-        let mut frame = Frame::new([list.len()]).from_origin(origin(&scene, None, None));
+        let mut frame = Frame::new([list.len()]).from_origin(origin(&scene, None, None, &[kind]));
         frame.push(kind.channel(answers.data))?;
         sinks.write(&frame, interrupted)?;
         let seconds = started.elapsed().as_secs_f64();

@@ -3,6 +3,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::Scene;
+use firsthit::channel::kind;
 use firsthit::image::{Channel, Data, Description, Display, Frame, Unit, WriteSettings};
 use firsthit::nearest::{ClosestPoints, Wanted, closest_points, signed_distances};
 use firsthit::render::origin;
@@ -63,7 +64,8 @@ fn answers(
     if args.signed {
         found.distance = signed_distances(scene, points, progress)?;
     }
-    let mut frame = Frame::new([found.distance.len()]).from_origin(origin(scene, None, None));
+    let origin = origin(scene, None, None, &[kind("object")?]);
+    let mut frame = Frame::new([found.distance.len()]).from_origin(origin);
     if args.count.is_some() {
         frame.push(numbers(points.len(), found.count)?)?;
     }
@@ -164,7 +166,7 @@ fn report(
         let channels: Vec<&str> = frame
             .channels()
             .iter()
-            .map(|channel| channel.name)
+            .map(|channel| &*channel.name)
             .collect();
         let of_file = |file| json!({"file": file, "channels": channels});
         let files = if args.output.is_empty() {

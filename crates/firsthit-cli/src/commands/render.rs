@@ -247,7 +247,7 @@ fn write_all(
 ) -> Result<Vec<Vec<Option<String>>>, Failure> {
     let mut legends = Vec::new();
     for (number, Order { kinds, targets }) in (1..).zip(orders) {
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
         let later = orders[number..].iter().flat_map(|order| &order.kinds);
         let is_last = |name: &str| !later.clone().any(|kind| kind.name == name);
         let frame = picture.select(&names, is_last)?;

@@ -90,6 +90,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        kinds.iter().try_for_each(|kind| kind.check(&scene))?;
         warn(&warnings);
         let counts = match source {
             Source::Arrays(rays) => {

@@ -43,7 +43,7 @@ pub(super) fn shot(
         hits: &hits,
         sensor: None,
     };
-    let mut frame = Frame::new([rays.len()]).from_origin(origin(scene, None, None));
+    let mut frame = Frame::new([rays.len()]).from_origin(origin(scene, None, None, kinds));
     for channel in make(kinds, &shots, progress)? {
         frame.push(channel)?;
     }
@@ -80,7 +80,7 @@ pub(super) fn shot_all(
             .count() as u64,
         crossings: hits.len() as u64,
     };
-    let mut frame = Frame::new([hits.len()]).from_origin(origin(scene, None, None));
+    let mut frame = Frame::new([hits.len()]).from_origin(origin(scene, None, None, kinds));
     frame.push(RAY.channel(Data::Int32(numbers)))?;
     for channel in made {
         frame.push(channel)?;

@@ -79,7 +79,7 @@ impl Sinks {
 
     /// What `--json` says of them.
     pub(super) fn as_json(&self, kinds: &[&Kind]) -> Vec<Value> {
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
         let stdout = self.stdout.map(|_| json!({"file": "-", "channels": names}));
         let files = output::as_json(&self.files, kinds, &[]);
         stdout.into_iter().chain(files).collect()

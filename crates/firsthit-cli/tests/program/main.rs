@@ -5,6 +5,7 @@
     reason = "a test that cannot go on panics, in its helpers too"
 )]
 
+mod attributes;
 mod built;
 mod camera;
 mod channels;

@@ -64,9 +64,7 @@ pub fn attribute(
     hits: &Hits,
     watch: &dyn Watch,
 ) -> Result<AttributeValues> {
-    let meshes = meshes(scene).filter_map(|mesh| mesh.attribute(name, of));
-    let most = meshes.map(|found| found.components()).max();
-    let components = most.ok_or_else(|| unknown(name, of, scene))?;
+    let components = components(name, of, scene)?;
     let count = hits.len();
     let mut values = filled(count.saturating_mul(components), f64::NAN)?;
     let fill = |(index, values): (usize, &mut [f64])| {
@@ -97,6 +95,13 @@ pub fn attribute(
             .try_for_each(fill)?;
     }
     Ok(AttributeValues { components, values })
+}
+
+/// How many numbers an attribute has at each hit: as many as in the mesh where there are most.
+pub(super) fn components(name: &str, of: Option<PropertyOf>, scene: &Scene) -> Result<usize> {
+    let meshes = meshes(scene).filter_map(|mesh| mesh.attribute(name, of));
+    let most = meshes.map(|found| found.components()).max();
+    most.ok_or_else(|| unknown(name, of, scene))
 }
 
 /// An attribute that meshes of a scene have, see [`attributes`].

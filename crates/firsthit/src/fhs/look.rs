@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::number::{Number, Triple};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, escape_controls};
 use crate::geometry::DVec3;
 use crate::scene::{
     AlphaMode, Background, Filter, Light, MapRole, Maps, Material, Texture, TextureMap, Wrap,
@@ -16,6 +16,8 @@ use crate::world::World;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialRecord {
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    name: String,
     color: Triple,
     alpha: Number,
     /// The map of each role, by its place in the record.
@@ -96,6 +98,7 @@ impl MaterialRecord {
     ) -> Self {
         let mut map = |role| material.maps.get(role).map(&mut number);
         Self {
+            name: material.name.to_string(),
             color: material.color.into(),
             alpha: Number(material.alpha),
             color_map: map(MapRole::Color),
@@ -116,6 +119,7 @@ impl MaterialRecord {
             found.transpose().map_err(|number| missing("a map", number))
         };
         Ok(Material {
+            name: escape_controls(&self.name).into(),
             color: self.color.into(),
             alpha: self.alpha.0,
             maps: Maps::default()

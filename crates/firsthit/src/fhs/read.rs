@@ -8,8 +8,8 @@ use super::layout::{Element, Sections};
 use super::look::{LightRecord, MaterialRecord, direction_of, missing};
 use super::number::{Number, Triple};
 use super::record::{
-    AttributeRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord, Record,
-    ShapeRecord, TextureRecord, ValuesRecord,
+    AttributeRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord,
+    Record, ShapeRecord, TextureRecord, ValuesRecord,
 };
 use super::sensor::CameraRecord;
 use crate::accel::{MeshTree, TreeFacts, TreeParts};
@@ -18,7 +18,7 @@ use crate::geometry::{Bounds, DAffine3, DMat3, DVec3, Transform};
 use crate::io::Report;
 use crate::io::fault::{Checked, Fault};
 use crate::memory::{self, Block};
-use crate::scene::{Material, Object, Scene, SceneParts, Texture};
+use crate::scene::{Label, Material, Object, Scene, SceneParts, Texture};
 use crate::shape::{
     Attribute, Between, Cone, Cuboid, Cylinder, Disc, Mesh, MeshParts, Plane, Positions, Property,
     PropertyOf, PropertyValues, Shape, Sphere,
@@ -34,7 +34,8 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
     let record = record(&mut sections)?;
     let meshes = meshes(&record, &mut sections)?;
     let looks = looks(&record, &mut sections)?;
-    let objects = objects(&record.objects, &meshes, &looks)?;
+    let labels: Vec<Label> = record.labels.iter().map(label).collect();
+    let objects = objects(&record.objects, (&meshes, &looks, &labels))?;
     let trees = record.objects.iter().map(|object| match object.shape {
         ShapeRecord::Mesh(mesh) => meshes.get(mesh).map(|(_, tree)| Arc::clone(tree)),
         _ => None,
@@ -243,7 +244,26 @@ fn looks(record: &Record, sections: &mut Sections) -> Checked<Looks> {
 /// So many looks at a material are more than any honest file asks for.
 const MOST_LOOKS: usize = 1 << 28;
 
-fn objects(records: &[ObjectRecord], meshes: &[Built], looks: &Looks) -> Checked<Vec<Object>> {
+fn label(record: &LabelRecord) -> Label {
+    Label {
+        number: record.number,
+        name: escape_controls(&record.name).into(),
+    }
+}
+
+/// The label that an object names, if it names one.
+fn labelled(labels: &[Label], number: Option<usize>) -> Checked<Option<Label>> {
+    let found = number.map(|number| {
+        let label = labels.get(number);
+        label.cloned().ok_or_else(|| missing("a label", number))
+    });
+    of_record(found.transpose())
+}
+
+fn objects(
+    records: &[ObjectRecord],
+    (meshes, looks, labels): (&[Built], &Looks, &[Label]),
+) -> Checked<Vec<Object>> {
     let mut objects = Vec::new();
     let room = objects.try_reserve_exact(records.len());
     room.map_err(|_| memory::no_room_for("the file's objects"))?;
@@ -253,6 +273,8 @@ fn objects(records: &[ObjectRecord], meshes: &[Built], looks: &Looks) -> Checked
         object = object.named(escape_controls(&record.name));
         object = object.masked(record.mask.unwrap_or(u32::MAX));
         object = object.hidden(record.is_hidden);
+        object = object.from_node(labelled(labels, record.node)?);
+        object = object.from_mesh(labelled(labels, record.mesh_label)?);
         if let Some(columns) = record.transform {
             object = object.placed(of_record(transform(columns))?);
         }

@@ -20,6 +20,9 @@ pub(super) struct Record {
     pub(super) maps: Vec<MapRecord>,
     /// The lists of materials that objects have.
     pub(super) materials: Vec<Vec<MaterialRecord>>,
+    /// Nodes and meshes of the file that the scene was built from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) labels: Vec<LabelRecord>,
     pub(super) objects: Vec<ObjectRecord>,
     /// A box around each object.
     pub(super) boxes: Section,
@@ -125,6 +128,20 @@ pub(super) struct ObjectRecord {
     pub(super) mask: Option<u32>,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(super) is_hidden: bool,
+    /// The label of its node, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) node: Option<usize>,
+    /// The label of its mesh, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) mesh_label: Option<usize>,
+}
+
+/// A node or a mesh.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LabelRecord {
+    pub(super) number: u64,
+    pub(super) name: String,
 }
 
 /// A shape, by the arguments of its constructor.

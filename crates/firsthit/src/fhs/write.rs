@@ -11,8 +11,8 @@ use super::layout::{BEFORE_DIGEST, Element, Kind, MAGIC, Sum, UNIT, VERSION, sum
 use super::look::{LightRecord, MapRecord, MaterialRecord, ShadingRecord, direction_of};
 use super::number::{Number, Triple};
 use super::record::{
-    AttributeRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord, Record, Section,
-    ShapeRecord, TextureRecord, TreeRecord, ValuesRecord,
+    AttributeRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord,
+    Record, Section, ShapeRecord, TextureRecord, TreeRecord, ValuesRecord,
 };
 use super::sensor::CameraRecord;
 use crate::accel::MeshTree;
@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DAffine3, DVec3};
 use crate::image::write_whole;
 use crate::memory;
-use crate::scene::{Material, Object, Scene, Texture};
+use crate::scene::{Label, Material, Object, Scene, Texture};
 use crate::shape::{
     Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape,
 };
@@ -257,6 +257,8 @@ struct Tables<'a> {
     lists: HashMap<*const [Material], usize>,
     materials: Vec<Vec<MaterialRecord>>,
     maps: Vec<MapRecord>,
+    label_numbers: HashMap<&'a Label, usize>,
+    labels: Vec<LabelRecord>,
 }
 
 impl<'a> Tables<'a> {
@@ -269,7 +271,19 @@ impl<'a> Tables<'a> {
             materials: (!object.materials().is_empty()).then(|| self.list(object)),
             mask: (object.mask() != u32::MAX).then(|| object.mask()),
             is_hidden: object.is_hidden(),
+            node: object.node().map(|label| self.label(label)),
+            mesh_label: object.mesh_label().map(|label| self.label(label)),
         }
+    }
+
+    fn label(&mut self, label: &'a Label) -> usize {
+        *self.label_numbers.entry(label).or_insert_with(|| {
+            self.labels.push(LabelRecord {
+                number: label.number,
+                name: label.name.to_string(),
+            });
+            self.labels.len() - 1
+        })
     }
 
     fn list(&mut self, object: &'a Object) -> usize {
@@ -365,6 +379,7 @@ fn record<'a>(
         textures,
         maps: tables.maps,
         materials: tables.materials,
+        labels: tables.labels,
         objects,
         boxes: parts.add(boxes),
         duplicates: parts.add(duplicates),

@@ -19,6 +19,7 @@ pub(super) enum ColorMap {
     Position([Range; 3]),
     Fraction,
     Mask,
+    Quantity(Vec<Range>),
 }
 
 impl ColorMap {
@@ -32,6 +33,11 @@ impl ColorMap {
             Display::Position => Self::Position([0, 1, 2].map(|axis| Range::of(channel, axis))),
             Display::Fraction => Self::Fraction,
             Display::Mask => Self::Mask,
+            Display::Quantity => Self::Quantity(
+                (0..channel.components)
+                    .map(|k| Range::of(channel, k))
+                    .collect(),
+            ),
         }
     }
 
@@ -79,6 +85,20 @@ impl ColorMap {
             (Self::Position(ranges), &[x, y, z]) => {
                 [(0, x), (1, y), (2, z)].map(|(axis, at)| unit_byte(ranges[axis].fraction(at)))
             }
+            (Self::Quantity(ranges), value) => {
+                let mut levels = ranges.iter().zip(value);
+                let mut level = || {
+                    levels
+                        .next()
+                        .map_or(0, |(range, &at)| unit_byte(range.fraction(at)))
+                };
+                let first = level();
+                if value.len() == 1 {
+                    [first; 3]
+                } else {
+                    [first, level(), level()]
+                }
+            }
             (Self::Fraction, &[grey]) => [unit_byte(grey); 3],
             (Self::Fraction, &[u, v]) => [unit_byte(u), unit_byte(v), 0],
             (Self::Fraction | Self::Color, &[r, g, b]) => [r, g, b].map(unit_byte),
@@ -101,7 +121,7 @@ pub fn short_legend(channel: &Channel) -> Option<String> {
 }
 
 fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> {
-    let name = channel.name;
+    let name = &channel.name;
     match ColorMap::of(channel) {
         ColorMap::Color | ColorMap::Transparent | ColorMap::Fraction | ColorMap::Mask => None,
         ColorMap::Distance(depths) if depths.range.is_empty() => {
@@ -117,6 +137,24 @@ fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> 
         ColorMap::Direction => Some(format!(
             "{name}: (x + 1) / 2, (y + 1) / 2, (z + 1) / 2 as red, green, blue; misses black"
         )),
+        ColorMap::Quantity(ranges) if ranges.iter().all(Range::is_empty) => {
+            Some(format!("{name}: nothing but misses"))
+        }
+        ColorMap::Quantity(ranges) => {
+            let inks = if ranges.len() == 1 {
+                &["grey"][..]
+            } else {
+                &["red", "green", "blue"]
+            };
+            let range = |(Range { low, high }, ink): (&Range, &&str)| {
+                format!("from {} to {} as {ink}", text(*low), text(*high))
+            };
+            let ranges: Vec<String> = ranges.iter().zip(inks).map(range).collect();
+            Some(format!(
+                "{name}: {}, linear; misses black",
+                ranges.join(", ")
+            ))
+        }
         ColorMap::Position(ranges) if ranges[0].is_empty() => {
             Some(format!("{name}: nothing but misses"))
         }

@@ -60,7 +60,7 @@ pub(super) fn check_float32(
         Some(index) => {
             let place = pixel(index / channel.components, shape);
             let got = format!("{:?} at {place}", values[index]);
-            Err(Error::argument(channel.name, expected, got))
+            Err(Error::argument(channel.argument(), expected, got))
         }
     }
 }

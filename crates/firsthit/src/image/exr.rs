@@ -32,7 +32,10 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
 
 /// How an EXR stores a channel: by the names that programs look for, where there are such.
 pub(super) fn stored(channel: &Channel) -> Stored {
-    let names = match (channel.name, channel.components) {
+    let names = match (&*channel.name, channel.components) {
+        (name, components) if channel.display == Display::Quantity && components > 1 => {
+            (0..components).map(|k| format!("{name}.{k}")).collect()
+        }
         ("color", 3) => ["R", "G", "B"].map(str::to_owned).to_vec(),
         // OpenEXR's colours are premultiplied, as ours are.
         ("color", 4) => ["R", "G", "B", "A"].map(str::to_owned).to_vec(),

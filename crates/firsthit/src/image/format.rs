@@ -69,7 +69,7 @@ pub const FORMATS: &[Format] = &[
         has_sidecar: false,
         summary: "NumPy arrays: all channels, exact values, uncompressed",
         check: |_| Ok(()),
-        stored: |channel, _| Stored::exact(channel, vec![channel.name.to_owned()]),
+        stored: |channel, _| Stored::exact(channel, vec![channel.name.to_string()]),
         encode: npz::encode,
         decode: super::decode::npz::decode,
     },
@@ -337,7 +337,7 @@ impl Format {
             },
         };
         if self.holds == Holds::OneChannel && channels.len() != 1 {
-            let names: Vec<&str> = channels.iter().map(|channel| channel.name).collect();
+            let names: Vec<&str> = channels.iter().map(|channel| &*channel.name).collect();
             let got = format!("{} for {}: [{}]", names.len(), self.name, names.join(", "));
             let expected = "the single one that this format holds; name it, or choose exr or npz";
             return Err(Error::argument("channel", expected, got));

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::fmt::{self, Debug, Formatter};
 
 use super::origin::Origin;
@@ -30,7 +31,7 @@ pub struct Frame {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Its name in files and in interfaces, unique in its frame.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// The number of values of each element, at least 1.
     pub components: usize,
     /// The values: all components of element 0, then those of element 1.
@@ -99,6 +100,9 @@ pub enum Display {
     Fraction,
     /// Booleans, one each: white where true.
     Mask,
+    /// Any numbers of floats. One to three make a picture: each from its smallest to its largest value, as grey, as red and
+    /// green, or as red, green, blue.
+    Quantity,
 }
 
 /// A summary: its shape and its channels.
@@ -116,7 +120,7 @@ struct ByName<'a>(&'a [Channel]);
 impl Debug for ByName<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let channels = self.0.iter();
-        let channels = channels.map(|channel| (channel.name, &channel.data));
+        let channels = channels.map(|channel| (&channel.name, &channel.data));
         f.debug_map().entries(channels).finish()
     }
 }
@@ -155,7 +159,7 @@ impl Frame {
     /// [`Error::Argument`] if its name is taken, if its length is not the frame's number of elements
     /// times its components, or if its values cannot be what its picture says.
     pub fn push(&mut self, channel: Channel) -> Result<()> {
-        let name = channel.name;
+        let (name, of) = (&*channel.name, channel.argument());
         if self.channel(name).is_some() {
             let expected = "a channel whose name the frame does not have yet";
             return Err(Error::argument("channel", expected, name));
@@ -164,7 +168,7 @@ impl Frame {
             let expected = "of the type and the number of components that its display asks for";
             let (kind, display) = (channel.data.kind(), channel.display);
             let got = format!("{} {kind} as {display:?}", channel.components);
-            return Err(Error::argument(name, expected, got));
+            return Err(Error::argument(of, expected, got));
         }
         // A shape whose product overflows has no data that could match it.
         let values =
@@ -177,7 +181,7 @@ impl Frame {
                 channel.components,
                 self.shape
             );
-            return Err(Error::argument(name, expected, got));
+            return Err(Error::argument(of, expected, got));
         }
         self.channels.push(channel);
         Ok(())
@@ -230,13 +234,26 @@ impl Frame {
 
 impl Channel {
     /// A channel without a description. [`Frame::push`] checks that all four fit together.
-    pub fn new(name: &'static str, components: usize, data: Data, display: Display) -> Self {
+    pub fn new(
+        name: impl Into<Cow<'static, str>>,
+        components: usize,
+        data: Data,
+        display: Display,
+    ) -> Self {
         Self {
-            name,
+            name: name.into(),
             components,
             data,
             display,
             description: Description::default(),
+        }
+    }
+
+    /// What errors call it.
+    pub(super) fn argument(&self) -> &'static str {
+        match self.name {
+            Cow::Borrowed(name) => name,
+            Cow::Owned(_) => "channel",
         }
     }
 
@@ -346,7 +363,7 @@ impl Display {
             Self::Color => "background",
             Self::Distance => "inf",
             Self::Identifier => "-1",
-            Self::Direction | Self::Position | Self::Fraction => "nan",
+            Self::Direction | Self::Position | Self::Fraction | Self::Quantity => "nan",
             Self::Mask => "false",
         }
     }
@@ -358,6 +375,7 @@ impl Display {
             Self::Color => floats && matches!(channel.components, 3 | 4),
             Self::Direction | Self::Position => floats && channel.components == 3,
             Self::Distance => floats && channel.components == 1,
+            Self::Quantity => floats && channel.components > 0,
             Self::Fraction => floats && (1..=3).contains(&channel.components),
             Self::Identifier => matches!(channel.data, Data::Int32(_)) && channel.components == 1,
             Self::Mask => matches!(channel.data, Data::Bool(_)) && channel.components == 1,

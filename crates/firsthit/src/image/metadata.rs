@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::frame::{Channel, Display, Frame};
+use super::names::Names;
 use super::origin::{CameraRecord, Origin};
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
@@ -33,6 +34,9 @@ pub struct Metadata {
     pub samples: Option<u32>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
+    /// What the identifiers of the channels `object`, `node`, `mesh` and `material` stand for, if one of them is in this file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub names: Option<Names>,
 }
 
 /// How pixels lie: the same in all outputs.
@@ -137,10 +141,12 @@ impl Metadata {
             camera,
             samples,
             first_pixel,
+            names,
         } = frame.origin.clone();
         let has_colors = channels
             .iter()
             .any(|channel| channel.display == Display::Color);
+        let has = |name: &str| channels.iter().any(|channel| channel.name == name);
         Self {
             metadata_version: METADATA_VERSION,
             firsthit: env!("CARGO_PKG_VERSION").to_owned(),
@@ -152,6 +158,7 @@ impl Metadata {
                 .map(|channel| ChannelRecord::of(channel, camera.is_some(), stored(channel)))
                 .collect(),
             camera,
+            names: names.and_then(|names| names.of_channels(has)),
         }
     }
 
@@ -171,7 +178,23 @@ impl Metadata {
     ///
     /// Never: every field is of a type that JSON has.
     pub fn to_json(&self) -> String {
-        serde_json::to_string(self).expect("strings, numbers and lists of them are JSON")
+        let text =
+            serde_json::to_string(self).expect("strings, numbers and lists of them are JSON");
+        if text.is_ascii() {
+            return text;
+        }
+        let mut ascii = String::with_capacity(text.len());
+        for char in text.chars() {
+            if char.is_ascii() {
+                ascii.push(char);
+                continue;
+            }
+            // Only strings have others, the names of objects and the like, and there these are the same.
+            for unit in char.encode_utf16(&mut [0; 2]) {
+                ascii.extend(["\\u".to_owned(), format!("{unit:04x}")]);
+            }
+        }
+        ascii
     }
 
     /// From JSON.
@@ -204,7 +227,7 @@ impl ChannelRecord {
     fn of(channel: &Channel, has_camera: bool, stored: Option<Stored>) -> Self {
         let description = &channel.description;
         Self {
-            name: channel.name.to_owned(),
+            name: channel.name.to_string(),
             about: description.about.to_owned(),
             dtype: channel.data.kind().to_owned(),
             components: channel.components as u64,

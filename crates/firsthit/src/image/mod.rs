@@ -18,6 +18,7 @@ mod file;
 mod format;
 mod frame;
 mod metadata;
+mod names;
 #[cfg(feature = "npy")]
 mod npy;
 #[cfg(feature = "npy")]
@@ -48,6 +49,7 @@ pub use file::{sidecar_of, write_whole};
 pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};
 pub use frame::{Channel, Data, Description, Display, Frame, Unit};
 pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
+pub use names::{Names, ObjectNames};
 pub use origin::{CameraRecord, Intrinsics, Origin, Pose};
 #[cfg(feature = "cloud")]
 pub use points::is_point_cloud;

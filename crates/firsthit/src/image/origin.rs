@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::names::Names;
+
 /// Where a frame comes from: the facts that no channel has. In JSON, the part of [`Metadata`](super::Metadata) with
 /// these names.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -15,6 +17,9 @@ pub struct Origin {
     /// Which row and column of the camera's pixels the first ones of the frame are: `[0, 0]` but for a region.
     #[serde(default)]
     pub first_pixel: [u64; 2],
+    /// What identifiers stand for; a file says of it what its channels ask for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub names: Option<Names>,
 }
 
 /// A camera: in the specification's words, as intrinsic matrix, and as pose.

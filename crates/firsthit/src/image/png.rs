@@ -7,7 +7,7 @@ use super::content::{Content, WriteSettings, picture_sides};
 use super::frame::{Channel, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use super::steps;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
 const CHUNK: usize = 1 << 16;
@@ -18,6 +18,12 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
         content.shape,
         "[rows, columns], each from 1 to 2^31 - 1, for a PNG",
     )?;
+    let has_too_many = |c: &&&Channel| c.display == Display::Quantity && c.components > 3;
+    if let Some(channel) = content.channels.iter().find(has_too_many) {
+        let expected = "a channel of one to three numbers for a PNG (or use npz)";
+        let got = format!("{}, which has {}", channel.name, channel.components);
+        return Err(Error::argument("channel", expected, got));
+    }
     let scales = (content.channels.iter()).filter_map(|c| Some((c, scale(c, &content.settings)?)));
     for (channel, scale) in scales {
         steps::check(channel, scale, content.shape)?;

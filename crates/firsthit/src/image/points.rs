@@ -60,7 +60,7 @@ impl Layout {
     /// The names of the channel's columns.
     pub(super) fn names(&self, channel: &Channel) -> Vec<String> {
         let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-        match (channel.name, channel.components) {
+        match (&*channel.name, channel.components) {
             ("color", 3) if self.has_packed_colors => named(&["rgb"]),
             ("color", _) if self.has_packed_colors => named(&["rgba"]),
             ("color", count) => named(&["red", "green", "blue", "alpha"][..count.min(4)]),
@@ -92,7 +92,7 @@ impl Layout {
     pub(super) fn check(&self, content: &Content<'_>) -> Result<()> {
         let is_position = |channel: &&Channel| channel.name == POSITION && channel.components == 3;
         if !content.channels.iter().any(is_position) {
-            let names: Vec<&str> = content.channels.iter().map(|c| c.name).collect();
+            let names: Vec<&str> = content.channels.iter().map(|c| &*c.name).collect();
             let expected = "position, and any others, for a point cloud";
             return Err(Error::argument("channel", expected, names.join(", ")));
         }

@@ -21,7 +21,7 @@ pub(super) fn check(channel: &Channel, scale: f64, shape: &[usize]) -> Result<()
         if distance.is_nan() {
             let got = format!("NaN at {}", pixel(index, shape));
             return Err(Error::argument(
-                channel.name,
+                channel.argument(),
                 "a distance, for a 16 bit PNG",
                 got,
             ));

@@ -4,7 +4,7 @@ use std::fmt::{self, Debug, Formatter};
 
 use super::{BACKGROUND, Picture, Region, SAMPLES, framing_camera, shoulder_light};
 use crate::camera::{Camera, StandardView};
-use crate::channel;
+use crate::channel::{self, Kind};
 use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::image::Frame;
@@ -174,7 +174,8 @@ impl<'a> Render<'a> {
         Self { engine, ..self }
     }
 
-    /// With these channels, by their names in [`channel::KINDS`]; `color` alone by default.
+    /// With these channels, by their names in [`channel::KINDS`], or `attribute:` and the name of an attribute of the meshes; `color`
+    /// alone by default.
     pub fn channels(self, channels: &'a [&'a str]) -> Self {
         Self { channels, ..self }
     }
@@ -191,8 +192,9 @@ impl<'a> Render<'a> {
     ///
     /// Those of [`render()`](super::render()) and [`framing_camera`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel.
     pub fn frame(self) -> Result<Frame> {
-        let kinds = self.channels.iter().map(|name| channel::kind(name));
-        let kinds = kinds.collect::<Result<Vec<_>>>()?;
+        let asked = self.channels.iter().map(|name| channel::asked(name));
+        let asked = asked.collect::<Result<Vec<_>>>()?;
+        let kinds: Vec<&Kind> = asked.iter().map(|kind| &**kind).collect();
         let camera = self.camera.map_or_else(
             || {
                 let up = self.up.unwrap_or_else(|| self.scene.up());

@@ -72,9 +72,10 @@ fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
     }
 }
 
-/// All but `double_sided`, which changes no picture.
+/// All but `name` and `double_sided`, which change no picture.
 fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) {
     let Material {
+        name: _,
         color,
         alpha,
         maps,

@@ -1,5 +1,7 @@
 //! The look of a surface, and its alpha cut-outs.
 
+use std::sync::Arc;
+
 use super::texture::{Sample, TextureMap};
 use crate::geometry::{Color, DVec2};
 
@@ -15,6 +17,8 @@ use crate::geometry::{Color, DVec2};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
+    /// A name, which may be empty and changes no picture.
+    pub name: Arc<str>,
     /// The linear colour. The mesh's own colours and the colour map multiply it.
     pub color: Color,
     /// From 0, transparent, to 1, opaque. The mesh's own alpha and the map's multiply it.
@@ -121,6 +125,7 @@ impl Material {
     /// Opaque, of one linear colour.
     pub fn colored(color: Color) -> Self {
         Self {
+            name: Arc::default(),
             color,
             alpha: 1.0,
             maps: Maps::default(),

@@ -6,6 +6,7 @@
 )]
 
 mod background;
+mod catalog;
 mod duplicates;
 #[cfg(feature = "frame")]
 mod fingerprint;
@@ -25,6 +26,7 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 pub use background::Background;
+pub use catalog::{Catalog, Label};
 pub use interaction::SurfaceInteraction;
 pub use light::Light;
 pub use material::{AlphaMode, MapRole, Maps, Material};
@@ -75,6 +77,8 @@ pub struct Scene {
     fingerprint: OnceLock<String>,
     /// See [`Scene::first_open_object`]; made when first asked for.
     first_open: OnceLock<Option<usize>>,
+    /// See [`Scene::catalog`]; made when first asked for, and shared by all scenes that are this one with objects moved.
+    catalog: OnceLock<Arc<Catalog>>,
     /// Those of meshes and textures, which all scenes have in common that are this one with objects moved.
     #[cfg(feature = "frame")]
     digests: Arc<OnceLock<fingerprint::Known>>,
@@ -144,6 +148,7 @@ impl Scene {
             up: None,
             fingerprint: OnceLock::new(),
             first_open: OnceLock::new(),
+            catalog: OnceLock::new(),
             #[cfg(feature = "frame")]
             digests: Arc::default(),
         })

@@ -1,7 +1,7 @@
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
-use super::Material;
+use super::{Label, Material};
 use crate::geometry::summary::Short;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
 use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
@@ -33,6 +33,8 @@ pub struct Object {
     farthest: f64,
     mask: u32,
     is_hidden: bool,
+    node: Option<Label>,
+    mesh_label: Option<Label>,
 }
 
 /// A summary: of its materials their number.
@@ -67,6 +69,8 @@ impl Object {
             has_cutouts: false,
             mask: u32::MAX,
             is_hidden: false,
+            node: None,
+            mesh_label: None,
         }
     }
 
@@ -74,6 +78,22 @@ impl Object {
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
+    }
+
+    /// The same object, which says what node of a file it comes from. This changes no picture.
+    pub fn from_node(self, node: impl Into<Option<Label>>) -> Self {
+        Self {
+            node: node.into(),
+            ..self
+        }
+    }
+
+    /// The same object, which says what mesh of a file it comes from, or from which part of one. This changes no picture.
+    pub fn from_mesh(self, mesh: impl Into<Option<Label>>) -> Self {
+        Self {
+            mesh_label: mesh.into(),
+            ..self
+        }
     }
 
     /// The same object, its shape taken to the world by `transform`.
@@ -152,6 +172,16 @@ impl Object {
         &self.name
     }
 
+    /// The node of a file that it comes from, if any.
+    pub fn node(&self) -> Option<&Label> {
+        self.node.as_ref()
+    }
+
+    /// The mesh of a file that it comes from, if the file has meshes of its own, as glTF has.
+    pub fn mesh_label(&self) -> Option<&Label> {
+        self.mesh_label.as_ref()
+    }
+
     /// Its shape, in object space.
     pub fn shape(&self) -> &Shape {
         &self.shape
@@ -184,11 +214,17 @@ impl Object {
 
     /// The material of a primitive; `None` where nobody gave the object a look.
     pub fn material(&self, primitive: i32) -> Option<&Material> {
+        self.materials.get(self.material_slot(primitive)?)
+    }
+
+    /// Which of its materials a primitive has; `None` where nobody gave the object a look.
+    pub(crate) fn material_slot(&self, primitive: i32) -> Option<usize> {
         let slot = match (self.mesh(), usize::try_from(primitive)) {
             (Some(mesh), Ok(triangle)) => mesh.slot(triangle),
             _ => 0,
         };
-        self.materials.get(slot).or(self.materials.last())
+        let last = self.materials.len().checked_sub(1)?;
+        Some(slot.min(last))
     }
 
     /// Whether some of its surface may be cut out by the alpha of a material.

@@ -70,6 +70,7 @@ impl Scene {
             top,
             bounds: OnceLock::from(bounds),
             first_open: OnceLock::new(),
+            catalog: OnceLock::new(),
             lights: Vec::new(),
             has_own_lights: true,
             up: None,

@@ -19,7 +19,10 @@ impl Form {
             Self::Text => "a text, not empty".into(),
             Self::Path => "the name of a file".into(),
             Self::OneOf(words) => format!("one of {}", quoted(&words())),
-            Self::SomeOf(words) => format!("an array of some of {}", quoted(&words())),
+            Self::SomeOf(words, beginning) => {
+                let words = quoted(&words());
+                format!("an array of some of {words}, \"{beginning}NAME\"")
+            }
             Self::Vector => "three finite numbers, [x, y, z]".into(),
             Self::Direction => "three finite numbers, [x, y, z], not all zero".into(),
             Self::Color => {
@@ -57,9 +60,9 @@ impl Form {
             Self::Boolean => value.is_bool(),
             Self::Text | Self::Path => value.as_str().is_some_and(|text| !text.is_empty()),
             Self::OneOf(words) => is_one_of(value, words),
-            Self::SomeOf(words) => {
+            Self::SomeOf(words, beginning) => {
                 let is_empty = value.as_array().is_some_and(|items| items.is_empty());
-                !is_empty && all(value, |item| is_one_of(item, words))
+                !is_empty && all(value, |item| is_one_of_or(item, words, beginning))
             }
             Self::Vector => numbers::<3>(value).is_some(),
             Self::Direction => numbers::<3>(value).is_some_and(|v| v != [0.0; 3]),
@@ -88,8 +91,9 @@ impl Form {
             }
             Self::Points => &|item| numbers::<3>(item.get_ref()).is_some(),
             Self::Triples => &|item| triple(item.get_ref()).is_some(),
-            Self::SomeOf(words) => {
-                return items.iter().find(|item| !is_one_of(item.get_ref(), words));
+            Self::SomeOf(words, beginning) => {
+                let fine = |item: &&Value<'t>| is_one_of_or(item.get_ref(), words, beginning);
+                return items.iter().find(|item| !fine(item));
             }
             Self::List(_) | Self::TableOrList(_) => &|item| item.get_ref().is_table(),
             _ => return None,
@@ -100,7 +104,7 @@ impl Form {
     /// The words that a text of this form can be, for suggestions.
     pub(super) fn words(self) -> Vec<&'static str> {
         match self {
-            Self::OneOf(words) | Self::SomeOf(words) => words(),
+            Self::OneOf(words) | Self::SomeOf(words, _) => words(),
             Self::Color => COLOR_NAMES.iter().map(|&(name, _)| name).collect(),
             Self::ColorOrTransparent => {
                 let mut words = Self::Color.words();
@@ -135,8 +139,10 @@ impl Form {
             Self::Boolean => json!({"type": "boolean"}),
             Self::Text | Self::Path => json!({"type": "string", "minLength": 1}),
             Self::OneOf(words) => json!({"enum": words()}),
-            Self::SomeOf(words) => {
-                json!({"type": "array", "items": {"enum": words()}, "minItems": 1})
+            Self::SomeOf(words, beginning) => {
+                let other = json!({"type": "string", "pattern": format!("^{beginning}.")});
+                let items = json!({"anyOf": [{"enum": words()}, other]});
+                json!({"type": "array", "items": items, "minItems": 1})
             }
             Self::Vector => vector,
             Self::Direction => nonzero(3),
@@ -205,6 +211,12 @@ fn is_table(value: &Raw<'_>) -> bool {
 
 fn is_one_of(value: &Raw<'_>, words: fn() -> Vec<&'static str>) -> bool {
     value.as_str().is_some_and(|text| words().contains(&text))
+}
+
+/// Whether it is one of some words, or begins so and goes on.
+fn is_one_of_or(value: &Raw<'_>, words: fn() -> Vec<&'static str>, beginning: &str) -> bool {
+    let rest = value.as_str().and_then(|text| text.strip_prefix(beginning));
+    is_one_of(value, words) || rest.is_some_and(|rest| !rest.is_empty())
 }
 
 fn all(value: &Raw<'_>, fine: impl Fn(&Raw<'_>) -> bool) -> bool {

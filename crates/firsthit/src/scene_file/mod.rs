@@ -19,6 +19,7 @@ mod background;
 mod camera;
 mod document;
 mod form;
+mod labels;
 mod levels;
 mod light;
 mod object;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::document::numbers;
 use super::form::triple;
+use super::labels::Renumber;
 use super::placement::{self, PLACED, PLACED_RULES};
 use super::section::Section;
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
@@ -145,7 +146,7 @@ const MOST_OBJECTS: usize = 1 << 20;
 
 /// The objects in the order of the text.
 pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<Object>> {
-    let mut files = Files::default();
+    let (mut files, mut nodes) = (Files::default(), Renumber::default());
     let mut objects = Vec::new();
     for section in scene.list("objects", &OBJECT)? {
         let placed = placement::read(&section)?;
@@ -169,9 +170,12 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
                 Fault::TooLarge { what, .. } => Fault::too_large(section.place("file"), what),
                 other => other,
             })?;
+            let of_nodes = of_file.iter().filter_map(Object::node);
+            let of_nodes = nodes.batch(of_nodes, section.text("name"), report)?;
             for object in &*of_file {
                 let name = name_of(&section, object, of_file.len() > 1);
-                let object = object.clone().named(name);
+                let node = object.node().and_then(|node| of_nodes.get(node));
+                let object = object.clone().named(name).from_node(node.cloned());
                 objects.push(finished(&section, object, placed, "file")?);
             }
         } else {
@@ -226,7 +230,10 @@ fn part(path: &Path, report: &mut Report) -> Result<World> {
 
 /// The files that were read: each once, however often it is named.
 #[derive(Debug, Default)]
-struct Files(HashMap<PathBuf, Arc<[Object]>>);
+struct Files {
+    known: HashMap<PathBuf, Arc<[Object]>>,
+    meshes: Renumber,
+}
 
 impl Files {
     fn read(&mut self, section: &Section<'_, '_>, report: &mut Report) -> Checked<Arc<[Object]>> {
@@ -240,7 +247,7 @@ impl Files {
             .base()
             .and_then(|scene| read::sibling(scene, name));
         let path = path.map_err(|reason| refused(&reason))?;
-        if let Some(objects) = self.0.get(&path) {
+        if let Some(objects) = self.known.get(&path) {
             return Ok(Arc::clone(objects));
         }
         if has_extension(&path, EXTENSIONS) {
@@ -259,8 +266,14 @@ impl Files {
                 format!("of '{name}' only the objects are taken, not its cameras and lights")
             });
         }
-        let objects: Arc<[Object]> = world.objects.into();
-        self.0.insert(path, Arc::clone(&objects));
+        let of_meshes = world.objects.iter().filter_map(Object::mesh_label);
+        let of_meshes = self.meshes.batch(of_meshes, None, report)?;
+        let labelled = |object: &Object| {
+            let mesh = object.mesh_label().and_then(|mesh| of_meshes.get(mesh));
+            object.clone().from_mesh(mesh.cloned())
+        };
+        let objects: Arc<[Object]> = world.objects.iter().map(labelled).collect();
+        self.known.insert(path, Arc::clone(&objects));
         Ok(objects)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::section::Section;
 use super::table::{Form, Pick, Record, Variant, keys, optional, required};
-use crate::channel::KINDS;
+use crate::channel::{ATTRIBUTE, KINDS};
 use crate::error::escape_controls;
 use crate::image::{FORMATS, format_of};
 use crate::io::fault::Checked;
@@ -18,9 +18,9 @@ pub(super) static OUTPUT: Record = Record {
             /// Its name, relative to the scene file and in its folder or below; the extension tells the format. {channel} in
             /// it makes a file of each channel.
             file: required(Form::Path),
-            /// What to write. Default: ["color"]; for a point cloud (.ply, .pcd) ["position", "normal", "color",
-            /// "object"].
-            channels: optional(Form::SomeOf(|| KINDS.iter().map(|kind| kind.name).collect())),
+            /// What to write: channels by name, or "attribute:NAME" for an attribute of the meshes. Default: ["color"]; for a
+            /// point cloud (.ply, .pcd) ["position", "normal", "color", "object"].
+            channels: optional(Form::SomeOf(|| KINDS.iter().map(|kind| &*kind.name).collect(), ATTRIBUTE)),
         }],
         rules: &[],
     }],

@@ -116,8 +116,8 @@ pub(super) enum Form {
     Path,
     /// One of some words.
     OneOf(fn() -> Vec<&'static str>),
-    /// One or more of some words.
-    SomeOf(fn() -> Vec<&'static str>),
+    /// One or more of some words, or of those that begin so and go on.
+    SomeOf(fn() -> Vec<&'static str>, &'static str),
     /// Three numbers.
     Vector,
     /// Three numbers that are not all zero.

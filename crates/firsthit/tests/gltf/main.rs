@@ -12,5 +12,6 @@ mod geometry;
 mod hostile;
 mod looks;
 mod memory;
+mod names;
 mod packed;
 mod scene;

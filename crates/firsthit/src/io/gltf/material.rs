@@ -12,6 +12,7 @@ use super::index::Index;
 use super::material_entry::{ImageEntry, MaterialEntry, SamplerEntry, TextureInfo};
 use super::place::Entry;
 use super::resource::{file_name, resource};
+use crate::error::escape_controls;
 use crate::geometry::Color;
 use crate::scene::{AlphaMode, Filter, MapRole, Maps, Material, Texture, TextureMap, Wrap};
 
@@ -49,10 +50,15 @@ impl Looks {
         let texture = info.and_then(|info| self.texture(document, info, buffers, report));
         let alpha_mode = alpha_mode(material, entry, report)?;
         warn_of_unread(material, entry, report);
+        let name = escape_controls(material.name.as_deref().unwrap_or_default());
+        report
+            .budget
+            .charge(name.len() as u64, "a material's name")?;
         let look = Look {
             set: texture.as_ref().and(info).map(TextureInfo::set),
             has_cutouts: matches!(alpha_mode, AlphaMode::Mask { .. }),
             materials: Arc::new([Material {
+                name: name.into(),
                 color: Color::new(red, green, blue),
                 alpha,
                 maps: Maps::default().with(MapRole::Color, texture),
@@ -178,7 +184,7 @@ fn alpha_mode(
             Ok(AlphaMode::Blend)
         }
         Some(mode) => {
-            let mode = crate::error::escape_controls(mode);
+            let mode = escape_controls(mode);
             let what = format!("must be OPAQUE, MASK or BLEND, got '{mode}'");
             Err(entry.fault("alphaMode", what))
         }

@@ -14,6 +14,8 @@ use crate::scene::TextureMap;
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct MaterialEntry<'a> {
     #[serde(borrow)]
+    pub(super) name: Option<Cow<'a, str>>,
+    #[serde(borrow)]
     pub(super) alpha_mode: Option<Cow<'a, str>>,
     pub(super) alpha_cutoff: Option<f64>,
     pub(super) double_sided: bool,

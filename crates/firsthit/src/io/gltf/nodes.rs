@@ -7,12 +7,15 @@ use super::index::Index;
 use super::place::Entry;
 use crate::error::escape_controls;
 use crate::geometry::{DAffine3, DMat3, DVec3};
+use crate::scene::Label;
 
 /// A node of the scene.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed<'a> {
     pub(super) index: usize,
     pub(super) node: &'a Node<'a>,
+    /// The place of the node that it is a child of, among those that the scene shows.
+    pub(super) parent: Option<usize>,
     pub(super) world_from_node: DAffine3,
 }
 
@@ -28,6 +31,34 @@ impl Placed<'_> {
     }
 }
 
+/// A path is cut at its beginning where it would have more bytes: nodes may form long chains.
+const LONGEST_PATH: usize = 512;
+
+/// The label of the node at a place among those that the scene shows: its index and its path, the names of the nodes from the root
+/// on. A node without a name is called by its index.
+pub(super) fn label(placed: &[Placed<'_>], place: usize) -> Label {
+    let mut names = Vec::new();
+    let mut bytes = 0;
+    let mut next = Some(place);
+    while let Some(node) = next.and_then(|place| placed.get(place)) {
+        let name = node.name(None);
+        let name = name.unwrap_or_else(|| format!("node {}", node.index));
+        bytes += name.len() + 1;
+        if bytes > LONGEST_PATH && !names.is_empty() {
+            names.push("...".to_owned());
+            break;
+        }
+        names.push(name);
+        next = node.parent;
+    }
+    names.reverse();
+    let number = placed.get(place).map_or(0, |node| node.index as u64);
+    Label {
+        number,
+        name: names.join("/").into(),
+    }
+}
+
 /// The nodes of the scene that the document shows: its default scene, else its first, else all nodes that are
 /// no node's children. Depth first, children in their order.
 pub(super) fn walk<'a>(
@@ -37,9 +68,9 @@ pub(super) fn walk<'a>(
     let mut found: Vec<Placed<'a>> = Vec::new();
     let mut reached = vec![false; document.nodes.len()];
     // Explicit: a chain of nodes may be longer than the call stack.
-    let mut stack: Vec<(Index, DAffine3, Entry, usize)> = roots(document);
-    stack.reverse();
-    while let Some((Index(index), world_from_parent, from, place)) = stack.pop() {
+    let roots = roots(document).into_iter().rev();
+    let mut stack: Vec<(Root, Option<usize>)> = roots.map(|root| (root, None)).collect();
+    while let Some(((Index(index), world_from_parent, from, place), parent)) = stack.pop() {
         let Some(node) = document.nodes.get(index) else {
             continue;
         };
@@ -57,17 +88,23 @@ pub(super) fn walk<'a>(
         let entry = Entry::new("nodes", index);
         let world_from_node = world_from_parent * local(node, entry, report);
         let children = node.children.iter().enumerate().rev();
-        stack.extend(children.map(|(k, &child)| (child, world_from_node, entry, k)));
+        let this = found.len();
+        let child = |(k, &child)| ((child, world_from_node, entry, k), Some(this));
+        stack.extend(children.map(child));
         found.push(Placed {
             index,
             node,
+            parent,
             world_from_node,
         });
     }
     Ok(found)
 }
 
-fn roots(document: &Document<'_>) -> Vec<(Index, DAffine3, Entry, usize)> {
+/// A node that is to be placed: its index, where its parent is, and which entry of which list names it.
+type Root = (Index, DAffine3, Entry, usize);
+
+fn roots(document: &Document<'_>) -> Vec<Root> {
     let Index(default) = document.scene.unwrap_or_default();
     if let Some(scene) = document.scenes.get(default) {
         let nodes = scene.nodes.iter().enumerate();

@@ -13,12 +13,12 @@ use super::document::{Document, Instancing};
 use super::index::Index;
 use super::material::{Look, Looks};
 use super::mesh::{self, Deformation, Shared};
-use super::nodes::{Placed, affine};
+use super::nodes::{self, Placed, affine};
 use super::skin::{self, Palette};
 use super::values::Values;
 use crate::error::escape_controls;
 use crate::geometry::{DAffine3, Transform};
-use crate::scene::{Material, Object};
+use crate::scene::{Label, Material, Object};
 use crate::shape::Mesh;
 
 /// Makes objects. A mesh that several nodes name is made once.
@@ -36,6 +36,7 @@ pub(super) struct Objects<'a, 'b> {
     /// The primitives of a mesh that have triangles, once a node showed it: a mesh of many others is then
     /// no work for any further node.
     visible: HashMap<usize, Rc<[usize]>>,
+    labels: HashMap<usize, Label>,
     made: Vec<Object>,
 }
 
@@ -57,21 +58,22 @@ impl<'a, 'b> Objects<'a, 'b> {
             palettes: HashMap::new(),
             worlds: None,
             visible: HashMap::new(),
+            labels: HashMap::new(),
             made: Vec::new(),
         }
     }
 
     /// An object for each primitive of each node that has triangles.
     pub(super) fn all(mut self) -> Checked<Vec<Object>> {
-        for place in self.placed {
+        for (number, place) in self.placed.iter().enumerate() {
             if let Some(Index(mesh)) = place.node.mesh {
-                self.node(place, mesh)?;
+                self.node(number, place, mesh)?;
             }
         }
         Ok(self.made)
     }
 
-    fn node(&mut self, place: &Placed<'a>, mesh: usize) -> Checked<()> {
+    fn node(&mut self, number: usize, place: &Placed<'a>, mesh: usize) -> Checked<()> {
         let Some(entry) = self.document.meshes.get(mesh) else {
             return Ok(());
         };
@@ -88,15 +90,47 @@ impl<'a, 'b> Objects<'a, 'b> {
             Some(instancing) => self.instances(instancing, place)?,
             None => vec![DAffine3::IDENTITY],
         };
+        let first = self.made.len();
         let mut visible = Vec::new();
         for &number in &*primitives {
             if self.primitive(place, (mesh, number), &name, &instances)? {
                 visible.push(number);
             }
         }
+        self.label(first, number, mesh)?;
         if visible.len() < primitives.len() || !self.visible.contains_key(&mesh) {
             self.visible.insert(mesh, visible.into());
         }
+        Ok(())
+    }
+
+    /// Says of the objects from `first` on what node and what mesh they come from.
+    fn label(&mut self, first: usize, place: usize, mesh: usize) -> Checked<()> {
+        if first == self.made.len() {
+            return Ok(());
+        }
+        let node = nodes::label(self.placed, place);
+        let budget = &mut self.report.budget;
+        budget.charge(node.name.len() as u64, "a node's path")?;
+        let label = if let Some(known) = self.labels.get(&mesh) {
+            known.clone()
+        } else {
+            let entry = self.document.meshes.get(mesh);
+            let name = entry.and_then(|entry| entry.name.as_deref());
+            let name = escape_controls(name.unwrap_or_default());
+            budget.charge(name.len() as u64, "a mesh's name")?;
+            Label {
+                number: mesh as u64,
+                name: name.into(),
+            }
+        };
+        self.labels.insert(mesh, label.clone());
+        let made = self.made.split_off(first).into_iter();
+        let labelled = |object: Object| {
+            let object = object.from_mesh(label.clone());
+            object.from_node(node.clone())
+        };
+        self.made.extend(made.map(labelled));
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::report::Report;
 use super::text::{self, Lines, Words, shown};
 use super::{picture, read};
-use crate::error::Place;
+use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
 use crate::scene::{AlphaMode, MapRole, Maps, Material, Texture, TextureMap};
 use statement::{Map, Stated, cut, state};
@@ -61,6 +61,7 @@ impl Library {
             return Ok(None);
         }
         Ok(Some(Material {
+            name: escape_controls(&String::from_utf8_lossy(name)).into(),
             maps,
             alpha_mode,
             ..Material::colored(color.unwrap_or(Color::ONE))
@@ -206,7 +207,11 @@ mod tests {
             newmtl a b\nKd 1 1 1\nd 0.5\n",
         );
         let mut look = |name: &[u8]| library.look(name, &mut report);
-        assert_eq!(look(b"a b"), Ok(Some(Material::colored(Color::splat(0.5)))));
+        let named = Material {
+            name: "a b".into(),
+            ..Material::colored(Color::splat(0.5))
+        };
+        assert_eq!(look(b"a b"), Ok(Some(named)));
         assert_eq!(look(b"c"), Ok(None));
         assert_eq!(look(b"d"), Err(UnknownMaterial));
         assert_eq!(

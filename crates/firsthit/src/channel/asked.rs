@@ -1,0 +1,85 @@
+//! What names of channels ask for: rows of the table, and attributes of the meshes.
+
+use std::borrow::Cow;
+
+use super::attribute::components;
+use super::{Kind, Make, kind};
+use crate::error::{Error, Result};
+use crate::image::{Display, Unit};
+use crate::scene::Scene;
+use crate::watch::Watch;
+
+/// What the names of channels of attributes begin with.
+pub const ATTRIBUTE: &str = "attribute:";
+
+/// What a name asks for: the kind of that name, or with [`ATTRIBUTE`] before it the attribute of the meshes, see
+/// [`Kind::attribute`].
+///
+/// # Errors
+///
+/// [`Error::Argument`] for a name that no kind has, and for an attribute without a name.
+pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
+    match name.strip_prefix(ATTRIBUTE) {
+        Some("") => Err(Error::argument("channel", "an attribute's name", name)),
+        Some(attribute) => Ok(Cow::Owned(Kind::attribute(attribute))),
+        None => kind(name).map(Cow::Borrowed),
+    }
+}
+
+impl Kind {
+    /// The kind of an attribute of the meshes, as [`attribute()`](super::attribute()) gives it. The channel's name is `attribute:` and the attribute's
+    /// name, in which `_` stands for what is no letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all.
+    /// A scene that does not have it refuses it.
+    pub fn attribute(name: &str) -> Self {
+        let plain = |char: char| match char {
+            '.' | '-' | '_' => char,
+            _ if char.is_ascii_alphanumeric() => char,
+            _ => '_',
+        };
+        let shown: String = name.chars().take(LONGEST_NAME).map(plain).collect();
+        Self {
+            name: format!("{ATTRIBUTE}{shown}").into(),
+            about: "attribute of the meshes that were hit; NaN for a miss and where there is none",
+            components: 0,
+            display: Display::Quantity,
+            unit: Unit::None,
+            frame: None,
+            make: Make::Attribute(name.into()),
+        }
+    }
+
+    /// The channel's name where a file's name has it: no system takes a colon for anything else then.
+    pub fn name_in_path(&self) -> String {
+        self.name.replace(':', "-")
+    }
+
+    /// The attribute's name in meshes, if it is one.
+    pub fn attribute_name(&self) -> Option<&str> {
+        match &self.make {
+            Make::Attribute(name) => Some(name),
+            _ => None,
+        }
+    }
+
+    /// Fails for an attribute that no mesh of the scene has.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`], which lists those there are.
+    pub fn check(&self, scene: &Scene) -> Result<()> {
+        let name = self.attribute_name();
+        name.map_or(Ok(()), |name| components(name, None, scene).map(drop))
+    }
+}
+
+/// So many characters of an attribute's name a channel's name has at most.
+const LONGEST_NAME: usize = 100;
+
+/// Stops as the other, and tells it nothing.
+pub(super) struct Silent<'a>(pub(super) &'a dyn Watch);
+
+impl Watch for Silent<'_> {
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped()
+    }
+}
