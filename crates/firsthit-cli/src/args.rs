@@ -318,14 +318,17 @@ pub(crate) struct BuildArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::NEAREST_EXAMPLES)]
 pub(crate) struct NearestArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The points: .npy, .npz or .csv, or - for standard input
     pub(crate) points: PathBuf,
-    /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points); may be given several times
-    /// [default: standard output, as CSV]
+    /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points), .npy with {channel} in its name,
+    /// - for standard output; may be given several times [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
+    /// The format on standard output [default: csv]
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) format: Option<StreamFormat>,
     /// How many nearest points each point gets, each of another object or primitive; a channel says for which point
     /// each is [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
@@ -433,7 +436,7 @@ pub(crate) struct DiffArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::SECTION_EXAMPLES)]
 pub(crate) struct SectionArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// A point of the plane [default: the middle of the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -456,7 +459,7 @@ pub(crate) struct SectionArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::lint())]
 pub(crate) struct LintArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// Kinds of findings that are not looked for, with commas between; see below
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = values::lint_kind())]

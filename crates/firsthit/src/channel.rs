@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 pub use asked::{ATTRIBUTE, asked};
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
-pub use kinds::{INSIDE, KINDS, RAY, THICKNESS, VISIBLE};
+pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS, VISIBLE};
 
 use asked::Silent;
 

@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failu
         Ok(Answers {
             data: Data::Float64(lengths),
             summary: least.map_or("nothing behind any".into(), |least| {
-                format!("at least {least} thick")
+                format!("{least} at the thinnest")
             }),
             facts: vec![("least", json!(least))],
             warnings: Vec::new(),

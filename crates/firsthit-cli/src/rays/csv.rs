@@ -60,8 +60,7 @@ impl Lines {
             let got = record.len();
             return Err(format!("expected {expected} numbers, got {got}"));
         }
-        if is_first && record.iter().all(|field| number(field).is_none()) {
-            // A header is a first line in which nothing is a number.
+        if is_first && record.iter().all(is_name) {
             return Ok(());
         }
         let start = values.len();
@@ -74,6 +73,12 @@ impl Lines {
         }
         Ok(())
     }
+}
+
+/// Whether a field is that of a header: no number, and none that is misspelt or followed by others.
+fn is_name(field: &[u8]) -> bool {
+    let starts_like_a_number = |c: &u8| c.is_ascii_digit() || b"+-.".contains(c);
+    number(field).is_none() && !field.first().is_some_and(starts_like_a_number)
 }
 
 /// How many line breaks there are.

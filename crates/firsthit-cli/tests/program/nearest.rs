@@ -39,6 +39,43 @@ fn points_come_from_any_kind_of_file() {
 }
 
 #[test]
+fn each_channel_has_a_file_where_the_name_says_so() {
+    let lab = Lab::with_square();
+    lab.write("points.csv", "0.5,0.25,2\n");
+    lab.ok("nearest square.ply points.csv -o {channel}.npy -o near.npz");
+    for name in ["distance", "object", "primitive", "position", "barycentric"] {
+        assert!(lab.path(&format!("{name}.npy")).is_file(), "{name}");
+    }
+    let csv = lab.ok("nearest square.ply points.csv");
+    let piped = lab.ok("nearest square.ply points.csv -o - -o again.csv");
+    assert_eq!(piped.text(), csv.text());
+    let npz = lab.ok("nearest square.ply points.csv -o - --format npz");
+    assert!(npz.stdout.starts_with(b"PK"));
+    lab.fails(
+        "nearest square.ply points.csv --format npy",
+        2,
+        "one channel",
+    );
+}
+
+#[test]
+fn a_misspelt_first_line_is_no_header() {
+    let lab = Lab::with_square();
+    for line in ["0 0 0.5", "0;0;0.5", "-a,-b,-c", "0,0,O.5"] {
+        lab.write("points.csv", format!("{line}\n0,0,1\n"));
+        lab.fails("nearest square.ply points.csv", 3, "");
+    }
+    lab.write("points.csv", "x,y,z\n0,0,1\n");
+    assert_eq!(
+        lab.ok("nearest square.ply points.csv")
+            .text()
+            .lines()
+            .count(),
+        2
+    );
+}
+
+#[test]
 fn several_and_those_within_a_radius() {
     let lab = Lab::with_square();
     lab.write("points.csv", "0,0,2\n0,0,3\n");

@@ -54,6 +54,40 @@ pub const THICKNESS: &Kind = &Kind {
     make: Make::Elsewhere,
 };
 
+/// How far away the nearest point is. It is no channel of hits, so not among [`KINDS`];
+/// [`closest_points`](crate::nearest::closest_points) has its data.
+pub const DISTANCE: &Kind = &Kind {
+    name: Cow::Borrowed("distance"),
+    about: "how far away the nearest point is; inf if there is none",
+    components: 1,
+    display: Display::Distance,
+    unit: Unit::SceneLength,
+    frame: None,
+    make: Make::Elsewhere,
+};
+
+/// The same with a sign; [`signed_distances`](crate::nearest::signed_distances) has its data.
+pub const SIGNED_DISTANCE: &Kind = &Kind {
+    name: Cow::Borrowed("distance"),
+    about: "how far away the nearest point is, negative inside; inf if there is none",
+    components: 1,
+    display: Display::Distance,
+    unit: Unit::SceneLength,
+    frame: None,
+    make: Make::Elsewhere,
+};
+
+/// The number of the point that each nearest point belongs to, where a point may have several.
+pub const POINT: &Kind = &Kind {
+    name: Cow::Borrowed("point"),
+    about: "number of the point that was given, from 0",
+    components: 1,
+    display: Display::Identifier,
+    unit: Unit::None,
+    frame: None,
+    make: Make::Elsewhere,
+};
+
 /// Every channel. A new one is a new row.
 pub const KINDS: &[Kind] = &[
     Kind {
