@@ -40,7 +40,7 @@ impl Ray {
     }
 
     /// The same ray, beginning at `t_min` (which does not yet count). Beyond a hit, on a mesh's edge, the neighbour may be met
-    /// a last digit later. A negative `t_min` begins behind the origin, which takes longer: every object is asked by itself.
+    /// a last digit later. A negative `t_min` begins behind the origin, which takes longer: rays go one by one, and each triangle that they may meet is tested in float64.
     #[inline]
     pub fn beyond(self, t_min: f64) -> Self {
         Self { t_min, ..self }
@@ -127,7 +127,7 @@ pub trait Rays: Sync {
         None
     }
 
-    /// Whether some of the rays do not meet everything. They are traced one by one then, never in tiles.
+    /// Whether some of the rays do not meet everything. They are traced in packets or one by one then, never in tiles.
     fn is_filtered(&self) -> bool {
         false
     }

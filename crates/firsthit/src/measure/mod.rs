@@ -25,7 +25,7 @@ use crate::error::Result;
 use crate::scene::{Object, Scene};
 use crate::shape::Shape;
 
-/// Of what an answer is.
+/// Whether an answer is for each object or for all together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
     /// Of each object: a row of as many answers as there are objects.

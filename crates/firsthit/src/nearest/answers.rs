@@ -66,7 +66,7 @@ impl ClosestPoints {
         self.distance.is_empty()
     }
 
-    /// The one of a point, by its index, that so many others are nearer than; `None` for a miss.
+    /// Of the point with an index, the nearest one that comes after so many nearer ones; `None` for a miss.
     ///
     /// # Panics
     ///

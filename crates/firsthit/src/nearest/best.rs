@@ -58,7 +58,7 @@ impl Best {
         }
     }
 
-    /// Forgets what was found; what is wanted has a square of at most `hint`, if there is anything that has.
+    /// Forgets what was found. `hint` bounds the squared distance of what is wanted; it may be too small.
     pub(super) fn start(&mut self, hint: f64) {
         self.heap.clear();
         // A little more than the square: the root decides.

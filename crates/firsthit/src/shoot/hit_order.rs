@@ -31,7 +31,7 @@ impl ScaledRay {
         key(new) < key(old)
     }
 
-    /// Brings crossings of the ray into their order; those at one end of a solid before those at the other are so already.
+    /// Sorts crossings of the ray. A solid's first end must come before its second one in the input.
     pub(super) fn order(&self, scene: &Scene, hits: &mut [Hit]) {
         if self.is_departing {
             let ids = |hit: &Hit| (hit.object, hit.primitive);

@@ -10,7 +10,7 @@ use crate::shape::triangle::{MeshFilter, clear_of};
 
 /// What is asked about a ray, and what it has met so far.
 pub(super) trait RayQuery: Copy + Send {
-    /// What each mesh is asked for it.
+    /// The query that runs in each mesh.
     type InMesh: MeshQuery;
     /// Whether every crossing matters, those in the same place too.
     const ALL: bool = false;
@@ -36,9 +36,9 @@ pub(super) trait RayQuery: Copy + Send {
     /// Comes to a mesh.
     #[inline(always)]
     fn enter(&mut self, _filter: MeshFilter) {}
-    /// After the only object of a scene.
+    /// The answer for a scene of one object.
     fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self;
-    /// Takes what an object was found to do to the ray. Returns the `t_max` of the scaled ray from here on, which the
+    /// Merges what was found in an object. Returns the `t_max` of the scaled ray from here on, which the
     /// caller lowers and never raises; below zero nothing else matters.
     fn take(
         &mut self,

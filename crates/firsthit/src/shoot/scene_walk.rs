@@ -161,8 +161,8 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         }
     }
 
-    /// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, or the ray is distant,
-    /// begins behind its origin or has other units.
+    /// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, it has no nodes, or the ray is
+    /// distant, begins behind its origin, has other units or leaves a triangle that float32 cannot tell from its neighbours.
     fn triangle_by_triangle<L: Lanes>(
         &mut self,
         l: L,
