@@ -24,7 +24,7 @@ ALL = 0xFFFFFFFF
 
 
 class Filters:
-    """What rays see: which objects, which side they pass through, which surfaces they skip or leave.
+    """What rays see: which objects, which side they pass, which surfaces they skip or leave.
 
     All arrays are ours, and broadcast against the rays.
     """
@@ -48,11 +48,12 @@ class Filters:
         """Check what a user gave; ``None`` where rays meet everything."""
         if masks is None and cull is None and skip is None and left is None:
             return None
-        if cull is not None and not (isinstance(cull, str) and cull in get_args(Side)):
+        if cull is not None and (not isinstance(cull, str) or cull not in get_args(Side)):
             raise ValueError(f"cull must be 'front', 'back' or None, got {cull!r}")
+        side: Side | None = cull  # type: ignore[assignment]
         return cls(
             None if masks is None else _integers("mask", masks, np.uint32),
-            cull,
+            side,
             None if skip is None else surfaces("skip", skip),
             left,
         )

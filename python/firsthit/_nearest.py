@@ -155,7 +155,8 @@ class NearestQueries(Traceable):
         Raises
         ------
         ValueError
-            For an object that is not closed, or of which a material cuts parts out, and for what `closest_point` raises it.
+            For an object that is not closed, or of which a material cuts parts out; and for what
+            `closest_point` raises it.
         MemoryError
             If the answers do not fit into memory.
 

@@ -14,7 +14,6 @@ from ._camera import Camera
 from ._filters import Filters
 from ._hits import Hits
 from ._leaving import rays_of
-from ._object import chosen
 from ._progress import following, later
 from ._rays import Rays
 from ._rounding import is_single

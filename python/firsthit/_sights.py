@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._all_hits import shoot_all
 from ._arrays import chunks, elements, flat, numbers, plain, threads_or_all
 from ._filters import Filters, surfaces
 from ._hits import Hits
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._filters import Surfaces
-    from ._leaving import LeavingRays
     from ._traceable import Built
     from ._types import Progress, Selection
 
@@ -183,9 +181,7 @@ def _of_length_one(directions: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return ways
 
 
-def _nearest(
-    built: Built, native: _firsthit.Scene, points: npt.ArrayLike, threads: int
-) -> Hits:
+def _nearest(built: Built, native: _firsthit.Scene, points: npt.ArrayLike, threads: int) -> Hits:
     """Return the surface points that are nearest to points, as if they were hit."""
     array = numbers("points", points)
     if array.ndim == 0 or array.shape[-1] != 3:

@@ -6,10 +6,9 @@ import math
 import threading
 import time
 
+import firsthit as fh
 import numpy as np
 import pytest
-
-import firsthit as fh
 
 
 def sheet(height: float) -> fh.Mesh:
@@ -95,26 +94,26 @@ def test_thickness_of_many_points_within_many_objects_takes_little_memory() -> N
     scene.add(fh.Box((0, 0, 0), (4, 4, 4)))
     for height in np.linspace(0.5, 3.5, 300):
         scene.add(fh.Box((1, 1, height), (3, 3, height + 0.001)))
-    hits = scene.shoot(np.random.default_rng(2).uniform(1, 3, (1000, 3)) + [0, 0, 9], [0, 0, -1.0])
+    starts = np.random.default_rng(2).uniform([1, 1, 9], [3, 3, 12], (1000, 3))
+    hits = scene.shoot(starts, [0, 0, -1.0])
     assert np.array_equal(scene.thickness(hits), np.full(1000, 4.0))
 
 
 def test_threads_do_not_lose_each_others_changes() -> None:
+
+    def keep_moving(scene: fh.Scene, end: threading.Event) -> None:
+        while not end.is_set():
+            scene.move(0, np.eye(4))
+
     for _ in range(40):
-        scene = fh.Scene()
+        scene, end = fh.Scene(), threading.Event()
         scene.add(fh.Sphere((0, 0, 0), 1))
-        goes = True
-
-        def move(scene: fh.Scene = scene) -> None:
-            while goes:
-                scene.move(0, np.eye(4))
-
-        thread = threading.Thread(target=move)
+        thread = threading.Thread(target=keep_moving, args=(scene, end))
         thread.start()
         time.sleep(0.0007)
         scene.hide(0)
         time.sleep(0.0007)
-        goes = False
+        end.set()
         thread.join()
         assert scene.objects[0].hidden
 
@@ -187,7 +186,10 @@ def test_questions_about_some_objects_only() -> None:
     scene.add(fh.Box((2, -1, -1), (3, 1, 1)), name="box")
     points = [[0, 0, 0.25], [2.5, 0, 0]]
     assert scene.inside(points, objects="ball").tolist() == [True, False]
-    assert scene.inside(points, by="object", objects="box").tolist() == [[False, False], [False, True]]
+    assert scene.inside(points, by="object", objects="box").tolist() == [
+        [False, False],
+        [False, True],
+    ]
     assert scene.closest_point(points, objects="box").object.tolist() == [1, 1]
     assert scene.signed_distance(points, objects="ball").tolist() == [-0.75, 1.5]
     along = scene.path_length([-5, 0, 0], [1, 0, 0], objects="box")
