@@ -361,6 +361,7 @@ def render(
     shading: tuple[str, list[_Vector] | None, _Vector | None, bool],
     samples: int,
     region: tuple[int, int, int, int],
+    cull: Side | None,
     threads: int,
     report: _Report | None,
 ) -> tuple[list[npt.NDArray[Any]], str]: ...

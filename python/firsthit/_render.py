@@ -11,6 +11,7 @@ from . import _firsthit
 from ._arrays import threads_or_all
 from ._camera import Camera
 from ._files import distinct
+from ._filters import Filters
 from ._frame import Frame
 from ._lights import Sky, background_native
 from ._progress import following, later
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from ._hits import Hits
     from ._progress import Report
     from ._traceable import Built
-    from ._types import Asked
+    from ._types import Asked, Selection, Side
     from .typing import OwnShade, Progress, ShaderName
 
 #: About how many rays an own shader sees at a time when there are several samples.
@@ -43,6 +44,8 @@ def render(
     background: Sky | npt.ArrayLike | None = None,
     samples: int | None = None,
     region: tuple[slice, slice] | None = None,
+    cull: Side | None = None,
+    objects: Selection | None = None,
     shade: ShaderName | OwnShade | None = None,
     ambient: npt.ArrayLike | None = None,
     shadows: bool | None = None,
@@ -77,6 +80,12 @@ def render(
         The part of the picture to make: its rows and its columns, without steps, such as
         ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for
         bit. The whole if left out.
+    cull : {"front", "back"}, optional
+        The side of surfaces that the camera's rays pass through: with ``"back"``, into a room
+        through its walls. Rays of the shader, such as those to lights, meet both.
+    objects : int, str, or sequence of them, optional
+        What is there, by identifiers or names. The others are not in the picture, and cast no
+        shadows.
     shade : {"lambert", "unlit", "normal"} or callable, optional
         How hits get their colour. A function ``shade(hits)`` gets `Hits`, misses included, and
         returns their linear colours, of shape (..., 3). With one sample it is called once; with
@@ -178,12 +187,14 @@ def render(
     work = _firsthit.render_work(pixels, asked, look.samples)
     owned = pixels * look.samples if own is not None and "color" in names else 0
     built = scene._ready()
+    seen, filters = scene._seen(built, None, objects), Filters.of(None, cull, None)
+    side = None if filters is None else filters.cull
     with following(progress, work + owned) as report:
-        how = shading, look.samples, part, use
-        arrays, origin = _firsthit.render(built.native, camera._native, asked, *how, report)
+        how = shading, look.samples, part, side, use
+        arrays, origin = _firsthit.render(seen, camera._native, asked, *how, report)
         made = {name: _shaped(array, part) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
-            job = _OwnShading(built, camera, part, own, use)
+            job = _OwnShading(built, seen, filters, camera, part, own, use)
             told = later(report, work)
             made["color"] = (
                 job.centres(told) if look.samples == 1 else job.means(look.samples, told)
@@ -236,6 +247,8 @@ class _OwnShading(NamedTuple):
     """The colours that a user's function gives to the pixels of a region."""
 
     built: Built
+    seen: _firsthit.Scene
+    filters: Filters | None
     camera: Camera
     region: _Region
     shade: OwnShade
@@ -244,12 +257,14 @@ class _OwnShading(NamedTuple):
     def centres(self, report: Report | None) -> npt.NDArray[np.float32]:
         """Return the colours of the pixels' centres."""
         camera = self.camera
-        if self.region == _Region(0, camera.rows, 0, camera.columns):
-            hits = shoot_camera(self.built, camera, self.threads, report)
+        is_whole = self.region == _Region(0, camera.rows, 0, camera.columns)
+        if is_whole and self.filters is None:
+            hits = shoot_camera(self.built, camera, self.threads, report, self.seen)
         else:
             source = Source(camera, self._pixels(self.region.top, self.region.bottom).reshape(-1))
             grids = (array.reshape(*self.region.shape, 3) for array in source.both())
-            hits = shoot_rays(self.built, Rays.of(*grids), self.threads, report, source)
+            rays = Rays.of(*grids, filters=self.filters)
+            hits = shoot_rays(self.built, rays, self.threads, report, source, self.seen)
         return np.ascontiguousarray(self._colors(hits), np.float32)
 
     def means(self, samples: int, report: Report | None) -> npt.NDArray[np.float32]:
@@ -266,10 +281,11 @@ class _OwnShading(NamedTuple):
             for sample in range(samples):
                 both = camera._native.rays((row, last), sample)
                 grids = (array.reshape(last - row, camera.columns, 3) for array in both)
-                rays = Rays.of(*(grid[:, left:right] for grid in grids))
+                grids = (grid[:, left:right] for grid in grids)
+                rays = Rays.of(*grids, filters=self.filters)
                 source = Source(camera, pixels.reshape(-1), rays)
                 told = later(report, done)
-                hits = shoot_rays(self.built, rays, self.threads, told, source)
+                hits = shoot_rays(self.built, rays, self.threads, told, source, self.seen)
                 total += self._colors(hits)
                 done += rays.length
             colors[row - top : last - top] = total / samples

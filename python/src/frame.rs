@@ -10,7 +10,7 @@ use firsthit::render::{
 };
 use firsthit::sensor::Sensor;
 use firsthit::shade::Lambert;
-use firsthit::{Background, Color, Shader, Shading};
+use firsthit::{Background, Color, Shader, Shading, Side};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -72,6 +72,7 @@ pub(crate) fn render<'py>(
     shading: ShadingIn,
     samples: u32,
     region: [usize; 4],
+    cull: Option<String>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
@@ -96,8 +97,10 @@ pub(crate) fn render<'py>(
         ..shader.on(&scene)
     };
     let [top, bottom, left, right] = region;
+    let cull = cull.as_deref().and_then(Side::from_name);
     let picture = Picture {
         samples,
+        cull,
         region: Some(Region {
             rows: top..bottom,
             columns: left..right,

@@ -237,3 +237,52 @@ def test_pictures_too_large_for_memory_are_a_memory_error():
         ball().shoot(camera)
     with pytest.raises(MemoryError):
         fh.render(ball(), camera)
+
+
+def test_a_camera_looks_through_one_side():
+    scene = fh.Scene()
+    room = scene.add(fh.Box((-2, -2, 0), (2, 2, 3)), name="room")
+    scene.add(fh.Sphere((0, 0, 1), 0.5), name="ball")
+    scene.add_light(fh.DirectionalLight((0, 0, -1)))
+    camera = fh.Camera.framing(scene, (0, 0, 1), columns=60, rows=40)
+    channels = ["t", "object", "normal", "front", "color"]
+    inside = fh.render(scene, camera, channels=channels, cull="front", samples=1)
+    hits = scene.shoot(camera, cull="front")
+    for name in ("t", "object", "normal", "front"):
+        assert np.array_equal(inside[name], getattr(hits, name), equal_nan=True)
+    assert (inside["object"] == 1).any()
+    assert not inside["front"].any()
+    outside = fh.render(scene, camera, channels=channels, cull="back", samples=1)
+    assert np.array_equal(outside["t"], scene.shoot(camera, cull="back").t)
+    assert not (outside["object"] == 1).any()
+    part = fh.render(scene, camera, channels=channels, cull="front", region=np.s_[10:30, 5:50])
+    whole = fh.render(scene, camera, channels=channels, cull="front")
+    for name in channels:
+        assert np.array_equal(part[name], whole[name][10:30, 5:50], equal_nan=True)
+    lonely = fh.render(scene, camera, channels=channels, objects="ball")
+    scene.hide(room)
+    hidden = fh.render(scene, camera, channels=channels)
+    for name in channels:
+        assert np.array_equal(lonely[name], hidden[name], equal_nan=True)
+    with pytest.raises(ValueError, match="cull must be"):
+        fh.render(scene, camera, cull="side")
+
+
+def test_own_shaders_see_what_the_camera_sees():
+    scene = fh.Scene()
+    scene.add(fh.Box((-2, -2, 0), (2, 2, 3)))
+    scene.add(fh.Sphere((0, 0, 1), 0.5), name="ball")
+    camera = fh.Camera.framing(scene, (0, 0, 1), columns=60, rows=40)
+
+    def is_ball(hits: fh.Hits) -> np.ndarray:
+        return np.repeat((hits.object == 1)[..., None], 3, -1)
+
+    for samples in (1, 3):
+        through = fh.render(scene, camera, shade=is_ball, cull="front", samples=samples)
+        assert 0 < through["color"].mean() < 0.5
+        alone = fh.render(scene, camera, shade=is_ball, objects="ball", samples=samples)
+        back = fh.render(
+            scene, camera, shade=is_ball, objects="ball", cull="front", samples=samples
+        )
+        assert np.array_equal(alone["color"], back["color"])
+        assert np.array_equal(alone["color"], through["color"])

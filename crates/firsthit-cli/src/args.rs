@@ -77,6 +77,10 @@ pub(crate) struct RenderArgs {
     pub(crate) picture: PictureArgs,
     #[command(flatten)]
     pub(crate) light: LightingArgs,
+    /// The side of surfaces that the camera's rays pass through: with back, into a room through its walls. The front is where the
+    /// normal points. Shadows are cast all the same
+    #[arg(long, value_name = "SIDE")]
+    pub(crate) cull: Option<CulledSide>,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
     #[command(flatten)]

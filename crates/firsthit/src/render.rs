@@ -11,7 +11,7 @@ use crate::camera::{Aim, Camera, Description, Projection, StandardView};
 use crate::channel::Kind;
 use crate::error::Result;
 use crate::geometry::summary::summary;
-use crate::geometry::{Color, DVec3, Ray, require};
+use crate::geometry::{Color, DVec3, Ray, Side, require};
 use crate::image::{Channel, Frame, Names, Origin};
 use crate::memory;
 use crate::sampling::offset;
@@ -52,6 +52,8 @@ pub struct Picture<'a> {
     pub channels: &'a [&'a Kind],
     /// Of how many points of a pixel its colour is the mean; 1 is the pixel's centre.
     pub samples: u32,
+    /// The side of surfaces that the sensor's rays pass through, as into a room through its walls. Those that a shader shoots do not.
+    pub cull: Option<Side>,
     /// The part to make; the bytes are those of that part of the whole picture.
     pub region: Option<Region>,
     /// What finds the hits.
@@ -118,6 +120,7 @@ impl<'a> Picture<'a> {
             shade,
             channels,
             samples: 1,
+            cull: None,
             region: None,
             engine: Cpu::shared(),
         }

@@ -46,6 +46,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
             settings,
             guessed: &[],
             legend: None,
+            cull: None,
         };
         picture(&job, &orders, &args.run, interrupted)
     })

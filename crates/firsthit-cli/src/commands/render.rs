@@ -8,7 +8,7 @@ use firsthit::image::WriteSettings;
 use firsthit::image::{Data, Frame};
 use firsthit::render::{BACKGROUND, Picture, SAMPLES, has_shoulder_shadows, shoulder_light, work};
 use firsthit::world::{Output, World};
-use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading};
+use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading, Side};
 use serde_json::{Value, json};
 
 use crate::args::{LightingArgs, RenderArgs, RunArgs};
@@ -79,6 +79,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             settings: settings(args.picture.png_scale, &orders),
             guessed: &guessed,
             legend: args.picture.legend.as_deref(),
+            cull: args.cull.map(From::from),
         };
         picture(&job, &orders, &args.run, interrupted)
     })
@@ -163,6 +164,8 @@ pub(crate) struct Job<'a> {
     pub(crate) guessed: &'a [String],
     /// The file of `--legend`.
     pub(crate) legend: Option<&'a Path>,
+    /// The side of surfaces that the camera's rays pass through.
+    pub(crate) cull: Option<Side>,
 }
 
 /// How files are written; says so where the scale does nothing.
@@ -189,6 +192,7 @@ pub(crate) fn picture(
         settings,
         guessed,
         legend,
+        cull,
     } = job;
     let pixels = camera.pixels() as u64;
     let kinds = all_kinds(orders)?;
@@ -196,6 +200,7 @@ pub(crate) fn picture(
     let progress = Progress::new(total, args.quiet || args.json, interrupted);
     let picture = Picture {
         samples,
+        cull,
         ..Picture::new(scene, camera, shade, &kinds)
     };
     let mut whole = picture.render(&progress)?;

@@ -121,3 +121,21 @@ fn rays_pass_through_a_culled_side() {
     assert_eq!(lines.text().lines().nth(1), Some("2,1"));
     lab.fails("shoot tower.obj rays.csv --cull both", 2, "front, back");
 }
+
+#[test]
+fn a_camera_looks_through_one_side() {
+    let lab = Lab::new();
+    tower(&lab);
+    let render = |name: &str, more: &str| {
+        lab.ok(&format!(
+            "render tower.obj --size 30x20 --channels z,color -o {name}.npz {more}"
+        ));
+    };
+    render("plain", "");
+    render("back", "--cull back");
+    render("front", "--cull front");
+    // From outside, nobody sees the backs of solids.
+    lab.ok("diff plain.npz back.npz");
+    assert_eq!(lab.run("diff plain.npz front.npz").code, 1);
+    lab.fails("render tower.obj -o x.png --cull left", 2, "--cull");
+}

@@ -6,7 +6,7 @@ use super::{BACKGROUND, Picture, Region, SAMPLES, framing_camera, shoulder_light
 use crate::camera::{Camera, StandardView};
 use crate::channel::{self, Kind};
 use crate::error::Result;
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, Side};
 use crate::image::Frame;
 use crate::scene::{Background, Scene};
 use crate::shade::{Shade, Shader, Shading};
@@ -43,6 +43,7 @@ pub struct Render<'a> {
     look: Look<'a>,
     background: Background,
     samples: u32,
+    cull: Option<Side>,
     region: Option<Region>,
     engine: &'a dyn Engine,
     channels: &'a [&'a str],
@@ -107,6 +108,7 @@ impl<'a> Render<'a> {
             look: Look::Shader(Shader::default()),
             background: BACKGROUND,
             samples: SAMPLES,
+            cull: None,
             region: None,
             engine: Cpu::shared(),
             channels: &["color"],
@@ -163,6 +165,12 @@ impl<'a> Render<'a> {
         Self { samples, ..self }
     }
 
+    /// Through one side of all surfaces, as into a room through its walls. Rays of shaders, such as those to lights, meet both.
+    pub fn cull(mut self, side: Side) -> Self {
+        self.cull = Some(side);
+        self
+    }
+
     /// Only a part of the picture, with the bytes that it has in the whole.
     pub fn region(mut self, region: Region) -> Self {
         self.region = Some(region);
@@ -205,6 +213,7 @@ impl<'a> Render<'a> {
         let picture = |shade: &dyn Shade| {
             let picture = Picture {
                 samples: self.samples,
+                cull: self.cull,
                 region: self.region.clone(),
                 engine: self.engine,
                 ..Picture::new(self.scene, &camera, shade, &kinds)

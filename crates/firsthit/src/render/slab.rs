@@ -14,7 +14,7 @@ use super::Picture;
 use super::region::{Part, Region};
 use crate::channel::{self, Shots};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Hit, Ray, Rays, single};
+use crate::geometry::{Color, DVec3, Filtered, Hit, Ray, RayFilter, Rays, single};
 use crate::image::{Channel, Data, Frame};
 use crate::memory::zeroed;
 use crate::sampling::offset;
@@ -60,7 +60,13 @@ impl<'a> Slab<'a> {
         let picture = self.picture;
         self.part.offset = offset(self.samples);
         let answers = (First, &mut self.hits);
-        trace_into(picture.engine, picture.scene, &self.part, answers, watch)?;
+        let cull = picture.cull;
+        let filter = RayFilter {
+            cull,
+            ..RayFilter::NONE
+        };
+        let rays = Filtered::new(&self.part, filter);
+        trace_into(picture.engine, picture.scene, &rays, answers, watch)?;
         if self.samples == 0 {
             let shots = Shots {
                 scene: picture.scene,
