@@ -12,8 +12,8 @@ mod support;
 
 use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, Hits, trace, trace_with};
 use firsthit::{
-    Cone, Cuboid, DAffine3, DQuat, DVec2, DVec3, Departure, Disc, Filtered, InstructionSet, Mesh,
-    Object, Plane, Ray, RayFilter, Scene, Side, Sphere, SurfaceId, Transform,
+    Camera, Cone, Cuboid, DAffine3, DQuat, DVec2, DVec3, Departure, Disc, Filtered, InstructionSet,
+    Mesh, Object, Plane, Ray, RayFilter, Rays, Scene, Side, Sphere, SurfaceId, Transform,
 };
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -150,6 +150,85 @@ fn trees_and_brute_force_agree_on_every_instruction_set() {
             same(&fast.hits, &all.hits);
         }
     }
+}
+
+/// Rays that leave what a camera sees: to a light, and short ones to all sides. Neighbours go in packets.
+fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
+    let mut numbers = Numbers::new(9);
+    let camera = Camera::look_at(
+        DVec3::new(1.0, -3.0, 1.5),
+        DVec3::ZERO,
+        DVec3::Z,
+        40.0,
+        40,
+        40,
+    )
+    .unwrap();
+    let hits = trace(scene, &camera, First, &()).unwrap();
+    let light = DVec3::new(-2.0, -2.0, 4.0);
+    let (mut rays, mut filters) = (Vec::new(), Vec::new());
+    for short in [false, true] {
+        for k in 0..hits.len() {
+            let (ray, hit) = (Rays::ray(&camera, k), hits.get(k));
+            let Some(surface) = scene.interaction(&ray, &hit) else {
+                continue;
+            };
+            let way = match short {
+                true => 0.05 * numbers.point(),
+                false => light - surface.position(),
+            };
+            let (ray, filter) = surface.leave(way);
+            let cull = (k % 50 == 7).then_some(Side::Back);
+            let mask = if k % 40 == 9 { 0b1000 } else { u32::MAX };
+            rays.push(ray.up_to(1.0));
+            filters.push(RayFilter {
+                cull,
+                mask,
+                ..filter
+            });
+        }
+    }
+    (rays, filters)
+}
+
+#[test]
+fn rays_that_leave_together_meet_what_brute_force_says() {
+    let (points, triangles) = bumpy_sphere(14, 2);
+    let bumpy = mesh(&points, triangles);
+    let turned = DAffine3::from_scale_rotation_translation(
+        DVec3::new(0.9, 1.1, 1.0),
+        DQuat::from_rotation_y(0.7),
+        DVec3::new(0.1, 0.1, -0.2),
+    );
+    let turned = Object::new(bumpy.clone()).placed(Transform::new(turned).unwrap());
+    let low = Object::new(bumpy.clone()).masked(0b0111);
+    let ball = Object::new(Sphere::new(DVec3::new(-1.0, -1.0, 2.0), 0.3).unwrap());
+    let mut met = 0;
+    for objects in [
+        vec![low.clone()],
+        vec![turned.clone()],
+        vec![low, turned, ball],
+    ] {
+        let scene = scene(objects);
+        let (rays, filters) = leaving_together(&scene);
+        assert!(rays.len() > 700);
+        let rays = Filtered::each(&rays, &filters);
+        let first = trace_with(&BruteForce, &scene, &rays, First, &()).unwrap();
+        let any = trace_with(&BruteForce, &scene, &rays, Any, &()).unwrap();
+        let count = trace_with(&BruteForce, &scene, &rays, Count, &()).unwrap();
+        met += any.iter().filter(|&&is_met| is_met).count();
+        for set in InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available())
+        {
+            let cpu = Cpu::with(set);
+            let found = trace_with(&cpu, &scene, &rays, First, &()).unwrap();
+            same(&found, &first);
+            assert_eq!(trace_with(&cpu, &scene, &rays, Any, &()).unwrap(), any);
+            assert_eq!(trace_with(&cpu, &scene, &rays, Count, &()).unwrap(), count);
+        }
+    }
+    assert!(met > 500, "{met}");
 }
 
 /// Whether a closed triangle is met by a ray from an exact point, ahead of that.

@@ -2,9 +2,11 @@
 
 use std::cell::Cell;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::filter;
 use super::ray_query::{FirstHit, RayQuery, Sink};
 use super::scene_walk::{Instance, SceneWalk};
 use crate::accel::{
@@ -15,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Hit, Ray, Rays};
 use crate::scene::{Object, Scene};
 use crate::shape::Mesh;
-use crate::shape::triangle::clear_of;
+use crate::shape::triangle::{MeshFilter, clear_of};
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
 
@@ -206,9 +208,7 @@ impl<S: Sink> Kernel for Batch<'_, S> {
         let mut memory = Memory::take();
         debug_assert!(self.sink.len() <= BATCH, "there are as many stacks as that");
         match (self.scene.objects(), self.scene.plain_mesh(0)) {
-            ([object], Some(mesh)) if !S::Query::IS_FILTERED => {
-                self.through_mesh(l, &mut memory, object, mesh);
-            }
+            ([object], Some(mesh)) => self.through_mesh(l, &mut memory, object, mesh),
             _ => self.through_scene(l, &mut memory),
         }
         memory.give_back();
@@ -243,15 +243,26 @@ impl<S: Sink> Batch<'_, S> {
             let packet = &mut memory.packets[number];
             let first = number * RAYS;
             let length = (count - first).min(RAYS);
-            let plain = packet.enter(l, object.transform());
-            packet.prepare(l, tree, length);
+            let mut plain = packet.enter(l, object.transform());
+            let mut unseen = 0;
+            if S::Query::IS_FILTERED {
+                let at_mesh = (self.scene, object, tree);
+                let lanes = self.first + first..self.first + first + length;
+                let (easy, hidden) = set_filters(packet, at_mesh, self.rays, lanes);
+                plain &= easy;
+                unseen = hidden;
+                packet.prepare_filtered(l, tree, length);
+            } else {
+                packet.prepare(l, tree, length);
+            }
             let plain = plain & !packet.distant;
-            packet.alive &= plain;
+            packet.alive &= plain & !unseen;
             let alive = packet.alive;
             for lane in 0..length {
                 if plain >> lane & 1 == 0 {
                     let ray = self.rays.ray(self.first + first + lane);
-                    let single = SingleRay::new(memory, self.scene, &ray, S::Query::START);
+                    let query = S::Query::begin(self.rays, self.first + first + lane);
+                    let single = SingleRay::new(memory, self.scene, &ray, query);
                     self.sink.put(first + lane, &l.call(single));
                 } else if alive >> lane & 1 == 0 {
                     self.sink.put(first + lane, &S::Query::START);
@@ -311,6 +322,34 @@ impl<S: Sink> Batch<'_, S> {
             self.sink.put(index, &walk.query);
         }
     }
+}
+
+/// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays that go on as they are, a bit each, and
+/// those that do not see the object.
+fn set_filters(
+    packet: &mut Packet,
+    (scene, object, tree): (&Scene, &Object, &MeshTree),
+    rays: &dyn Rays,
+    range: Range<usize>,
+) -> (u16, u16) {
+    let (mut easy, mut unseen) = (0, 0);
+    for (lane, index) in range.enumerate() {
+        let whole = rays.filter(index);
+        let filter = filter::mesh_filter(scene, &whole, 0);
+        unseen |= u16::from(!filter::sees(&whole, 0, object)) << lane;
+        let is_easy = match filter.departure() {
+            Some(point) => {
+                packet.set_origin(lane, point.rounded);
+                tree.is_sharp_from(point)
+            }
+            // It leaves no triangle of this mesh.
+            None => whole.departure.is_none(),
+        };
+        easy |= u16::from(is_easy) << lane;
+        // What is unsure of one ray widens the bounds of all.
+        packet.set_filter(lane, if is_easy { &filter } else { &MeshFilter::NONE });
+    }
+    (easy, unseen)
 }
 
 /// Traverses meshes in a function of its own, so that packet building and top-level traversal are not compiled with it. There is

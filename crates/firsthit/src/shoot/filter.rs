@@ -14,7 +14,7 @@ pub(super) fn sees(filter: &RayFilter, index: u32, object: &Object) -> bool {
 }
 
 /// What a ray does not meet of the mesh of an object.
-fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
+pub(super) fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
     let of_object = |surface: SurfaceId| {
         let is_there = u32::try_from(surface.object) == Ok(index);
         is_there.then(|| u32::try_from(surface.primitive).ok())?

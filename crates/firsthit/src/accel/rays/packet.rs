@@ -90,6 +90,13 @@ impl Packet {
         self.t_max[lane] = ray.t_max;
     }
 
+    /// Moves the start of the ray in a lane.
+    pub(crate) fn set_origin(&mut self, lane: usize, origin: DVec3) {
+        for axis in 0..3 {
+            self.origin[axis][lane % RAYS] = origin[axis];
+        }
+    }
+
     /// The ray in a lane.
     #[inline(always)]
     pub(in crate::accel) fn ray(&self, lane: usize) -> Ray {
