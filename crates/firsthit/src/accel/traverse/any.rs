@@ -20,6 +20,7 @@ pub(crate) struct Any {
 
 impl MeshQuery for Any {
     type Found = bool;
+    const IN_PACKETS_FILTERED: bool = true;
     const NONE: Self::Found = false;
 
     #[inline(always)]

@@ -41,10 +41,11 @@ impl Dispatcher {
         let stack = &mut self.stack;
         for (number, packet) in packets.iter_mut().enumerate() {
             // A packet of few rays, as the last one of an object is, says nothing about the next.
-            if packet.open.count_ones() >= FEWEST && of_coherent.tries() {
+            if Q::IN_PACKETS && packet.open.count_ones() >= FEWEST && of_coherent.tries() {
                 of_coherent.learn(coherent::<L, Q>(l, stack, (number, packet), sink));
             }
-            if !Q::ORDERED && packet.open.count_ones() >= FEWEST && of_masked.tries() {
+            let has_masks = Q::IN_PACKETS && !Q::ORDERED;
+            if has_masks && packet.open.count_ones() >= FEWEST && of_masked.tries() {
                 of_masked.learn(masked::<L, Q>(l, stack, (number, packet), sink));
             }
         }

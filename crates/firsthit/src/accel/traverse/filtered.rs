@@ -24,6 +24,7 @@ pub(crate) struct FilteredQuery<Q> {
 impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
     type Found = Q::Found;
     const EDGES: EdgeRule = Q::EDGES;
+    const IN_PACKETS: bool = Q::IN_PACKETS_FILTERED;
     const NONE: Self::Found = Q::NONE;
 
     #[inline(always)]

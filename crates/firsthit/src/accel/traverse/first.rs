@@ -61,6 +61,7 @@ impl First {
 
 impl MeshQuery for First {
     type Found = Option<Crossing>;
+    const IN_PACKETS_FILTERED: bool = true;
     const NONE: Self::Found = None;
 
     #[inline(always)]

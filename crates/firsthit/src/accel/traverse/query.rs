@@ -27,6 +27,10 @@ pub(crate) trait MeshQuery: Visitor {
     type Found: Copy;
     /// Whether a ray at an edge meets one neighbour or both.
     const EDGES: EdgeRule = EdgeRule::Closed;
+    /// Whether traversals of packets serve it; see `dispatch.rs`.
+    const IN_PACKETS: bool = true;
+    /// The same for rays with filters, whose packets are compiled a second time.
+    const IN_PACKETS_FILTERED: bool = false;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;
     /// The query before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).
