@@ -173,9 +173,10 @@ fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
             let Some(surface) = scene.interaction(&ray, &hit) else {
                 continue;
             };
-            let way = match short {
-                true => 0.05 * numbers.point(),
-                false => light - surface.position(),
+            let way = if short {
+                0.05 * numbers.point()
+            } else {
+                light - surface.position()
             };
             let (ray, filter) = surface.leave(way);
             let cull = (k % 50 == 7).then_some(Side::Back);
