@@ -24,7 +24,7 @@ def given(
     if not isinstance(arrays, Mapping | None):
         raise TypeError(f"{name} must be a dict of arrays, got {arrays!r}")
     for key, value in (arrays or {}).items():
-        named, array = text(f"a name of {name}", key), numbers(key, value)
+        named, array = text(f"a name of {name}", key), numbers(key, _counted(value))
         axes = 2 if of == "corners" else 1
         is_right = array.ndim in (axes, axes + 1) and (of != "corners" or array.shape[1] == 3)
         if not is_right or 0 in array.shape[axes:]:
@@ -35,6 +35,12 @@ def given(
         fits = array.dtype in (np.float32, np.float16, np.int8, np.uint8, np.int16, np.uint16)
         values = cast(array, np.float32 if fits else np.float64).reshape(-1)
         yield of, named, components, is_label, values
+
+
+def _counted(value: Any) -> Any:
+    """Return flags as 0 and 1, and anything else as it is."""
+    array = np.asarray(value) if isinstance(value, list | tuple) else value
+    return array.astype(np.uint8) if getattr(array, "dtype", None) == np.bool_ else value
 
 
 def shaped(of: str, values: npt.NDArray[Any], components: int) -> npt.NDArray[Any]:

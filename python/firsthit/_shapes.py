@@ -245,7 +245,7 @@ class Mesh(Shape):
         The index of each triangle's material among those of the object.
     vertex_properties : dict of str to (n,) or (n, k) array_like, optional
         Numbers of the vertices by name, such as the quality of a scan. Where a ray meets the mesh,
-        `Hits.attribute` interpolates floats; integers are labels, which it takes from the nearest
+        `Hits.attribute` interpolates floats; integers and bool are labels, taken from the nearest
         corner.
     face_properties : dict of str to (f,) or (f, k) array_like, optional
         The same for the polygons that ``faces`` counts.

@@ -200,3 +200,12 @@ def test_questions_about_some_objects_only() -> None:
     assert scene.thickness([[2.5, 0, 5]], objects="box").tolist() == [2.0]
     hit = scene.shoot([0, 0, 5], [0, 0, -1])
     assert math.isinf(scene.thickness(hit, objects="box"))
+
+
+@pytest.mark.parametrize("flags", [[True, False, True], np.array([True, False, True])])
+def test_flags_are_properties(flags: list[bool] | np.ndarray) -> None:
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    scene = fh.Scene()
+    scene.add(fh.Mesh(corners, [[0, 1, 2]], vertex_properties={"flag": flags}))
+    hits = scene.shoot([[0.05, 0.05, 1], [0.9, 0.05, 1]], [0, 0, -1])
+    assert hits["flag"].tolist() == [1.0, 0.0]
