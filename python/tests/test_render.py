@@ -244,7 +244,7 @@ def test_a_camera_looks_through_one_side():
     room = scene.add(fh.Box((-2, -2, 0), (2, 2, 3)), name="room")
     scene.add(fh.Sphere((0, 0, 1), 0.5), name="ball")
     scene.add_light(fh.DirectionalLight((0, 0, -1)))
-    camera = fh.Camera.framing(scene, (0, 0, 1), columns=60, rows=40)
+    camera = fh.Camera.framing(scene, rows=40, columns=60)
     channels = ["t", "object", "normal", "front", "color"]
     inside = fh.render(scene, camera, channels=channels, cull="front", samples=1)
     hits = scene.shoot(camera, cull="front")
@@ -272,7 +272,7 @@ def test_own_shaders_see_what_the_camera_sees():
     scene = fh.Scene()
     scene.add(fh.Box((-2, -2, 0), (2, 2, 3)))
     scene.add(fh.Sphere((0, 0, 1), 0.5), name="ball")
-    camera = fh.Camera.framing(scene, (0, 0, 1), columns=60, rows=40)
+    camera = fh.Camera.framing(scene, rows=40, columns=60)
 
     def is_ball(hits: fh.Hits) -> np.ndarray:
         return np.repeat((hits.object == 1)[..., None], 3, -1)

@@ -71,7 +71,7 @@ def test_words_that_are_typed_are_those_that_there_are():
 
 def natively_shaded(shader):
     # Of the native half, which knows all shaders.
-    how = (shader, None, None, True), 1, (0, 2, 0, 2), 0
+    how = (shader, None, None, True), 1, (0, 2, 0, 2), None, 0
     _firsthit.render(ball()._native(), small()._native, ["color"], *how, None)
 
 
