@@ -295,6 +295,19 @@ fn weights(numbers: &mut Numbers) -> DVec2 {
     }
 }
 
+/// Triangles with a copy, the other way round, on each; and with a larger one in the plane of every third.
+fn with_layers(points: &mut Vec<DVec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let copies = triangles.iter().map(|&[a, b, c]| [b, a, c]);
+    let mut all: Vec<[u32; 3]> = triangles.iter().copied().chain(copies).collect();
+    for &[a, b, c] in triangles.iter().step_by(3) {
+        let [p, q] = [a, b].map(|corner| points[corner as usize]);
+        let end = points.len() as u32;
+        points.extend([2.0 * p - q, 2.0 * q - p]);
+        all.push([end, end + 1, c]);
+    }
+    all
+}
+
 #[test]
 fn rays_that_leave_meet_what_exact_arithmetic_says() {
     let (mut met, mut near) = (0, 0);
@@ -304,7 +317,12 @@ fn rays_that_leave_meet_what_exact_arithmetic_says() {
         let digits = [1e17, 4.0, 1e17, 1e3][seed as usize % 4];
         let away = [0.0, 0.0, 1e6, 0.0][seed as usize % 4];
         let place = |p: &DVec3| (3.0 * *p * digits).round() / digits + away;
-        let points: Vec<DVec3> = points.iter().map(place).collect();
+        let mut points: Vec<DVec3> = points.iter().map(place).collect();
+        let triangles = if digits == 4.0 {
+            with_layers(&mut points, &triangles)
+        } else {
+            triangles
+        };
         let mesh = mesh(&points, triangles);
         let scene = scene(vec![Object::new(mesh.clone())]);
         let (mut rays, mut filters, mut expected) = (Vec::new(), Vec::new(), Vec::new());
