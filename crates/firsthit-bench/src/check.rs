@@ -1,9 +1,10 @@
 //! A time counts only for right answers: every run is compared with Embree's and, in a sample, with the judge's.
 
+use firsthit::shoot::AllHits;
 use firsthit::{Hit, Hits, Ray, Rays};
 use rayon::prelude::*;
 
-use crate::embree::Answers;
+use crate::embree::{Answers, Gathered};
 use crate::firsthit_side;
 use crate::picture::Picture;
 
@@ -102,6 +103,48 @@ impl Judge<'_> {
         }
     }
 
+    /// Compares all hits. A ray has another outcome where it has more hits or fewer, and other triangles where one of them is another.
+    pub(crate) fn all_hits(
+        &self,
+        all: &AllHits,
+        rays: &[Ray],
+        embree: Option<&Gathered>,
+    ) -> Checked {
+        let ends = |ray: usize| all.offsets[ray]..all.offsets[ray + 1];
+        let mut checked = Checked::default();
+        let mut disputed = Vec::new();
+        let compared = embree
+            .into_iter()
+            .flat_map(|gathered| (0..rays.len()).map(move |ray| (ray, gathered.hits(ray))));
+        for (ray, theirs) in compared {
+            let is_other_number = theirs.len() != ends(ray).len();
+            let mut pairs = ends(ray).map(|k| all.hits.get(k)).zip(theirs);
+            let is_other = |(hit, (_, object, primitive)): (Hit, (f32, u32, u32))| {
+                (hit.object, hit.primitive) != (object as i32, primitive as i32)
+            };
+            if is_other_number {
+                checked.other_outcome += 1;
+            } else if pairs.any(is_other) {
+                checked.other_triangle += 1;
+            } else {
+                continue;
+            }
+            disputed.push(ray);
+        }
+        let sample = self.sample(rays.len(), disputed);
+        let differs = |&&ray: &&usize| {
+            let expected = firsthit_side::judge_all(self.scene, &rays[ray]);
+            let hits = ends(ray).map(|k| all.hits.get(k));
+            expected.len() != hits.len()
+                || hits
+                    .enumerate()
+                    .any(|(k, hit)| !equal(&expected.get(k), &hit))
+        };
+        checked.judged = sample.len();
+        checked.wrong = sample.par_iter().filter(differs).count();
+        checked
+    }
+
     /// Compares colours, three for each pixel, with those of hits that the judge finds.
     pub(crate) fn colors(&self, colors: &[f32], picture: &Picture) -> Checked {
         let sample = self.sample(picture.pixels(), Vec::new());
@@ -175,5 +218,20 @@ mod tests {
         assert_eq!(judge.any_hits(&found, &rays, None).wrong, 0);
         found[19] = !found[19];
         assert_eq!(judge.any_hits(&found, &rays, None).wrong, 1);
+    }
+
+    #[test]
+    fn a_crossing_that_is_missing_is_found() {
+        let (scene, rays) = (scene(), rays());
+        let judge = Judge {
+            scene: &scene,
+            budget: 1000,
+        };
+        let mut all = AllHits::default();
+        firsthit_side::all_hits(&scene, &rays, &mut all);
+        assert_eq!(judge.all_hits(&all, &rays, None).wrong, 0);
+        all.offsets[3] -= 1;
+        // It is now the next ray's.
+        assert_eq!(judge.all_hits(&all, &rays, None).wrong, 2);
     }
 }

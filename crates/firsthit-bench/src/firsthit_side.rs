@@ -7,7 +7,9 @@ use firsthit::channel::kind;
 use firsthit::image::Data;
 use firsthit::load::LoadSettings;
 use firsthit::shape::{Mesh, Positions};
-use firsthit::shoot::{Any, BruteForce, Cpu, Engine, First, trace, trace_into};
+use firsthit::shoot::{
+    All, AllHits, Any, BruteForce, Cpu, Engine, First, trace, trace_into, trace_with,
+};
 use firsthit::{Camera, Hit, Hits, Object, Ray, Rays, Scene, Shading, render};
 
 /// The objects of a file.
@@ -52,6 +54,11 @@ pub(crate) fn any_hits(scene: &Scene, rays: &[Ray]) -> Vec<bool> {
     trace(scene, rays, Any, &()).expect(STOPPED)
 }
 
+/// All hits of all rays, into memory that is used again.
+pub(crate) fn all_hits(scene: &Scene, rays: &[Ray], all: &mut AllHits) {
+    trace_into(&Cpu::default(), scene, rays, (All::default(), all), &()).expect(STOPPED);
+}
+
 /// The colours of a picture, three numbers for each pixel.
 pub(crate) fn colors(
     scene: &Scene,
@@ -73,4 +80,16 @@ const STOPPED: &str = "there is memory for a million hits, and the watch stops n
 /// The first hit by the judge: every triangle, in float64.
 pub(crate) fn judge(scene: &Scene, ray: &Ray) -> Hit {
     BruteForce.first_hit(scene, ray)
+}
+
+/// All hits by the judge.
+pub(crate) fn judge_all(scene: &Scene, ray: &Ray) -> Hits {
+    let all = trace_with(
+        &BruteForce,
+        scene,
+        std::slice::from_ref(ray),
+        All::default(),
+        &(),
+    );
+    all.expect(STOPPED).hits
 }

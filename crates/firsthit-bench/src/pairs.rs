@@ -5,6 +5,7 @@ use std::hint::black_box;
 use std::io::{self, BufRead, StdinLock, Write};
 
 use firsthit::Hits;
+use firsthit::shoot::AllHits;
 
 use crate::firsthit_side;
 use crate::measure;
@@ -25,13 +26,14 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
             .time(&name, "build", built.triangles() as usize, &mut build)
             .map_err(failed)?;
         let shots = Shots::new(&built, &scene.look, settings.side)?;
-        let mut hits = Hits::default();
+        let (mut hits, mut all) = (Hits::default(), AllHits::default());
         for row in settings.rows() {
             let shot = shots.of(*row)?;
             let mut shoot = || match &shot {
                 Shot::Pixels(camera) => firsthit_side::first_hits(&built, camera, &mut hits),
                 Shot::First(rays) => firsthit_side::first_hits(&built, &**rays, &mut hits),
                 Shot::Any(rays) => drop(black_box(firsthit_side::any_hits(&built, rays))),
+                Shot::All(rays) => firsthit_side::all_hits(&built, rays, &mut all),
                 Shot::Picture(picture) => drop(black_box(picture.render())),
             };
             client

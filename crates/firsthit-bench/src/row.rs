@@ -23,6 +23,8 @@ pub(crate) enum Row {
     Bounce,
     /// From points all over the scene's box in all directions: the first hit
     Random,
+    /// The same rays: all hits, in order
+    AllHits,
     /// The picture of the first row's camera, unlit, four points to a pixel, whole; of Embree the rays alone
     Antialiased,
     /// The picture of the first row's camera, lit and with shadows, whole; of Embree the rays alone
@@ -39,6 +41,7 @@ impl Row {
         Self::Occlusion,
         Self::Bounce,
         Self::Random,
+        Self::AllHits,
         Self::Antialiased,
         Self::Shaded,
     ];

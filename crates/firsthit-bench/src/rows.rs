@@ -6,11 +6,12 @@ use std::cell::RefCell;
 use std::hint::black_box;
 use std::sync::Mutex;
 
+use firsthit::shoot::AllHits;
 use firsthit::{Camera, Hits, Ray, Rays, Scene};
 use rayon::ThreadPool;
 
 use crate::check::Judge;
-use crate::embree::{Answers, Columns, Door, FlushToZero, Pixels, Source};
+use crate::embree::{Answers, Columns, Door, FlushToZero, Gathered, Pixels, Source};
 use crate::firsthit_side;
 use crate::measure::{self, Timing};
 use crate::picture::Picture;
@@ -44,6 +45,7 @@ pub(crate) fn measure(
             Shot::Pixels(camera) => run.first_hits(row, &camera, &Pixels::new(&camera)),
             Shot::First(rays) => run.first_hits(row, &*rays, &Columns::new(&rays)),
             Shot::Any(rays) => run.any_hits(row, &rays),
+            Shot::All(rays) => run.all_hits(row, &rays),
             Shot::Picture(picture) => run.picture(row, &picture),
         };
         report.row(&scene.name, measured);
@@ -59,6 +61,8 @@ pub(crate) enum Shot {
     First(Vec<Ray>),
     /// Any hit.
     Any(Vec<Ray>),
+    /// All hits.
+    All(Vec<Ray>),
     /// The colours.
     Picture(Box<Picture>),
 }
@@ -68,7 +72,7 @@ impl Shot {
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Pixels(camera) => camera.len(),
-            Self::First(rays) | Self::Any(rays) => rays.len(),
+            Self::First(rays) | Self::Any(rays) | Self::All(rays) => rays.len(),
             Self::Picture(picture) => picture.count(),
         }
     }
@@ -106,6 +110,7 @@ impl<'a> Shots<'a> {
             Row::Occlusion => Shot::Any(self.surface.around(self.look.reach, count)),
             Row::Bounce => Shot::First(self.surface.scattered()),
             Row::Random => Shot::First(rays::anywhere(self.scene.bounds(), count)),
+            Row::AllHits => Shot::All(rays::anywhere(self.scene.bounds(), count)),
             Row::Antialiased => {
                 Shot::Picture(Box::new(Picture::antialiased(self.scene, self.camera)))
             }
@@ -192,6 +197,34 @@ impl Run<'_> {
         }
     }
 
+    fn all_hits(&self, row: Row, rays: &[Ray]) -> Measured {
+        let scene = &self.trees.firsthit;
+        let source = &Columns::new(rays);
+        let all = Mutex::new(AllHits::default());
+        let shoot = || firsthit_side::all_hits(scene, rays, &mut all.lock().expect(POISONED));
+        let theirs = |(robust, door): (bool, Door), gathered: &mut Gathered| {
+            if let Some(trees) = &self.trees.embree {
+                trees.gathering(robust).all_hits(source, door, gathered);
+            }
+        };
+        let mut gathered = Gathered::default();
+        let mut ours = &shoot;
+        let times = self.in_turns(rays.len(), &mut ours, &theirs, &mut gathered);
+        shoot();
+        theirs((true, Door::Single), &mut gathered);
+        let gathered = self.trees.embree.is_some().then_some(&gathered);
+        let judge = self.judge;
+        let check = || judge.all_hits(&all.lock().expect(POISONED), rays, gathered);
+        Measured {
+            row,
+            rays: rays.len(),
+            firsthit: times[0],
+            embree: times[1..].to_vec(),
+            checked: self.pool.install(check),
+            speedup: measure::speedup(self.rounds, self.pool, &shoot),
+        }
+    }
+
     /// A whole picture by firsthit, and its rays by Embree.
     fn picture(&self, row: Row, picture: &Picture) -> Measured {
         let render = || drop(black_box(picture.render()));
@@ -217,12 +250,12 @@ impl Run<'_> {
     }
 
     /// firsthit's time, then Embree's through each of [`DOORS`].
-    fn in_turns(
+    fn in_turns<A>(
         &self,
         rays: usize,
         ours: &mut dyn FnMut(),
-        theirs: &dyn Fn((bool, Door), &mut Answers),
-        answers: &mut Answers,
+        theirs: &dyn Fn((bool, Door), &mut A),
+        answers: &mut A,
     ) -> Vec<Timing> {
         // All doors write into the same planes, as a program would.
         let answers = RefCell::new(answers);

@@ -5,6 +5,7 @@ use rayon::ThreadPool;
 use crate::embree::{self, Device};
 use crate::firsthit_side;
 use crate::measure::{self, Timing};
+use crate::row::Row;
 use crate::scenes::BenchScene;
 use crate::settings::Settings;
 
@@ -27,6 +28,8 @@ pub(crate) struct Trees<'a> {
 pub(crate) struct EmbreeTrees<'a> {
     pub(crate) plain: embree::Scene<'a>,
     pub(crate) robust: embree::Scene<'a>,
+    /// The two once more, for filter functions, where a row wants them.
+    gathering: Option<[embree::Scene<'a>; 2]>,
     /// Nanoseconds for each triangle, medium quality.
     pub(crate) build: Timing,
     pub(crate) bytes: f64,
@@ -36,6 +39,12 @@ impl EmbreeTrees<'_> {
     /// The tree that is traversed robustly, or not.
     pub(crate) fn of(&self, robust: bool) -> &embree::Scene<'_> {
         if robust { &self.robust } else { &self.plain }
+    }
+
+    /// The same for rays with filter functions.
+    pub(crate) fn gathering(&self, robust: bool) -> &embree::Scene<'_> {
+        let both = self.gathering.as_ref().expect("the row is measured");
+        &both[usize::from(robust)]
     }
 }
 
@@ -55,7 +64,7 @@ pub(crate) fn measure<'a>(
     let mut ours = || drop(firsthit_side::build(&scene.objects));
     let moved = firsthit_side::moved(&scene.objects)?;
     let mut refit = || drop(firsthit.with_objects(moved.clone()));
-    let mut theirs = || drop(device.map(|device| device.scene(&scene.triangles, false)));
+    let mut theirs = || drop(device.map(|device| device.scene(&scene.triangles, false, false)));
     let times = measure::in_turns(
         rounds,
         triangles as usize,
@@ -67,12 +76,18 @@ pub(crate) fn measure<'a>(
     let embree = match device {
         None => None,
         Some(device) => {
-            let plain = device.scene(&scene.triangles, false)?;
-            let robust = device.scene(&scene.triangles, true)?;
+            let tree = |robust, filters| device.scene(&scene.triangles, robust, filters);
+            let (plain, robust) = (tree(false, false)?, tree(true, false)?);
+            let gathering = if settings.rows().contains(&Row::AllHits) {
+                Some([tree(false, true)?, tree(true, true)?])
+            } else {
+                None
+            };
             let bytes = plain.bytes as f64 / triangles;
             Some(EmbreeTrees {
                 plain,
                 robust,
+                gathering,
                 build: times[1],
                 bytes,
             })

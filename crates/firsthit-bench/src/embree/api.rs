@@ -31,8 +31,20 @@ impl Arguments {
             intersect: std::ptr::null_mut(),
         }
     }
+
+    /// With a filter function and the context that it is given.
+    pub(super) fn filtered(coherent: bool, filter: *mut c_void, context: *mut c_void) -> Self {
+        let plain = Self::new(coherent);
+        Self {
+            flags: plain.flags | QUERY_INVOKE_ARGUMENT_FILTER,
+            context,
+            filter,
+            ..plain
+        }
+    }
 }
 
+const QUERY_INVOKE_ARGUMENT_FILTER: c_uint = 1 << 1;
 const QUERY_COHERENT: c_uint = 1 << 16;
 pub(super) const PROPERTY_VERSION: c_int = 0;
 pub(super) const PROPERTY_NATIVE_RAY16: c_int = 34;
@@ -43,6 +55,7 @@ pub(super) const FORMAT_UINT3: c_int = 0x5003;
 pub(super) const FORMAT_FLOAT3: c_int = 0x9003;
 pub(super) const QUALITY_MEDIUM: c_int = 1;
 pub(super) const SCENE_ROBUST: c_int = 1 << 2;
+pub(super) const SCENE_FILTERS: c_int = 1 << 3;
 
 type Single<T> = unsafe extern "C" fn(Handle, *mut T, *mut Arguments);
 type Packet<T> = unsafe extern "C" fn(*const c_int, Handle, *mut T, *mut Arguments);

@@ -76,11 +76,12 @@ impl<'a> Device<'a> {
         unsafe { (self.api.device_property)(self.handle, property) }
     }
 
-    /// Builds the tree over `meshes` at medium quality, Embree's default.
+    /// Builds the tree over `meshes` at medium quality, Embree's default. With `filters`, rays can bring a filter function.
     pub(crate) fn scene<'s>(
         &'s self,
         meshes: &'s [Triangles],
         robust: bool,
+        filters: bool,
     ) -> Result<Scene<'s>, String> {
         let before = BYTES.load(Ordering::Relaxed);
         // SAFETY: the device is alive, and so is everything made here; the buffers live for 's, longer
@@ -89,7 +90,8 @@ impl<'a> Device<'a> {
         let handle = unsafe {
             let api = self.api;
             let scene = (api.new_scene)(self.handle);
-            let flags = if robust { api::SCENE_ROBUST } else { 0 };
+            let flag = |is_on: bool, flag| if is_on { flag } else { 0 };
+            let flags = flag(robust, api::SCENE_ROBUST) | flag(filters, api::SCENE_FILTERS);
             (api.set_scene_flags)(scene, flags);
             (api.set_build_quality)(scene, api::QUALITY_MEDIUM);
             for mesh in meshes {

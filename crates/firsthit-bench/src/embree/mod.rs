@@ -11,6 +11,7 @@
 mod api;
 mod control;
 mod device;
+mod gather;
 mod packet;
 mod plane;
 mod source;
@@ -18,5 +19,6 @@ mod trace;
 
 pub(crate) use control::FlushToZero;
 pub(crate) use device::{Device, Library, Scene, Triangles};
+pub(crate) use gather::Gathered;
 pub(crate) use source::{Columns, Pixels, Source};
 pub(crate) use trace::{Answers, Door};

@@ -13,7 +13,7 @@ pub(crate) struct Rays<const N: usize> {
     time: [f32; N],
     pub(super) t_far: [f32; N],
     mask: [u32; N],
-    id: [u32; N],
+    pub(super) id: [u32; N],
     flags: [u32; N],
 }
 

@@ -46,11 +46,11 @@ impl Answers {
 
 /// Which rays of a packet count, -1 for yes.
 #[repr(C, align(64))]
-struct Valid<const N: usize>([c_int; N]);
+pub(super) struct Valid<const N: usize>(pub(super) [c_int; N]);
 
 impl<const N: usize> Valid<N> {
     #[inline(always)]
-    fn below(rays: usize) -> Self {
+    pub(super) fn below(rays: usize) -> Self {
         Self(std::array::from_fn(|k| if k < rays { -1 } else { 0 }))
     }
 }
