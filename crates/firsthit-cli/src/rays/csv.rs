@@ -2,26 +2,74 @@
 
 use super::Table;
 
+/// The names that columns may have in a header: sets of them, each in the order that is wanted.
+pub(crate) type Names = &'static [&'static [&'static str]];
+
+/// Those of points.
+pub(super) const OF_POINTS: Names = &[
+    &["x", "y", "z"],
+    &["position_x", "position_y", "position_z"],
+];
+
+/// Those of pairs of points.
+pub(super) const OF_PAIRS: Names = &[
+    &["ax", "ay", "az", "bx", "by", "bz"],
+    &["x1", "y1", "z1", "x2", "y2", "z2"],
+];
+
+/// Those of rays, or of their origins.
+pub(super) const OF_RAYS: Names = &[
+    &["ox", "oy", "oz", "dx", "dy", "dz"],
+    &["x", "y", "z", "dx", "dy", "dz"],
+    &["ox", "oy", "oz"],
+    &["x", "y", "z"],
+    &["position_x", "position_y", "position_z"],
+];
+
+/// Those of directions.
+pub(super) const OF_DIRECTIONS: Names = &[
+    &["dx", "dy", "dz"],
+    &["x", "y", "z"],
+    &["normal_x", "normal_y", "normal_z"],
+];
+
 /// Lines of numbers; the first one may be a header, lines with # are comments.
-pub(super) fn csv(bytes: &[u8]) -> Result<Table, String> {
-    let mut lines = Lines::default();
+pub(super) fn csv(bytes: &[u8], names: Names) -> Result<Table, String> {
+    let mut lines = Lines::new(names);
     let mut values = Vec::new();
     lines.read(bytes, &mut values)?;
-    // No rays are rays too.
-    let columns = lines.columns.unwrap_or(6);
+    let columns = lines.numbers();
     Ok(Table { columns, values })
 }
 
 /// What is known of a text that is read in parts.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Lines {
-    /// How many numbers each line has, from the first on.
-    pub(super) columns: Option<usize>,
+    names: Names,
+    /// How many fields each line has, from the first on.
+    columns: Option<usize>,
+    /// Which of them are wanted, if a header has named them; else all are.
+    wanted: Option<Vec<usize>>,
     /// How many lines came before the part that is being read.
     before: u64,
 }
 
 impl Lines {
+    pub(super) fn new(names: Names) -> Self {
+        Self {
+            names,
+            columns: None,
+            wanted: None,
+            before: 0,
+        }
+    }
+
+    /// How many numbers each line gives. No lines are rays too.
+    pub(super) fn numbers(&self) -> usize {
+        let wanted = self.wanted.as_ref().map(Vec::len);
+        wanted.or(self.columns).unwrap_or(6)
+    }
+
     /// Adds the numbers of the next lines, which are whole, to `values`: of all lines before one that is wrong.
     pub(super) fn read(&mut self, bytes: &[u8], values: &mut Vec<f64>) -> Result<(), String> {
         let mut reader = csv::ReaderBuilder::new()
@@ -58,18 +106,50 @@ impl Lines {
         let expected = *self.columns.get_or_insert(record.len());
         if record.len() != expected {
             let got = record.len();
-            return Err(format!("expected {expected} numbers, got {got}"));
+            return Err(format!("expected {expected} columns, got {got}"));
         }
         if is_first && record.iter().all(is_name) {
-            return Ok(());
+            return self.header(record);
         }
         let start = values.len();
-        for field in record {
+        let wanted = self.wanted.as_deref();
+        let fields: &mut dyn Iterator<Item = &[u8]> = match wanted {
+            Some(wanted) => &mut wanted.iter().filter_map(|&column| record.get(column)),
+            None => &mut record.iter(),
+        };
+        for field in fields {
             let Some(number) = number(field) else {
                 values.truncate(start);
-                return Err("expected numbers with commas between them".into());
+                let got = shortened(field);
+                return Err(format!(
+                    "expected numbers with commas between them, got {got}"
+                ));
             };
             values.push(number);
+        }
+        Ok(())
+    }
+
+    /// Takes columns by their names. Columns of which no name is known are taken in order.
+    fn header(&mut self, record: &csv::ByteRecord) -> Result<(), String> {
+        let is = |name: &str, field: &[u8]| field.eq_ignore_ascii_case(name.as_bytes());
+        let of = |name: &&str| record.iter().position(|field| is(name, field));
+        let order = |set: &&[&str]| set.iter().map(of).collect::<Option<Vec<usize>>>();
+        self.wanted = self.names.iter().find_map(order);
+        let mut known = self.names.concat();
+        known.retain(|name| of(name).is_some());
+        let twice = |name: &&&str| record.iter().filter(|field| is(name, field)).count() > 1;
+        if let Some(name) = known.iter().find(twice) {
+            return Err(format!("two columns are named {name}"));
+        }
+        if self.wanted.is_none() && !known.is_empty() {
+            let sets: Vec<String> = self.names.iter().map(|set| set.join(",")).collect();
+            let fields: Vec<String> = record.iter().map(shortened).collect();
+            return Err(format!(
+                "the columns must be named {}, got {}",
+                sets.join(" or "),
+                fields.join(",")
+            ));
         }
         Ok(())
     }
@@ -79,6 +159,19 @@ impl Lines {
 fn is_name(field: &[u8]) -> bool {
     let starts_like_a_number = |c: &u8| c.is_ascii_digit() || b"+-.".contains(c);
     number(field).is_none() && !field.first().is_some_and(starts_like_a_number)
+}
+
+/// A field as a message shows it.
+fn shortened(field: &[u8]) -> String {
+    const MOST: usize = 40;
+    let text = String::from_utf8_lossy(field);
+    let start: String = text.chars().take(MOST).collect();
+    let rest = if text.chars().nth(MOST).is_some() {
+        "..."
+    } else {
+        ""
+    };
+    format!("{start:?}{rest}")
 }
 
 /// How many line breaks there are.

@@ -43,7 +43,7 @@ pub(crate) struct RayLines {
 impl RayLines {
     pub(crate) fn new(limits: Limits) -> Self {
         Self {
-            lines: csv::Lines::default(),
+            lines: csv::Lines::new(csv::OF_RAYS),
             limits,
         }
     }
@@ -52,7 +52,7 @@ impl RayLines {
     pub(crate) fn read(&mut self, bytes: &[u8]) -> (RayArrays, Result<(), Failure>) {
         let mut values = Vec::new();
         let read = self.lines.read(bytes, &mut values);
-        let columns = self.lines.columns.unwrap_or(6);
+        let columns = self.lines.numbers();
         let table = Table { columns, values };
         let mut rays = RayArrays {
             origins: Vec::new(),
@@ -132,7 +132,7 @@ pub(crate) fn read(
             "origins and directions are the same file; rays of shape (n, 6) need no second one",
         ));
     }
-    let tables = load(rays, "rays")?;
+    let tables = load(rays, "rays", csv::OF_RAYS)?;
     arrays(tables, (rays, directions), limits)
 }
 
@@ -140,7 +140,12 @@ pub(crate) fn read(
 pub(crate) fn read_points<const COLUMNS: usize>(
     path: &Path,
 ) -> Result<Vec<[f64; COLUMNS]>, Failure> {
-    let tables = load(path, "points")?;
+    let names = if COLUMNS == 6 {
+        csv::OF_PAIRS
+    } else {
+        csv::OF_POINTS
+    };
+    let tables = load(path, "points", names)?;
     match &tables[..] {
         [table] if table.columns == COLUMNS || table.values.is_empty() => {
             Ok(table.values.as_chunks().0.to_vec())
@@ -158,7 +163,7 @@ pub(crate) fn read_points<const COLUMNS: usize>(
 /// [`read`] where the bytes of standard input are there already.
 pub(crate) fn read_bytes(bytes: Vec<u8>, limits: Limits) -> Result<RayArrays, Failure> {
     let rays = Path::new("-");
-    let tables = tables(bytes, "rays").map_err(|what| bad(rays, &what))?;
+    let tables = tables(bytes, "rays", csv::OF_RAYS).map_err(|what| bad(rays, &what))?;
     arrays(tables, (rays, None), limits)
 }
 
@@ -168,7 +173,7 @@ fn arrays(
     limits: Limits,
 ) -> Result<RayArrays, Failure> {
     if let Some(path) = directions {
-        tables.extend(load(path, "rays")?);
+        tables.extend(load(path, "rays", csv::OF_DIRECTIONS)?);
     }
     let (origins, directions) = origins_and_directions(&tables).map_err(|what| bad(rays, &what))?;
     Ok(RayArrays {
@@ -200,10 +205,10 @@ fn origins_and_directions(tables: &[Table]) -> Result<(Triples, Triples), String
     }
 }
 
-/// The arrays in a file; `alone` is what the one is called in an archive that is all that is wanted.
-fn load(path: &Path, alone: &str) -> Result<Vec<Table>, Failure> {
+/// The arrays in a file; `alone` is what the one is called in an archive that is all that is wanted, `names` what columns of text are.
+fn load(path: &Path, alone: &str, names: csv::Names) -> Result<Vec<Table>, Failure> {
     let bytes = bytes(path).map_err(|error| bad(path, &error))?;
-    tables(bytes, alone).map_err(|what| bad(path, &what))
+    tables(bytes, alone, names).map_err(|what| bad(path, &what))
 }
 
 fn bad(path: &Path, what: &dyn Display) -> Failure {
@@ -228,12 +233,12 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// The arrays in a file, whose kind its first bytes tell.
-fn tables(bytes: Vec<u8>, alone: &str) -> Result<Vec<Table>, String> {
+fn tables(bytes: Vec<u8>, alone: &str, names: csv::Names) -> Result<Vec<Table>, String> {
     if bytes.starts_with(NPY) {
         Ok(vec![npy::npy(&bytes)?])
     } else if bytes.starts_with(NPZ) {
         npy::npz(bytes, alone)
     } else {
-        Ok(vec![csv::csv(&bytes)?])
+        Ok(vec![csv::csv(&bytes, names)?])
     }
 }

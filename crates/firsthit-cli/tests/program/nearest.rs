@@ -76,6 +76,42 @@ fn a_misspelt_first_line_is_no_header() {
 }
 
 #[test]
+fn columns_of_points_are_taken_by_name() {
+    let lab = Lab::with_square();
+    lab.write("points.csv", "0.25,0.5,2\n");
+    let expected = lab.ok("nearest square.ply points.csv").text().to_owned();
+    for text in [
+        "Z,y,X\n2,0.5,0.25\n",
+        "name,x,y,z,\nfirst,0.25,0.5,2,\n",
+        "position_x,position_y,position_z,t\n0.25,0.5,2,inf\n",
+        "easting,northing,height\n0.25,0.5,2\n",
+    ] {
+        lab.write("points.csv", text);
+        assert_eq!(
+            lab.ok("nearest square.ply points.csv").text(),
+            expected,
+            "{text}"
+        );
+    }
+    for (text, words) in [
+        ("y,x,height\n0,0,1\n", "must be named x,y,z or position_x"),
+        ("x,y,z,x\n0,0,1,2\n", "two columns are named x"),
+        ("id,a,b,c\n1,0,0,1\n", "got columns: 4"),
+        ("0;0;0.5\n", "got \"0;0;0.5\""),
+    ] {
+        lab.write("points.csv", text);
+        lab.fails("nearest square.ply points.csv", 3, words);
+    }
+    lab.write("rays.csv", "dz,dy,dx,oz,oy,ox\n-1,0,0,10,0,0\n");
+    lab.write("plain.csv", "0,0,10,0,0,-1\n");
+    let [named, plain] = ["rays", "plain"].map(|name| {
+        let hits = lab.ok(&format!("shoot square.ply {name}.csv"));
+        hits.text().to_owned()
+    });
+    assert_eq!(named, plain);
+}
+
+#[test]
 fn several_and_those_within_a_radius() {
     let lab = Lab::with_square();
     lab.write("points.csv", "0,0,2\n0,0,3\n");

@@ -146,7 +146,7 @@ fn files_that_hold_no_rays_are_bad_input() {
     let lab = Lab::with_square();
     let text: [(&[u8], &str); 10] = [
         (b"1,2,3,4,5\n", "got columns: 5"),
-        (b"1,2,3,4,5,6\n1,2\n", "line 2: expected 6 numbers, got 2"),
+        (b"1,2,3,4,5,6\n1,2\n", "line 2: expected 6 columns, got 2"),
         (b"1,2,3,4,5,6\n1,2,3,4,5,x\n", "line 2: expected numbers"),
         (b"a,b,c,d,e,f\nx,y,z,u,v,w\n", "line 2: expected numbers"),
         (b"hello world\n", "got columns: 1"),
@@ -156,7 +156,7 @@ fn files_that_hold_no_rays_are_bad_input() {
         (b"# a\n\n1,2,3,4,5,x", "line 3: expected numbers"),
         (
             b"# a\n1,2,3,4,5,6\n  # b\r\n\r\n\n1,2\r\n\n",
-            "line 6: expected 6 numbers, got 2",
+            "line 6: expected 6 columns, got 2",
         ),
     ];
     for (bytes, words) in text {
