@@ -257,7 +257,7 @@ fn only_channel(
         [kind] => Ok(Some(&*kind.name)),
         kinds if kinds.iter().any(|kind| kind.name == "color") => Ok(Some("color")),
         _ => Err(Failure::usage(format!(
-            "{} holds one channel of several; put {PLACEHOLDER} into the name for a file of each, or use .exr or .npz",
+            "{} holds one channel of several; put {PLACEHOLDER} into the name for a file of each, or use .npz",
             escaped(path)
         ))),
     }
@@ -275,7 +275,7 @@ pub(crate) fn check_all_go_somewhere(
     match kinds.iter().find(|kind| !goes(kind)) {
         None => Ok(()),
         Some(kind) => Err(Failure::usage(format!(
-            "the channel {} goes to no file: {} takes one channel; put {PLACEHOLDER} into a name for a file of each, or add -o with a name in .exr or .npz",
+            "the channel {} goes to no file: {} takes one channel; put {PLACEHOLDER} into a name for a file of each, or add -o with a name in .npz",
             kind.name,
             names(targets)
         ))),

@@ -7,7 +7,7 @@ use firsthit::image::{format_of, is_point_cloud};
 use firsthit::load::LoadSettings;
 use firsthit::shape::{Property, PropertyOf};
 use firsthit::shoot::Cpu;
-use firsthit::{Bounds, Object, Shape};
+use firsthit::{Bounds, Object, Scene, Shape};
 use serde_json::{Value, json};
 
 use super::info_looks::Looks;
@@ -146,10 +146,11 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
     let objects = scene.objects().iter().enumerate();
     let object = |(identifier, object): (usize, &Object)| {
         let mut entry = vec![format!(
-            "{identifier}  {}  ({}, {})",
+            "{identifier}  {}  ({}, {}{})",
             escape_controls(object.name()),
             object.shape().name(),
-            counted(object.triangles() as u64, "triangle")
+            counted(object.triangles() as u64, "triangle"),
+            origin(identifier, scene)
         )];
         let property = |property: &Property| {
             let (of, name) = (of_what(property.of), escape_controls(&property.name));
@@ -165,6 +166,31 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
     lines.extend(listed(most, "  ", objects.map(object)));
     lines.extend(Looks::of(model, scene).as_text(most));
     lines.join("\n") + "\n"
+}
+
+/// The node and the materials of an object, as far as they have names. They tell apart objects that are called alike.
+fn origin(object: usize, scene: &Scene) -> String {
+    /// No object has many materials, but a file may say so.
+    const MOST: usize = 3;
+    let catalog = scene.catalog();
+    let name = |identifier: i32, names: &[Arc<str>]| {
+        let name = usize::try_from(identifier).ok().and_then(|k| names.get(k));
+        name.filter(|name| !name.is_empty())
+            .map(|name| escape_controls(name))
+    };
+    let node = name(catalog.node_of(object), catalog.nodes());
+    let identifiers = catalog.materials_of(object);
+    let mut materials: Vec<String> = (identifiers.iter().take(MOST))
+        .filter_map(|&identifier| name(identifier, catalog.materials()))
+        .collect();
+    if identifiers.len() > MOST && !materials.is_empty() {
+        materials.push("...".into());
+    }
+    let mut text = node.map_or_else(String::new, |node| format!(", node {node}"));
+    if !materials.is_empty() {
+        text += &format!(", material {}", materials.join(", "));
+    }
+    text
 }
 
 /// The numbers that an object's mesh has by name.

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use firsthit::error::escape_controls;
 use firsthit::scene::MapRole;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{AlphaMode, Lens, Light, Material, Scene, Texture};
@@ -128,9 +129,10 @@ impl<'a> Looks<'a> {
         let textures = textures
             .map(|(k, texture)| format!("{k}  {} x {} texels", texture.columns(), texture.rows()));
         list("textures", most, textures, &mut lines);
-        if !self.materials.is_empty() {
-            lines.push(format!("materials  {}", self.materials.len()));
-        }
+        let materials = self.materials.iter().enumerate();
+        let materials =
+            materials.map(|(k, material)| format!("{k}  {}", escape_controls(&material.name)));
+        list("materials", most, materials, &mut lines);
         lines
     }
 }

@@ -56,7 +56,7 @@ impl Sinks {
         let format = format.unwrap_or(StreamFormat::Csv);
         if format == StreamFormat::Npy && kinds.len() != 1 {
             return Err(Failure::usage(
-                "--format npy holds one channel; choose one with --channels, or npz",
+                "--format npy holds one channel, not several; npz holds all",
             ));
         }
         let stdout = streams.then_some(format);
