@@ -16,8 +16,8 @@ use std::sync::Arc;
 
 use firsthit::channel::KINDS;
 use firsthit::image::{
-    Encoding, FORMATS, Format, Frame, Holds, Metadata, Numbers, WriteSettings, compare,
-    format_named, is_point_cloud, read, write, write_channel,
+    Channel, Data, Display, Encoding, FORMATS, Format, Frame, Holds, Metadata, Numbers,
+    WriteSettings, compare, format_named, is_point_cloud, read, write, write_channel,
 };
 use firsthit::{
     Camera, Color, DVec3, Error, Lens, Light, Mesh, Object, Positions, Scene, Shader, Shading,
@@ -247,7 +247,7 @@ fn a_16_bit_png_refuses_what_it_cannot_hold_and_names_the_pixel() {
 fn an_exr_refuses_what_float32_would_make_a_miss() {
     let mut frame = Frame::new([1, 2]);
     let kind = firsthit::channel::kind("t").unwrap();
-    let values = firsthit::image::Data::Float64(vec![1.0, 1e39]);
+    let values = Data::Float64(vec![1.0, 1e39]);
     frame.push(kind.channel(values)).unwrap();
     let path = Path::new("never-written.exr");
     let message = write(&frame, path).unwrap_err().to_string();
@@ -257,6 +257,39 @@ fn an_exr_refuses_what_float32_would_make_a_miss() {
     );
     assert!(message.contains("e39 at row 0, column 1") || message.contains("at row 0, column 1"));
     assert!(!path.exists());
+}
+
+#[test]
+fn two_channels_never_share_a_name_in_a_file() {
+    let quantity = |name: &'static str, components: usize| {
+        let numbers = Data::Float64(vec![1.0; 2 * components]);
+        Channel::new(name, components, numbers, Display::Quantity)
+    };
+    let mut frame = Frame::new([2]);
+    for channel in [
+        quantity("position", 3),
+        quantity("q", 2),
+        quantity("q_0", 1),
+    ] {
+        frame.push(channel).unwrap();
+    }
+    let mut refused = 0;
+    for format in FORMATS
+        .iter()
+        .filter(|format| format.holds == Holds::Points)
+    {
+        let error = format
+            .check(&frame, None, WriteSettings::default())
+            .unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "channel must be one whose names in the file differ from those of the others, got q_0 of q and of q_0"
+        );
+        refused += 1;
+    }
+    assert_eq!(refused, 2);
+    let npz = format_named("npz").unwrap();
+    npz.check(&frame, None, WriteSettings::default()).unwrap();
 }
 
 #[test]

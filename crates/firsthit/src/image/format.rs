@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -236,6 +237,25 @@ pub fn format_named(name: &str) -> Result<&'static Format> {
         })
 }
 
+/// Refuses channels of which the file would have two numbers under one name: `a` has two and is stored as `a_0` and `a_1`, and so is
+/// another channel called `a_1`.
+fn names_differ(metadata: &Metadata) -> Result<()> {
+    let mut owners = BTreeMap::new();
+    for channel in &metadata.channels {
+        for stored in channel.stored.iter().flat_map(|stored| &stored.names) {
+            if let Some(owner) = owners.insert(stored, &channel.name) {
+                let got = format!("{stored} of {owner} and of {}", channel.name);
+                return Err(Error::argument(
+                    "channel",
+                    "one whose names in the file differ from those of the others",
+                    got,
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
 impl Format {
     /// Writes `frame`, or only the channel called `channel`, to a file, see [`write_whole`]. A format that
     /// [`has_sidecar`](Self::has_sidecar) also writes `NAME.json`, unless `path` is a device or a pipe.
@@ -319,6 +339,7 @@ impl Format {
             settings,
             watch,
         };
+        names_differ(&content.metadata)?;
         (self.check)(&content)?;
         Ok(match self.holds {
             #[cfg(feature = "cloud")]

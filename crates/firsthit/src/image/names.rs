@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// The names of what identifiers stand for, each table in the order of the identifiers, from 0 on. `None`: no such channel.
 ///
-/// A table has names of 256 KiB at most: those beyond are left out, and counted in [`Names::left_out`].
+/// A table has names of 256 KiB at most, some bytes for each entry included: those beyond are left out, and counted in [`Names::left_out`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Names {
     /// The objects.
