@@ -41,6 +41,8 @@
 //!   (`tile/raster.rs`). Too small: not tried.
 //! - The size of coordinates across a ray, for the error of a side: 2.1 times their error in `filter.rs`, 4.2 times and
 //!   1.01 times the extent in `traverse/frustum_leaf.rs`. Too small: not tried.
+//! - `OFF`, how far a ray's start is off the point that it leaves (`shape/triangle/departure.rs`). Too small: not tried.
+//! - `ROUNDED`, how far a point of a surface is off it after transforms (`shoot/filter.rs`). It is a promise to users, not a bound.
 //! - The sphere around the tree, 1.75, and 4 errors: what a ray from far away must meet (`traverse/distant.rs`). Too
 //!   small: not tried.
 

@@ -45,9 +45,10 @@ fn departure_point(
     })
 }
 
-/// Transforms round, so that a surface that touches the one that is left may seem to be ahead of it or behind. From an object of
-/// another transform, only what is beyond this share of the largest coordinate is met.
-const TRANSFORMS: f64 = 4096.0 * f64::EPSILON;
+/// How far a point of a surface may be off it, as a share of the largest coordinate: 2^-40, some hundred times what transforms and
+/// positions round. A surface that touches the one that is left may seem to be ahead of it or behind: from an object of another
+/// transform, only what is farther away is met. What is nearer to an end of a line of sight is at that end.
+pub(super) const ROUNDED: f64 = 4096.0 * f64::EPSILON;
 
 /// The largest number that the places of a start and of an object in the world are computed from.
 fn largest_coordinate(scene: &Scene, scaled: &ScaledRay, left: SurfaceId, object: &Object) -> f64 {
@@ -76,7 +77,7 @@ pub(super) fn in_object(
         ray.origin = point.rounded;
     } else if let Some(departure) = from.departure {
         let coordinate = largest_coordinate(scene, scaled, departure.surface, object);
-        let beyond = TRANSFORMS * coordinate / scaled.ray.direction.abs().max_element();
+        let beyond = ROUNDED * coordinate / scaled.ray.direction.abs().max_element();
         ray.t_min = ray.t_min.max(beyond);
     }
     ray.is_valid().then_some((ray, filter))

@@ -1,5 +1,6 @@
 //! Lines of sight: does one point see another?
 
+use super::filter::ROUNDED;
 use super::{Any, trace};
 use crate::error::Result;
 use crate::geometry::{DVec3, Ray, RayFilter, Rays, SurfaceId};
@@ -52,9 +53,11 @@ pub fn visible(scene: &Scene, pairs: &[[Viewpoint; 2]], watch: &dyn Watch) -> Re
     let mut answers = trace(scene, &sights, Any, watch)?;
     for (index, answer) in answers.iter_mut().enumerate() {
         let [a, b] = pairs[index].map(|end| end.position);
+        // Either end could be the origin, with the same answer.
         let is_within_reach = || {
-            let ray = sights.ray(index);
-            Ray::new(ray.origin, ray.direction).is_valid()
+            [a, b]
+                .into_iter()
+                .all(|end| Ray::new(end, b - a).is_valid())
         };
         *answer = if a == b {
             a.is_finite()
@@ -64,9 +67,6 @@ pub fn visible(scene: &Scene, pairs: &[[Viewpoint; 2]], watch: &dyn Watch) -> Re
     }
     Ok(answers)
 }
-
-/// What is nearer to an end than this share of the largest coordinate is at the end: some hundred times what transforms round.
-const AT_END: f64 = 4096.0 * f64::EPSILON;
 
 /// The rays of lines of sight.
 struct Sights<'a>(&'a [[Viewpoint; 2]]);
@@ -98,7 +98,7 @@ impl Rays for Sights<'_> {
         let [from, to] = self.ordered(index).map(|end| end.position);
         let ray = Ray::new(from, to - from);
         let largest = from.abs().max(to.abs()).max_element();
-        let at_end = AT_END * largest / ray.direction.abs().max_element();
+        let at_end = ROUNDED * largest / ray.direction.abs().max_element();
         ray.beyond(at_end).up_to(1.0 - at_end)
     }
 
@@ -110,6 +110,21 @@ impl Rays for Sights<'_> {
         RayFilter {
             skip: self.ordered(index).map(|end| end.surface),
             ..RayFilter::NONE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_beyond_reach_sees_nothing_from_either_side() {
+        let scene = Scene::new(Vec::new()).unwrap();
+        for far in [1e200, -1e200, f64::INFINITY, f64::NAN] {
+            let [origin, far] = [0.0, far].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
+            let pairs = [[origin, far], [far, origin]];
+            assert_eq!(visible(&scene, &pairs, &()).unwrap(), [false; 2]);
         }
     }
 }
