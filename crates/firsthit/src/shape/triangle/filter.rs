@@ -92,8 +92,10 @@ fn side_met(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Side {
     let along = e.cross(f).dot(direction);
     // Each product of three numbers is rounded at most seven times, and there are six.
     let largest = |v: DVec3| v.abs().max_element();
-    let doubt = 32.0 * f64::EPSILON * largest(e) * largest(f) * largest(direction);
-    let along = if along.abs() > doubt + f64::MIN_POSITIVE {
+    let area = largest(e) * largest(f);
+    let doubt = 32.0 * f64::EPSILON * area * largest(direction);
+    // Smaller areas have subnormal products, which lose more.
+    let along = if area > 1e-290 && along.abs() > doubt + f64::MIN_POSITIVE {
         along
     } else {
         let [a, b, c] = [a, b, c].map(|corner| corner.to_array());
