@@ -69,7 +69,7 @@ class NearestQueries(Traceable):
         Parameters
         ----------
         points : (..., 3) array_like
-            Points in world space. Those that are not finite, or farther than 1e150 away, have no
+            Points in world space. Those that are not finite, or farther than 1e154 away, have no
             answer.
         k : int, optional
             Find that many for each point, each of another (object, primitive), in order.

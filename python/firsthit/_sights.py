@@ -129,6 +129,8 @@ class Sights(Traceable):
             The directions to measure along, of any length; they broadcast against the points. If
             left out, inwards: against the geometric normal, which points outwards where the mesh
             is as it should be.
+        objects : int, str, or sequence of them, optional
+            Whose surfaces the points are brought to, by identifiers or names; all by default.
         threads, progress
             As for `shoot`.
 
@@ -136,7 +138,8 @@ class Sights(Traceable):
         -------
         (...) array of float64
             Lengths in scene units. ``inf`` where the ray does not meet the object again; NaN for a
-            miss, and for a point that is not finite or has no surface to be near to.
+            miss, for a direction that is zero or not finite, and for a point that is not finite or
+            has no surface to be near to.
 
         Raises
         ------
@@ -165,7 +168,8 @@ class Sights(Traceable):
         with following(progress, rays.length) as report:
             found = shoot_rays(built, rays, use, report, None, native)
         own = np.broadcast_to(hits.object, rays.shape)
-        thick: npt.NDArray[np.float64] = np.where(own < 0, np.nan, found.t)
+        has_way = np.broadcast_to(np.isfinite(ways).all(axis=-1), rays.shape)
+        thick: npt.NDArray[np.float64] = np.where((own < 0) | ~has_way, np.nan, found.t)
         return thick
 
 

@@ -16,8 +16,9 @@ use crate::watch::Watch;
 ///    says so.
 /// 3. Each crossing leads in or out, in turn. Add up what is between, within the limits.
 ///
-/// Of an open mesh the length is NaN where the crossings do not fit together: after the last one, a ray would still be inside. A ray
-/// that crosses nothing, or that is not [valid](Ray::is_valid), has the length 0 in everything; so has every ray in a plane or a disc.
+/// Of an open mesh the length is NaN where the crossings do not fit together: after the last one, a ray would still be inside. So it is
+/// for a ray that starts inside and leaves through a hole. A ray that starts outside an object and does not cross it has the length 0
+/// in it; so has every ray in a plane or a disc, and in everything one that is not [valid](Ray::is_valid).
 ///
 /// ```
 /// use firsthit::measure::{By, path_lengths};

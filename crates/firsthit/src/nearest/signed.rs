@@ -49,11 +49,17 @@ pub fn signed_distances_with(
 ) -> Result<Vec<f64>> {
     if let Some(open) = scene.first_open_object() {
         let object = &scene.objects()[open];
+        let has_gaps = object.mesh().is_some() && !object.shape().is_closed();
+        let hint = if has_gaps {
+            "; firsthit lint shows its gaps"
+        } else {
+            ""
+        };
         let (name, shape) = (escape_controls(object.name()), object.shape().name());
         return Err(Error::argument(
             "objects",
             "closed where signed distances are asked",
-            format!("an open one: object {open} ({shape} \"{name}\")"),
+            format!("an open one: object {open} ({shape} \"{name}\"){hint}"),
         ));
     }
     let mut signed = memory::filled(points.len(), f64::INFINITY)?;
