@@ -137,6 +137,7 @@ impl AllAnswers<'_> {
             let lists = &mut lists[..(rays.len() - first).min(BATCH)];
             CrossingList::forget_all();
             find(first, lists);
+            CrossingList::finish_all();
             let ordered = Ordered::new(scene, rays, (first, lists), nearest);
             if !CrossingList::forget_all() {
                 return Err(memory::no_room_for("hits of rays"));
@@ -209,7 +210,7 @@ impl Ordered {
             if let Some(scaled) = scaled {
                 for node in list.nodes() {
                     reserve(&mut of_ray, 1)?;
-                    // What is in the list is a hit of the ray.
+                    // What is in the list is a hit of the scaled ray, which may be out of float64's range for the ray.
                     of_ray.extend(scaled.hit(node.object, node.crossing));
                 }
                 of_ray.reverse();

@@ -142,12 +142,8 @@ impl RayQuery for EveryHit {
     }
 
     #[inline(always)]
-    fn take(&mut self, _: &Scene, scaled: &ScaledRay, object: u32, list: CrossingList) -> f64 {
-        for node in list.nodes() {
-            if scaled.hit(object, node.crossing).is_some() {
-                self.0.push(node.crossing, object);
-            }
-        }
+    fn take(&mut self, _: &Scene, _: &ScaledRay, object: u32, list: CrossingList) -> f64 {
+        self.0.append(list, object);
         f64::INFINITY
     }
 }

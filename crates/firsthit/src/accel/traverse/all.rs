@@ -1,35 +1,99 @@
 //! All crossings: where does a ray cross the triangles of a mesh?
 //!
 //! 1. Drop a candidate that is before `t_min`, by its depths.
-//! 2. For any other candidate the exact test decides, and says where. At an edge it takes one neighbour
+//! 2. A candidate that is certain to be met, and certainly beyond `t_min`, waits with those of other rays until there are eight.
+//!    Then compute in lanes where all are met ([`EightPairs`]).
+//! 3. For any other candidate the exact test decides, and says where. At an edge it takes one neighbour
 //!    (`triangle/crossed.rs`).
-//! 3. The copies of a triangle, which the tree leaves out, are tested likewise.
+//! 4. The copies of a triangle, which the tree leaves out, are met in the same place.
 //!
 //! The crossings of a ray are a list in memory of the thread's, in no order.
 
 use std::cell::RefCell;
 
-use super::mesh_packet::MeshRay;
+use super::mesh_packet::{MeshRay, SettleExactly};
 use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
+use crate::accel::locate8::EightPairs;
 use crate::accel::rays::limits::Limits;
+use crate::geometry::{DVec2, DVec3, Ray};
 use crate::shape::Crossing;
-use crate::shape::triangle::EdgeRule;
-use crate::simd::{Aligned, LANES, Lanes, set_bits};
+use crate::shape::triangle::{self, Doubtful, EdgeRule, TriangleHit};
+use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE, set_bits};
 
 /// A crossing, the object that it is with, and the next one of its list.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {
+    /// Its `t` is NaN while it waits, and where it turns out not to be on the ray.
     pub(crate) crossing: Crossing,
     pub(crate) object: u32,
     next: u32,
 }
 
 /// The crossings of the rays that a thread has at hand.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Gathered {
     nodes: Vec<Node>,
     is_full: bool,
+    waiting: Waiting,
+}
+
+impl Gathered {
+    /// Adds a crossing to a list, and returns its index. Without memory it is lost.
+    fn add(&mut self, list: &mut CrossingList, crossing: Crossing) -> Option<u32> {
+        let has_room = self.nodes.try_reserve(1).is_ok();
+        let index = u32::try_from(self.nodes.len()).ok();
+        let index = index.filter(|&index| has_room && index < u32::MAX);
+        match index {
+            Some(index) => {
+                let next = std::mem::replace(&mut list.last, index);
+                self.nodes.push(Node {
+                    crossing,
+                    object: 0,
+                    next,
+                });
+            }
+            None => self.is_full = true,
+        }
+        index
+    }
+
+    /// Says where a ray meets the triangle of a node.
+    fn settle(&mut self, ray: &Ray, node: u32, hit: Option<TriangleHit>) {
+        if let Some(hit) = hit.filter(|hit| ray.holds(hit.t))
+            && let Some(node) = self.nodes.get_mut(node as usize)
+        {
+            node.crossing = hit.crossing(node.crossing.primitive);
+        }
+    }
+}
+
+/// Triangles that are certain to be met, of which only the place is missing.
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    count: usize,
+    pairs: EightPairs,
+    /// Where the rays begin and end.
+    ends: [[f64; 2]; WIDE],
+    nodes: [u32; WIDE],
+}
+
+impl Waiting {
+    const NONE: Self = Self {
+        count: 0,
+        pairs: EightPairs::NONE,
+        ends: [[0.0; 2]; WIDE],
+        nodes: [0; WIDE],
+    };
+
+    /// The rays with their triangles and nodes.
+    fn entries(&self) -> impl Iterator<Item = (Ray, [DVec3; 3], u32)> {
+        (0..self.count).map(|lane| {
+            let (ray, corners) = self.pairs.get(lane);
+            let [t_min, t_max] = self.ends[lane];
+            (ray.beyond(t_min).up_to(t_max), corners, self.nodes[lane])
+        })
+    }
 }
 
 thread_local! {
@@ -37,6 +101,7 @@ thread_local! {
         RefCell::new(Gathered {
             nodes: Vec::new(),
             is_full: false,
+            waiting: Waiting::NONE,
         })
     };
 }
@@ -54,33 +119,99 @@ impl CrossingList {
     pub(crate) fn forget_all() -> bool {
         GATHERED.with_borrow_mut(|gathered| {
             gathered.nodes.clear();
+            gathered.waiting.count = 0;
             !std::mem::take(&mut gathered.is_full)
         })
     }
 
     /// Adds a crossing. Without memory it is lost, which [`forget_all`](Self::forget_all) says.
-    pub(crate) fn push(&mut self, crossing: Crossing, object: u32) {
+    fn push(&mut self, crossing: Crossing) {
+        GATHERED.with_borrow_mut(|gathered| gathered.add(self, crossing));
+    }
+
+    /// Adds the crossing with a triangle that the ray meets for certain; where may be computed later.
+    #[inline(always)]
+    fn push_certain<L: Lanes>(&mut self, l: L, ray: &Ray, primitive: i32, corners: [DVec3; 3]) {
+        let is_eight = GATHERED.with_borrow_mut(|gathered| {
+            let unknown = Crossing {
+                t: f64::NAN,
+                primitive,
+                barycentric: DVec2::NAN,
+            };
+            if let Some(node) = gathered.add(self, unknown) {
+                let waiting = &mut gathered.waiting;
+                let lane = waiting.count % WIDE;
+                waiting.pairs.put(lane, ray, corners);
+                waiting.ends[lane] = [ray.t_min, ray.t_max];
+                waiting.nodes[lane] = node;
+                waiting.count += 1;
+            }
+            gathered.waiting.count == WIDE
+        });
+        if is_eight {
+            l.call(LocateWaiting);
+        }
+    }
+
+    /// Computes where the triangles that still wait are met.
+    pub(crate) fn finish_all() {
         GATHERED.with_borrow_mut(|gathered| {
-            let index = gathered.nodes.len();
-            let has_room = gathered.nodes.try_reserve(1).is_ok();
-            match u32::try_from(index) {
-                Ok(index) if has_room && index < u32::MAX => {
-                    gathered.nodes.push(Node {
-                        crossing,
-                        object,
-                        next: self.last,
-                    });
-                    self.last = index;
-                }
-                _ => gathered.is_full = true,
+            let waiting = gathered.waiting;
+            gathered.waiting.count = 0;
+            for (ray, corners, node) in waiting.entries() {
+                let hit = triangle::locate(&ray, corners, Doubtful::settle);
+                gathered.settle(&ray, node, hit);
             }
         });
     }
 
-    /// The nodes of the list, the last one first.
+    /// Takes over the crossings of another list, which is with an object of a scene.
+    pub(crate) fn append(&mut self, list: Self, object: u32) {
+        GATHERED.with_borrow_mut(|gathered| {
+            let mut index = list.last;
+            while let Some(node) = gathered.nodes.get_mut(index as usize) {
+                node.object = object;
+                index = node.next;
+                if index == u32::MAX {
+                    node.next = self.last;
+                }
+            }
+        });
+        if list != Self::EMPTY {
+            self.last = list.last;
+        }
+    }
+
+    /// The nodes of the list, the last one first, once [all are finished](Self::finish_all).
     pub(crate) fn nodes(self) -> impl Iterator<Item = Node> {
         let at = |index: u32| GATHERED.with_borrow(|all| all.nodes.get(index as usize).copied());
-        std::iter::successors(at(self.last), move |node| at(node.next))
+        let nodes = std::iter::successors(at(self.last), move |node| at(node.next));
+        nodes.filter(|node| !node.crossing.t.is_nan())
+    }
+}
+
+/// Computes in lanes where the eight triangles that wait are met.
+struct LocateWaiting;
+
+impl Kernel for LocateWaiting {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let waiting = GATHERED.with_borrow(|gathered| gathered.waiting);
+        let (sound, out) = waiting.pairs.locate(l, waiting.count);
+        GATHERED.with_borrow_mut(|gathered| {
+            gathered.waiting.count = 0;
+            for (lane, (ray, corners, node)) in waiting.entries().enumerate() {
+                let hit = if sound >> lane & 1 == 1 {
+                    let [t, v, w] = [out.0[0][lane], out.0[1][lane], out.0[2][lane]];
+                    Some(TriangleHit::new([t, v, w]))
+                } else {
+                    triangle::locate(&ray, corners, |doubtful| l.call(SettleExactly(doubtful)))
+                };
+                gathered.settle(&ray, node, hit);
+            }
+        });
     }
 }
 
@@ -109,32 +240,36 @@ impl MeshQuery for All {
         l: L,
         ray: &MeshRay<'_>,
         (leaf, lane): (u32, usize),
-        (_, high): (f32, f32),
-        _: bool,
+        (low, high): (f32, f32),
+        is_certain: bool,
     ) {
         if high < self.limits.t_min_low {
             return;
         }
-        let leaf = &ray.tree.leaves[leaf as usize];
-        if let Some(crossing) = ray.intersect(l, Self::EDGES, leaf, lane) {
-            self.list.push(crossing, 0);
+        let in_leaf = &ray.tree.leaves[leaf as usize];
+        let triangle = ray.tree.triangle(in_leaf, lane);
+        let copies = ray.tree.copies_of(triangle);
+        if is_certain && low > self.limits.t_min_high && copies.is_empty() {
+            let corners = ray.corners(leaf, lane);
+            let in_mesh = ray.packet.ray(ray.lane);
+            self.list
+                .push_certain(l, &in_mesh, triangle.cast_signed(), corners);
+        } else if let Some(crossing) = ray.intersect(l, Self::EDGES, in_leaf, lane) {
+            self.list.push(crossing);
             // Copies have the same corners in the same order.
-            for &[_, copy] in ray.tree.copies_of(ray.tree.triangle(leaf, lane)) {
+            for &[_, copy] in copies {
                 let primitive = copy.cast_signed();
-                self.list.push(
-                    Crossing {
-                        primitive,
-                        ..crossing
-                    },
-                    0,
-                );
+                self.list.push(Crossing {
+                    primitive,
+                    ..crossing
+                });
             }
         }
     }
 
     #[inline(always)]
     fn see<L: Lanes>(&mut self, _: L, _: &MeshRay<'_>, crossing: Crossing) {
-        self.list.push(crossing, 0);
+        self.list.push(crossing);
     }
 
     #[inline(always)]
@@ -151,7 +286,7 @@ impl MeshQuery for All {
     fn of_crossing(crossing: Option<Crossing>) -> CrossingList {
         let mut list = CrossingList::EMPTY;
         if let Some(crossing) = crossing {
-            list.push(crossing, 0);
+            list.push(crossing);
         }
         list
     }
@@ -162,11 +297,14 @@ impl Visitor for All {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
-        let mut highs = Aligned([0.0; LANES]);
+        let mut lows = Aligned([0.0; LANES]);
+        let mut highs = lows;
+        l.store(candidates.low, &mut lows.0);
         l.store(candidates.high, &mut highs.0);
         for lane in set_bits(candidates.possible) {
-            let depths = (0.0, highs.0[lane]);
-            self.visit_one(l, ray, (leaf, lane), depths, false);
+            let is_certain = candidates.certain >> lane & 1 == 1;
+            let depths = (lows.0[lane], highs.0[lane]);
+            self.visit_one(l, ray, (leaf, lane), depths, is_certain);
         }
     }
 

@@ -2,14 +2,14 @@
 //!
 //! 1. A first hit mostly ends with a triangle that is certain to be met, of which only `t` and the weights are missing.
 //!    Gather such rays, of any packets.
-//! 2. When there are eight, or none is left to come, compute all in lanes ([`locate8_at`]).
+//! 2. When there are eight, or none is left to come, compute all in lanes ([`EightPairs`]).
 //! 3. Compute the few that need more than float64 one by one.
 
 use super::mesh_packet::{MeshPacket, MeshRay};
 use super::query::{MeshQuery, Sink};
-use crate::accel::locate8::{RayBundle, locate8_at};
+use crate::accel::locate8::EightPairs;
 use crate::accel::rays::packet::RAYS;
-use crate::simd::{Aligned, Lanes, WIDE, set_bits};
+use crate::simd::{Lanes, WIDE, set_bits};
 
 /// The number of its packet, the ray, and its triangle: a leaf and a lane of it.
 type Entry<'a> = (usize, MeshRay<'a>, (u32, usize));
@@ -18,8 +18,7 @@ type Entry<'a> = (usize, MeshRay<'a>, (u32, usize));
 pub(super) struct Deferred<'a> {
     count: usize,
     entries: [Option<Entry<'a>>; WIDE],
-    /// Origins, directions and the corners a, b, c; three axes each.
-    numbers: Aligned<[[f64; WIDE]; 15]>,
+    pairs: EightPairs,
 }
 
 impl<'a> Deferred<'a> {
@@ -28,7 +27,7 @@ impl<'a> Deferred<'a> {
         Self {
             count: 0,
             entries: [None; WIDE],
-            numbers: Aligned([[0.0; WIDE]; 15]),
+            pairs: EightPairs::NONE,
         }
     }
 
@@ -46,14 +45,8 @@ impl<'a> Deferred<'a> {
             return;
         };
         let lane = self.count % WIDE;
-        let [a, b, c] = ray.corners(leaf, triangle);
-        let world = ray.packet.ray(ray.lane);
-        let vectors = [world.origin, world.direction, a, b, c];
-        for (k, vector) in vectors.into_iter().enumerate() {
-            for axis in 0..3 {
-                self.numbers.0[3 * k + axis][lane] = vector[axis];
-            }
-        }
+        let corners = ray.corners(leaf, triangle);
+        self.pairs.put(lane, &ray.packet.ray(ray.lane), corners);
         self.entries[lane] = Some((packet, ray, (leaf, triangle)));
         self.count += 1;
         if self.count == WIDE {
@@ -71,23 +64,7 @@ impl<'a> Deferred<'a> {
         if self.count == 0 {
             return;
         }
-        let number = |k: usize| l.load64(&self.numbers.0[k]);
-        let rays = RayBundle {
-            origin: [number(0), number(1), number(2)],
-            direction: [number(3), number(4), number(5)],
-        };
-        let corners = [
-            [number(6), number(7), number(8)],
-            [number(9), number(10), number(11)],
-            [number(12), number(13), number(14)],
-        ];
-        #[expect(clippy::cast_possible_truncation, reason = "eight bits")]
-        let wanted = ((1_u32 << self.count) - 1) as u8;
-        let (sound, crossings) = locate8_at(l, &rays, &corners, wanted);
-        let mut out = Aligned([[0.0; WIDE]; 3]);
-        for (numbers, out) in crossings.into_iter().zip(&mut out.0) {
-            l.store64(numbers, out);
-        }
+        let (sound, out) = self.pairs.locate(l, self.count);
         for lane in 0..self.count {
             let Some((packet, ray, (leaf, triangle))) = self.entries[lane] else {
                 continue;
