@@ -186,11 +186,10 @@ fn origin(object: usize, scene: &Scene) -> String {
     if identifiers.len() > MOST && !materials.is_empty() {
         materials.push("...".into());
     }
-    let mut text = node.map_or_else(String::new, |node| format!(", node {node}"));
-    if !materials.is_empty() {
-        text += &format!(", material {}", materials.join(", "));
-    }
-    text
+    let node = node.map(|node| format!(", node {node}"));
+    let has_names = !materials.is_empty();
+    let materials = has_names.then(|| format!(", material {}", materials.join(", ")));
+    node.unwrap_or_default() + &materials.unwrap_or_default()
 }
 
 /// The numbers that an object's mesh has by name.

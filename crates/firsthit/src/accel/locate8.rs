@@ -16,8 +16,8 @@
 )]
 
 use super::mesh_tree::MeshTree;
-use crate::geometry::{DVec3, Ray};
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
+use crate::geometry::{DVec3, Ray};
 use crate::shape::Mesh;
 use crate::shape::triangle::{Plain, PlainStart, Plane, Start};
 use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE};
