@@ -60,7 +60,7 @@ Examples:
 
 Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
 as .npz with the entries origins and directions (or origin, and direction or dir) or rays, or as .csv \
-with six numbers in a line. Directions may have any length; t is in units of the direction's length.
+with six numbers in a line; under a header with the names ox,oy,oz,dx,dy,dz, in any order and beside other columns. Directions may have any length; t is in units of the direction's length.
 
 A program can keep shoot running behind a pipe: it sends a line and reads the answer before it sends the next line. The header \
 comes with the first answer. Comments and blank lines have no answer. A wrong line ends the run with exit code 3, after the \
@@ -84,7 +84,7 @@ Examples:
   echo 0,0,10 | firsthit nearest part.stl -
 
 Points are an array of shape (n, 3); as .npy, as .npz with the entry points, or as .csv with three numbers in a \
-line. The channels are distance, object, primitive, position and barycentric; with --count there is also point, the number of the \
+line; under a header with the names x,y,z, in any order and beside other columns. The channels are distance, object, primitive, position and barycentric; with --count there is also point, the number of the \
 point in the input, from 0.";
 pub(crate) const VISIBLE_EXAMPLES: &str = "\
 Examples:
@@ -92,7 +92,7 @@ Examples:
   echo 0,0,2,50,10,1.5 | firsthit visible city.glb -
 
 Pairs of points are arrays of shape (n, 6), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with six \
-numbers in a line. The answer for each is 1 or true if nothing is between the two points. It does not depend on which comes first. \
+numbers in a line; under a header with the names ax,ay,az,bx,by,bz, in any order and beside other columns. The answer for each is 1 or true if nothing is between the two points. It does not depend on which comes first. \
 A surface exactly at one of them does not count.";
 
 pub(crate) const THICKNESS_EXAMPLES: &str = "\
@@ -101,7 +101,7 @@ Examples:
   echo 1,2,3 | firsthit thickness part.stl -
 
 Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with three numbers in \
-a line. Each stands for the surface point nearest to it. The answer is the distance from there, against the normal, to the other side of \
+a line; under a header with the names x,y,z, in any order and beside other columns. Each stands for the surface point nearest to it. The answer is the distance from there, against the normal, to the other side of \
 the same object: inf where there is none. firsthit nearest tells which surface points these are.";
 
 pub(crate) const INSIDE_EXAMPLES: &str = "\
@@ -110,7 +110,7 @@ Examples:
   echo 1,2,3 | firsthit inside part.stl -
 
 Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with three numbers in \
-a line. The answer for each is 1 or true if it is inside any object.
+a line; under a header with the names x,y,z, in any order and beside other columns. The answer for each is 1 or true if it is inside any object.
 
 A closed mesh and a solid hold a point if a ray from it crosses them an odd number of times, which is decided exactly. An open mesh \
 holds the points around which its winding number is above one half; a warning counts such meshes. A plane and a disc hold nothing.";

@@ -130,19 +130,26 @@ impl Lines {
         Ok(())
     }
 
-    /// Takes columns by their names. Columns of which no name is known are taken in order.
+    /// Takes columns by their names. Where those that are known stand in their places, columns are taken in order.
     fn header(&mut self, record: &csv::ByteRecord) -> Result<(), String> {
         let is = |name: &str, field: &[u8]| field.eq_ignore_ascii_case(name.as_bytes());
         let of = |name: &&str| record.iter().position(|field| is(name, field));
-        let order = |set: &&[&str]| set.iter().map(of).collect::<Option<Vec<usize>>>();
-        self.wanted = self.names.iter().find_map(order);
         let mut known = self.names.concat();
         known.retain(|name| of(name).is_some());
         let twice = |name: &&&str| record.iter().filter(|field| is(name, field)).count() > 1;
         if let Some(name) = known.iter().find(twice) {
             return Err(format!("two columns are named {name}"));
         }
-        if self.wanted.is_none() && !known.is_empty() {
+        let is_in_order = |set: &&[&str]| {
+            let is_in_place = |name: &&str| of(name).is_some_and(|at| set.get(at) == Some(name));
+            set.len() == record.len() && known.iter().all(is_in_place)
+        };
+        if known.is_empty() || self.names.iter().any(|set| is_in_order(&set)) {
+            return Ok(());
+        }
+        let order = |set: &&[&str]| set.iter().map(of).collect::<Option<Vec<usize>>>();
+        self.wanted = self.names.iter().find_map(order);
+        if self.wanted.is_none() {
             let sets: Vec<String> = self.names.iter().map(|set| set.join(",")).collect();
             let fields: Vec<String> = record.iter().map(shortened).collect();
             return Err(format!(

@@ -85,6 +85,7 @@ fn columns_of_points_are_taken_by_name() {
         "name,x,y,z,\nfirst,0.25,0.5,2,\n",
         "position_x,position_y,position_z,t\n0.25,0.5,2,inf\n",
         "easting,northing,height\n0.25,0.5,2\n",
+        "x,y,height\n0.25,0.5,2\n",
     ] {
         lab.write("points.csv", text);
         assert_eq!(
@@ -102,13 +103,14 @@ fn columns_of_points_are_taken_by_name() {
         lab.write("points.csv", text);
         lab.fails("nearest square.ply points.csv", 3, words);
     }
-    lab.write("rays.csv", "dz,dy,dx,oz,oy,ox\n-1,0,0,10,0,0\n");
+    lab.write("reversed.csv", "dz,dy,dx,oz,oy,ox\n-1,0,0,10,0,0\n");
+    lab.write("normals.csv", "x,y,z,nx,ny,nz\n0,0,10,0,0,-1\n");
     lab.write("plain.csv", "0,0,10,0,0,-1\n");
-    let [named, plain] = ["rays", "plain"].map(|name| {
+    let [reversed, normals, plain] = ["reversed", "normals", "plain"].map(|name| {
         let hits = lab.ok(&format!("shoot square.ply {name}.csv"));
         hits.text().to_owned()
     });
-    assert_eq!(named, plain);
+    assert_eq!((&reversed, &normals), (&plain, &plain));
 }
 
 #[test]

@@ -39,8 +39,9 @@ impl Ray {
         }
     }
 
-    /// The same ray, beginning at `t_min` (which does not yet count). Beyond a hit, on a mesh's edge, the neighbour may be met
-    /// a last digit later. A negative `t_min` begins behind the origin, which takes longer: rays go one by one, and each triangle that they may meet is tested in float64.
+    /// The same ray, beginning at `t_min` (which does not yet count). A ray that begins at the `t` of a hit on an edge may meet the
+    /// neighbouring triangle a last digit later. A negative `t_min` begins behind the origin, which takes longer: rays go one by one, and
+    /// each triangle that they may meet is tested in float64.
     #[inline]
     pub fn beyond(self, t_min: f64) -> Self {
         Self { t_min, ..self }

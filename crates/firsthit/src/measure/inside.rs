@@ -24,8 +24,8 @@ pub struct Insides {
 /// For a closed mesh without a transform the answer is exact. A transform first takes the point to object space, which rounds; it is
 /// then exact about that point. About the other solids it is as exact as their crossings in float64.
 ///
-/// A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is: it is as if the object had every other
-/// point of its surface, and of closed objects that share a face or an edge, and leave no gap, exactly one holds a point there.
+/// A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is. So of closed objects that share a face
+/// or an edge, and leave no gap, exactly one holds a point there.
 /// A point that is not finite, or beyond 10^150, is outside.
 ///
 /// ```

@@ -61,7 +61,7 @@ impl<'a> Solids<'a> {
         Ok(Self { scene, rules, open })
     }
 
-    /// Whether a point is in an open object, as its winding number says. Nothing is, that is not in the mesh's box.
+    /// Whether a point is in an open object, as its winding number says. A point outside the mesh's box never is.
     pub(super) fn is_in_open(
         &self,
         object: usize,

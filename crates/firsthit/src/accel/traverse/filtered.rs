@@ -54,7 +54,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
             std::iter::once(triangle).chain(copies)
         };
         let is_ahead = is_certain && low > self.limits.t_min_high;
-        if is_ahead && ray.filter().is_transparent_to(here) {
+        if is_ahead && ray.filter().meets_all_of(here) {
             return self
                 .query
                 .visit_one(l, ray, (leaf, lane), (low, high), is_certain);
@@ -93,7 +93,7 @@ impl<Q: MeshQuery> Visitor for FilteredQuery<Q> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
         let mut left = candidates.possible;
-        if ray.filter().is_transparent() {
+        if ray.filter().meets_everything() {
             let ahead = l.lt(l.splat(self.limits.t_min_high), candidates.low);
             let settled = left & candidates.certain & ahead;
             left &= !settled;

@@ -7,7 +7,7 @@
 //! 1. Compute the sides as for a ray from the origin, and `t`. Where rounding and the distance from the origin to P cannot
 //!    matter, they decide.
 //! 2. Elsewhere compute the sides' and `t`'s signs without rounding, from P.
-//! 3. `t` is the one from the origin. Where that is not positive, it is the exact one, rounded.
+//! 3. `t` is measured from the rounded origin. Where that is not positive, it is the exact one from P, rounded.
 //!
 //! # Error bounds
 //!
@@ -158,7 +158,8 @@ struct Exact {
     unit_of_t: f64,
 }
 
-/// The power of two below a number. Numbers are divided by it and multiplied by 2^150, so that products of five keep all their digits.
+/// The power of two below a number. Numbers are divided by it and multiplied by 2^150: a product of five
+/// then neither overflows nor loses its low digits.
 fn unit_of(largest: f64) -> f64 {
     f64::from_bits(largest.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
 }

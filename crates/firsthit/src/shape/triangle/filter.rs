@@ -48,18 +48,18 @@ impl MeshFilter {
 
     /// Whether the ray meets every triangle ahead of its start that a ray without a filter meets.
     #[inline(always)]
-    pub(crate) fn is_transparent(&self) -> bool {
+    pub(crate) fn meets_everything(&self) -> bool {
         self.cull.is_none() && self.skip == [NO_TRIANGLE; 2]
     }
 
     /// The same for triangles in one place.
     #[inline(always)]
-    pub(crate) fn is_transparent_to<T: Iterator<Item = u32>>(
+    pub(crate) fn meets_all_of<T: Iterator<Item = u32>>(
         &self,
         triangles: impl FnOnce() -> T,
     ) -> bool {
         let skips = |triangle| self.skip.contains(&triangle);
-        self.is_transparent() || self.cull.is_none() && !triangles().any(skips)
+        self.meets_everything() || self.cull.is_none() && !triangles().any(skips)
     }
 
     /// Where the ray meets a triangle, if it does; `settle` is as in [`Shear::intersect_by`].
