@@ -296,8 +296,7 @@ def visible(
 ) -> npt.NDArray[np.bool_]: ...
 def explain(
     scene: Scene,
-    rays: _Rays,
-    pixel: tuple[Camera, int, int] | None,
+    explained: _Rays | tuple[Camera, tuple[int, int], tuple[float, float], _Filters | None],
     among: Sequence[int] | None,
     behind: int,
 ) -> tuple[str, str]: ...
