@@ -70,8 +70,8 @@ class Explanation:
 
         The keys are t, object, primitive, name, shape, node, mesh, face, position, normal,
         shading_normal, front, barycentric, uv, base_color, material and attributes. There is
-        ``None`` for what the surface does not have. ``node``, ``mesh`` and ``material`` have the ``id`` of the channel of
-        that name, and the ``name`` that `Hits.names` gives for it.
+        ``None`` for what the surface does not have. ``node``, ``mesh`` and ``material`` have the
+        ``id`` of the channel of that name, and the ``name`` that `Hits.names` gives for it.
         """
         hit: dict[str, Any] | None = copy.deepcopy(self._record["hit"])
         return hit
@@ -194,6 +194,7 @@ class Explainable(Traceable):
         >>> [(place.t, place.name) for place in story.behind]
         [(5.0, 'ground'), (5.0, 'ball')]
         """
+        explained: _firsthit._Rays | _firsthit._PixelRay
         if isinstance(origin, Camera):
             if direction is not None:
                 raise ValueError("direction must be left out with a camera, which has its own")

@@ -206,7 +206,8 @@ def test_limits_and_filters_of_a_pixel_are_those_of_its_ray():
     scene.add(fh.Sphere((0, 0, 0), 1), name="a", mask=1)
     scene.add(fh.Sphere((0, 3, 0), 1), name="b", mask=2)
     camera = fh.Camera.look_at((0, -9, 0), (0, 0, 0), (0, 0, 1), 40, 3, 3)
-    for use in ({}, {"mask": 2}, {"t_min": 9.0}, {"t_max": 9.0}, {"cull": "front"}, {"skip": (0, 0)}):
+    limits = {}, {"t_min": 9.0}, {"t_max": 9.0}
+    for use in (*limits, {"mask": 2}, {"cull": "front"}, {"skip": (0, 0)}):
         by_pixel = scene.explain(camera, pixel=(1, 1), **use).to_dict()
         ray = by_pixel["ray"]
         by_ray = scene.explain(ray["origin"], ray["direction"], **use).to_dict()

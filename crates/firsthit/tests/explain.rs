@@ -104,7 +104,7 @@ fn ray(scene: &Scene, numbers: &mut Numbers, k: usize) -> (Ray, RayFilter) {
         2 => ray = ray.up_to(2.0 * numbers.unit()),
         3 => ray = ray.beyond(2.0 * numbers.unit() - 1.0),
         4 if !hit.is_miss() => ray = ray.up_to(hit.t),
-        5 => filter.only = Some(numbers.below(scene.objects().len()) as i32),
+        5 => filter.only = i32::try_from(numbers.below(scene.objects().len())).ok(),
         // The surface that is skipped is behind the start, or at it.
         7 if !hit.is_miss() => {
             filter.skip = [Some(surface), None];

@@ -257,15 +257,18 @@ fn node_mesh_and_material_are_those_of_the_channels() {
             continue;
         }
         let pixel = format!("--pixel {},{}", k % 12, k / 12);
-        if !seen.insert(channels.map(|channel| all[channel].values[k] as i64)) {
+        if !seen.insert(channels.map(|channel| all[channel].values[k].to_bits())) {
             continue;
         }
         let hit = story(&lab, &format!("wheels.gltf {camera} {pixel}"))["hit"].clone();
         let text = lab.ok(&format!("probe wheels.gltf {camera} {pixel}"));
         for channel in ["node", "mesh", "material"] {
-            let number = all[channel].values[k] as usize;
+            let number = usize::try_from(hit[channel]["id"].as_u64().unwrap()).unwrap();
+            assert_eq!(
+                number as f64, all[channel].values[k],
+                "{channel} of {pixel}"
+            );
             let name = &names[channel][number];
-            assert_eq!(hit[channel]["id"], json!(number), "{channel} of {pixel}");
             assert_eq!(&hit[channel]["name"], name, "{channel} of {pixel}");
             let words = format!("{channel} {number} '{}'", name.as_str().unwrap());
             assert!(text.text().contains(&words), "{words}: {}", text.text());
