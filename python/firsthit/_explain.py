@@ -1,4 +1,4 @@
-"""The whole story of one ray."""
+"""The explanation of one ray."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _firsthit
-from ._arrays import count, index
+from ._arrays import count, index, numbers
 from ._camera import Camera
 from ._filters import Filters
 from ._leaving import rays_of
 from ._object import chosen
-from ._rays import Rays
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ class Candidate(NamedTuple):
 
 
 class Explanation:
-    """The story of a ray, from `Scene.explain`. ``print`` shows it. Read-only."""
+    """The explanation of a ray, from `Scene.explain`. ``print`` shows it. Read-only."""
 
     __slots__ = ("_record", "_text")
 
@@ -69,9 +68,10 @@ class Explanation:
     def hit(self) -> dict[str, Any] | None:
         """What the ray meets first; ``None`` for a miss.
 
-        The keys are t, object, primitive, name, shape, face, position, normal, shading_normal,
-        front, barycentric, uv, base_color, material and attributes. There is ``None`` for what the
-        surface does not have.
+        The keys are t, object, primitive, name, shape, node, mesh, face, position, normal,
+        shading_normal, front, barycentric, uv, base_color, material and attributes. There is
+        ``None`` for what the surface does not have. ``node``, ``mesh`` and ``material`` have the
+        ``id`` of the channel of that name, and the ``name`` that `Hits.names` gives for it.
         """
         hit: dict[str, Any] | None = copy.deepcopy(self._record["hit"])
         return hit
@@ -148,7 +148,7 @@ class Explainable(Traceable):
         objects: Selection | None = None,
         behind: int = 10,
     ) -> Explanation:
-        """Tell the whole story of one ray.
+        """Explain one ray.
 
         What it meets first and the surface there, why each other object is not that, and what lies
         behind. It agrees to the bit with `shoot` and `shoot_all`.
@@ -194,25 +194,42 @@ class Explainable(Traceable):
         >>> [(place.t, place.name) for place in story.behind]
         [(5.0, 'ground'), (5.0, 'ball')]
         """
-        through = None
+        explained: _firsthit._Rays | _firsthit._PixelRay
         if isinstance(origin, Camera):
             if direction is not None:
                 raise ValueError("direction must be left out with a camera, which has its own")
-            through = (origin._native, *_pixel(pixel))
-            filters = Filters.of(mask, cull, skip)
-            # The limits and filters alone count.
-            rays = Rays.of((0, 0, 0), (0, 0, 1), t_min, t_max, filters=filters)
+            ends = _end("t_min", t_min), _end("t_max", t_max)
+            filters = _one_filter(Filters.of(mask, cull, skip))
+            explained = origin._native, _pixel(pixel), ends, filters
         elif pixel is not None:
             raise ValueError("pixel must be left out without a camera")
         else:
             rays = rays_of(origin, direction, t_min, t_max, masks=mask, cull=cull, skip=skip)
-        if rays.shape != ():
-            raise ValueError(f"explain takes one ray, got rays of shape {rays.shape}")
+            if rays.shape != ():
+                raise ValueError(f"explain takes one ray, got rays of shape {rays.shape}")
+            explained = rays.part(slice(0, 1))
         built, most = self._ready(), count("behind", behind)
         among = None if objects is None else chosen(built.objects, objects)
-        given = rays.part(slice(0, 1))
-        text, record = _firsthit.explain(built.native, given, through, among, most)
+        text, record = _firsthit.explain(built.native, explained, among, most)
         return Explanation(text, json.loads(record))
+
+
+def _end(name: str, given: npt.ArrayLike) -> float:
+    """Return a limit of a single ray."""
+    limit = numbers(name, given)
+    if limit.shape != ():
+        raise ValueError(f"{name} must be one number, got an array of shape {limit.shape}")
+    return float(limit)
+
+
+def _one_filter(filters: Filters | None) -> _firsthit._Filters | None:
+    """Return what a single ray does not meet."""
+    if filters is None:
+        return None
+    for shape in filters.shapes():
+        if shape != ():
+            raise ValueError(f"explain takes one ray, got masks or surfaces of shape {shape}")
+    return filters.part(slice(0, 1), ())
 
 
 def _pixel(pixel: tuple[int, int] | None) -> tuple[int, int]:

@@ -294,10 +294,13 @@ def occluded(
 def visible(
     scene: Scene, ends: tuple[_Ends, _Ends], count: int, threads: int, report: _Report | None
 ) -> npt.NDArray[np.bool_]: ...
+
+#: A pixel's camera, column and row, its ray's ends, and what that does not meet.
+_PixelRay = tuple[Camera, tuple[int, int], tuple[float, float], _Filters | None]
+
 def explain(
     scene: Scene,
-    rays: _Rays,
-    pixel: tuple[Camera, int, int] | None,
+    explained: _Rays | _PixelRay,
     among: Sequence[int] | None,
     behind: int,
 ) -> tuple[str, str]: ...

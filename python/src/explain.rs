@@ -1,48 +1,76 @@
-//! The story of one ray.
+//! The explanation of one ray.
 
 use firsthit::Rays;
-use firsthit::explain::{ExplainSettings, Pixel, explain as tell};
+use firsthit::explain::{ExplainSettings, Explanation, explain as explain_ray, explain_pixel};
 use pyo3::prelude::*;
 
 use crate::arrays::RayArrays;
 use crate::camera::Camera;
+use crate::filters::FilterArrays;
 use crate::run::run;
 use crate::scene::Scene;
 
-/// A pixel: its camera, its column and its row.
-type PixelIn<'py> = (PyRef<'py, Camera>, usize, usize);
+/// The ray through a pixel: the camera, the column and the row, `t_min` and `t_max`, and what the ray does not meet.
+#[derive(FromPyObject)]
+pub(crate) struct PixelIn<'py>(
+    PyRef<'py, Camera>,
+    [usize; 2],
+    [f64; 2],
+    Option<FilterArrays<'py>>,
+);
 
-/// The story of the first of some rays, or of the ray through a pixel with the limits and filters of that one: as text, and as JSON.
+/// What is explained.
+#[derive(FromPyObject)]
+pub(crate) enum Explained<'py> {
+    Pixel(PixelIn<'py>),
+    /// The first of some.
+    Ray(RayArrays<'py>),
+}
+
+/// The explanation of a ray: as text, and as JSON.
 #[pyfunction]
 pub(crate) fn explain<'py>(
     py: Python<'py>,
     scene: &Scene,
-    rays: RayArrays<'py>,
-    pixel: Option<PixelIn<'py>>,
+    explained: Explained<'py>,
     among: Option<Vec<usize>>,
     behind: usize,
 ) -> PyResult<(String, String)> {
-    let (ray, filter) = {
-        let rays = rays.slices(1)?;
-        (rays.ray(0), rays.filter(0))
-    };
-    let settings = ExplainSettings {
-        filter,
+    let mut settings = ExplainSettings {
         among,
         behind,
+        ..ExplainSettings::default()
     };
-    let pixel = pixel.map(|(camera, column, row)| (camera.0, column, row));
     let scene = &scene.0;
-    run(py, 1, |stop| {
-        let story = match pixel {
-            Some((camera, column, row)) => {
-                let limits = (ray.t_min, ray.t_max);
-                let pixel = Pixel::new(&camera, column, row)?;
-                pixel.explain(scene, (&camera, limits), &settings, stop)?
+    let told = |explanation: &Explanation<'_>| {
+        let json = firsthit_cli::story::json(explanation);
+        (
+            firsthit_cli::story::text(explanation, false),
+            json.to_string(),
+        )
+    };
+    match explained {
+        Explained::Pixel(PixelIn(camera, pixel, [t_min, t_max], filters)) => {
+            (settings.t_min, settings.t_max) = (Some(t_min), Some(t_max));
+            if let Some(filters) = filters {
+                settings.filter = filters.filters(1)?.filter(0);
             }
-            None => tell(scene, &ray, &settings, stop)?,
-        };
-        let json = firsthit_cli::story::json(&story);
-        Ok((firsthit_cli::story::text(&story, false), json.to_string()))
-    })
+            let camera = camera.0;
+            run(py, 1, |stop| {
+                Ok(told(&explain_pixel(
+                    scene, &camera, pixel, &settings, stop,
+                )?))
+            })
+        }
+        Explained::Ray(rays) => {
+            let ray = {
+                let rays = rays.slices(1)?;
+                settings.filter = rays.filter(0);
+                rays.ray(0)
+            };
+            run(py, 1, |stop| {
+                Ok(told(&explain_ray(scene, &ray, &settings, stop)?))
+            })
+        }
+    }
 }

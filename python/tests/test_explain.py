@@ -1,4 +1,4 @@
-"""The story of one ray agrees with what else there is to be asked."""
+"""The explanation of one ray agrees with what else there is to be asked."""
 
 import json
 import pickle
@@ -153,3 +153,68 @@ def test_what_makes_no_sense_is_refused():
         scene.explain(up, up, behind=-1)
     with pytest.raises(ValueError, match="no object"):
         scene.explain(up, up, objects="cube")
+
+
+def test_the_hit_has_node_mesh_and_material_of_the_channels():
+    glass, steel = (fh.Material(name=name) for name in ("glass", "steel"))
+    scene = fh.Scene()
+    mesh = fh.Mesh(*bumpy_sphere(8, 2))
+    scene.add(mesh, name="ball", material=steel)
+    scene.add(mesh, name="ball", material=glass, transform=np.eye(4) + 4 * np.eye(4, k=3))
+    scene.add(fh.Sphere((8, 0, 0), 1), name="ball", material=glass)
+    scene.add(fh.Sphere((12, 0, 0), 1), name="ball")
+    for x in (0, 4, 8, 12):
+        ray = (x, 0, 9), (0, 0, -1)
+        story, hits = scene.explain(*ray), scene.shoot(*ray)
+        for channel in ("node", "mesh", "material"):
+            number, entry = int(hits[channel]), story.hit[channel]
+            if number < 0:
+                assert entry is None, channel
+                continue
+            assert entry["id"] == number
+            assert entry["name"] == hits.names(channel)[number]
+            assert f"{channel} {number}" in str(story)
+    assert story.hit["material"] is None
+
+
+def test_what_is_between_a_dark_point_and_the_lamp():
+    scene = fh.Scene()
+    scene.add(fh.Mesh([(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)]), name="ground")
+    scene.add(fh.Sphere((0, 0, 4), 1), name="cloud")
+    scene.add(fh.Sphere((0, 0, 20), 1), name="beyond the lamp")
+    camera = fh.Camera.look_at((0, -12, 3), (0, 0, 0), (0, 0, 1), 40, 9, 9)
+    lamp = np.array([0.0, 0.0, 9.0])
+    hits = scene.shoot(camera)
+    on_ground = np.argwhere(hits.object == 0)
+    blockers = set()
+    for r, c in on_ground:
+        to_lamp = lamp - hits.position[r, c]
+        story = scene.explain(hits[r, c].leave(to_lamp), t_max=1)
+        is_lit = scene.visible(hits[r, c], lamp)
+        assert (story.hit is None) == is_lit
+        assert story.to_dict()["ray"]["leaves"][0] == 0
+        blockers.add(story.hit and story.hit["name"])
+        if story.hit is not None:
+            assert 0 < story.hit["t"] < 1
+        else:
+            assert story.candidates[0].reason == "left"
+    assert blockers == {None, "cloud"}
+
+
+def test_limits_and_filters_of_a_pixel_are_those_of_its_ray():
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1), name="a", mask=1)
+    scene.add(fh.Sphere((0, 3, 0), 1), name="b", mask=2)
+    camera = fh.Camera.look_at((0, -9, 0), (0, 0, 0), (0, 0, 1), 40, 3, 3)
+    limits = {}, {"t_min": 9.0}, {"t_max": 9.0}
+    for use in (*limits, {"mask": 2}, {"cull": "front"}, {"skip": (0, 0)}):
+        by_pixel = scene.explain(camera, pixel=(1, 1), **use).to_dict()
+        ray = by_pixel["ray"]
+        by_ray = scene.explain(ray["origin"], ray["direction"], **use).to_dict()
+        assert by_pixel.pop("pixel")["column"] == 1
+        assert by_ray.pop("pixel") is None
+        assert by_pixel == by_ray
+    with pytest.raises(ValueError, match="t_max must be one number"):
+        scene.explain(camera, pixel=(1, 1), t_max=[1.0, 2.0])
+    with pytest.raises(ValueError, match="one ray"):
+        scene.explain(camera, pixel=(1, 1), mask=[1, 2])

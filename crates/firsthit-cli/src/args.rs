@@ -43,7 +43,7 @@ pub(crate) enum Command {
     /// Measure how thick the objects of a 3D file are, at points of their surfaces.
     #[command(after_help = help::THICKNESS_EXAMPLES)]
     Thickness(ListArgs),
-    /// Tell the whole story of one ray: what it meets first, why not another object, and what lies behind.
+    /// Explain one ray: what it meets first, why not another object, and what lies behind.
     Probe(Box<ProbeArgs>),
     /// Show what is in a 3D file, or what an output says of itself.
     Info(InfoArgs),

@@ -1,4 +1,4 @@
-//! The story of a ray agrees with brute force: the hit, what lies behind it, and why each other object is not the hit.
+//! The explanation of a ray agrees with brute force: the hit, what lies behind it, and why each other object is not the hit.
 #![allow(
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
@@ -11,12 +11,13 @@ mod support;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use firsthit::explain::{Candidate, ExplainSettings, Explanation, Pixel, Reason, explain};
+use firsthit::explain::{Candidate, ExplainSettings, Explanation, Reason, explain, explain_pixel};
 use firsthit::shape::Attribute;
 use firsthit::shoot::{All, BruteForce, First, trace_with};
 use firsthit::{
-    AlphaMode, Camera, Cone, Cuboid, DAffine3, DQuat, DVec3, Disc, Filtered, Hit, Material, Mesh,
-    Object, Plane, Positions, Ray, RayFilter, Scene, Side, Sphere, SurfaceId, Transform,
+    AlphaMode, Camera, Cone, Cuboid, Cylinder, DAffine3, DQuat, DVec2, DVec3, Departure, Disc,
+    Filtered, Hit, Material, Mesh, Object, Plane, Positions, Ray, RayFilter, Scene, Side, Sphere,
+    SurfaceId, Transform,
 };
 use support::{Numbers, bits, bumpy_sphere, mesh, scene};
 
@@ -53,6 +54,8 @@ fn everything(seed: u64) -> Scene {
         Object::new(Sphere::new(0.5 * numbers.point(), 0.5).unwrap()),
         Object::new(Cuboid::new(DVec3::splat(-0.4), DVec3::splat(0.3)).unwrap()),
         Object::new(Cone::new(DVec3::ZERO, DVec3::Z, 0.9, 0.3).unwrap()),
+        Object::new(Cone::new(numbers.point(), numbers.point(), 0.0, 0.5).unwrap()),
+        Object::new(Cylinder::new(numbers.point(), numbers.point(), 0.4).unwrap()),
         Object::new(Plane::new(0.1 * numbers.point(), numbers.point()).unwrap()),
         Object::new(Disc::new(DVec3::ZERO, numbers.point(), 0.6).unwrap()),
         Object::new(cut_out).with_materials([leaf()]),
@@ -72,6 +75,10 @@ fn everything(seed: u64) -> Scene {
     for _ in 0..5 {
         objects.push(objects[numbers.below(objects.len())].clone());
     }
+    // Float64 cannot tell where in it a ray would be.
+    let far = DAffine3::from_translation(DVec3::splat(1e200));
+    let far = Transform::new(far).unwrap();
+    objects.push(objects[2].clone().placed(far));
     for object in &mut objects {
         let bits = 1 << numbers.below(3) | 1 << numbers.below(3);
         *object = object.clone().masked(bits).hidden(numbers.below(9) == 0);
@@ -88,8 +95,8 @@ fn ray(scene: &Scene, numbers: &mut Numbers, k: usize) -> (Ray, RayFilter) {
         object: hit.object,
         primitive: hit.primitive,
     };
-    match k % 6 {
-        0 if !hit.is_miss() => filter.skip = [Some(surface), None],
+    match k % 8 {
+        0 | 6 if !hit.is_miss() => filter.skip = [Some(surface), None],
         1 if !hit.is_miss() => {
             let left = scene.interaction(&ray, &hit).unwrap();
             (ray, filter) = left.leave(numbers.point());
@@ -97,6 +104,12 @@ fn ray(scene: &Scene, numbers: &mut Numbers, k: usize) -> (Ray, RayFilter) {
         2 => ray = ray.up_to(2.0 * numbers.unit()),
         3 => ray = ray.beyond(2.0 * numbers.unit() - 1.0),
         4 if !hit.is_miss() => ray = ray.up_to(hit.t),
+        5 => filter.only = i32::try_from(numbers.below(scene.objects().len())).ok(),
+        // The surface that is skipped is behind the start, or at it.
+        7 if !hit.is_miss() => {
+            filter.skip = [Some(surface), None];
+            ray = ray.beyond(hit.t * (1.0 + numbers.below(2) as f64));
+        }
         _ => {}
     }
     if k.is_multiple_of(5) {
@@ -142,10 +155,19 @@ fn check_candidate(scene: &Scene, story: &Explanation<'_>, candidate: &Candidate
     let object = &scene.objects()[index];
     let Explanation { ray, filter, .. } = story;
     let what = format!("{candidate:?} {ray:?} {filter:?}");
-    if object.is_hidden() || object.mask() & filter.mask == 0 {
-        let is_hidden = object.is_hidden();
-        let expected = [Reason::Masked, Reason::Hidden][usize::from(is_hidden)];
-        assert_eq!(candidate.reason, expected, "{what}");
+    let never = if object.is_hidden() {
+        Some(Reason::Hidden)
+    } else if filter.only.is_some_and(|only| only != candidate.object) {
+        Some(Reason::NotAmong)
+    } else {
+        (object.mask() & filter.mask == 0).then_some(Reason::Masked)
+    };
+    if let Some(expected) = never {
+        assert_eq!(
+            (candidate.reason, candidate.place),
+            (expected, None),
+            "{what}"
+        );
         return;
     }
     let by_itself = first(&alone(scene, index), ray, filter);
@@ -165,6 +187,49 @@ fn check_candidate(scene: &Scene, story: &Explanation<'_>, candidate: &Candidate
     }
     if filter.departure.is_none() {
         check_rejected(scene, (ray, filter), candidate, &what);
+    } else {
+        check_departing(scene, (ray, filter), candidate, &what);
+    }
+}
+
+/// A ray that leaves a surface: the crossing that is left is the one at the start, and the others are where they seem to be.
+fn check_departing(
+    scene: &Scene,
+    (ray, filter): (&Ray, &RayFilter),
+    candidate: &Candidate<'_>,
+    what: &str,
+) {
+    let left = filter.departure.unwrap().surface;
+    let Some(place) = candidate.place else {
+        assert!(candidate.object != left.object, "{what}");
+        return;
+    };
+    // A start is off by the rounding of coordinates below 8, and of the transforms of the objects.
+    let near = 1e-9 / ray.direction.abs().max_element();
+    match candidate.reason {
+        Reason::Left => {
+            assert_eq!(candidate.object, left.object, "{what}");
+            assert!(place.t.abs() <= near, "{what}");
+        }
+        Reason::BehindStart => assert!(place.t <= ray.t_min + near, "{what}"),
+        Reason::BeyondEnd => assert!(place.t > ray.t_max, "{what}"),
+        Reason::CulledFront | Reason::CulledBack => {
+            let but_cull = RayFilter {
+                cull: None,
+                ..*filter
+            };
+            let index = usize::try_from(candidate.object).unwrap();
+            let met = first(&opaque(scene, index), ray, &but_cull);
+            assert!(!met.is_miss() && filter.cull.is_some(), "{what}");
+        }
+        Reason::CutOut => {
+            let index = usize::try_from(candidate.object).unwrap();
+            assert!(
+                !first(&opaque(scene, index), ray, filter).is_miss(),
+                "{what}"
+            );
+        }
+        reason => panic!("{reason:?}: {what}"),
     }
 }
 
@@ -196,7 +261,8 @@ fn check_rejected(
         }
         Reason::Skipped => {
             assert!(filter.skip[0].unwrap().object == candidate.object, "{what}");
-            assert!(meets(ray, &RayFilter::NONE), "{what}");
+            let met = first(scene, ray, &RayFilter::NONE);
+            assert_eq!(Some(met.t), place, "{what}");
         }
         _ => assert!(!meets(ray, &RayFilter::NONE), "{what}"),
     }
@@ -271,8 +337,10 @@ fn stories_agree_with_brute_force() {
             }
         }
     }
-    let others = [Reason::OutOfRange, Reason::NoRay, Reason::NotAmong];
-    for reason in Reason::ALL.iter().filter(|reason| !others.contains(reason)) {
+    for reason in Reason::ALL
+        .iter()
+        .filter(|&&reason| reason != Reason::NoRay)
+    {
         let count = counts.get(reason).copied().unwrap_or(0);
         assert!(count >= 5, "{reason:?}: {count} of {counts:?}");
     }
@@ -302,12 +370,19 @@ fn a_ray_that_is_not_valid_meets_nothing_and_says_why() {
     let scene = scene(vec![ball(), ball().hidden(true)]);
     let good = Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE);
     let bad = [
-        (Ray::new(DVec3::NAN, DVec3::X), "origin"),
-        (Ray::new(DVec3::splat(1e200), DVec3::X), "origin"),
+        (
+            Ray::new(DVec3::NAN, DVec3::X),
+            "its origin is NaN or beyond 1e150",
+        ),
+        (
+            Ray::new(DVec3::splat(1e200), DVec3::X),
+            "its origin is NaN or beyond 1e150",
+        ),
         (Ray::new(DVec3::X, DVec3::ZERO), "is zero"),
         (Ray::new(DVec3::X, DVec3::NAN), "not finite"),
         (good.beyond(3.0).up_to(3.0), "ends before"),
-        (good.up_to(f64::NAN), "ends before"),
+        (good.up_to(f64::NAN), "t_max is NaN"),
+        (good.beyond(f64::NAN), "t_max is NaN"),
     ];
     for (ray, why) in bad {
         let story = scene.explain(&ray).unwrap();
@@ -348,12 +423,10 @@ fn a_pixel_is_that_of_the_picture() {
     let eye = DVec3::new(0.3, -5.0, 0.2);
     let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 30.0, 6, 9).unwrap();
     let frame = firsthit::shoot::trace(&scene, &camera, First, &()).unwrap();
-    let (settings, limits) = (ExplainSettings::default(), (0.0, f64::INFINITY));
+    let settings = ExplainSettings::default();
     for row in 0..6 {
         for column in 0..9 {
-            let pixel = Pixel::new(&camera, column, row).unwrap();
-            let story = pixel.explain(&scene, (&camera, limits), &settings, &());
-            let story = story.unwrap();
+            let story = explain_pixel(&scene, &camera, [column, row], &settings, &()).unwrap();
             let expected = frame.get(9 * row + column);
             let found = story.hit.as_ref().map_or(Hit::MISS, |hit| hit.hit);
             assert_eq!(bits(&found), bits(&expected));
@@ -362,8 +435,22 @@ fn a_pixel_is_that_of_the_picture() {
             assert_eq!(pixel.z, camera.z(row, column, expected.t));
         }
     }
-    let outside = Pixel::new(&camera, 9, 0).unwrap_err().to_string();
-    assert!(outside.contains("9 x 6, from 0,0 to 8,5"), "{outside}");
+    for outside in [[9, 0], [0, 6], [usize::MAX; 2]] {
+        let refused = explain_pixel(&scene, &camera, outside, &settings, &()).unwrap_err();
+        let refused = refused.to_string();
+        assert!(refused.contains("9 x 6, from 0,0 to 8,5"), "{refused}");
+    }
+    // The ends that are asked for are those of the ray, a pixel's too.
+    let settings = ExplainSettings {
+        t_min: Some(-1.0),
+        t_max: Some(2.0),
+        ..settings
+    };
+    let story = explain_pixel(&scene, &camera, [4, 2], &settings, &()).unwrap();
+    assert_eq!((story.ray.t_min, story.ray.t_max), (-1.0, 2.0));
+    assert_eq!(story.counts(), [(Reason::BeyondEnd, 1)]);
+    let pixel = story.pixel.unwrap();
+    assert_eq!((pixel.range, pixel.z), (f64::INFINITY, f64::INFINITY));
 }
 
 #[test]
@@ -401,4 +488,116 @@ fn a_copy_of_a_triangle_that_is_skipped_is_the_hit() {
             assert_eq!(story.candidates[0].reason, Reason::Hit);
         }
     }
+}
+
+fn reasons(scene: &Scene, ray: &Ray, filter: RayFilter) -> Vec<(Reason, Option<f64>)> {
+    let settings = ExplainSettings {
+        filter,
+        ..ExplainSettings::default()
+    };
+    let story = explain(scene, ray, &settings, &()).unwrap();
+    let candidates = story.candidates.iter();
+    let reasons = candidates.map(|it| (it.reason, it.place.map(|place| place.t)));
+    reasons.collect()
+}
+
+#[test]
+fn the_place_that_a_ray_leaves_is_at_its_start() {
+    let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+    let block = Object::new(Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap());
+    let square = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 1.0));
+    let below = square.map(|point| point - 2.0 * DVec3::Z);
+    let corners = [square, below].concat();
+    let sheets = Object::new(mesh(&corners, vec![[0, 1, 2], [3, 4, 5]]));
+    for (object, primitive) in [(ball, 0), (block, 5), (sheets, 0)] {
+        let is_mesh = object.mesh().is_some();
+        let scene = scene(vec![object]);
+        let surface = SurfaceId {
+            object: 0,
+            primitive,
+        };
+        // In the triangle, the point (0, 0, 1).
+        let barycentric = DVec2::new(0.25, 0.5);
+        let departure = Some(Departure {
+            surface,
+            barycentric,
+        });
+        let filter = RayFilter {
+            departure,
+            ..RayFilter::NONE
+        };
+        let out = Ray::new(DVec3::Z, DVec3::Z);
+        let found = reasons(&scene, &out, filter);
+        assert_eq!(found, [(Reason::Left, Some(0.0))], "mesh: {is_mesh}");
+        // Inwards it meets the other end, or nothing before that.
+        let inwards = Ray::new(DVec3::Z, DVec3::NEG_Z);
+        assert_eq!(
+            reasons(&scene, &inwards, filter),
+            [(Reason::Hit, Some(2.0))]
+        );
+        let found = reasons(&scene, &inwards.up_to(1.5), filter);
+        assert_eq!(found, [(Reason::Left, Some(0.0))], "mesh: {is_mesh}");
+    }
+}
+
+#[test]
+fn what_is_skipped_is_on_the_ray() {
+    let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    let triangle = Object::new(mesh(&points, vec![[0, 1, 2]]));
+    let disc = Object::new(Disc::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap());
+    let surface = SurfaceId {
+        object: 0,
+        primitive: 0,
+    };
+    let skip = RayFilter {
+        skip: [Some(surface), None],
+        ..RayFilter::NONE
+    };
+    for object in [triangle, disc] {
+        let scene = scene(vec![object]);
+        let down = Ray::new(DVec3::new(0.2, 0.2, 3.0), DVec3::NEG_Z);
+        let up = Ray {
+            direction: DVec3::Z,
+            ..down
+        };
+        let found = reasons(&scene, &down, skip);
+        assert_eq!(found, [(Reason::Skipped, Some(3.0))]);
+        let found = reasons(&scene, &up, skip);
+        assert_eq!(found, [(Reason::BehindStart, Some(-3.0))]);
+        let found = reasons(&scene, &down.up_to(2.0), skip);
+        assert_eq!(found, [(Reason::BeyondEnd, Some(3.0))]);
+    }
+    // The near end of a ball is skipped, so that another reason counts at the far one.
+    let ball = scene(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap())]);
+    let inside = Ray::new(0.5 * DVec3::NEG_Z, DVec3::Z);
+    let culling = RayFilter {
+        cull: Some(Side::Back),
+        ..skip
+    };
+    let found = reasons(&ball, &inside, culling);
+    assert_eq!(found, [(Reason::CulledBack, Some(1.5))]);
+    assert_eq!(reasons(&ball, &inside, skip), [(Reason::Hit, Some(1.5))]);
+}
+
+#[test]
+fn a_ray_that_meets_one_object_only_says_so_of_the_others() {
+    let ball = |x: f64| Object::new(Sphere::new(DVec3::new(x, 0.0, 0.0), 1.0).unwrap());
+    let scene = scene(vec![ball(0.0), ball(4.0).masked(2), ball(8.0)]);
+    let ray = Ray::new(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
+    let filter = RayFilter {
+        only: Some(2),
+        mask: 1,
+        ..RayFilter::NONE
+    };
+    let expected = [
+        (Reason::NotAmong, None),
+        (Reason::NotAmong, None),
+        (Reason::Hit, Some(12.0)),
+    ];
+    assert_eq!(reasons(&scene, &ray, filter), expected);
+    let masked = RayFilter {
+        only: None,
+        ..filter
+    };
+    assert_eq!(reasons(&scene, &ray, masked)[1], (Reason::Masked, None));
 }

@@ -1,5 +1,7 @@
 //! A file per command.
 
+use crate::failure::Failure;
+
 pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod demo;
@@ -22,3 +24,14 @@ mod shot;
 mod sinks;
 pub(crate) mod thickness;
 pub(crate) mod visible;
+
+/// Where rays begin and end, by --t-min and --t-max.
+fn ends(t_min: Option<f64>, t_max: Option<f64>) -> Result<(f64, f64), Failure> {
+    let (t_min, t_max) = (t_min.unwrap_or(0.0), t_max.unwrap_or(f64::INFINITY));
+    if t_min >= t_max {
+        return Err(Failure::usage(
+            "--t-max must be above --t-min, which is 0 if not given",
+        ));
+    }
+    Ok((t_min, t_max))
+}

@@ -1,10 +1,11 @@
 use std::io::Write;
 use std::sync::atomic::AtomicBool;
 
-use firsthit::explain::{ExplainSettings, Explanation, Pixel, explain};
+use firsthit::explain::{ExplainSettings, Explanation, explain, explain_pixel};
 use firsthit::{Ray, RayFilter};
 use serde_json::json;
 
+use super::ends;
 use crate::args::ProbeArgs;
 use crate::camera::{camera, check, of_file};
 use crate::console::{end_report, warn};
@@ -15,19 +16,11 @@ use crate::story;
 
 pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     check(&args.camera)?;
-    let limits = (
-        args.t_min.unwrap_or(0.0),
-        args.t_max.unwrap_or(f64::INFINITY),
-    );
-    if limits.0 >= limits.1 {
-        return Err(Failure::usage(
-            "--t-max must be above --t-min, which is 0 if not given",
-        ));
-    }
+    let ends = ends(args.t_min, args.t_max)?;
     with_count(args.threads, || {
         let loaded = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
         warn(&loaded.warnings);
-        let (story, guessed) = probe(args, limits, &loaded, &Interrupt(interrupted))?;
+        let (story, guessed) = probe(args, ends, &loaded, &Interrupt(interrupted))?;
         if args.json {
             let mut done = story::json(&story);
             if let Some(fields) = done.as_object_mut() {
@@ -44,10 +37,10 @@ pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Fail
     })
 }
 
-/// The story of the ray that the arguments name, and what was guessed of the camera.
+/// The explanation of the ray that the arguments name, and what was guessed of the camera.
 fn probe<'a>(
     args: &ProbeArgs,
-    limits: (f64, f64),
+    (t_min, t_max): (f64, f64),
     loaded: &'a Loaded,
     watch: &Interrupt<'_>,
 ) -> Result<(Explanation<'a>, Vec<String>), Failure> {
@@ -57,6 +50,8 @@ fn probe<'a>(
         ..RayFilter::NONE
     };
     let mut settings = ExplainSettings {
+        t_min: Some(t_min),
+        t_max: Some(t_max),
         filter,
         ..ExplainSettings::default()
     };
@@ -64,13 +59,12 @@ fn probe<'a>(
         settings.behind = usize::MAX;
     }
     if let Some((origin, direction)) = args.ray {
-        let ray = Ray::new(origin, direction).beyond(limits.0).up_to(limits.1);
+        let ray = Ray::new(origin, direction);
         return Ok((explain(scene, &ray, &settings, watch)?, Vec::new()));
     }
     let base = of_file(&args.camera, model)?;
     let chosen = camera(&args.camera, (&args.file, &base), scene, model)?;
     let (column, row) = args.pixel.unwrap_or_default();
-    let pixel = Pixel::new(&chosen.camera, column, row)?;
-    let story = pixel.explain(scene, (&chosen.camera, limits), &settings, watch)?;
+    let story = explain_pixel(scene, &chosen.camera, [column, row], &settings, watch)?;
     Ok((story, chosen.guessed))
 }

@@ -9,6 +9,7 @@ use firsthit::shoot::All;
 use firsthit::{Rays as _, Scene};
 use serde_json::json;
 
+use super::ends;
 use super::shoot_stream;
 use super::shot::{Counts, shot, shot_all};
 use super::sinks::{self, Sinks};
@@ -63,17 +64,12 @@ enum Source {
 
 /// What no ray meets.
 fn limits(args: &ShootArgs) -> Result<Limits, Failure> {
-    let limits = Limits {
-        t_min: args.t_min.unwrap_or(0.0),
-        t_max: args.t_max.unwrap_or(f64::INFINITY),
+    let (t_min, t_max) = ends(args.t_min, args.t_max)?;
+    Ok(Limits {
+        t_min,
+        t_max,
         cull: args.cull.map(From::from),
-    };
-    if limits.t_min >= limits.t_max {
-        return Err(Failure::usage(
-            "--t-max must be above --t-min, which is 0 if not given",
-        ));
-    }
-    Ok(limits)
+    })
 }
 
 pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Failure> {

@@ -144,7 +144,7 @@ impl Lines {
             let is_in_place = |name: &&str| of(name).is_some_and(|at| set.get(at) == Some(name));
             set.len() == record.len() && known.iter().all(is_in_place)
         };
-        if known.is_empty() || self.names.iter().any(|set| is_in_order(&set)) {
+        if known.is_empty() || self.names.iter().any(is_in_order) {
             return Ok(());
         }
         let order = |set: &&[&str]| set.iter().map(of).collect::<Option<Vec<usize>>>();

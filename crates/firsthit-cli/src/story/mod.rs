@@ -1,7 +1,9 @@
-//! The story of a ray, as text and as JSON.
+//! The explanation of a ray, as text and as JSON.
 
 mod objects;
 mod surface;
+
+use std::borrow::Cow;
 
 use firsthit::error::escape_controls;
 use firsthit::explain::{Behind, Candidate, Explanation, Pixel};
@@ -11,7 +13,7 @@ use serde_json::{Value, json};
 use crate::console::counted;
 use crate::hints::{exact_number, number, triple};
 
-/// The story as lines for people, with a newline at the end of each. With `all`, every object has a line of its own.
+/// The explanation as lines for people, with a newline at the end of each. With `all`, every object has a line of its own.
 pub fn text(story: &Explanation<'_>, all: bool) -> String {
     let mut lines = Vec::new();
     if let Some(pixel) = &story.pixel {
@@ -37,7 +39,7 @@ pub fn text(story: &Explanation<'_>, all: bool) -> String {
     lines.collect()
 }
 
-/// The story for programs. It has every object.
+/// The explanation for programs. It has every object.
 pub fn json(story: &Explanation<'_>) -> Value {
     let counts = story.counts().into_iter();
     let counts = counts.map(|(reason, count)| (reason.name().to_owned(), json!(count)));
@@ -66,6 +68,9 @@ fn ray_lines(story: &Explanation<'_>) -> Vec<String> {
     let mut passes = Vec::new();
     if filter.mask != u32::MAX {
         passes.push(format!("sees objects of the mask {:#x}", filter.mask));
+    }
+    if let Some(only) = filter.only {
+        passes.push(format!("meets object {only} alone"));
     }
     if let Some(side) = filter.cull {
         passes.push(format!("passes through {}s", side_name(side)));
@@ -122,7 +127,18 @@ fn named(object: i32, name: &str, shape: &str) -> String {
     if name.is_empty() {
         format!("object {object} ({shape})")
     } else {
-        format!("object {object} '{name}' ({shape})")
+        format!("object {object} '{}' ({shape})", short(name))
+    }
+}
+
+/// The longest name in a text, in characters.
+const LONGEST_NAME: usize = 100;
+
+/// The start of a name: files have some that nobody can read to the end.
+fn short(name: &str) -> Cow<'_, str> {
+    match name.char_indices().nth(LONGEST_NAME) {
+        Some((end, _)) => Cow::Owned(format!("{}...", &name[..end])),
+        None => Cow::Borrowed(name),
     }
 }
 
@@ -161,6 +177,7 @@ fn ray_json(ray: &Ray, filter: &RayFilter) -> Value {
         "t_min": ray.t_min,
         "t_max": ray.t_max,
         "mask": filter.mask,
+        "only": filter.only,
         "cull": filter.cull.map(side_name),
         "skip": filter.skip.iter().flatten().copied().map(surface).collect::<Vec<_>>(),
         "leaves": filter.departure.map(|departure| surface(departure.surface)),

@@ -1,4 +1,4 @@
-//! The objects of a story: those that say something about the ray one by one, the others counted.
+//! The objects of an explanation: those that say something about the ray one by one, the others counted.
 
 use firsthit::explain::{Candidate, Reason};
 

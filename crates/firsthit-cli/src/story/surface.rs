@@ -1,12 +1,12 @@
-//! The hit of a story: the surface there, and its material.
+//! The hit of an explained ray: the surface there, and its material.
 
-use firsthit::explain::{AttributeThere, HitDetails, Pixel};
+use firsthit::explain::{AttributeThere, CatalogEntry, HitDetails, Pixel};
 use firsthit::scene::MapRole;
 use firsthit::shape::PropertyOf;
 use firsthit::{AlphaMode, DVec2, Material};
 use serde_json::{Value, json};
 
-use super::{list, named, part};
+use super::{list, named, part, short};
 use crate::hints::{exact_number, number, triple};
 
 /// How many numbers of an attribute people read, and how many attributes.
@@ -29,9 +29,12 @@ pub(super) fn lines(details: &HitDetails<'_>, pixel: Option<&Pixel>) -> Vec<Stri
     let mut lines = vec![
         format!("hit        t {}{from_camera}", exact_number(hit.t)),
         format!("           {named}, {part}{face}"),
+    ];
+    lines.extend(origin_line(details));
+    lines.extend([
         format!("           position {}", triple(details.position)),
         format!("           normal {}, {side} met", triple(details.normal)),
-    ];
+    ]);
     if details.shading_normal.to_array() != details.normal.to_array()
         && details.shading_normal.is_finite()
     {
@@ -46,9 +49,10 @@ pub(super) fn lines(details: &HitDetails<'_>, pixel: Option<&Pixel>) -> Vec<Stri
     }
     let color = triple(details.color);
     lines.push(format!("           base colour {color}, linear"));
-    lines.push(match (details.slot, details.material) {
-        (Some(slot), Some(material)) => {
-            format!("           material {slot}: {}", material_text(material))
+    lines.push(match (&details.material_entry, details.material) {
+        (Some(entry), Some(material)) => {
+            let (named, look) = (entry_text("material", entry), material_text(material));
+            format!("           {named}: {look}")
         }
         _ => "           no material".to_owned(),
     });
@@ -58,6 +62,24 @@ pub(super) fn lines(details: &HitDetails<'_>, pixel: Option<&Pixel>) -> Vec<Stri
         lines.push(format!("           ... and {more} more attributes"));
     }
     lines
+}
+
+/// The node and the mesh that the object comes from, if there are any.
+fn origin_line(details: &HitDetails<'_>) -> Option<String> {
+    let entries = [("node", &details.node), ("mesh", &details.mesh)].into_iter();
+    let entries = entries.filter_map(|(kind, entry)| Some(entry_text(kind, entry.as_ref()?)));
+    let entries: Vec<String> = entries.collect();
+    (!entries.is_empty()).then(|| format!("           of {}", entries.join(", ")))
+}
+
+/// A node, a mesh or a material in words.
+fn entry_text(kind: &str, entry: &CatalogEntry<'_>) -> String {
+    let CatalogEntry { number, name } = entry;
+    if name.is_empty() {
+        format!("{kind} {number}")
+    } else {
+        format!("{kind} {number} '{}'", short(name))
+    }
 }
 
 /// The weights of all corners of a triangle.
@@ -97,7 +119,7 @@ fn attribute_line(attribute: &AttributeThere<'_>) -> String {
     let AttributeThere { name, of, values } = attribute;
     let shown = list(&values[..values.len().min(MOST)]);
     let more = if values.len() > MOST { ",..." } else { "" };
-    let of = of_name(*of);
+    let (name, of) = (short(name), of_name(*of));
     format!("           attribute '{name}' of {of}: {shown}{more}")
 }
 
@@ -125,6 +147,8 @@ pub(super) fn json(details: &HitDetails<'_>) -> Value {
         "primitive": details.hit.primitive,
         "name": details.name,
         "shape": details.shape,
+        "node": details.node.as_ref().map(entry_json),
+        "mesh": details.mesh.as_ref().map(entry_json),
         "face": details.face,
         "position": details.position.to_array(),
         "normal": details.normal.to_array(),
@@ -133,19 +157,24 @@ pub(super) fn json(details: &HitDetails<'_>) -> Value {
         "barycentric": weights(details.hit.barycentric),
         "uv": details.uv.map(|uv| uv.to_array()),
         "base_color": details.color.to_array(),
-        "material": details.material.map(|material| material_json(details.slot, material)),
+        "material": details.material.map(|material| material_json(details.material_entry.as_ref(), material)),
         "attributes": attributes.collect::<Vec<_>>(),
     })
 }
 
-fn material_json(slot: Option<usize>, material: &Material) -> Value {
+fn entry_json(entry: &CatalogEntry<'_>) -> Value {
+    json!({"id": entry.number, "name": entry.name})
+}
+
+fn material_json(entry: Option<&CatalogEntry<'_>>, material: &Material) -> Value {
     let (mode, cutoff) = match material.alpha_mode {
         AlphaMode::Opaque => ("opaque", None),
         AlphaMode::Mask { cutoff } => ("mask", Some(cutoff)),
         AlphaMode::Blend => ("blend", None),
     };
     json!({
-        "slot": slot,
+        "id": entry.map(|entry| entry.number),
+        "name": entry.map(|entry| entry.name),
         "color": material.color.to_array(),
         "alpha": material.alpha,
         "alpha_mode": mode,

@@ -1,4 +1,4 @@
-//! The story of one ray.
+//! The explanation of one ray.
 
 use std::fmt::Write as _;
 
@@ -35,6 +35,7 @@ fn a_ray_is_told_in_words() {
 ray        from 0.5,0.25,5 along 0,0,-1, 0 < t <= inf
 hit        t 3
            object 1 'high' (mesh), triangle 0, face 0
+           of mesh 1
            position 0.5,0.25,2
            normal 0,0,1, front met
            barycentric 0.25,0.125,0.625
@@ -189,4 +190,111 @@ fn what_cannot_be_asked_is_refused() {
     );
     lab.fails("probe squares.obj --pixel 5000,0", 2, "1024 x 768");
     lab.fails("probe none.obj --pixel 0,0", 3, "none.obj");
+}
+
+/// Two wheels called alike, of one mesh with the materials steel and glass; each part of a mesh has one of the file's materials.
+fn wheels() -> Value {
+    let part =
+        |material: usize| json!({"attributes": {"POSITION": material}, "material": material});
+    let floats = |values: &[f32]| {
+        values
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let near = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let beside = floats(&[2.0, 0.0, 0.0, 3.0, 0.0, 0.0, 2.0, 1.0, 0.0]);
+    let hex = |bytes: &[u8]| {
+        let mut text = String::new();
+        for byte in bytes {
+            write!(text, "%{byte:02x}").unwrap();
+        }
+        text
+    };
+    let accessor = |view: usize| {
+        json!({"bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [0, 0, 0], "max": [3, 1, 0]})
+    };
+    json!({
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+        "nodes": [
+            {"name": "truck", "children": [1, 2]},
+            {"name": "Wheels", "mesh": 0},
+            {"name": "Wheels", "mesh": 0, "translation": [0, 5, 0]},
+        ],
+        "meshes": [{"name": "Wheel", "primitives": [part(0), part(1)]}],
+        "materials": [{"name": "steel"}, {"name": "glass"}],
+        "accessors": [accessor(0), accessor(1)],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 36, "byteLength": 36},
+        ],
+        "buffers": [{
+            "byteLength": 72,
+            "uri": format!("data:application/octet-stream,{}", hex(&[near, beside].concat())),
+        }],
+    })
+}
+
+#[test]
+fn node_mesh_and_material_are_those_of_the_channels() {
+    let lab = Lab::new();
+    lab.write("wheels.gltf", wheels().to_string());
+    let camera = "--view front --size 12x16";
+    let channels = ["object", "node", "mesh", "material"];
+    lab.ok(&format!(
+        "render wheels.gltf {camera} -o all.npz --channels {}",
+        channels.join(",")
+    ));
+    let all = lab.npz("all.npz");
+    let said: Value = serde_json::from_str(lab.ok("info all.npz --json").text()).unwrap();
+    let names = &said["metadata"]["names"];
+    let mut seen = std::collections::BTreeSet::new();
+    for (k, object) in all["object"].values.iter().enumerate() {
+        if *object < 0.0 {
+            continue;
+        }
+        let pixel = format!("--pixel {},{}", k % 12, k / 12);
+        if !seen.insert(channels.map(|channel| all[channel].values[k].to_bits())) {
+            continue;
+        }
+        let hit = story(&lab, &format!("wheels.gltf {camera} {pixel}"))["hit"].clone();
+        let text = lab.ok(&format!("probe wheels.gltf {camera} {pixel}"));
+        for channel in ["node", "mesh", "material"] {
+            let number = usize::try_from(hit[channel]["id"].as_u64().unwrap()).unwrap();
+            assert_eq!(
+                number as f64, all[channel].values[k],
+                "{channel} of {pixel}"
+            );
+            let name = &names[channel][number];
+            assert_eq!(&hit[channel]["name"], name, "{channel} of {pixel}");
+            let words = format!("{channel} {number} '{}'", name.as_str().unwrap());
+            assert!(text.text().contains(&words), "{words}: {}", text.text());
+        }
+    }
+    // Both wheels, and both materials of each.
+    assert_eq!(seen.len(), 4, "{seen:?}");
+}
+
+#[test]
+fn long_names_are_cut_in_text_and_whole_in_json() {
+    let lab = Lab::new();
+    let name = "\u{e4}".repeat(70_000);
+    let square = format!("o {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lab.write("long.obj", square);
+    let ray = "long.obj --ray 0.2,0.2,5,0,0,-1";
+    let outcome = lab.ok(&format!("probe {ray}"));
+    let cut = format!("object 0 '{}...' (mesh)", "\u{e4}".repeat(100));
+    assert!(outcome.text().contains(&cut));
+    let longest = outcome
+        .text()
+        .lines()
+        .map(|line| line.chars().count())
+        .max();
+    assert!(longest < Some(250), "{longest:?}");
+    let story = story(&lab, ray);
+    assert_eq!(story["hit"]["name"], json!(name));
+    assert_eq!(story["candidates"][0]["name"], json!(name));
 }

@@ -263,7 +263,7 @@ fn of_object(hit: &Hit, number: impl FnOnce(usize) -> i32) -> i32 {
 }
 
 fn material(catalog: &Catalog, object: &Object, hit: &Hit) -> i32 {
-    let slot = object.material_slot(hit.primitive);
-    let number = |slot| of_object(hit, |object| catalog.materials_of(object)[slot]);
-    slot.map_or(-1, number)
+    of_object(hit, |number| {
+        catalog.material_of(number, object, hit.primitive)
+    })
 }

@@ -1,5 +1,7 @@
 //! What there is to know about a hit, all at once.
 
+use std::sync::Arc;
+
 use crate::error::Result;
 use crate::geometry::{Color, DVec2, DVec3, Hit, Ray};
 use crate::memory;
@@ -29,12 +31,33 @@ pub struct HitDetails<'a> {
     pub face: i32,
     /// The linear colour of the surface there, with its texture, without light.
     pub color: Color,
-    /// Which of the object's materials.
-    pub slot: Option<usize>,
-    /// That material; `None` for an object without any.
+    /// The node that the object comes from, as in the channel `node`; `None` where there is none.
+    pub node: Option<CatalogEntry<'a>>,
+    /// The mesh that the object is or is a part of, as in the channel `mesh`; `None` for other shapes.
+    pub mesh: Option<CatalogEntry<'a>>,
+    /// The material there, as in the channel `material`; `None` for an object without any.
+    pub material_entry: Option<CatalogEntry<'a>>,
+    /// How that material looks.
     pub material: Option<&'a Material>,
     /// The attributes of its mesh there.
     pub attributes: Vec<AttributeThere<'a>>,
+}
+
+/// A node, a mesh or a material of the scene: its place in the [catalog](crate::scene::Catalog), and its name there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CatalogEntry<'a> {
+    /// Its number in the catalog, which the channels `node`, `mesh` and `material` have too.
+    pub number: i32,
+    /// Its name; may be empty.
+    pub name: &'a str,
+}
+
+impl<'a> CatalogEntry<'a> {
+    /// `None` for -1, the number of what is not there.
+    fn new(number: i32, names: &'a [Arc<str>]) -> Option<Self> {
+        let name = names.get(usize::try_from(number).ok()?)?;
+        Some(Self { number, name })
+    }
 }
 
 /// An attribute of a mesh at a point of a triangle.
@@ -54,9 +77,9 @@ impl<'a> HitDetails<'a> {
         let (Some(surface), Some(object)) = (scene.interaction(ray, hit), scene.object(hit)) else {
             return Ok(None);
         };
-        let materials = object.materials().len();
-        let triangle = usize::try_from(hit.primitive).unwrap_or(0);
-        let slot = object.mesh().map_or(0, |mesh| mesh.slot(triangle));
+        let catalog = scene.catalog();
+        let number = usize::try_from(hit.object).unwrap_or(usize::MAX);
+        let material = catalog.material_of(number, object, hit.primitive);
         Ok(Some(Self {
             hit: *hit,
             name: object.name(),
@@ -68,8 +91,9 @@ impl<'a> HitDetails<'a> {
             uv: surface.uv(),
             face: surface.face(),
             color: surface.color(),
-            // The last one serves for slots beyond.
-            slot: materials.checked_sub(1).map(|last| slot.min(last)),
+            node: CatalogEntry::new(catalog.node_of(number), catalog.nodes()),
+            mesh: CatalogEntry::new(catalog.mesh_of(number), catalog.meshes()),
+            material_entry: CatalogEntry::new(material, catalog.materials()),
             material: object.material(hit.primitive),
             attributes: attributes(scene, &surface)?,
         }))

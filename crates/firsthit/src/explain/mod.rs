@@ -1,4 +1,4 @@
-//! The whole story of one ray: what it meets first, why each other object is not that, and what lies behind.
+//! The explanation of one ray: what it meets first, why each other object is not that, and what lies behind.
 //!
 //! 1. The engine answers [`First`] and [`All`] for the ray. So the hit is the one that every other function gives.
 //! 2. Each object is asked by itself what the ray does to it (`shoot/encounter.rs`).
@@ -11,8 +11,8 @@ mod reason;
 
 use std::borrow::Cow;
 
-pub use details::{AttributeThere, HitDetails};
-pub use pixel::Pixel;
+pub use details::{AttributeThere, CatalogEntry, HitDetails};
+pub use pixel::{Pixel, explain_pixel};
 pub use reason::Reason;
 
 use crate::error::{Error, Result};
@@ -26,6 +26,10 @@ use passage::{Passage, passage};
 /// What is asked about a ray, see [`explain`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplainSettings {
+    /// Where the ray begins, as [`Ray::t_min`]; for `None` where the ray given does, and at 0 for a pixel.
+    pub t_min: Option<f64>,
+    /// Where the ray ends, as [`Ray::t_max`]; for `None` where the ray given does, and nowhere for a pixel.
+    pub t_max: Option<f64>,
     /// What the ray does not meet.
     pub filter: RayFilter,
     /// The only objects that it meets, by their identifiers; all for `None`.
@@ -35,9 +39,11 @@ pub struct ExplainSettings {
 }
 
 impl Default for ExplainSettings {
-    /// Everything is met, and ten crossings are listed.
+    /// The ray keeps its ends, everything is met, and ten crossings are listed.
     fn default() -> Self {
         Self {
+            t_min: None,
+            t_max: None,
             filter: RayFilter::NONE,
             among: None,
             behind: 10,
@@ -45,17 +51,17 @@ impl Default for ExplainSettings {
     }
 }
 
-/// The story of a ray, see [`explain`].
+/// The explanation of a ray, see [`explain`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Explanation<'a> {
-    /// The ray, in the world.
+    /// The ray, in the world, with the ends that were asked for.
     pub ray: Ray,
     /// What it does not meet.
     pub filter: RayFilter,
     /// What is wrong with the ray, if it is not [valid](Ray::is_valid) and so meets nothing.
     pub fault: Option<&'static str>,
-    /// The pixel that it goes through, if it is a camera's: see [`Pixel::explain`].
+    /// The pixel that it goes through, if it is a camera's: see [`explain_pixel`].
     pub pixel: Option<Pixel>,
     /// What it meets first; `None` for a miss.
     pub hit: Option<HitDetails<'a>>,
@@ -91,8 +97,8 @@ pub struct Candidate<'a> {
     pub shape: &'static str,
     /// Why.
     pub reason: Reason,
-    /// The place that the reason is about: of what the ray meets the first, of what it would meet the nearest. `None` where its line does not touch
-    /// the surface.
+    /// The first hit if the ray meets the object, otherwise the rejected crossing that `reason` describes. `None` where the line of the ray does
+    /// not touch the surface.
     pub place: Option<Hit>,
 }
 
@@ -110,7 +116,7 @@ impl Explanation<'_> {
 }
 
 impl Scene {
-    /// The whole story of a ray that meets everything: see [`explain`].
+    /// The explanation of a ray that meets everything: see [`explain`].
     ///
     /// ```
     /// use firsthit::explain::Reason;
@@ -139,8 +145,8 @@ impl Scene {
     }
 }
 
-/// The whole story of a ray: what it meets first, why each other object is not that, and what lies behind. The time it takes is
-/// that of a look at every object.
+/// Explains a ray: what it meets first, why each other object is not that, and what lies behind. It looks at every object, so
+/// that it takes time in proportion to their number.
 ///
 /// All of it agrees to the bit with what [`trace`] answers. Whether a box is missed is decided in exact arithmetic. The box is the one
 /// around the object in the world, that the tree over the objects is made from; where an object is turned, its corners are rounded.
@@ -156,6 +162,11 @@ pub fn explain<'a>(
     watch: &dyn Watch,
 ) -> Result<Explanation<'a>> {
     let ExplainSettings { filter, among, .. } = settings;
+    let ray = &Ray {
+        t_min: settings.t_min.unwrap_or(ray.t_min),
+        t_max: settings.t_max.unwrap_or(ray.t_max),
+        ..*ray
+    };
     let out = among.as_ref().map(|among| left_out(scene, among));
     let out = out.transpose()?.unwrap_or_default();
     let seen = but(scene, &out)?;
@@ -209,11 +220,13 @@ fn fault(ray: &Ray) -> Option<&'static str> {
     }
     let is_far = ray.origin.is_nan() || ray.origin.abs().max_element() > Ray::FARTHEST;
     Some(if is_far {
-        "its origin is not from -1e150 to 1e150"
+        "a coordinate of its origin is NaN or beyond 1e150"
     } else if ray.direction == DVec3::ZERO {
         "its direction is zero"
     } else if !ray.direction.is_finite() {
         "its direction is not finite"
+    } else if ray.t_min.is_nan() || ray.t_max.is_nan() {
+        "its t_min or its t_max is NaN"
     } else {
         "it ends before it begins"
     })
@@ -297,6 +310,7 @@ fn reason(
 ) -> (Reason, Option<Hit>) {
     match encounters.with(index) {
         Encounter::Hidden => (Reason::Hidden, None),
+        Encounter::NotAsked => (Reason::NotAmong, None),
         Encounter::Masked => (Reason::Masked, None),
         Encounter::OutOfRange => (Reason::OutOfRange, None),
         Encounter::Met(_) if hit.object == index.cast_signed() => (Reason::Hit, Some(*hit)),

@@ -45,22 +45,22 @@ reasons! {
     /// The ray meets it behind the hit.
     BehindHit "behind_hit" "met behind the hit";
     /// The ray would meet its front, and passes through fronts.
-    CulledFront "culled_front" "culled where its front would be met";
+    CulledFront "culled_front" "front side culled";
     /// The ray would meet its back, and passes through backs.
-    CulledBack "culled_back" "culled where its back would be met";
+    CulledBack "culled_back" "back side culled";
     /// The ray would meet it where the alpha of its material cuts it out.
     CutOut "cut_out" "cut out by alpha where it would be met";
-    /// The ray would meet a surface that it is told to skip.
+    /// The ray would meet it where it is told to skip the surface.
     Skipped "skipped" "skipped where it would be met";
-    /// The ray leaves this surface.
+    /// The ray starts on its surface and leaves it.
     Left "left" "left by the ray";
     /// The ray would meet it beyond its end, `t_max`.
     BeyondEnd "beyond_end" "met only beyond the ray's end";
     /// The ray would meet it behind its start, `t_min`.
     BehindStart "behind_start" "met only behind the ray's start";
-    /// The ray passes through its box, but past its surface.
+    /// The ray meets the object's box but not its surface.
     SurfaceMissed "surface_missed" "box met, surface missed";
-    /// The ray passes through its box behind the hit, and past its surface.
+    /// The ray meets the object's box behind the hit, but not its surface.
     BoxBehindHit "box_behind_hit" "box behind the hit";
     /// Its box is beyond the ray's end.
     BoxBeyondEnd "box_beyond_end" "box beyond the ray's end";
@@ -76,7 +76,8 @@ reasons! {
     NoRay "no_ray" "the ray meets nothing";
     /// Its mask and that of the ray have no bit in common.
     Masked "masked" "left out by the masks";
-    /// It is not among the objects that were asked for.
+    /// It is not among the objects that were asked for: neither in [`among`](super::ExplainSettings::among) nor
+    /// [`only`](crate::geometry::RayFilter::only).
     NotAmong "not_among" "not among the objects that were asked for";
     /// It is hidden.
     Hidden "hidden" "hidden";

@@ -99,6 +99,13 @@ impl Catalog {
         list.unwrap_or_default()
     }
 
+    /// The number of the material of an object's primitive; -1 for an object without a look.
+    pub(crate) fn material_of(&self, number: usize, object: &Object, primitive: i32) -> i32 {
+        let slot = object.material_slot(primitive);
+        let of_slot = |slot: usize| self.materials_of(number).get(slot).copied();
+        slot.and_then(of_slot).unwrap_or(-1)
+    }
+
     fn of(objects: &[Object]) -> Self {
         let mut catalog = Self::default();
         let (mut nodes, mut meshes) = (Numbers::default(), Numbers::default());

@@ -223,6 +223,11 @@ impl Object {
             (Some(mesh), Ok(triangle)) => mesh.slot(triangle),
             _ => 0,
         };
+        self.filled_slot(slot)
+    }
+
+    /// The slot whose material a slot has: the last one serves for those beyond.
+    fn filled_slot(&self, slot: usize) -> Option<usize> {
         let last = self.materials.len().checked_sub(1)?;
         Some(slot.min(last))
     }
@@ -250,10 +255,10 @@ impl Object {
 
     /// Whether its material is cut out where a triangle was hit: then there is no hit.
     pub(crate) fn is_cut_out(&self, mesh: &Mesh, triangle: usize, barycentric: DVec2) -> bool {
-        let slot = mesh.slot(triangle);
-        let Some(material) = self.materials.get(slot).or(self.materials.last()) else {
+        let Some(slot) = self.filled_slot(mesh.slot(triangle)) else {
             return false;
         };
+        let material = &self.materials[slot];
         material.has_cutouts()
             && material.is_cut_out(
                 mesh.uv(triangle, barycentric),

@@ -36,7 +36,9 @@ pub(crate) enum Rejection {
 pub(crate) enum Encounter {
     /// No ray meets it.
     Hidden,
-    /// The ray's mask leaves it out, or the ray meets another object only.
+    /// The ray meets another object only.
+    NotAsked,
+    /// Its mask and that of the ray have no bit in common.
     Masked,
     /// Its numbers, or those of the ray in its space, are out of range.
     OutOfRange,
@@ -86,6 +88,13 @@ impl<'a> Encounters<'a> {
         let object = &scene.objects()[index as usize];
         if object.is_hidden() {
             return Encounter::Hidden;
+        }
+        if self
+            .filter
+            .only
+            .is_some_and(|only| only != index.cast_signed())
+        {
+            return Encounter::NotAsked;
         }
         if !filter::sees(self.filter, index, object) {
             return Encounter::Masked;
@@ -209,8 +218,31 @@ impl Touched<'_> {
         };
         let is_cut_out = || self.object.is_cut_out(mesh, number, touch.barycentric);
         let crossing = touch.crossing(triangle.cast_signed());
-        let why = self.reason(&crossing, is_culled, is_cut_out);
+        let is_this =
+            |surface: &SurfaceId| self.is_here(surface) && surface.primitive == crossing.primitive;
+        // A line crosses a triangle once, so that this is the place that the ray leaves.
+        let why = if self.left().as_ref().is_some_and(is_this) {
+            Rejection::Left
+        } else {
+            let is_skipped = self.filter.skip.iter().flatten().any(is_this);
+            if self.only_touches_start(mesh, triangle, shear) {
+                Rejection::BehindStart
+            } else {
+                self.reason(&crossing, is_skipped, is_culled, is_cut_out)
+            }
+        };
         self.reject(crossing, why);
+    }
+
+    /// Whether the ray leaves a surface that a triangle touches at the start, and does not meet the triangle ahead of that.
+    fn only_touches_start(&self, mesh: &Mesh, triangle: u32, shear: &Shear) -> bool {
+        let Some((ray, point)) = self.ray.as_ref().zip(self.mesh_filter.departure()) else {
+            return false;
+        };
+        let leaves = MeshFilter::new([None; 2], None, Some((None, *point)));
+        let numbered = (triangle, mesh.corners(triangle as usize));
+        let met = leaves.intersect((ray, shear), EdgeRule::Closed, numbered, Doubtful::settle);
+        met.is_none()
     }
 
     /// Asks a shape that is no mesh.
@@ -225,11 +257,34 @@ impl Touched<'_> {
         if self.first.is_some() {
             return;
         }
-        for crossing in shape.crossings(&self.line).into_iter().flatten() {
-            let is_culled = || !filter::is_not_culled(self.filter, shape, &self.line, &crossing);
-            let why = self.reason(&crossing, is_culled, || false);
+        let crossings = shape.crossings(&self.line);
+        let left = self.left().filter(|left| self.is_here(left));
+        let left = left.and_then(|_| nearest_start(&crossings));
+        let mut kept = crossings;
+        if let Some(left) = left {
+            kept[left] = None;
+        }
+        filter::leave_out_skipped(self.filter, self.index, &mut kept, t_scale);
+        for (k, crossing) in crossings.into_iter().enumerate() {
+            let Some(crossing) = crossing else { continue };
+            let why = if left == Some(k) {
+                Rejection::Left
+            } else {
+                let is_culled =
+                    || !filter::is_not_culled(self.filter, shape, &self.line, &crossing);
+                self.reason(&crossing, kept[k].is_none(), is_culled, || false)
+            };
             self.reject(crossing, why);
         }
+    }
+
+    /// The surface that the ray leaves.
+    fn left(&self) -> Option<SurfaceId> {
+        self.filter.departure.map(|departure| departure.surface)
+    }
+
+    fn is_here(&self, surface: &SurfaceId) -> bool {
+        surface.object == self.index.cast_signed()
     }
 
     /// Takes a crossing, if it is a hit of the caller's ray.
@@ -244,24 +299,14 @@ impl Touched<'_> {
         true
     }
 
-    /// Why a crossing with the line is none with the ray.
+    /// Why a crossing with the line, other than the one that the ray leaves, is none with the ray.
     fn reason(
         &self,
         crossing: &Crossing,
+        is_skipped: bool,
         is_culled: impl Fn() -> bool,
         is_cut_out: impl Fn() -> bool,
     ) -> Rejection {
-        let is_this = |surface: &SurfaceId| {
-            u32::try_from(surface.object) == Ok(self.index)
-                && surface.primitive == crossing.primitive
-        };
-        let left = self.filter.departure.map(|departure| departure.surface);
-        if left.as_ref().is_some_and(is_this) {
-            return Rejection::Left;
-        }
-        if self.filter.skip.iter().flatten().any(is_this) {
-            return Rejection::Skipped;
-        }
         let t = self.scaled.t_scale * crossing.t;
         if t <= self.whole.t_min || self.ray.is_some_and(|ray| crossing.t <= ray.t_min) {
             return Rejection::BehindStart;
@@ -269,10 +314,13 @@ impl Touched<'_> {
         if t > self.whole.t_max || self.ray.is_none_or(|ray| crossing.t > ray.t_max) {
             return Rejection::BeyondEnd;
         }
+        if is_skipped {
+            return Rejection::Skipped;
+        }
         match self.filter.cull {
             Some(side) if is_culled() => Rejection::Culled(side),
             _ if is_cut_out() => Rejection::CutOut,
-            // It touches the surface that the ray leaves, at the start.
+            // Rounded, its `t` is beyond a start that it is not beyond.
             _ => Rejection::BehindStart,
         }
     }
@@ -294,6 +342,13 @@ impl Touched<'_> {
             self.rejected = Some((hit, why));
         }
     }
+}
+
+/// Which crossing of a line is the nearest to its start.
+fn nearest_start(crossings: &[Option<Crossing>; 2]) -> Option<usize> {
+    let distance = |k: &usize| crossings[*k].map_or(f64::INFINITY, |crossing| crossing.t.abs());
+    let there = (0..2).filter(|&k| crossings[k].is_some());
+    there.min_by(|one, other| distance(one).total_cmp(&distance(other)))
 }
 
 /// What is told first: the nearest of what is on the ray, then what is the least beyond its end, then the least behind its start.

@@ -112,10 +112,8 @@ pub(super) fn crossings(
 ) -> [Option<Crossing>; 2] {
     let left = filter.departure.map(|departure| departure.surface);
     let left = left.filter(|surface| is_of(surface, index));
-    let skipped = filter
-        .skip
-        .map(|surface| surface.filter(|surface| is_of(surface, index)));
-    if left.is_none() && skipped == [None; 2] {
+    let is_skipped = |surface: &SurfaceId| is_of(surface, index);
+    if left.is_none() && !filter.skip.iter().flatten().any(is_skipped) {
         return shape.crossings(ray).map(|crossing| {
             crossing.filter(|crossing| is_not_culled(filter, shape, ray, crossing))
         });
@@ -137,15 +135,25 @@ pub(super) fn crossings(
     if left.is_some() {
         crossings[0] = None;
     }
-    for (surface, end) in skipped.iter().zip([0.0, 1.0 / t_scale]) {
-        if let Some(surface) = surface {
-            leave_out(&mut crossings, surface.primitive, end);
-        }
-    }
+    leave_out_skipped(filter, index, &mut crossings, t_scale);
     crossings.map(|crossing| {
         crossing
             .filter(|crossing| ray.holds(crossing.t) && is_not_culled(filter, shape, ray, crossing))
     })
+}
+
+/// Leaves out the crossings of a line with a shape that is no mesh that the ray is told to skip; `t` times `t_scale` is the caller's.
+pub(super) fn leave_out_skipped(
+    filter: &RayFilter,
+    index: u32,
+    crossings: &mut [Option<Crossing>; 2],
+    t_scale: f64,
+) {
+    for (surface, end) in filter.skip.iter().zip([0.0, 1.0 / t_scale]) {
+        if let Some(surface) = surface.filter(|surface| is_of(surface, index)) {
+            leave_out(crossings, surface.primitive, end);
+        }
+    }
 }
 
 /// Leaves out the crossing of a part of a shape that is nearest to a parameter.
