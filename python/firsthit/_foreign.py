@@ -61,15 +61,37 @@ def mesh(thing: Any) -> tuple[Mesh, Material | None]:
     visual: Any = getattr(thing, "visual", None)
     kind = getattr(visual, "kind", None)
     vertices, faces = thing.vertices, thing.faces
+    properties: dict[str, Any] = {
+        "vertex_properties": _properties(thing, "vertex_attributes", len(vertices)),
+        "face_properties": _properties(thing, "face_attributes", len(faces)),
+    }
+
+    def made(**look: Any) -> Mesh:
+        return Mesh(vertices, faces, **look, **properties)
+
     if kind == "vertex":
-        return Mesh(vertices, faces, colors=_linear(visual.vertex_colors)), None
+        return made(colors=_linear(visual.vertex_colors)), None
     if kind == "face":
         colors = np.repeat(_linear(visual.face_colors)[:, None], 3, axis=1)
-        return Mesh(vertices, faces, colors=colors), None
+        return made(colors=colors), None
     if kind == "texture":
         uvs = getattr(visual, "uv", None)
-        return Mesh(vertices, faces, uvs=uvs), _material(visual.material, has_uvs=uvs is not None)
-    return Mesh(vertices, faces), None
+        return made(uvs=uvs), _material(visual.material, has_uvs=uvs is not None)
+    return made(), None
+
+
+def _properties(thing: Any, of: str, count: int) -> dict[str, npt.NDArray[Any]]:
+    """Return trimesh's attributes of vertices or faces that are numbers, one row for each."""
+    found = {}
+    for name, values in (getattr(thing, of, None) or {}).items():
+        array = np.asarray(values)
+        has_rows = array.ndim in (1, 2) and len(array) == count and array.size
+        if isinstance(name, str) and array.dtype.kind in "biuf" and has_rows:
+            found[name] = array
+        else:
+            what = f"the attribute {name!r} of {of} is left out: it has no numbers for each"
+            warnings.warn(what, FirsthitWarning, stacklevel=4)
+    return found
 
 
 def _linear(colors: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -125,9 +125,10 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
             ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``. Or a ``trimesh.Scene``: each
             of its nodes with a mesh becomes an object with the node's name and transform, and nodes
             that share a mesh go on sharing it. The colours of trimesh's vertices and faces are
-            taken, as sRGB, and so are the colour and the image of a material. What is no mesh is
-            left out, with a warning. Scenes of other packages do not say which way is up: set `up`
-            if it is not +z, as for a glTF file that trimesh has read, where it is +y.
+            taken, as sRGB, and so are the colour and the image of a material, and its attributes of
+            vertices and faces, see `Hits.attribute`. What is no mesh is left out, with a warning.
+            Scenes of other packages do not say which way is up: set `up` if it is not +z, as for a
+            glTF file that trimesh has read, where it is +y.
         name : str
             A name, which need not be unique; not for a scene, whose objects have their own.
         transform : (4, 4) or (3, 4) array_like, optional

@@ -404,3 +404,9 @@ def test_a_mesh_of_ours_is_taken_too():
     scene = RaycastingScene()
     scene.add_triangles(fh.Mesh(CORNERS, FACES))
     assert scene.compute_distance([[0, 0, 3]]).tolist() == [2]
+
+
+def test_what_is_no_mesh_is_refused_at_once():
+    for made in (RayMeshIntersector, ProximityQuery):
+        with pytest.raises(TypeError, match=r"got a Scene; .* to_mesh\(\)"):
+            made(type("Scene", (), {})())

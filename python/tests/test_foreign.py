@@ -140,3 +140,17 @@ def test_flat_nodes_and_several_materials_are_left_out_with_a_warning():
 def test_a_scene_has_its_own_names():
     with pytest.raises(ValueError, match="name must be left out with a scene, got 'mine'"):
         fh.Scene().add(trimesh.Scene([trimesh.creation.box()]), name="mine")
+
+
+def test_attributes_come_along():
+    box = trimesh.creation.box()
+    box.vertex_attributes["height"] = box.vertices[:, 2]
+    box.face_attributes["label"] = np.arange(12)
+    box.vertex_attributes["note"] = ["a"] * 8
+    for thing in (box, trimesh.Scene([box])):
+        scene = fh.Scene()
+        with pytest.warns(fh.FirsthitWarning, match="'note' of vertex_attributes is left out"):
+            scene.add(thing)
+        hits = scene.shoot([[0.1, 0.2, 9], [9, 0.1, 0.25]], [[0, 0, -1], [-1, 0, 0]])
+        np.testing.assert_allclose(hits.attribute("height"), [0.5, 0.25], atol=1e-12)
+        np.testing.assert_array_equal(hits.attribute("label"), hits.primitive)

@@ -22,6 +22,11 @@ class Kept:
     """A scene made of a mesh, as long as the mesh stays the same."""
 
     def __init__(self, mesh: MeshLike, make: Callable[[MeshLike], Scene]) -> None:
+        if not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
+            what = type(mesh).__name__
+            raise TypeError(
+                f"mesh must have vertices and faces, got a {what}; scenes of trimesh have to_mesh()"
+            )
         self._mesh, self._make = mesh, make
         self._made: tuple[object, Scene] | None = None
 
