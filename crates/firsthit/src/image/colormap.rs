@@ -94,7 +94,7 @@ impl ColorMap {
                 };
                 let first = level();
                 if value.len() == 1 {
-                    [first; 3]
+                    VIRIDIS[usize::from(first)]
                 } else {
                     [first, level(), level()]
                 }
@@ -141,14 +141,17 @@ fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> 
             Some(format!("{name}: nothing but misses"))
         }
         ColorMap::Quantity(ranges) => {
-            let inks = if ranges.len() == 1 {
-                &["grey"][..]
-            } else {
-                &["red", "green", "blue"]
-            };
-            let range = |(Range { low, high }, ink): (&Range, &&str)| {
+            if let [Range { low, high }] = &ranges[..] {
+                return Some(format!(
+                    "{name} from {} (violet) to {} (yellow), linear; misses black",
+                    text(*low),
+                    text(*high)
+                ));
+            }
+            let range = |(Range { low, high }, ink): (&Range, &str)| {
                 format!("from {} to {} as {ink}", text(*low), text(*high))
             };
+            let inks = ["red", "green", "blue"];
             let ranges: Vec<String> = ranges.iter().zip(inks).map(range).collect();
             Some(format!(
                 "{name}: {}, linear; misses black",
@@ -321,6 +324,24 @@ mod tests {
         let expected =
             "it from 3.25 (yellow) to 9.5 (violet), half of it nearer than 6.375; misses black";
         assert_eq!(legend.as_deref(), Some(expected));
+    }
+
+    #[test]
+    fn the_least_of_a_quantity_is_no_miss() {
+        let (one, legend) = colors(
+            Display::Quantity,
+            1,
+            Data::Float64(vec![-1.0, 3.0, f64::NAN]),
+        );
+        assert_eq!(one, [[68, 1, 84], [253, 231, 37], BLACK]);
+        let expected = "it from -1.0 (violet) to 3.0 (yellow), linear; misses black";
+        assert_eq!(legend.as_deref(), Some(expected));
+        let (two, _) = colors(
+            Display::Quantity,
+            2,
+            Data::Float64(vec![-1.0, 5.0, 3.0, 4.0]),
+        );
+        assert_eq!(two, [[0, 255, 0], [255, 0, 0]]);
     }
 
     #[test]

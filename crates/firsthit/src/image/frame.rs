@@ -100,8 +100,8 @@ pub enum Display {
     Fraction,
     /// Booleans, one each: white where true.
     Mask,
-    /// Any numbers of floats. One to three make a picture: each from its smallest to its largest value, as grey, as red and
-    /// green, or as red, green, blue.
+    /// Any numbers of floats. One to three make a picture, each from its smallest to its largest value: one in the colours of a
+    /// distance, two as red and green, three as red, green and blue.
     Quantity,
 }
 
