@@ -232,6 +232,47 @@ fn rays_that_leave_together_meet_what_brute_force_says() {
     assert!(met > 500, "{met}");
 }
 
+/// A ray at the common edge of two triangles, whose rounded `t` are in another order than the exact ones are rounded to.
+#[test]
+fn a_ray_that_leaves_a_disc_meets_the_neighbour_that_brute_force_says() {
+    let at = DVec3::new(-19_178_712.0, -21_864_168.0, 10_972_992.0);
+    let way = DVec3::new(10_388_469.0, 11_843_091.0, -5_943_704.0);
+    let points = [
+        DVec3::new(-550_498.0, 269_712.0, 508_951.0),
+        DVec3::new(550_498.0, -269_712.0, -508_951.0),
+        DVec3::new(317_421.0, 620_706.0, 1_035_397.0),
+        DVec3::new(230_651.0, -1_043_207.0, 312_046.0),
+    ];
+    let pair = mesh(&points, vec![[0, 1, 2], [1, 0, 3]]);
+    let scene = scene(vec![
+        Object::new(Disc::new(at, way, 1.0).unwrap()),
+        Object::new(pair.clone()),
+        Object::new(pair).placed(Transform::translation(DVec3::ZERO).unwrap()),
+    ]);
+    let departure = Departure {
+        surface: SurfaceId {
+            object: 0,
+            primitive: 0,
+        },
+        barycentric: DVec2::NAN,
+    };
+    let leaves = RayFilter {
+        departure: Some(departure),
+        ..RayFilter::NONE
+    };
+    let rays = [Ray::new(at, way)];
+    let rays = Filtered::new(&rays, leaves);
+    let slow = trace_with(&BruteForce, &scene, &rays, First, &()).unwrap();
+    assert_eq!(slow.object, [1]);
+    for set in InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+    {
+        let fast = trace_with(&Cpu::with(set), &scene, &rays, First, &()).unwrap();
+        same(&fast, &slow);
+    }
+}
+
 /// Whether a closed triangle is met by a ray from an exact point, ahead of that.
 fn is_met(from: &Exact, d: &Exact, corners: [DVec3; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| minus(&exact(corner), from));

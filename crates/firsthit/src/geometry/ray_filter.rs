@@ -81,7 +81,7 @@ impl Side {
 pub struct Departure {
     /// The surface.
     pub surface: SurfaceId,
-    /// In a triangle the weights of the corners 1 and 2, as in a [`Hit`](super::Hit).
+    /// In a triangle the weights of the corners 1 and 2, as in a [`Hit`](super::Hit). One that is not finite counts as 0.
     pub barycentric: DVec2,
 }
 

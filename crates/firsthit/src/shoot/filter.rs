@@ -22,7 +22,7 @@ pub(super) fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> Mesh
     let departure =
         departure_point(scene, filter, index).map(|(surface, point)| (of_object(surface), point));
     let skip = filter.skip.map(|surface| surface.and_then(of_object));
-    MeshFilter::new(skip, filter.cull, departure)
+    MeshFilter::new(skip, filter.cull, departure).of_departing(filter.departure.is_some())
 }
 
 /// The point that the ray leaves, where it is a triangle's in the space of this object.

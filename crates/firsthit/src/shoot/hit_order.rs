@@ -1,7 +1,7 @@
 //! Which of two hits of a ray is the first: the one with the smaller `t`, which of triangles is the float64 nearest to
 //! the exact one; of equal ones the lower (object, primitive).
 //!
-//! Of a ray that leaves a triangle `t` itself decides: it is measured from a rounded start.
+//! Of a ray that leaves a surface `t` itself decides: it is measured from a rounded start.
 //!
 //! Where all crossings are wanted, those of one mesh with equal `t` are in the order of a ray infinitely little beside it
 //! (`triangle/crossed.rs`).

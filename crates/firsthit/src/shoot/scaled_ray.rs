@@ -11,7 +11,7 @@ pub(super) struct ScaledRay {
     pub(super) t_scale: f64,
     /// The ray as the caller has it.
     original: Ray,
-    /// Whether it leaves a triangle: then its `t` is measured from a rounded start.
+    /// Whether it leaves a surface: then its `t` is measured from a rounded start.
     pub(super) is_departing: bool,
 }
 

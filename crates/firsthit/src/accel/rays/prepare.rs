@@ -101,9 +101,10 @@ impl Packet {
         let mut off: f64 = 0.0;
         let mut departing = 0;
         for lane in 0..count.min(RAYS) {
-            if let Some(point) = self.filters[lane].departure() {
+            let filter = &self.filters[lane];
+            departing |= u16::from(filter.is_departing()) << lane;
+            if let Some(point) = filter.departure() {
                 off = off.max(point.off * tree.space.scale);
-                departing |= 1 << lane;
             }
         }
         self.prepare_blurred(l, tree, count, off);

@@ -126,7 +126,7 @@ impl MeshRay<'_> {
     }
 
     /// Whether `new` comes before `old`: by the float64 nearest to the exact `t`, then by the triangle's index. Of a ray that
-    /// leaves a triangle, by `t` as it is: it is measured from the rounded start.
+    /// leaves a surface, by `t` as it is: it is measured from the rounded start.
     #[inline(always)]
     pub(super) fn precedes<L: Lanes>(&self, l: L, new: &Crossing, old: &Crossing) -> bool {
         if triangle::are_close(new.t, old.t) {

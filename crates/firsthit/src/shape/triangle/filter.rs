@@ -17,6 +17,8 @@ pub(crate) struct MeshFilter {
     cull: Option<Side>,
     /// The triangle that the ray leaves, if it is one of this mesh, and where.
     departure: Option<(u32, DeparturePoint)>,
+    /// Whether the ray leaves any surface, be it none of this mesh's space.
+    is_departing: bool,
 }
 
 impl MeshFilter {
@@ -25,6 +27,7 @@ impl MeshFilter {
         skip: [NO_TRIANGLE; 2],
         cull: None,
         departure: None,
+        is_departing: false,
     };
 
     /// The ray does not meet one side, nor `skip`. It leaves a triangle, perhaps of another mesh in the same space.
@@ -38,7 +41,21 @@ impl MeshFilter {
             skip: skip.map(number),
             cull,
             departure: departure.map(|(triangle, point)| (number(triangle), point)),
+            is_departing: departure.is_some(),
         }
+    }
+
+    /// The same for a ray that leaves a surface elsewhere, a sphere or a mesh in another space, if `is_departing`.
+    pub(crate) fn of_departing(self, is_departing: bool) -> Self {
+        Self {
+            is_departing,
+            ..self
+        }
+    }
+
+    /// Whether the ray leaves a surface: then its `t` decides as it is, since it is measured from a rounded start.
+    pub(crate) fn is_departing(&self) -> bool {
+        self.is_departing
     }
 
     /// Where the ray starts, if it leaves a triangle.
