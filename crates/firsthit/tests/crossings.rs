@@ -8,8 +8,11 @@
 
 mod support;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use firsthit::shoot::{All, BruteForce, Count, Cpu, First, trace, trace_with};
-use firsthit::{DVec3, Mesh, Object, Ray, Scene, Sphere};
+use firsthit::watch::Watch;
+use firsthit::{DVec3, Error, Mesh, Object, Ray, Rays, Scene, Sphere};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use support::rational::{cross, dot, exact, minus, nearest};
@@ -204,4 +207,62 @@ fn solids_are_crossed_at_both_ends() {
         assert_eq!(all.hits.object, [0, 1, 0, 1, 0, 0, 1, 1, 0, 1]);
         assert_eq!(all.hits.t[..4], [2.0, 2.0, 4.0, 4.0]);
     }
+}
+
+/// Rays that are computed from all hits of others.
+struct FromCrossings<'a> {
+    scene: &'a Scene,
+    rays: Vec<Ray>,
+}
+
+impl Rays for FromCrossings<'_> {
+    fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        // As many as a batch and more, so that threads share them.
+        let others: Vec<Ray> = (0..3000).map(|k| self.rays[(index + k) % 40]).collect();
+        let all = trace(self.scene, &others, All::default(), &()).unwrap();
+        assert_eq!(all.offsets.len(), 3001);
+        self.rays[index]
+    }
+}
+
+#[test]
+fn rays_may_come_from_another_query() {
+    let (points, triangles) = bumpy_sphere(4, 3);
+    let scene = scene(vec![Object::new(mesh(&points, triangles))]);
+    let mut numbers = Numbers::new(4);
+    let mut ray = || {
+        let from = 2.0 * numbers.point();
+        Ray::new(from, 0.2 * numbers.point() - from)
+    };
+    let rays: Vec<Ray> = (0..40).map(|_| ray()).collect();
+    let expected = trace(&scene, &rays, All::default(), &()).unwrap();
+    assert!(expected.hits.len() > 10);
+    let scene = &scene;
+    let found = trace(scene, &FromCrossings { scene, rays }, All::default(), &()).unwrap();
+    assert_eq!(found.offsets, expected.offsets);
+    assert_eq!(found.hits.t, expected.hits.t);
+}
+
+/// Stops at the third look, and counts the looks.
+#[derive(Default)]
+struct Impatient(AtomicUsize);
+
+impl Watch for Impatient {
+    fn is_stopped(&self) -> bool {
+        self.0.fetch_add(1, Ordering::Relaxed) >= 2
+    }
+}
+
+#[test]
+fn brute_force_is_stopped_between_two_rays() {
+    let scene = scene(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap())]);
+    let rays = vec![Ray::new(DVec3::NEG_X, DVec3::X); 1000];
+    let watch = Impatient::default();
+    let stopped = trace_with(&BruteForce, &scene, &rays, All::default(), &watch);
+    assert!(matches!(stopped, Err(Error::Interrupted)));
+    assert!(watch.0.into_inner() < 6);
 }

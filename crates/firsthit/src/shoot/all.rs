@@ -135,11 +135,12 @@ impl AllAnswers<'_> {
             let first = number * BATCH;
             let mut lists = [CrossingList::EMPTY; BATCH];
             let lists = &mut lists[..(rays.len() - first).min(BATCH)];
-            CrossingList::forget_all();
-            find(first, lists);
-            CrossingList::finish_all();
-            let ordered = Ordered::new(scene, rays, (first, lists), nearest);
-            if !CrossingList::forget_all() {
+            let (ordered, had_room) = CrossingList::gather(|| {
+                find(first, lists);
+                CrossingList::finish_all();
+                Ordered::new(scene, rays, (first, lists), nearest, watch)
+            });
+            if !had_room {
                 return Err(memory::no_room_for("hits of rays"));
             }
             watch.advance(lists.len() as u64);
@@ -195,11 +196,19 @@ impl Ordered {
         rays: &dyn Rays,
         (first, lists): (usize, &[CrossingList]),
         nearest: usize,
+        watch: &dyn Watch,
     ) -> Result<Self> {
         let mut counts = Vec::with_capacity(lists.len());
         let mut hits = Vec::new();
+        // All are in memory until the last ray is done: no room for twice as many.
+        let most = nearest.saturating_mul(lists.len());
+        let room = hits.try_reserve_exact(CrossingList::count_all().min(most));
+        room.map_err(|_| memory::no_room_for("hits of rays"))?;
         let mut of_ray = Vec::new();
         for (index, list) in (first..).zip(lists) {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
             of_ray.clear();
             let ray: Ray = rays.ray(index);
             let scaled = if rays.is_filtered() {

@@ -7,7 +7,7 @@
 //!    (`triangle/crossed.rs`).
 //! 4. The copies of a triangle, which the tree leaves out, are met in the same place.
 //!
-//! The crossings of a ray are a list in memory of the thread's, in no order.
+//! The crossings of a ray are an unordered list in thread-local memory.
 
 use std::cell::RefCell;
 
@@ -35,10 +35,21 @@ pub(crate) struct Node {
 struct Gathered {
     nodes: Vec<Node>,
     is_full: bool,
+    is_in_use: bool,
     waiting: Waiting,
 }
 
+/// Memory for more crossings than this is given back, not kept for the next rays.
+const KEPT: usize = 1 << 18;
+
 impl Gathered {
+    const NEW: Self = Self {
+        nodes: Vec::new(),
+        is_full: false,
+        is_in_use: false,
+        waiting: Waiting::NONE,
+    };
+
     /// Adds a crossing to a list, and returns its index. Without memory it is lost.
     fn add(&mut self, list: &mut CrossingList, crossing: Crossing) -> Option<u32> {
         let has_room = self.nodes.try_reserve(1).is_ok();
@@ -98,15 +109,11 @@ impl Waiting {
 
 thread_local! {
     static GATHERED: RefCell<Gathered> = const {
-        RefCell::new(Gathered {
-            nodes: Vec::new(),
-            is_full: false,
-            waiting: Waiting::NONE,
-        })
+        RefCell::new(Gathered::NEW)
     };
 }
 
-/// A list of crossings in memory of this thread's, the last one first. It is valid until [`CrossingList::forget_all`].
+/// A list of crossings in memory of this thread's, the last one first. It is valid within one [`CrossingList::gather`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct CrossingList {
     last: u32,
@@ -115,16 +122,43 @@ pub(crate) struct CrossingList {
 impl CrossingList {
     pub(crate) const EMPTY: Self = Self { last: u32::MAX };
 
-    /// Begins anew: no list of this thread is valid any more. Returns whether all crossings since the last time had room.
-    pub(crate) fn forget_all() -> bool {
-        GATHERED.with_borrow_mut(|gathered| {
+    /// Calls `work`, which makes lists, and forgets these. Returns also whether all crossings had room.
+    ///
+    /// `work` may come back here on the same thread: rays may be computed by other queries, and a thread that waits for
+    /// others takes over what these have left.
+    pub(crate) fn gather<T>(work: impl FnOnce() -> T) -> (T, bool) {
+        let outer = GATHERED.with_borrow_mut(|gathered| {
+            let outer = gathered
+                .is_in_use
+                .then(|| std::mem::replace(gathered, Gathered::NEW));
+            // What work that panicked has left.
             gathered.nodes.clear();
             gathered.waiting.count = 0;
-            !std::mem::take(&mut gathered.is_full)
-        })
+            gathered.is_full = false;
+            gathered.is_in_use = true;
+            outer
+        });
+        let made = work();
+        let had_room = GATHERED.with_borrow_mut(|gathered| {
+            let had_room = !gathered.is_full;
+            if let Some(outer) = outer {
+                *gathered = outer;
+            } else {
+                gathered.nodes.clear();
+                gathered.nodes.shrink_to(KEPT);
+                gathered.is_in_use = false;
+            }
+            had_room
+        });
+        (made, had_room)
     }
 
-    /// Adds a crossing. Without memory it is lost, which [`forget_all`](Self::forget_all) says.
+    /// How many crossings there are on this thread, and perhaps a few more.
+    pub(crate) fn count_all() -> usize {
+        GATHERED.with_borrow(|gathered| gathered.nodes.len())
+    }
+
+    /// Adds a crossing. Without memory it is lost, which [`gather`](Self::gather) says.
     fn push(&mut self, crossing: Crossing) {
         GATHERED.with_borrow_mut(|gathered| gathered.add(self, crossing));
     }

@@ -60,6 +60,18 @@ impl Meeting<f64> {
             })
     }
 
+    /// Whether another triangle has the same corners, in any order.
+    pub(crate) fn is_in_place_of(&self, other: &Self) -> bool {
+        let holds = |corners: &[Vector; 3], corner: &Vector| corners.contains(corner);
+        self.corners
+            .iter()
+            .all(|corner| holds(&other.corners, corner))
+            && other
+                .corners
+                .iter()
+                .all(|corner| holds(&self.corners, corner))
+    }
+
     /// The order of this crossing and of another with a crossed triangle of the same ray.
     #[cold]
     pub(crate) fn compare(&self, other: &Self) -> Ordering {
