@@ -238,7 +238,7 @@ impl Object {
     }
 
     /// Where a ray meets a triangle of its mesh that is not cut out there.
-    #[cold]
+    #[inline]
     pub(crate) fn intersect_triangle(
         &self,
         mesh: &Mesh,

@@ -13,7 +13,7 @@ use crate::geometry::Ray;
 use crate::scene::{OnTheWay, Scene};
 use crate::shape::triangle::Shear;
 use crate::shape::{Crossing, Mesh, Shape, Surface};
-use crate::simd::Lanes;
+use crate::simd::{Kernel, Lanes};
 
 /// A mesh that a ray comes to, and the ray in the space of that.
 #[derive(Clone, Copy)]
@@ -114,7 +114,13 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                             ray,
                         });
                     }
-                    self.triangle_by_triangle(l, scratch, scene, (tree, mesh), &ray);
+                    l.call(TriangleByTriangle {
+                        walk: self,
+                        scratch,
+                        scene,
+                        at_mesh: (tree, mesh),
+                        ray: &ray,
+                    });
                 }
                 (shape, _) => self.shape(scene, shape, &ray),
             }
@@ -160,38 +166,52 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             self.take(scene, Q::InMesh::of_crossing(Some(crossing)));
         }
     }
+}
 
-    /// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, it has no nodes, or the ray is
-    /// distant, begins behind its origin, has other units or leaves a triangle that float32 cannot tell from its neighbours.
-    fn triangle_by_triangle<L: Lanes>(
-        &mut self,
-        l: L,
-        scratch: &mut Scratch,
-        scene: &Scene,
-        (tree, mesh): (&MeshTree, &Mesh),
-        ray: &Ray,
-    ) {
-        let object = &scene.objects()[self.object as usize];
-        let filter = *self.query.mesh_filter();
+/// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, it has no nodes, or the ray is
+/// distant, begins behind its origin, has other units or leaves a triangle that float32 cannot tell from its neighbours.
+struct TriangleByTriangle<'r, 'a, Q> {
+    walk: &'r mut SceneWalk<'a, Q>,
+    scratch: &'r mut Scratch,
+    scene: &'r Scene,
+    at_mesh: (&'r MeshTree, &'r Mesh),
+    ray: &'r Ray,
+}
+
+impl<Q: RayQuery> Kernel for TriangleByTriangle<'_, '_, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self {
+            walk,
+            scratch,
+            scene,
+            at_mesh,
+            ray,
+        } = self;
+        let object = &scene.objects()[walk.object as usize];
+        let filter = *walk.query.mesh_filter();
         let off = filter.departure().map_or(0.0, |point| point.off);
+        let shear = Shear::new(ray);
         accel::each_candidate(
             l,
             scratch,
-            (tree, mesh),
+            at_mesh,
             (ray, off, Q::ALL || Q::IS_FILTERED),
             |triangle, t_max| {
                 let edges = <Q::InMesh as MeshQuery>::EDGES;
-                let ray_and_shear = (ray, &Shear::new(ray));
+                let (_, mesh) = at_mesh;
                 let crossing =
-                    object.intersect_triangle(mesh, triangle, (edges, &filter), ray_and_shear);
+                    object.intersect_triangle(mesh, triangle, (edges, &filter), (ray, &shear));
                 let Some(crossing) = crossing else {
                     return t_max;
                 };
-                self.cross(scene, crossing);
-                if self.t_max < 0.0 {
+                walk.cross(scene, crossing);
+                if walk.t_max < 0.0 {
                     accel::END
                 } else {
-                    t_max.min(self.t_max)
+                    t_max.min(walk.t_max)
                 }
             },
         );
