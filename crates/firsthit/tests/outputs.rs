@@ -332,6 +332,7 @@ fn the_fingerprint_sees_what_a_picture_would() {
         scene(vec![Object::new(square(1.0)); 2]),
         scene(vec![Object::new(square(1.0)).placed(moved)]),
         scene(vec![Object::new(square(1.0)).colored(Color::X)]),
+        scene(vec![Object::new(square(1.0)).hidden(true)]),
         scene(vec![ball(1.0)]),
         scene(vec![ball(2.0)]),
         one().with_lights(vec![light]),

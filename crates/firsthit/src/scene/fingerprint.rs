@@ -6,8 +6,8 @@ use crate::geometry::Digest;
 use crate::shape::Surface;
 
 impl Scene {
-    /// A fingerprint of what can be seen: shapes, transforms, colours, lights. Scenes with the same one
-    /// give the same pictures; it is the same on every machine, and says nothing of files and names.
+    /// A fingerprint of what can be seen: shapes, transforms, colours, lights, which objects are hidden. Scenes with the same
+    /// one give the same pictures; it is the same on every machine, and says nothing of files, names and masks other than 0.
     ///
     /// `blake3:` and 32 hexadecimal digits: the first half of the BLAKE3 digest of all that numbers say. Made
     /// once for a scene, by all threads of the current rayon pool.
@@ -69,6 +69,10 @@ fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
     digest.count(materials.len());
     for material in materials {
         digest_material(material, known, digest);
+    }
+    // Only what is hidden says so: the fingerprints of other scenes are older than hiding.
+    if object.is_hidden() {
+        digest.word("hidden");
     }
 }
 
