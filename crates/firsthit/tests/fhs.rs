@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 use firsthit::camera::{Aim, Description, Equirectangular, Opening, StandardView};
 use firsthit::load::{LoadSettings, load, load_bytes};
+use firsthit::measure::{By, inside, thickness};
+use firsthit::nearest::{Wanted, closest_points, signed_distances};
 use firsthit::scene::{Filter, MapRole, Maps, Wrap};
 use firsthit::shade::Lambert;
 use firsthit::shape::{Attribute, Between, Property, PropertyOf, PropertyValues};
@@ -21,8 +23,8 @@ use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, trace_with};
 use firsthit::world::{NamedCamera, World};
 use firsthit::{
     AlphaMode, Background, Camera, Color, Cone, Cuboid, Cylinder, DAffine3, DQuat, DVec3, Disc,
-    InstructionSet, Lens, Light, Material, Mesh, Object, Plane, Positions, Ray, Rays, Scene,
-    Shader, Sphere, Texture, TextureMap, Transform, View, fhs,
+    Filtered, InstructionSet, Lens, Light, Material, Mesh, Object, Plane, Positions, Ray,
+    RayFilter, Rays, Scene, Shader, Side, Sphere, Texture, TextureMap, Transform, View, fhs,
 };
 use support::{Numbers, bits, bumpy_sphere, mesh, rays};
 
@@ -417,7 +419,80 @@ fn attack(bytes: &[u8], verify: bool) -> Result<(), String> {
     for object in 0..scene.objects().len() {
         scene.move_object(object, turned(1.0, DVec3::ONE)).unwrap();
     }
+    // The others take longer.
+    if bytes
+        .iter()
+        .fold(0, |sum: u8, byte| sum.wrapping_add(*byte))
+        % 8
+        == 0
+    {
+        ask_everything(&scene);
+    }
     Ok(())
+}
+
+/// All other questions. Their answers do not matter, nor what is refused.
+fn ask_everything(scene: &Scene) {
+    let mut numbers = Numbers::new(3);
+    let vectors: Vec<DVec3> = (0..5).map(|_| 2.0 * numbers.point()).collect();
+    let points: Vec<[f64; 3]> = vectors.iter().map(DVec3::to_array).collect();
+    let rays: Vec<Ray> = (vectors.iter())
+        .map(|&point| Ray::new(point, -point))
+        .collect();
+    let culls = RayFilter {
+        cull: Some(Side::Back),
+        ..RayFilter::NONE
+    };
+    for set in InstructionSet::ALL.iter().filter(|set| set.is_available()) {
+        let engine = Cpu::with(*set);
+        trace_with(&engine, scene, &rays, All::default(), &()).unwrap();
+        let filtered = Filtered::new(&rays[..], culls);
+        trace_with(&engine, scene, &filtered, First, &()).unwrap();
+        trace_with(&engine, scene, &filtered, All::default(), &()).unwrap();
+    }
+    let _ = std::hint::black_box((
+        closest_points(scene, &points, Wanted::default(), &()),
+        signed_distances(scene, &points, &()),
+        inside(scene, &vectors, By::Object, &()),
+        thickness(scene, &points, &()),
+        scene.section(DVec3::ZERO, DVec3::Z),
+        scene.lint(),
+        scene.explain(&rays[0]),
+        scene.fingerprint(),
+    ));
+    let moved = scene.objects().iter().map(|object| {
+        let Some(mesh) = object.mesh() else {
+            return object.clone();
+        };
+        let mesh = Arc::unwrap_or_clone(Arc::clone(mesh));
+        let mut points = Vec::new();
+        for k in 0..mesh.positions().len() as u32 {
+            points.push((1.1 * mesh.positions().get(k)).to_array());
+        }
+        match mesh.with_positions(Positions::Double(points.into())) {
+            Ok(moved) => Object::new(Arc::new(moved)),
+            Err(_) => object.clone(),
+        }
+    });
+    let _ = scene.with_objects(moved.collect());
+}
+
+#[test]
+fn a_scene_file_names_built_scenes_of_many_objects_and_packed_ones() {
+    let folder = Folder::new("many");
+    let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+    let scene = Scene::new(vec![ball; 60_000]).unwrap();
+    let path = folder.path("many.fhs");
+    fhs::save(&path, &scene, &World::default(), &()).unwrap();
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut packed, &fs::read(&path).unwrap()).unwrap();
+    fs::write(folder.path("many.fhs.gz"), packed.finish().unwrap()).unwrap();
+    for name in ["many.fhs", "many.fhs.gz"] {
+        let path = folder.path("scene.toml");
+        fs::write(&path, format!("[[objects]]\nfile = '{name}'\n")).unwrap();
+        let loaded = load(&path, &LoadSettings::default()).unwrap();
+        assert_eq!(loaded.world.objects.len(), 60_000, "{name}");
+    }
 }
 
 /// A small file with everything in it.

@@ -158,7 +158,7 @@ impl Sections {
         for (k, bytes_of) in table.chunks_exact(UNIT).enumerate() {
             let entry = entry(bytes_of, next, bytes.len());
             let entry =
-                entry.ok_or_else(|| wrong((k + 1) * UNIT, "a section is not where it can be"))?;
+                entry.map_err(|what| wrong((k + 1) * UNIT, &format!("section {k}: {what}")))?;
             let end = entry.range.end;
             next = end.next_multiple_of(UNIT).min(bytes.len());
             if part(bytes, end..next)?.iter().any(|&byte| byte != 0) {
@@ -189,7 +189,7 @@ impl Sections {
         if part(bytes, BEFORE_DIGEST..UNIT)? != sum {
             return Err(wrong(
                 BEFORE_DIGEST,
-                "the file is damaged: its checksum is another",
+                "the file is damaged: its checksum does not match",
             ));
         }
         Ok(())
@@ -206,7 +206,7 @@ impl Sections {
         match self.entries.par_iter().find_first(is_damaged) {
             None => Ok(()),
             Some(entry) => {
-                let what = "the file is damaged: the checksum of this section is another";
+                let what = "the file is damaged: the checksum of this section does not match";
                 Err(wrong(entry.range.start, what))
             }
         }
@@ -216,7 +216,7 @@ impl Sections {
     pub(super) fn take<T: Element>(&mut self, number: usize) -> Checked<Storage<T>> {
         let entry = self.entries.get_mut(number);
         let Some(entry) = entry.filter(|entry| entry.kind == T::KIND && !entry.is_taken) else {
-            let what = format!("the record takes section {number} for what it is not, or twice");
+            let what = format!("the record names section {number} as the wrong type, or twice");
             return Err(Fault::file(what));
         };
         entry.is_taken = true;
@@ -282,18 +282,34 @@ fn check_header(bytes: &[u8]) -> Checked<usize> {
     count.ok_or_else(|| wrong(24, "there are more sections than the file has room for"))
 }
 
-/// An entry of the table, whose section starts at `start`, in a file of `length` bytes.
-fn entry(bytes: &[u8], start: usize, length: usize) -> Option<Entry> {
-    let kind = Kind::of(u32_at(bytes, 0))?;
-    let [from, size] = [8, 16].map(|at| usize::try_from(u64_at(bytes, at)));
-    let (from, size) = (from.ok()?, size.ok()?);
-    let end = from.checked_add(size)?;
-    let is_right = from == start && end <= length && size.is_multiple_of(kind.size());
-    let reserved = u64::from(u32_at(bytes, 4)) | u64_at(bytes, 24);
-    (is_right && reserved == 0).then_some(Entry {
+/// An entry of the table, whose section starts at `start`, in a file of `length` bytes; or what is wrong with it.
+fn entry(bytes: &[u8], start: usize, length: usize) -> Result<Entry, String> {
+    let code = u32_at(bytes, 0);
+    let kind = Kind::of(code).ok_or_else(|| format!("there is no kind of section {code}"))?;
+    let [from, size] = [8, 16].map(|at| u64_at(bytes, at));
+    if from != start as u64 {
+        return Err(format!("it begins at {from}, and should at {start}"));
+    }
+    let end = from
+        .checked_add(size)
+        .and_then(|end| usize::try_from(end).ok());
+    let Some(end) = end.filter(|&end| end <= length) else {
+        return Err(format!("its {size} bytes go beyond the end of the file"));
+    };
+    if !size.is_multiple_of(kind.size() as u64) {
+        let of_one = kind.size();
+        return Err(format!("its {size} bytes are no multiple of {of_one}"));
+    }
+    if u64::from(u32_at(bytes, 4)) | u64_at(bytes, 24) != 0 {
+        return Err("bytes that must be zero are not".to_owned());
+    }
+    let sum = bytes
+        .get(BEFORE_DIGEST..)
+        .and_then(|sum| sum.try_into().ok());
+    Ok(Entry {
         kind,
-        range: from..end,
-        sum: bytes.get(BEFORE_DIGEST..)?.try_into().ok()?,
+        range: start..end,
+        sum: sum.ok_or("it is not whole")?,
         is_taken: false,
     })
 }

@@ -35,6 +35,8 @@ use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::io::fault::Checked;
 use crate::io::read::mapped_file;
+#[cfg(feature = "scene-file")]
+use crate::io::read::{is_named_as_packed, regular_file};
 use crate::io::{Format, LoadSettings, Loaded, Report};
 use crate::memory::Block;
 use crate::world::World;
@@ -50,8 +52,9 @@ pub(crate) static FORMAT: Format = Format {
     read: read_copy,
 };
 
-/// Opens a file that [`save`] wrote, whatever its name. It is mapped, not read: that takes milliseconds, and processes
-/// that open it share its memory. Indices are checked; whether the rest is as it was written is checked if `verify`.
+/// Opens a file that [`save`] wrote, whatever its name. On Linux it is mapped, so that processes that open it share its
+/// memory; elsewhere it is read. Nothing is built: that takes milliseconds. Indices are checked; whether the rest is as it was
+/// written is checked if `verify`.
 ///
 /// The file must not be changed while the scene lives; [`save`] replaces a file and changes none. A process that reads what was
 /// cut off a mapped file is ended by the system.
@@ -101,7 +104,14 @@ pub(crate) fn open_mapped(block: Arc<Block>, report: &mut Report) -> Result<Load
 #[cfg(feature = "scene-file")]
 pub(crate) fn open_part(path: &Path, whole: &mut Report) -> Result<World> {
     let mut report = whole.part(path);
-    let loaded = open_mapped(mapped_file(path)?.into(), &mut report)?;
+    let loaded = if is_named_as_packed(path) {
+        let bytes = regular_file(path, report.budget.left())?;
+        FORMAT.load(bytes.into(), &mut report)?
+    } else {
+        let block = mapped_file(path)?;
+        report.budget.make_room(path, block.bytes().len());
+        open_mapped(block.into(), &mut report)?
+    };
     whole.scene = whole.scene.take().or(loaded.scene);
     whole.absorb(&report, loaded.warnings, loaded.files);
     Ok(loaded.world)

@@ -88,9 +88,9 @@ fn described(record: &Record, objects: Vec<Object>) -> Result<World> {
     })
 }
 
-/// What parsing the record takes, in times its length: an object's bytes and those of its record, over the fewest characters
-/// that describe one.
-const TIMES_RECORD: usize = 16;
+/// What parsing the record takes, in times its length: two copies of an object and one of its record, in lists that may have
+/// room for twice as many, over the 30 characters that describe one at least.
+const TIMES_RECORD: usize = 64;
 
 fn record(sections: &mut Sections) -> Checked<Record> {
     let text = sections.take::<u8>(0)?;
@@ -131,12 +131,14 @@ fn meshes(record: &Record, sections: &mut Sections) -> Checked<Vec<Built>> {
         let is_finite = positions.are_finite();
         vertices.push((Arc::new(positions), is_finite));
     }
-    let mesh = |mesh: &MeshRecord| built(mesh, &vertices, sections);
-    record.meshes.iter().map(mesh).collect()
+    let meshes = record.meshes.iter().enumerate();
+    meshes
+        .map(|mesh| built(mesh, &vertices, sections))
+        .collect()
 }
 
 fn built(
-    record: &MeshRecord,
+    (number, record): (usize, &MeshRecord),
     vertices: &[(Arc<Positions>, bool)],
     sections: &mut Sections,
 ) -> Checked<Built> {
@@ -171,8 +173,9 @@ fn built(
             cost: tree.cost.0,
         },
     };
-    let mesh = Mesh::from_parts(parts).map_err(Fault::file)?;
-    let tree = MeshTree::from_parts(&mesh, tree).map_err(Fault::file)?;
+    let of_mesh = |what: &str| Fault::file(format!("mesh {number}: {what}"));
+    let mesh = Mesh::from_parts(parts).map_err(of_mesh)?;
+    let tree = MeshTree::from_parts(&mesh, tree).map_err(of_mesh)?;
     Ok((Arc::new(mesh), Arc::new(tree)))
 }
 

@@ -115,12 +115,17 @@ impl MemoryBudget {
     /// Charges the bytes that were read from a file. They make room for what they describe: once, however often the
     /// file is read.
     pub(crate) fn charge_read(&mut self, path: &Path, bytes: usize) -> Checked<()> {
+        self.make_room(path, bytes);
+        self.charge_content(bytes as u64, "its content")
+    }
+
+    /// Makes room for what a file of so many bytes describes, without memory for them: once, however often the file is read.
+    pub(crate) fn make_room(&mut self, path: &Path, bytes: usize) {
         let bytes = bytes as u64;
         if self.sized.insert(path.to_owned()) {
             self.size = self.size.saturating_add(bytes);
             self.room = self.room.saturating_add(bytes.saturating_mul(TIMES_SIZE));
         }
-        self.charge_content(bytes, "its content")
     }
 
     /// Charges the growth since the last call; `bytes` is the total by now. Loops in which few bytes can describe much
