@@ -136,7 +136,7 @@ pub(super) const ROUNDED_DEPTH: f32 = 4.0 * U;
 
 // The nearest point.
 
-/// The error of the distance to a box or a triangle, as a share of the largest coordinate of the point and 1 for the
+/// The error of the distance to a box or a triangle, as a share of the largest coordinate of the point plus 1, for the
 /// vertices.
 ///
 /// Used in `traverse/nearest.rs`. Too small: `soups_of_every_scale_and_place` and

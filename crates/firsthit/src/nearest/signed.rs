@@ -1,7 +1,8 @@
 //! Distances with a sign: negative inside.
 //!
 //! A point is inside a closed object if a ray from it crosses the object's surface an odd number of times. Each crossing counts
-//! once, decided as exact arithmetic would ([`All`]), so the sign is exact wherever the ray leads.
+//! once, decided as exact arithmetic would ([`All`]), so the sign is exact wherever the ray leads, for meshes as they are in
+//! their own space. A transform rounds the point and the ray; shapes that are no mesh are decided in float64.
 
 use super::{ClosestPoints, Method, Wanted, closest_points_with};
 use crate::error::{Error, Result, escape_controls};

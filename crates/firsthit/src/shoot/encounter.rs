@@ -320,7 +320,7 @@ impl Touched<'_> {
         match self.filter.cull {
             Some(side) if is_culled() => Rejection::Culled(side),
             _ if is_cut_out() => Rejection::CutOut,
-            // Rounded, its `t` is beyond a start that it is not beyond.
+            // Only its rounded `t` lies beyond the start; the exact one does not.
             _ => Rejection::BehindStart,
         }
     }

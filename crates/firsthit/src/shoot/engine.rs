@@ -28,6 +28,7 @@ pub trait Engine: Debug + Sync {
     /// # Errors
     ///
     /// [`Error::Interrupted`](crate::Error::Interrupted) when `watch` stops it; the answers then have no meaning.
+    /// [`Error::Limit`](crate::Error::Limit) when all hits do not fit into memory.
     ///
     /// # Panics
     ///

@@ -52,7 +52,7 @@ pub fn shoot(scene: &Scene, p: DVec3, u_r: DVec3) -> Hit {
     Cpu::default().first_hit(scene, &Ray::new(p, u_r))
 }
 
-/// Whether anything is at `0 < t <= t_max` on the ray `p + t * u_r`. Sooner known than the first hit.
+/// Whether anything is at `0 < t <= t_max` on the ray `p + t * u_r`. Faster than the first hit.
 ///
 /// ```
 /// use firsthit::{DVec3, Object, Scene, Sphere, occluded};

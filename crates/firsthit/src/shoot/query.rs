@@ -24,7 +24,7 @@ pub trait Query {
     /// The answers for many rays, in their order.
     type Answers: Default;
 
-    /// Makes room for the answers of `count` rays, using memory that is there again.
+    /// Makes room for the answers of `count` rays, reusing their memory.
     ///
     /// # Errors
     ///
@@ -36,7 +36,7 @@ pub trait Query {
 #[derive(Debug, Clone, Copy)]
 pub struct First;
 
-/// Whether each ray meets anything. Sooner known than the first hit.
+/// Whether each ray meets anything. Faster than the first hit.
 #[derive(Debug, Clone, Copy)]
 pub struct Any;
 
@@ -53,7 +53,8 @@ pub struct Count;
 ///
 /// The order is that of the exact `t`, of equal ones that of (object, primitive); within a mesh at an edge or corner it is the one in
 /// which the ray beside enters and leaves. `t` is as [`First`] has it, and among hits closer than a few units in
-/// the last place the float64 nearest to the exact one: it never decreases.
+/// the last place the float64 nearest to the exact one: it never decreases. Those of a ray that leaves a surface
+/// ([`Departure`](crate::Departure)) are in the order of `t` as it is, then of (object, primitive), at edges too.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct All {
     /// How many of each ray are wanted, the first ones; all for `None`.

@@ -15,13 +15,13 @@
 //!
 //! # Error bounds
 //!
-//! In units of `U` (see `bounds.rs`), in the space of the tree. R is the largest coordinate of the point, and 1 for the
-//! vertices. All errors are lengths, and make the limit larger (`NEAR`, `NEAR_SQUARED`); boxes and triangles are
+//! In units of `U` (see `bounds.rs`), in the space of the tree. R is the largest coordinate of the point plus 1, which is for
+//! the vertices. All errors are lengths, and make the limit larger (`NEAR`, `NEAR_SQUARED`); boxes and triangles are
 //! compared as they come out.
 //!
 //! - **A coordinate** of a vertex relative to the point is off by 2 R: the point's own rounding, the vertex', and that of
 //!   the difference.
-//! - **A box** is therefore nearer by at most 1.8 R than it seems: the errors along three axes together.
+//! - **A box** is therefore nearer by at most 3.5 R than it seems: the errors along three axes together.
 //! - **A product** of a direction of length 1 with a vertex is off by 5.2 R of its own rounding, as the sum of the
 //!   products' sizes is at most 1.8 R, and by 3.5 R with the vertex'. In all 8.7 R; `NEAR` is 10 R.
 //! - **Squares** and their sums are off by 6 units of themselves; `NEAR_SQUARED` is 16.
@@ -33,8 +33,8 @@
 //!   of the mesh's own coordinates. The limit has room for 8 of each.
 //! - The distance is off by less than 2^-40 of itself.
 //!
-//! The map from the world to the mesh makes lengths at most so much longer as its largest singular value. Its square is
-//! at most the largest sum of a row of the sizes of its Gram matrix; where angles are kept, it is that.
+//! The map from the world to the mesh stretches lengths by at most its largest singular value, whose square is at most
+//! the infinity norm of the Gram matrix, and is that where angles are kept.
 
 use super::single::Scratch;
 use super::stack::Stack;
@@ -226,7 +226,7 @@ fn cross<L: Lanes>(l: L, a: Vectors<L>, b: Vectors<L>) -> Vectors<L> {
 #[inline(always)]
 fn offset<L: Lanes>(l: L, a: Vectors<L>, edge: Vectors<L>) -> (Vectors<L>, L::Floats) {
     let share = l.div(dot(l, a, edge), dot(l, edge, edge));
-    // Of an edge without a length it is NaN, and then 0.
+    // Of an edge without a length it is NaN, and then 1, which leads to the same point.
     let share = l.max(
         l.min(l.sub(l.splat(0.0), share), l.splat(1.0)),
         l.splat(0.0),
