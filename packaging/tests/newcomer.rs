@@ -5,7 +5,9 @@ use std::sync::Arc;
 use firsthit::channel::kind;
 use firsthit::image::Channel;
 use firsthit::render::Picture;
-use firsthit::shoot::{Any, Cpu, Engine, First, trace_with};
+use firsthit::measure::{By, inside};
+use firsthit::nearest::closest_point;
+use firsthit::shoot::{All, Any, Count, Cpu, Engine, First, trace_with};
 use firsthit::{
     Camera, Color, DVec3, Hit, InstructionSet, Mesh, Object, Positions, Ray, Result, Scene, Sphere,
 };
@@ -55,6 +57,19 @@ fn everything(engine: &dyn Engine, scene: &Scene) -> Result<(Vec<usize>, Vec<Cha
         let occluded = trace_with(engine, scene, &rays, Any, &())?;
         counts.push(occluded.into_iter().filter(|&is| is).count());
     }
+    let rays = scattered(3000);
+    let all = trace_with(engine, scene, &rays, All::default(), &())?;
+    let crossings = trace_with(engine, scene, &rays, Count, &())?;
+    let total: usize = crossings.into_iter().map(|count| count as usize).sum();
+    assert!(all.hits.len() == total && total > 1500, "{total}");
+    let middle = DVec3::new(0.2, 0.2, 0.2);
+    let near = closest_point(scene, middle)?.expect("there is something");
+    assert!(near.distance < 0.31, "{near:?}");
+    // The middle of the ball, where that is there; the hills are open.
+    let found = inside(scene, &[middle], By::Object, &())?;
+    let has_ball = found.is_inside.len() == 2;
+    assert_eq!(found.is_inside.last(), Some(&has_ball));
+    counts.push(total);
     let depth_cue = |t: f64, _: DVec3, _: DVec3, _: &Hit| Color::splat(1.0 / (1.0 + t));
     let channels = [kind("color")?, kind("t")?];
     let picture = Picture {
