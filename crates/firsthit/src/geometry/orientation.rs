@@ -90,7 +90,7 @@ pub(crate) fn orient_2d([a, b, c]: [DVec3; 3], axis: usize) -> Ordering {
 }
 
 /// An axis along which a triangle is seen with an area; `None` if it has none.
-pub(crate) fn open_axis(triangle: &[DVec3; 3]) -> Option<usize> {
+pub(crate) fn projection_axis(triangle: &[DVec3; 3]) -> Option<usize> {
     (0..3).find(|&axis| orient_2d(*triangle, axis) != Ordering::Equal)
 }
 

@@ -12,11 +12,11 @@ pub(super) fn winding(
     found: &mut Found<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
-    for meeting in subject.meetings() {
-        if let [a, b] = meeting
+    for uses in subject.edge_uses() {
+        if let [a, b] = uses
             && a.is_forward == b.is_forward
         {
-            add(subject, meeting, found);
+            add(subject, uses, found);
         }
     }
     Ok(())
@@ -29,16 +29,16 @@ pub(super) fn non_manifold(
     found: &mut Found<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
-    for meeting in subject.meetings() {
-        if meeting.len() > 2 {
-            add(subject, meeting, found);
+    for uses in subject.edge_uses() {
+        if uses.len() > 2 {
+            add(subject, uses, found);
         }
     }
     Ok(())
 }
 
-fn add(subject: &Subject<'_>, meeting: &[EdgeUse], found: &mut Found<'_>) {
-    let [a, b] = meeting[0].ends.map(|place| subject.point(place));
-    let triangles: Vec<u32> = meeting.iter().map(|edge| edge.triangle).collect();
+fn add(subject: &Subject<'_>, uses: &[EdgeUse], found: &mut Found<'_>) {
+    let [a, b] = uses[0].ends.map(|place| subject.point(place));
+    let triangles: Vec<u32> = uses.iter().map(|edge| edge.triangle).collect();
     found.add(subject, &triangles, 0.5 * a + 0.5 * b);
 }

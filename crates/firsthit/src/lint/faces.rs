@@ -15,7 +15,7 @@ pub(super) fn degenerate(
     _watch: &dyn Watch,
 ) -> Result<()> {
     for triangle in 0..subject.len() {
-        if !subject.is_open[triangle as usize] {
+        if !subject.has_area[triangle as usize] {
             found.add(subject, &[triangle], subject.middle(triangle));
         }
     }
@@ -29,10 +29,12 @@ pub(super) fn duplicate(
     found: &mut Found<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
-    let open = (0..)
+    let with_area = (0..)
         .zip(&subject.welded)
-        .filter(|&(k, _): &(u32, _)| subject.is_open[k as usize]);
-    let mut order: Vec<([u32; 3], u32)> = open.map(|(k, &places)| (sorted(places).0, k)).collect();
+        .filter(|&(k, _): &(u32, _)| subject.has_area[k as usize]);
+    let mut order: Vec<([u32; 3], u32)> = with_area
+        .map(|(k, &places)| (sorted(places).0, k))
+        .collect();
     order.par_sort_unstable();
     let same = order.chunk_by(|(a, _), (b, _)| a == b);
     let mut later: Vec<u32> = same

@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::Facts;
-use super::groups::Groups;
+use super::disjoint_sets::DisjointSets;
 use super::report::{Found, Place, primitive};
 use super::subject::{Subject, stop_if_asked};
 use crate::error::Result;
@@ -33,9 +33,9 @@ pub(super) fn borders(
     object: i32,
     transform: &Transform,
 ) -> impl Iterator<Item = Border> {
-    let single = subject.meetings().filter(|meeting| meeting.len() == 1);
-    single.map(move |meeting| {
-        let [a, b] = meeting[0]
+    let single = subject.edge_uses().filter(|uses| uses.len() == 1);
+    single.map(move |uses| {
+        let [a, b] = uses[0]
             .ends
             .map(|place| transform.point_in_world(subject.point(place)));
         Border {
@@ -47,7 +47,7 @@ pub(super) fn borders(
             subject: subject.index,
             object,
             is_first: object == subject.object,
-            triangle: meeting[0].triangle,
+            triangle: uses[0].triangle,
         }
     })
 }
@@ -95,12 +95,12 @@ fn loops(open: &[Border]) -> usize {
         a.1.cmp(&b.1).then_with(|| compare_points(a.0, b.0))
     };
     order.par_sort_unstable_by(|a, b| by_place(a, b).then(a.2.cmp(&b.2)));
-    let mut groups = Groups::new(open.len());
+    let mut sets = DisjointSets::new(open.len());
     for same in order.chunk_by(|a, b| by_place(a, b) == Ordering::Equal) {
         for end in same {
-            groups.unite(same[0].2 / 2, end.2 / 2);
+            sets.unite(same[0].2 / 2, end.2 / 2);
         }
     }
     let count = u32::try_from(open.len()).unwrap_or(u32::MAX);
-    (0..count).filter(|&k| groups.first(k) == k).count()
+    (0..count).filter(|&k| sets.first(k) == k).count()
 }

@@ -11,7 +11,7 @@
 use std::cmp::Ordering::{self, Equal, Greater, Less};
 
 use crate::geometry::DVec3;
-use crate::geometry::orientation::{open_axis, orient_2d, orient_3d};
+use crate::geometry::orientation::{orient_2d, orient_3d, projection_axis};
 
 /// A triangle with an area: its corners, and the numbers of their places.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +71,8 @@ fn meet_beyond(p: &Face, q: &Face, [k, l]: [usize; 2]) -> bool {
 fn are_folded(p: &Face, q: &Face, [k, l]: [usize; 2]) -> bool {
     let [a, b] = [p.corners[(k + 1) % 3], p.corners[(k + 2) % 3]];
     let (c, d) = (p.corners[k], q.corners[l]);
-    let Some(axis) = open_axis(&p.corners).filter(|_| orient_3d([a, b, c, d]) == Equal) else {
+    let Some(axis) = projection_axis(&p.corners).filter(|_| orient_3d([a, b, c, d]) == Equal)
+    else {
         return false;
     };
     orient_2d([a, b, c], axis) == orient_2d([a, b, d], axis)
@@ -98,7 +99,7 @@ fn is_inside(signs: [Ordering; 3]) -> bool {
 
 /// Whether an edge in the plane of a triangle meets it.
 fn edge_meets_in_plane([a, b]: [DVec3; 2], q: &Face) -> bool {
-    let Some(axis) = open_axis(&q.corners) else {
+    let Some(axis) = projection_axis(&q.corners) else {
         return false;
     };
     let sides = |[from, to]: [DVec3; 2], points: [DVec3; 2]| {

@@ -4,9 +4,9 @@
 //! place are one, to the last bit, whether or not triangles share them by index. All that decides is exact: areas, volumes and
 //! whether triangles meet are signs of determinants on the float64 numbers.
 
+mod disjoint_sets;
 mod edges;
 mod faces;
-mod groups;
 mod holes;
 mod kinds;
 #[cfg(feature = "frame")]

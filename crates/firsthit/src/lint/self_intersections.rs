@@ -23,7 +23,7 @@ pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Wa
     let bytes = (count as usize).saturating_mul(TREE_BYTES);
     memory::check("the tree over the faces of a mesh", bytes)?;
     let bounds = |triangle: u32| {
-        if subject.is_open[triangle as usize] {
+        if subject.has_area[triangle as usize] {
             Bounds::of(subject.corners(triangle))
         } else {
             Bounds::EMPTY
@@ -36,8 +36,8 @@ pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Wa
         let mut stack = Vec::new();
         let mut meeting = Vec::new();
         for triangle in chunk * CHUNK_U32..count.min((chunk + 1).saturating_mul(CHUNK_U32)) {
-            let is_open = subject.is_open[triangle as usize];
-            match is_open.then(|| meets_another(subject, &tree, triangle, &mut stack, watch)) {
+            let has_area = subject.has_area[triangle as usize];
+            match has_area.then(|| meets_another(subject, &tree, triangle, &mut stack, watch)) {
                 Some(ControlFlow::Continue(true)) => meeting.push(triangle),
                 Some(ControlFlow::Break(())) => break,
                 _ => {}

@@ -8,7 +8,7 @@
 
 use std::cmp::Ordering;
 
-use super::groups::Groups;
+use super::disjoint_sets::DisjointSets;
 use super::report::Found;
 use super::subject::{CHUNK, Subject, stop_if_asked};
 use crate::accel::Bvh;
@@ -60,27 +60,27 @@ fn around(subject: &Subject<'_>, shell: &[u32]) -> Bounds {
 
 /// The triangles of each closed shell, in order; the shells by their lowest triangle.
 fn closed_shells(subject: &Subject<'_>) -> Vec<Vec<u32>> {
-    let mut groups = Groups::new(subject.welded.len());
-    for meeting in subject.meetings() {
-        if let [a, b] = meeting
+    let mut sets = DisjointSets::new(subject.welded.len());
+    for uses in subject.edge_uses() {
+        if let [a, b] = uses
             && a.is_forward != b.is_forward
         {
-            groups.unite(a.triangle, b.triangle);
+            sets.unite(a.triangle, b.triangle);
         }
     }
     let mut is_closed = vec![true; subject.welded.len()];
     let mut is_used = vec![false; subject.welded.len()];
-    for meeting in subject.meetings() {
-        let forward = meeting.iter().filter(|edge| edge.is_forward).count();
-        for edge in meeting {
-            let first = groups.first(edge.triangle) as usize;
-            is_closed[first] &= 2 * forward == meeting.len();
+    for uses in subject.edge_uses() {
+        let forward = uses.iter().filter(|edge| edge.is_forward).count();
+        for edge in uses {
+            let first = sets.first(edge.triangle) as usize;
+            is_closed[first] &= 2 * forward == uses.len();
             is_used[edge.triangle as usize] = true;
         }
     }
     let mut members: Vec<(u32, u32)> = (0..subject.len())
         .filter(|&triangle| is_used[triangle as usize])
-        .map(|triangle| (groups.first(triangle), triangle))
+        .map(|triangle| (sets.first(triangle), triangle))
         .filter(|&(first, _)| is_closed[first as usize])
         .collect();
     members.sort_unstable();

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::geometry::orientation::open_axis;
+use crate::geometry::orientation::projection_axis;
 use crate::geometry::{DVec3, Transform, compare_points};
 use crate::memory;
 use crate::shape::Mesh;
@@ -30,7 +30,7 @@ pub(super) struct Subject<'a> {
     /// A vertex in each place.
     pub(super) vertices: Vec<u32>,
     /// Whether each triangle has an area, exactly.
-    pub(super) is_open: Vec<bool>,
+    pub(super) has_area: Vec<bool>,
     /// The uses of edges, those of one edge side by side, by triangles with three places that are not repeated.
     pub(super) edges: Vec<EdgeUse>,
 }
@@ -56,9 +56,9 @@ impl<'a> Subject<'a> {
         memory::check("the check of a mesh", count.saturating_mul(TRIANGLE_BYTES))?;
         let (welded, vertices) = weld(mesh);
         stop_if_asked(watch)?;
-        let is_open = (0..count).into_par_iter().with_min_len(CHUNK);
-        let is_open = is_open.map(|k| open_axis(&mesh.corners(k)).is_some());
-        let is_open = is_open.collect();
+        let has_area = (0..count).into_par_iter().with_min_len(CHUNK);
+        let has_area = has_area.map(|k| projection_axis(&mesh.corners(k)).is_some());
+        let has_area = has_area.collect();
         let is_repeated = repeated(&welded);
         stop_if_asked(watch)?;
         let edges = edges(&welded, &is_repeated);
@@ -69,7 +69,7 @@ impl<'a> Subject<'a> {
             transform,
             welded,
             vertices,
-            is_open,
+            has_area,
             edges,
         })
     }
@@ -103,7 +103,7 @@ impl<'a> Subject<'a> {
     }
 
     /// The uses of each edge.
-    pub(super) fn meetings(&self) -> impl Iterator<Item = &[EdgeUse]> {
+    pub(super) fn edge_uses(&self) -> impl Iterator<Item = &[EdgeUse]> {
         self.edges.chunk_by(|a, b| a.ends == b.ends)
     }
 }

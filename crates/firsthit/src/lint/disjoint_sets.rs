@@ -1,9 +1,9 @@
-//! Which things hang together? Disjoint sets (Galler and Fischer, Communications of the ACM 7(5), 1964), by the lowest number.
+//! Disjoint sets: what is connected? (Galler and Fischer, Communications of the ACM 7(5), 1964), by the lowest number.
 
 /// Sets of the numbers below a count.
-pub(super) struct Groups(Vec<u32>);
+pub(super) struct DisjointSets(Vec<u32>);
 
-impl Groups {
+impl DisjointSets {
     /// Each number alone.
     pub(super) fn new(count: usize) -> Self {
         Self((0..u32::try_from(count).unwrap_or(u32::MAX)).collect())
