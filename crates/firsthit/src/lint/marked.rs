@@ -4,7 +4,6 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::Report;
-use super::subject::used_vertices;
 use crate::error::{Error, Result};
 use crate::geometry::DVec3;
 use crate::image::write_whole;
@@ -32,7 +31,8 @@ pub fn save_marked(
     if !extension.eq_ignore_ascii_case("ply") {
         return Err(Error::argument("output", "a file in .ply", path.display()));
     }
-    let used: Vec<Vec<u32>> = scene.objects().iter().map(used).collect();
+    let used = scene.objects().iter().map(used);
+    let used = used.collect::<Result<Vec<_>>>()?;
     let vertices: usize = used.iter().map(Vec::len).sum();
     if u32::try_from(vertices).is_err() {
         let (got, limit) = (vertices.to_string(), u32::MAX.to_string());
@@ -61,10 +61,10 @@ pub fn save_marked(
 }
 
 /// The vertices that an object's faces use.
-fn used(object: &Object) -> Vec<u32> {
+fn used(object: &Object) -> Result<Vec<u32>> {
     object
         .mesh()
-        .map_or_else(Vec::new, |mesh| used_vertices(mesh))
+        .map_or_else(|| Ok(Vec::new()), |mesh| mesh.used_vertices())
 }
 
 fn write_vertices(object: &Object, used: &[u32], out: &mut dyn Write) -> io::Result<()> {

@@ -1,14 +1,12 @@
 //! A mesh made ready for checks: vertices welded, edges with the triangles at them.
 
-use std::cmp::Ordering;
-
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::orientation::projection_axis;
-use crate::geometry::{DVec3, Transform, compare_points};
+use crate::geometry::{DVec3, Transform};
 use crate::memory;
-use crate::shape::Mesh;
+use crate::shape::{Mesh, Welded};
 use crate::watch::Watch;
 
 /// So many triangles are looked at between two questions whether to stop.
@@ -54,7 +52,10 @@ impl<'a> Subject<'a> {
     ) -> Result<Self> {
         let count = mesh.triangles().len();
         memory::check("the check of a mesh", count.saturating_mul(TRIANGLE_BYTES))?;
-        let (welded, vertices) = weld(mesh);
+        let Welded {
+            triangles: welded,
+            vertices,
+        } = mesh.welded()?;
         stop_if_asked(watch)?;
         let has_area = (0..count).into_par_iter().with_min_len(CHUNK);
         let has_area = has_area.map(|k| projection_axis(&mesh.corners(k)).is_some());
@@ -114,35 +115,6 @@ pub(super) fn stop_if_asked(watch: &dyn Watch) -> Result<()> {
         return Err(Error::Interrupted);
     }
     Ok(())
-}
-
-/// The vertices that a mesh uses, in order.
-pub(super) fn used_vertices(mesh: &Mesh) -> Vec<u32> {
-    let mut used: Vec<u32> = mesh.triangles().as_flattened().to_vec();
-    used.par_sort_unstable();
-    used.dedup();
-    used
-}
-
-/// The numbers of the places of all corners, and a vertex in each place, the first.
-fn weld(mesh: &Mesh) -> (Vec<[u32; 3]>, Vec<u32>) {
-    let positions = mesh.positions();
-    let used = used_vertices(mesh);
-    let mut order: Vec<u32> = (0..).zip(&used).map(|(k, _)| k).collect();
-    let point = |k: u32| positions.get(used[k as usize]);
-    order.par_sort_unstable_by(|&a, &b| compare_points(point(a), point(b)).then(a.cmp(&b)));
-    let (mut places, mut vertices) = (vec![0; used.len()], Vec::new());
-    for same in order.chunk_by(|&a, &b| compare_points(point(a), point(b)) == Ordering::Equal) {
-        let place = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
-        vertices.push(used[same[0] as usize]);
-        for &k in same {
-            places[k as usize] = place;
-        }
-    }
-    let triangles = mesh.triangles().par_iter().with_min_len(CHUNK);
-    let place = |vertex: u32| used.binary_search(&vertex).map_or(0, |k| places[k]);
-    let welded = triangles.map(|triangle| triangle.map(place)).collect();
-    (welded, vertices)
 }
 
 /// Three numbers in order, and the parity of the order they had.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Facts;
 use super::report::Found;
-use super::subject::{stop_if_asked, used_vertices};
+use super::subject::stop_if_asked;
 use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::memory;
@@ -78,7 +78,8 @@ pub(super) fn unreferenced(
 ) -> Result<()> {
     for (object, positions, meshes) in buffers(facts) {
         let mut is_used = memory::filled(positions.len(), false)?;
-        for vertex in meshes.into_iter().flat_map(used_vertices) {
+        let triangles = meshes.into_iter().flat_map(Mesh::triangles);
+        for &vertex in triangles.flatten() {
             is_used[vertex as usize] = true;
         }
         let is_free = |vertex: u32| !is_used[vertex as usize];

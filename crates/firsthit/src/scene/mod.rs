@@ -350,12 +350,14 @@ impl Scene {
 
     /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out.
     pub(crate) fn first_open_object(&self) -> Option<usize> {
-        let find = || {
-            let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();
-            let is_open = |object: &Object| !object.is_hidden() && has_gaps(object);
-            self.objects.iter().position(is_open)
-        };
-        *self.first_open.get_or_init(find)
+        if let Some(&known) = self.first_open.get() {
+            return known;
+        }
+        // Not while others wait: one of a pool's threads may be among them.
+        let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();
+        let is_open = |object: &Object| !object.is_hidden() && has_gaps(object);
+        let first = self.objects.iter().position(is_open);
+        *self.first_open.get_or_init(|| first)
     }
 
     /// The objects around a point.

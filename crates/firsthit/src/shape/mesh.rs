@@ -10,10 +10,12 @@ mod named;
 #[cfg(feature = "fhs")]
 mod stored;
 mod surface;
+mod weld;
 
 pub use named::NamedAttribute;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::{MeshParts, are_below};
+pub(crate) use weld::Welded;
 
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;

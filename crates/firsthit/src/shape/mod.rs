@@ -24,6 +24,7 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
+pub(crate) use mesh::Welded;
 pub use mesh::{Mesh, NamedAttribute};
 #[cfg(feature = "fhs")]
 pub(crate) use mesh::{MeshParts, are_below};

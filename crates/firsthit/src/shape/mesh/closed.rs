@@ -1,6 +1,6 @@
 //! Whether a mesh is closed, so that every ray crosses it in pairs.
 //!
-//! 1. Vertices in one place, to the last bit, are one; 0 and -0 are one number.
+//! 1. Vertices in one place are one (`weld.rs`).
 //! 2. Count for each edge, whatever its direction, how many times triangles have it. An edge without a length does not count.
 //! 3. The mesh is closed if every number is even.
 //!
@@ -8,12 +8,11 @@
 //! face is of no account. A triangle that is there twice closes nothing. Collinear corners count as others do: they close the seam
 //! where one long edge meets two short ones.
 
-use std::cmp::Ordering;
 use std::sync::OnceLock;
 
 use super::Mesh;
+use super::weld::sort;
 use crate::error::Result;
-use crate::geometry::DVec3;
 use crate::memory;
 
 /// What [`Mesh::is_closed`] found out; equal to any other, since it follows from the triangles.
@@ -54,64 +53,19 @@ impl Mesh {
     }
 
     fn has_even_edges(&self) -> Result<bool> {
-        let places = Places::new(self)?;
         let mut edges: Vec<u64> = Vec::new();
         let room = edges.try_reserve_exact(3 * self.triangles.len());
         room.map_err(|_| memory::no_room_for("edges of a mesh"))?;
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|vertex| u64::from(places.of(vertex)));
+        for places in self.welded()?.triangles {
+            let [a, b, c] = places.map(u64::from);
             let sides = [(a, b), (b, c), (c, a)];
             let sides = sides.into_iter().filter(|(p, q)| p != q);
             edges.extend(sides.map(|(p, q)| p.min(q) << 32 | p.max(q)));
         }
-        edges.sort_unstable();
+        sort(&mut edges, Ord::cmp);
         let mut uses = edges.chunk_by(|one, other| one == other);
         Ok(uses.all(|same| same.len().is_multiple_of(2)))
     }
-}
-
-/// A number for the place of each vertex that triangles have.
-struct Places {
-    /// The vertices, in the order of their indices.
-    vertices: Vec<u32>,
-    numbers: Vec<u32>,
-}
-
-impl Places {
-    fn new(mesh: &Mesh) -> Result<Self> {
-        let corners = mesh.triangles.as_flattened();
-        let mut vertices = memory::filled(corners.len(), 0)?;
-        vertices.copy_from_slice(corners);
-        vertices.sort_unstable();
-        vertices.dedup();
-        // Adding zero makes the negative one positive.
-        let place = |k: u32| mesh.positions.get(vertices[k as usize]) + DVec3::ZERO;
-        let mut order = memory::filled(vertices.len(), 0)?;
-        for (index, k) in order.iter_mut().zip(0..) {
-            *index = k;
-        }
-        order.sort_unstable_by(|&k, &l| compare(place(k), place(l)));
-        let mut numbers = memory::filled(vertices.len(), 0)?;
-        let mut number = 0;
-        for pair in order.windows(2) {
-            number += u32::from(place(pair[0]) != place(pair[1]));
-            numbers[pair[1] as usize] = number;
-        }
-        Ok(Self { vertices, numbers })
-    }
-
-    fn of(&self, vertex: u32) -> u32 {
-        let found = self.vertices.binary_search(&vertex);
-        self.numbers[found.expect("every corner's vertex is there")]
-    }
-}
-
-fn compare(p: DVec3, q: DVec3) -> Ordering {
-    let coordinates = p.to_array().into_iter().zip(q.to_array());
-    let mut orders = coordinates.map(|(x, y)| x.total_cmp(&y));
-    orders
-        .find(|order| order.is_ne())
-        .unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]

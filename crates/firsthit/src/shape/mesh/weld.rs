@@ -1,0 +1,132 @@
+//! Vertices in one place are one, to the last bit, whether or not triangles share them by index; 0 and -0 are one number.
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use super::Mesh;
+use crate::error::Result;
+use crate::geometry::{DVec3, compare_points};
+use crate::memory;
+
+/// How many triangles one task takes of many.
+const CHUNK: usize = 1 << 12;
+
+/// The corners of a mesh by their places.
+#[derive(Debug)]
+pub(crate) struct Welded {
+    /// The corners of each triangle as numbers of places.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// In each place the vertex with the lowest index.
+    pub(crate) vertices: Vec<u32>,
+}
+
+impl Mesh {
+    /// The vertices that triangles have, in order.
+    pub(crate) fn used_vertices(&self) -> Result<Vec<u32>> {
+        let corners = self.triangles.as_flattened();
+        let mut used = memory::filled(corners.len(), 0)?;
+        used.copy_from_slice(corners);
+        sort(&mut used, Ord::cmp);
+        used.dedup();
+        Ok(used)
+    }
+
+    /// The places of all corners. They are numbered in the order of their points.
+    ///
+    /// All threads of the rayon pool help in which it is called. Outside of one the calling thread is alone: a process that forks,
+    /// as Python's do, has no threads but those of a call.
+    pub(crate) fn welded(&self) -> Result<Welded> {
+        let used = self.used_vertices()?;
+        let mut order = memory::filled(used.len(), 0)?;
+        for (index, k) in order.iter_mut().zip(0..) {
+            *index = k;
+        }
+        let point = |k: u32| -> DVec3 { self.positions.get(used[k as usize]) };
+        let by_place = |&k: &u32, &l: &u32| compare_points(point(k), point(l));
+        sort(&mut order, |k, l| by_place(k, l).then(k.cmp(l)));
+        let mut places = memory::filled(used.len(), 0)?;
+        let mut vertices = memory::filled(used.len(), 0)?;
+        let mut count = 0;
+        for same in order.chunk_by(|k, l| by_place(k, l) == Ordering::Equal) {
+            for &k in same {
+                places[k as usize] = count;
+            }
+            vertices[count as usize] = used[same[0] as usize];
+            count += 1;
+        }
+        vertices.truncate(count as usize);
+        let place = |vertex: u32| {
+            let found = used.binary_search(&vertex);
+            places[found.expect("every corner's vertex is there")]
+        };
+        let mut triangles = memory::filled(self.triangles.len(), [0; 3])?;
+        let weld = |(welded, corners): (&mut [[u32; 3]], &[[u32; 3]])| {
+            for (welded, corners) in welded.iter_mut().zip(corners) {
+                *welded = corners.map(place);
+            }
+        };
+        if is_in_pool() {
+            let parts = triangles.par_chunks_mut(CHUNK);
+            parts.zip(self.triangles.par_chunks(CHUNK)).for_each(weld);
+        } else {
+            weld((&mut triangles, &self.triangles));
+        }
+        Ok(Welded {
+            triangles,
+            vertices,
+        })
+    }
+}
+
+/// Sorts by an order in which no two are equal but those that are the same.
+pub(super) fn sort<T: Send>(all: &mut [T], compare: impl Fn(&T, &T) -> Ordering + Sync) {
+    if is_in_pool() {
+        all.par_sort_unstable_by(compare);
+    } else {
+        all.sort_unstable_by(compare);
+    }
+}
+
+fn is_in_pool() -> bool {
+    rayon::current_thread_index().is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::shape::{Mesh, Positions};
+
+    #[test]
+    fn places_are_numbered_in_order_and_have_their_lowest_vertex() {
+        let points = vec![
+            [9.0; 3],
+            [2.0, 0.0, 0.0],
+            [0.0, -0.0, 0.0],
+            [-0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [1.0, 5.0, 0.0],
+        ];
+        let triangles = vec![[4, 2, 5], [3, 1, 5]];
+        let mesh = Mesh::new(Positions::compact(points), triangles).unwrap();
+        assert_eq!(mesh.used_vertices().unwrap(), [1, 2, 3, 4, 5]);
+        let welded = mesh.welded().unwrap();
+        assert_eq!(welded.triangles, [[2, 0, 1], [0, 2, 1]]);
+        assert_eq!(welded.vertices, [2, 5, 1]);
+    }
+
+    #[test]
+    fn places_are_the_same_in_a_pool_and_outside_of_one() {
+        let point = |k: u32| [k % 61, k % 83, k % 7].map(f64::from);
+        let points = (0..40_000).map(point).collect();
+        let triangle = |k: u32| [k, k + 1, k * 7 % 40_000];
+        let triangles = (0..39_999).map(triangle).collect();
+        let mesh = Mesh::new(Positions::compact(points), triangles).unwrap();
+        let alone = mesh.welded().unwrap();
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pooled = pool.unwrap().install(|| mesh.welded().unwrap());
+            assert_eq!(pooled.triangles, alone.triangles);
+            assert_eq!(pooled.vertices, alone.vertices);
+        }
+    }
+}
