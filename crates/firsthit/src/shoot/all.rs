@@ -15,6 +15,7 @@ use crate::geometry::summary::summary;
 use crate::geometry::{Hit, Ray, Rays};
 use crate::memory;
 use crate::scene::Scene;
+use crate::simd::with_stack;
 use crate::watch::Watch;
 
 /// What many rays met, all of it: the hits of the ray `k` are those from `offsets[k]` to `offsets[k + 1]`, in their order.
@@ -128,7 +129,7 @@ impl AllAnswers<'_> {
         find: impl Fn(usize, &mut [CrossingList]) + Sync,
     ) -> Result<()> {
         let Self { all, nearest } = self;
-        let gather = |number: usize| {
+        let gathered = |number: usize| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
@@ -145,6 +146,10 @@ impl AllAnswers<'_> {
             }
             watch.advance(lists.len() as u64);
             ordered
+        };
+        let gather = |number: usize| {
+            // The lists are in memory of one thread's.
+            with_stack(|| gathered(number))
         };
         let chunks: Vec<Ordered> = match rays.len().div_ceil(BATCH) {
             // Few rays need no other thread.

@@ -35,6 +35,7 @@ pub(crate) use lanes::{Aligned, LANES, Lanes, WIDE};
 pub(crate) use mask::set_bits;
 pub(crate) use pages::prefer_large_pages;
 pub use set::InstructionSet;
+pub(crate) use stack::with_stack;
 pub use storage::Storage;
 
 /// A computation with lanes.
@@ -52,7 +53,7 @@ pub(crate) fn run<K>(set: InstructionSet, kernel: K) -> K::Output
 where
     K: Kernel<Output: Send> + Send,
 {
-    stack::with_stack(|| match set {
+    with_stack(|| match set {
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx512 => avx512::run(kernel),
         #[cfg(target_arch = "x86_64")]

@@ -3,14 +3,15 @@
 /// Does `work` on this thread: the frame of an optimised kernel is smaller than 100 KiB.
 #[cfg(not(unoptimised))]
 #[inline(always)]
-pub(super) fn with_stack<T>(work: impl FnOnce() -> T) -> T {
+pub(crate) fn with_stack<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
 /// Does `work` on a thread with a stack of 16 MiB: the frame of an unoptimised kernel may exceed one megabyte, and
-/// rayon's threads have two.
+/// rayon's threads have two. That is this thread where it is within such work already: so what a thread remembers between kernels
+/// is there for the next, if all of them are within one piece of work.
 #[cfg(unoptimised)]
-pub(super) fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     use std::sync::OnceLock;
     use std::thread::{Builder, scope};
 
@@ -27,6 +28,9 @@ pub(super) fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
         // Where there are no threads to be had, the caller's stack is all there is.
         return work();
     };
+    if pool.current_thread_index().is_some() {
+        return work();
+    }
     if current_thread_index().is_none() {
         return pool.install(work);
     }
