@@ -32,7 +32,7 @@ use crate::geometry::{Bounds, DVec3, Ray};
 /// test would accept is left out.
 #[derive(Debug, Clone)]
 pub struct Bvh {
-    /// The middle of everything: far from the world's origin, float32 still resolves the boxes.
+    /// The middle of most boxes: far from the world's origin, float32 still resolves them.
     pub(super) origin: DVec3,
     /// The largest distance of a box from `origin` along an axis.
     pub(super) extent: f64,
@@ -81,8 +81,8 @@ impl Bvh {
     }
 }
 
-/// The corners of a box around `bounds`, relative to `origin`. It is a float32 step wider on each side, which covers the rounding of
-/// the difference too.
+/// The corners of a box around `bounds`, relative to `origin`, however far that is. It is a float32 step wider on each side, which
+/// covers the rounding of the difference too.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "rounding is what this is for"

@@ -49,7 +49,7 @@ impl Bvh {
                 places: None,
             };
         }
-        let origin = all.centre();
+        let origin = middle(&boxes);
         let filled = (0..count)
             .zip(boxes)
             .filter(|(_, bounds)| !bounds.is_empty());
@@ -121,6 +121,23 @@ impl Bvh {
     }
 }
 
+/// How many boxes the middle is found by.
+const SAMPLE: usize = 1021;
+
+/// Where most boxes are: along each axis the median of their centres, or of those of a sample. The centre of everything may be far
+/// from all of them but one, where float32 could not tell the others apart. At least one box is not empty.
+fn middle(boxes: &[Bounds]) -> DVec3 {
+    let filled = || boxes.iter().filter(|bounds| !bounds.is_empty());
+    let step = filled().count().div_ceil(SAMPLE).max(1);
+    let sample: Vec<DVec3> = filled().step_by(step).map(Bounds::centre).collect();
+    let median = |axis: usize| {
+        let mut along: Vec<f64> = sample.iter().map(|centre| centre[axis]).collect();
+        let half = along.len() / 2;
+        *along.select_nth_unstable_by(half, f64::total_cmp).1
+    };
+    DVec3::new(median(0), median(1), median(2))
+}
+
 fn rounded_outwards(bounds: Bounds, origin: DVec3) -> Box32 {
     let [low, high] = outwards(bounds, origin);
     Box32::new(low, high)
@@ -141,6 +158,7 @@ impl From<BinaryNode> for Node {
 mod tests {
     use super::*;
     use crate::accel::build::binary::SAH_DEPTH;
+    use crate::geometry::Ray;
 
     fn depth(bvh: &Bvh) -> usize {
         let mut deepest = 0;
@@ -190,6 +208,62 @@ mod tests {
         for tree in &trees[1..] {
             assert_eq!(tree.nodes, trees[0].nodes);
             assert_eq!(tree.order, trees[0].order);
+        }
+    }
+
+    /// A box at 1e8 left float32 steps of 8 for all the others, so that they were one to every ray.
+    #[test]
+    fn one_box_far_away_does_not_blur_the_others() {
+        let bounds = |k: u32| {
+            let low = match k {
+                0 => DVec3::ZERO,
+                5000 => DVec3::new(1e8, -1e8, 1e8),
+                _ => DVec3::new(f64::from(k % 100), f64::from(k / 100), 0.0),
+            };
+            Bounds::of([low, low + 0.9])
+        };
+        let bvh = Bvh::build(10_000, bounds, Bvh::OBJECTS);
+        let mut stack = Vec::new();
+        for k in (1..10_000).step_by(37).filter(|&k| k != 5000) {
+            let start = bounds(k).centre() + DVec3::new(0.0, 0.0, 9.0);
+            let mut walk = bvh.walk(&Ray::new(start, DVec3::NEG_Z), &mut stack);
+            let met: Vec<u32> =
+                std::iter::from_fn(|| walk.next(f64::INFINITY, &mut stack)).collect();
+            assert!(
+                met.contains(&k) && met.len() <= MOST_IN_LEAF,
+                "{k}: {met:?}"
+            );
+            let mut candidates = 0;
+            bvh.any_overlapping(bounds(k), &mut Vec::new(), |_| {
+                candidates += 1;
+                false
+            });
+            assert!(candidates <= 4 * MOST_IN_LEAF, "{k}: {candidates}");
+        }
+        let mut walk = bvh.walk(
+            &Ray::new(bounds(5000).centre() + 9.0, -DVec3::ONE),
+            &mut stack,
+        );
+        assert!(std::iter::from_fn(|| walk.next(f64::INFINITY, &mut stack)).any(|k| k == 5000));
+    }
+
+    /// Wherever the origin is, also where float32 has no digit left for a box, or the distance leaves its range.
+    #[test]
+    fn boxes_far_from_the_origin_are_rounded_outwards() {
+        for scale in [1e-50, 1e-30, 1.0, 1e8, 1e30, 1e50, 1e300] {
+            for k in 0..200 {
+                let x = scale * (1.0 + f64::from(k) / 7.0);
+                let low = DVec3::new(x, -x, x / 3.0);
+                let bounds = Bounds::of([low, low + 0.01 * f64::from(k % 3)]);
+                for origin in [DVec3::ZERO, DVec3::splat(0.1), -low, DVec3::splat(-1e20)] {
+                    let [a, b] = outwards(bounds, origin).map(|end| end.map(f64::from));
+                    // The difference is rounded here too.
+                    let low = (bounds.low - origin).map(f64::next_down);
+                    let high = (bounds.high - origin).map(f64::next_up);
+                    assert!(DVec3::from(a).cmple(low).all(), "{bounds:?} {origin}");
+                    assert!(high.cmple(DVec3::from(b)).all(), "{bounds:?} {origin}");
+                }
+            }
         }
     }
 
