@@ -163,7 +163,8 @@ fn is_whole(leaf: &Meshlet, order: usize) -> bool {
     let corners = leaf.corners.as_flattened();
     let largest = corners.iter().fold(0, |all, corner| all | corner);
     u32::from(leaf.filled).checked_shr(count).unwrap_or(0) == 0
-        && leaf.first as usize + count as usize <= order
+        // A sum that 32 bits may not hold.
+        && u64::from(leaf.first) + u64::from(count) <= order as u64
         && usize::from(largest) < LANES
 }
 
