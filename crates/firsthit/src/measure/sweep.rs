@@ -1,6 +1,7 @@
 //! The way from rays to rows of answers: block by block, so that only the crossings of one block are in memory.
 
 use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -90,9 +91,9 @@ impl<'a> Solids<'a> {
         rays < FEW && triangles.saturating_mul(rays as u64) < FEW_ANGLES
     }
 
-    /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is ignored. `state` makes memory that the
-    /// rays of a piece use one after the other.
-    pub(super) fn sweep<T: Send, S>(
+    /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is ignored. `state` makes memory that rays use
+    /// one after the other: as many times as pieces are in the making at once.
+    pub(super) fn sweep<T: Send, S: Send>(
         &self,
         rays: &dyn Rays,
         (by, answers): (By, &mut [T]),
@@ -107,6 +108,7 @@ impl<'a> Solids<'a> {
         }
         let (engine, mut all) = (Cpu::default(), AllHits::default());
         let is_little = self.is_little(rays.len());
+        let spare = Mutex::new(Vec::new());
         for (number, answers) in answers.chunks_mut(BLOCK * width).enumerate() {
             let (first, count) = (number * BLOCK, answers.len() / width);
             let part = Part { rays, first, count };
@@ -122,13 +124,15 @@ impl<'a> Solids<'a> {
                 if watch.is_stopped() {
                     return Err(Error::Interrupted);
                 }
-                let mut state = state()?;
+                let idle = lock(&spare).pop();
+                let mut state = idle.map_or_else(&state, Ok)?;
                 let rows = (number * PIECE..).zip(answers.chunks_mut(width));
                 for (index, row) in rows {
                     let range = all.offsets[index]..all.offsets[index + 1];
                     let ray = rays.ray(first + index);
                     answer(&mut state, &ray, &Met { all, range }, row)?;
                 }
+                lock(&spare).push(state);
                 watch.advance((answers.len() / width) as u64);
                 Ok(())
             };
@@ -144,6 +148,11 @@ impl<'a> Solids<'a> {
         }
         Ok(())
     }
+}
+
+/// What nobody uses; a thread that panicked left it whole.
+fn lock<S>(spare: &Mutex<Vec<S>>) -> MutexGuard<'_, Vec<S>> {
+    spare.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Some of many rays, without their ends.
