@@ -70,7 +70,7 @@ fn closed_meshes_are_clean() {
 }
 
 #[test]
-fn holes_are_counted_by_edges_and_loops() {
+fn holes_are_counted_by_edges_and_components() {
     let report = check(
         &one(&POINTS, FACES[..3].to_vec()),
         &[("hole", 3, "around 1 hole")],
@@ -113,6 +113,60 @@ fn two_places_of_one_mesh_close_each_other() {
         &scene(vec![Object::new(half), above]),
         &[("hole", 4, "around 1 hole")],
     );
+}
+
+/// Each border meets that of the copy in its place, which was taken for the other side of the edge.
+#[test]
+fn an_open_mesh_that_is_there_twice_is_open() {
+    let open = Arc::new(Mesh::new(Positions::compact(SQUARE.to_vec()), ROOF.to_vec()).unwrap());
+    let again = Arc::new(Mesh::clone(&open));
+    let up = Transform::translation(DVec3::Z).unwrap();
+    let object = |mesh: &Arc<Mesh>| Object::new(Arc::clone(mesh)).placed(up);
+    let hole = ("hole", 4, "around 1 hole");
+    check(&scene(vec![object(&open), object(&open)]), &[hole]);
+    check(&scene(vec![object(&open); 3]), &[hole]);
+    // Not the same mesh, but the same faces.
+    let copies = scene(vec![object(&open), object(&again)]);
+    check(&copies, &[("hole", 8, "around 2 holes")]);
+    // The same faces the other way round are its inner side: the two are closed.
+    let inner = ROOF.map(|[a, b, c]| [a, c, b]).to_vec();
+    let inner = Arc::new(Mesh::new(Arc::clone(open.positions()), inner).unwrap());
+    check(&scene(vec![object(&open), object(&inner)]), &[]);
+    // What closes one of two copies closes both.
+    let mirrored =
+        DAffine3::from_translation(DVec3::Z) * DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    let below = Object::new(Arc::clone(&open)).placed(Transform::new(mirrored).unwrap());
+    check(&scene(vec![object(&open), object(&open), below]), &[]);
+}
+
+/// Only the first of the objects was looked at.
+#[test]
+fn a_hole_in_the_second_place_of_a_mesh_is_told() {
+    let roof = Arc::new(Mesh::new(Positions::compact(SQUARE.to_vec()), ROOF.to_vec()).unwrap());
+    let floor = vec![[0, 2, 1], [0, 3, 2]];
+    let floor = Object::new(Arc::new(
+        Mesh::new(Positions::compact(SQUARE.to_vec()), floor).unwrap(),
+    ));
+    let away = Transform::translation(DVec3::X * 9.0).unwrap();
+    let second = Object::new(Arc::clone(&roof)).placed(away);
+    let both = scene(vec![floor.clone(), Object::new(roof), second]);
+    let report = check(
+        &both,
+        &[("hole", 4, "around 1 hole"), ("unreferenced", 1, "")],
+    );
+    let places = &report.findings()[0].places;
+    assert!(places.iter().all(|place| place.object == 2));
+    assert_eq!(places[0].position, DVec3::new(10.0, 0.0, 0.0));
+    assert!(report.marked(1).unwrap().all(|kind| kind.is_some()));
+    assert!(report.marked(3).is_none());
+}
+
+#[test]
+fn holes_with_a_common_vertex_are_one() {
+    // Two triangles that touch at a corner.
+    let points = [DVec3::ZERO, DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y];
+    let bow = one(&points, vec![[0, 1, 2], [0, 3, 4]]);
+    check(&bow, &[("hole", 6, "around 1 hole")]);
 }
 
 /// A square, the tip of a roof over it, and the roof.

@@ -1,5 +1,6 @@
 //! The list of what is looked for.
 
+use super::holes::Border;
 use super::report::Found;
 use super::subject::Subject;
 use super::{Facts, edges, faces, holes, scale, self_intersections, shells, vertices};
@@ -30,6 +31,7 @@ type OfMesh = fn(&Subject<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
 type OfScene = fn(&Facts<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
 
 /// How it is looked for.
+type OfBorders = fn(&mut [Border], &mut Found<'_>, &dyn Watch) -> Result<()>;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Check {
     /// In each mesh alone.
@@ -37,6 +39,8 @@ pub(super) enum Check {
     /// In all of them together, afterwards.
     Scene(OfScene),
 }
+    /// In the edges with one face of all objects, afterwards.
+    Borders(OfBorders),
 
 /// All kinds. A face of several is marked as the first of them.
 pub const KINDS: &[Kind] = &[
@@ -87,7 +91,7 @@ pub const KINDS: &[Kind] = &[
         counted: "edge",
         about: "edges with one face only, unless the face at the other side belongs to another object",
         color: [40, 90, 220],
-        check: Check::Scene(holes::check),
+        check: Check::Borders(holes::check),
     },
     Kind {
         name: "non-finite",

@@ -62,8 +62,6 @@ struct Facts<'a> {
     scene: &'a Scene,
     /// The distinct meshes, each with the first object that has it.
     meshes: Vec<(i32, &'a Mesh)>,
-    /// The edges with one face, of all objects.
-    borders: Vec<Border>,
 }
 
 impl Scene {
@@ -104,8 +102,10 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
     let mut facts = Facts {
         scene,
         meshes: Vec::new(),
-        borders: Vec::new(),
     };
+    let of_borders = |kind: &&Kind| matches!(kind.check, Check::Borders(_));
+    let wants_borders = checked.iter().any(of_borders);
+    let mut borders = Vec::new();
     for index in 0..marks.len() {
         let object = usize::try_from(marks[index].objects[0]).unwrap_or(0);
         let Some((object, mesh)) = with_mesh(scene, object) else {
@@ -113,18 +113,8 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         };
         let subject = Subject::new([index, object.0], mesh, object.1.transform(), watch)?;
         facts.meshes.push((marks[index].objects[0], mesh));
-        let single = holes::borders(&subject, 0, &Transform::IDENTITY).count();
-        let of_all = single.saturating_mul(marks[index].objects.len());
-        let bytes = of_all.saturating_add(facts.borders.len());
-        memory::check(
-            "the edges of holes",
-            bytes.saturating_mul(2 * size_of::<Border>()),
-        )?;
-        for &object in &marks[index].objects {
-            let transform = with_mesh(scene, usize::try_from(object).unwrap_or(0));
-            let transform = transform.map_or(subject.transform, |((_, it), _)| it.transform());
-            let borders = holes::borders(&subject, object, transform);
-            facts.borders.extend(borders);
+        if wants_borders {
+            add_borders(scene, (&subject, &marks[index].objects), &mut borders)?;
         }
         for draft in &mut drafts {
             if let Check::Mesh(check) = draft.kind.check {
@@ -133,8 +123,14 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         }
     }
     for draft in &mut drafts {
-        if let Check::Scene(check) = draft.kind.check {
-            draft.take(&mut marks, settings, |found| check(&facts, found, watch))?;
+        match draft.kind.check {
+            Check::Mesh(_) => {}
+            Check::Borders(check) => draft.take(&mut marks, settings, |found| {
+                check(&mut borders, found, watch)
+            })?,
+            Check::Scene(check) => {
+                draft.take(&mut marks, settings, |found| check(&facts, found, watch))?;
+            }
         }
     }
     let findings = drafts.into_iter().filter_map(Draft::finding).collect();
@@ -146,6 +142,27 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
 }
 
 fn with_mesh(scene: &Scene, object: usize) -> Option<((usize, &Object), &Arc<Mesh>)> {
+/// Adds the edges with one face, of all objects that have a mesh.
+fn add_borders(
+    scene: &Scene,
+    (subject, objects): (&Subject<'_>, &[i32]),
+    all: &mut Vec<Border>,
+) -> Result<()> {
+    let single = holes::borders(subject, 0, &Transform::IDENTITY).count();
+    let count = single.saturating_mul(objects.len());
+    // They are copied once more, and sorted by their places.
+    let bytes = count
+        .saturating_add(all.len())
+        .saturating_mul(3 * size_of::<Border>());
+    memory::check("the edges of holes", bytes)?;
+    for &object in objects {
+        let placed = with_mesh(scene, usize::try_from(object).unwrap_or(0));
+        let transform = placed.map_or(subject.transform, |((_, object), _)| object.transform());
+        all.extend(holes::borders(subject, object, transform));
+    }
+    Ok(())
+}
+
     let it = scene.objects().get(object)?;
     Some(((object, it), it.mesh()?))
 }
