@@ -16,7 +16,7 @@ use crate::scene::Scene;
 pub(crate) struct Lint(Report);
 
 /// A place: its object, its primitive and its position.
-type PlaceOut = (i32, Option<i32>, [f64; 3]);
+type PlaceOut = (Option<i32>, Option<i32>, [f64; 3]);
 
 /// A finding: its kind, how many there are, a note, places.
 type FindingOut = (&'static str, u64, String, Vec<PlaceOut>);

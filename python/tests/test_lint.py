@@ -71,6 +71,12 @@ def test_files_are_read_and_marked(tmp_path):
         report.save(tmp_path / "marked.stl")
 
 
+def test_what_is_about_the_whole_scene_is_about_no_object():
+    (units,) = of(np.multiply(CORNERS, 1e-4), FACES).findings
+    assert units.kind == "units"
+    assert units.places[0][:2] == (None, None)
+
+
 def test_reports_pickle():
     report = of(CORNERS, FACES[:3])
     assert pickle.loads(pickle.dumps(report)).findings == report.findings

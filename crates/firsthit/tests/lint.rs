@@ -155,7 +155,7 @@ fn a_hole_in_the_second_place_of_a_mesh_is_told() {
         &[("hole", 4, "around 1 hole"), ("unreferenced", 1, "")],
     );
     let places = &report.findings()[0].places;
-    assert!(places.iter().all(|place| place.object == 2));
+    assert!(places.iter().all(|place| place.object == Some(2)));
     assert_eq!(places[0].position, DVec3::new(10.0, 0.0, 0.0));
     assert!(report.marked(1).unwrap().all(|kind| kind.is_some()));
     assert!(report.marked(3).is_none());
@@ -332,7 +332,10 @@ fn digits_lost_to_an_offset_and_unlikely_sizes_are_told() {
     check(&at(500_000.0, 512.0), &[]);
     // Not in float64.
     check(&at(500_000.1, 32.1), &[]);
-    check(&at(0.0, 1e-4), &[("units", 1, "the largest side is 2e-4")]);
+    let small = check(&at(0.0, 1e-4), &[("units", 1, "the largest side is 2e-4")]);
+    // It is about no object.
+    let place = small.findings()[0].places[0];
+    assert_eq!((place.object, place.primitive), (None, None));
     check(&at(0.0, 1e7), &[("units", 1, "the largest side is 2e7")]);
 }
 

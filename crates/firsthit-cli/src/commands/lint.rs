@@ -68,10 +68,21 @@ fn settings(args: &LintArgs) -> Result<LintSettings, Failure> {
     })
 }
 
-fn name(scene: &Scene, place: &Place) -> String {
-    let object = usize::try_from(place.object).ok();
-    let object = object.and_then(|object| scene.objects().get(object));
-    object.map_or_else(String::new, |object| object.name().to_owned())
+/// The name of the object, if it is about one.
+fn name<'a>(scene: &'a Scene, place: &Place) -> Option<&'a str> {
+    let object = usize::try_from(place.object?).ok()?;
+    Some(scene.objects().get(object)?.name())
+}
+
+/// Where it is, for people.
+fn line(scene: &Scene, place: &Place) -> String {
+    let position = triple(place.position);
+    let (Some(object), Some(name)) = (place.object, name(scene, place)) else {
+        return format!("  at {position}");
+    };
+    let triangle = place.primitive.map(|k| format!(", triangle {k}"));
+    let triangle = triangle.unwrap_or_default();
+    format!("  object {object} '{name}'{triangle}, at {position}")
 }
 
 fn as_text(scene: &Scene, report: &Report) -> String {
@@ -99,17 +110,7 @@ fn of_finding(scene: &Scene, finding: &Finding) -> Vec<String> {
     };
     let space = if note.is_empty() { "" } else { " " };
     let mut lines = vec![format!("{}: {counted}{space}{note}", kind.name)];
-    for place in places {
-        let triangle = place
-            .primitive
-            .map_or_else(String::new, |k| format!(", triangle {k}"));
-        lines.push(format!(
-            "  object {} '{}'{triangle}, at {}",
-            place.object,
-            name(scene, place),
-            triple(place.position)
-        ));
-    }
+    lines.extend(places.iter().map(|place| line(scene, place)));
     let more = finding.count - places.len() as u64;
     if more > 0 {
         lines.push(format!("  ... and {more} more (--places N lists them)"));

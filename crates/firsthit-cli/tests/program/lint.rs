@@ -51,6 +51,28 @@ fn findings_have_exit_code_1_counts_and_places() {
 }
 
 #[test]
+fn what_is_about_the_whole_scene_is_about_no_object() {
+    let lab = Lab::new();
+    lab.write(
+        "small.obj",
+        "v 0 0 0\nv 2e-4 0 0\nv 0 2e-4 0\nv 0 0 2e-4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
+    );
+    let outcome = lab.run("lint small.obj");
+    let text = String::from_utf8(outcome.stdout).unwrap();
+    assert!(
+        text.starts_with("units: 1 scene the largest side is") && text.contains("\n  at 0.0001,"),
+        "{text}"
+    );
+    let outcome = lab.run("lint small.obj --json");
+    let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
+    let place = &report["findings"][0]["places"][0];
+    assert!(
+        place["object"].is_null() && place["name"].is_null(),
+        "{place}"
+    );
+}
+
+#[test]
 fn marked_faces_have_the_colour_of_their_kind() {
     let lab = Lab::new();
     lab.write(

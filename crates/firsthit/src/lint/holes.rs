@@ -100,7 +100,7 @@ pub(super) fn check(
     for border in &open {
         let [a, b] = border.ends;
         found.add_at(border.subject, &[border.triangle], || Place {
-            object: border.object,
+            object: Some(border.object),
             primitive: Some(primitive(border.triangle)),
             position: 0.5 * a + 0.5 * b,
         });

@@ -84,8 +84,8 @@ pub struct Finding {
 /// Where something was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// The object's identifier; of objects that share a mesh the first.
-    pub object: i32,
+    /// The object's identifier; of objects that share a mesh the first in which it is found. `None` where it is about the whole scene.
+    pub object: Option<i32>,
     /// A triangle of its mesh, if it is about one.
     pub primitive: Option<i32>,
     /// A point in world space. It is NaN where the finding is that a vertex is nowhere.
@@ -106,7 +106,7 @@ impl Found<'_> {
     /// Counts one in a subject, at a point of object space, and marks its triangles, of which the first is its place.
     pub(super) fn add(&mut self, subject: &Subject<'_>, triangles: &[u32], position: DVec3) {
         let place = || Place {
-            object: subject.object,
+            object: Some(subject.object),
             primitive: triangles.first().map(|&triangle| primitive(triangle)),
             position: subject.in_world(position),
         };
@@ -135,10 +135,10 @@ impl Found<'_> {
         }
     }
 
-    /// Counts what is about no triangle.
-    pub(super) fn add_elsewhere(&mut self, count: u64, object: i32, position: DVec3) {
-        self.count += count;
-        if count > 0 && self.places.len() < self.most_places {
+    /// Counts one that is about no triangle, or about no object either.
+    pub(super) fn add_elsewhere(&mut self, object: Option<i32>, position: DVec3) {
+        self.count += 1;
+        if self.places.len() < self.most_places {
             self.places.push(Place {
                 object,
                 primitive: None,

@@ -42,7 +42,7 @@ pub(super) fn units(facts: &Facts<'_>, found: &mut Found<'_>, _watch: &dyn Watch
     let size = bounds.size().max_element();
     let [least, most] = SIZES;
     if size > 0.0 && !(least..=most).contains(&size) {
-        found.add_elsewhere(1, 0, bounds.centre());
+        found.add_elsewhere(None, bounds.centre());
         found.note = format!("the largest side is {size:e}");
     }
     Ok(())

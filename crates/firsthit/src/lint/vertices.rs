@@ -43,7 +43,7 @@ fn add(
         |point| in_scene.map_or(point, |object| object.transform().point_in_world(point));
     let count = u32::try_from(positions.len()).unwrap_or(u32::MAX);
     for vertex in (0..count).filter(|&vertex| wanted(vertex)) {
-        found.add_elsewhere(1, object, in_world(positions.get(vertex)));
+        found.add_elsewhere(Some(object), in_world(positions.get(vertex)));
     }
     Ok(())
 }
