@@ -113,6 +113,8 @@ class LintReport:
         ------
         ValueError
             For another extension.
+        MemoryError
+            If there is too little memory.
         FileWriteError
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
         """

@@ -10,7 +10,7 @@ mod support;
 
 use std::sync::Arc;
 
-use firsthit::lint::{Finding, KINDS, Kind, LintSettings, Report, lint};
+use firsthit::lint::{Finding, KINDS, Kind, LintSettings, Report, lint, save_marked};
 use firsthit::watch::Watch;
 use firsthit::{DAffine3, DVec3, Error, Mesh, Object, Positions, Scene, Sphere, Transform};
 use num_rational::BigRational;
@@ -167,6 +167,42 @@ fn holes_with_a_common_vertex_are_one() {
     let points = [DVec3::ZERO, DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y];
     let bow = one(&points, vec![[0, 1, 2], [0, 3, 4]]);
     check(&bow, &[("hole", 6, "around 1 hole")]);
+}
+
+/// The file had fewer faces than its header said.
+#[test]
+fn marked_faces_by_the_report_of_another_scene_are_refused() {
+    let tetrahedron = || mesh(&POINTS, FACES.to_vec());
+    let shared = tetrahedron();
+    let twice = scene(vec![
+        Object::new(Arc::clone(&shared)),
+        Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap()),
+        Object::new(Arc::clone(&shared)),
+    ]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("marked.ply");
+    let others = [
+        scene(Vec::new()),
+        scene(vec![Object::new(Arc::clone(&shared)); 2]),
+        scene(vec![Object::new(shared); 3]),
+        scene(vec![
+            Object::new(mesh(&POINTS, FACES[1..].to_vec())),
+            Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap()),
+            Object::new(tetrahedron()),
+        ]),
+    ];
+    for other in others {
+        let error = save_marked(&twice, &other.lint().unwrap(), &path, &()).unwrap_err();
+        let expected = "report must be that of the scene, got one about ";
+        assert!(error.to_string().starts_with(expected), "{error}");
+        assert!(!path.exists());
+    }
+    save_marked(&twice, &twice.lint().unwrap(), &path, &()).unwrap();
+    let file = std::fs::read(&path).unwrap();
+    let end = b"end_header\n";
+    let header = file.windows(end.len()).position(|part| part == end);
+    // Vertices of 24 bytes, faces of 16.
+    assert_eq!(file.len() - header.unwrap() - end.len(), 8 * 24 + 8 * 16);
 }
 
 /// A square, the tip of a roof over it, and the roof.

@@ -97,7 +97,7 @@ impl Scene {
 pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result<Report> {
     let is_wanted = |kind: &&Kind| !settings.ignore.contains(kind);
     let checked: Vec<&'static Kind> = KINDS.iter().filter(is_wanted).collect();
-    let mut marks = distinct(scene)?;
+    let (mut marks, of_objects) = distinct(scene)?;
     let mut drafts: Vec<Draft> = checked.iter().map(|&kind| Draft::new(kind)).collect();
     let mut facts = Facts {
         scene,
@@ -138,10 +138,10 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         findings,
         checked,
         marks,
+        of_objects,
     })
 }
 
-fn with_mesh(scene: &Scene, object: usize) -> Option<((usize, &Object), &Arc<Mesh>)> {
 /// Adds the edges with one face, of all objects that have a mesh.
 fn add_borders(
     scene: &Scene,
@@ -163,29 +163,33 @@ fn add_borders(
     Ok(())
 }
 
+fn with_mesh(scene: &Scene, object: usize) -> Option<((usize, &Object), &Arc<Mesh>)> {
     let it = scene.objects().get(object)?;
     Some(((object, it), it.mesh()?))
 }
 
-/// The distinct meshes, with nothing marked.
-fn distinct(scene: &Scene) -> Result<Vec<Marks>> {
-    let mut known: HashMap<*const Mesh, usize> = HashMap::new();
+/// The distinct meshes, with nothing marked, and which of them each object has.
+fn distinct(scene: &Scene) -> Result<(Vec<Marks>, Vec<Option<u32>>)> {
+    let mut known: HashMap<*const Mesh, u32> = HashMap::new();
     let mut distinct: Vec<Marks> = Vec::new();
-    for (identifier, object) in (0..).zip(scene.objects()) {
+    let mut of_objects = memory::filled(scene.objects().len(), None)?;
+    for ((identifier, object), of_object) in (0..).zip(scene.objects()).zip(&mut of_objects) {
         let Some(mesh) = object.mesh() else {
             continue;
         };
-        if let Some(&index) = known.get(&Arc::as_ptr(mesh)) {
-            distinct[index].objects.push(identifier);
+        let next = u32::try_from(distinct.len()).unwrap_or(u32::MAX);
+        let index = *known.entry(Arc::as_ptr(mesh)).or_insert(next);
+        *of_object = Some(index);
+        if let Some(marks) = distinct.get_mut(index as usize) {
+            marks.objects.push(identifier);
             continue;
         }
-        known.insert(Arc::as_ptr(mesh), distinct.len());
         distinct.push(Marks {
             objects: vec![identifier],
             of_triangles: memory::filled(mesh.triangles().len(), NO_MARK)?,
         });
     }
-    Ok(distinct)
+    Ok((distinct, of_objects))
 }
 
 /// A finding in the making.

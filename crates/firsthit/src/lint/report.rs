@@ -12,6 +12,8 @@ pub struct Report {
     pub(super) findings: Vec<Finding>,
     pub(super) checked: Vec<&'static Kind>,
     pub(super) marks: Vec<Marks>,
+    /// Which marks are those of each object's mesh.
+    pub(super) of_objects: Vec<Option<u32>>,
 }
 
 impl Report {
@@ -36,11 +38,8 @@ impl Report {
         &self,
         object: usize,
     ) -> Option<impl ExactSizeIterator<Item = Option<&'static Kind>>> {
-        let object = i32::try_from(object).ok()?;
-        let marks = self
-            .marks
-            .iter()
-            .find(|marks| marks.objects.contains(&object))?;
+        let index = (*self.of_objects.get(object)?)?;
+        let marks = self.marks.get(index as usize)?;
         let kind = |&mark: &u8| super::KINDS.get(usize::from(mark));
         Some(marks.of_triangles.iter().map(kind))
     }
