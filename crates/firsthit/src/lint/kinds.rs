@@ -1,5 +1,7 @@
 //! The list of what is looked for.
 
+use std::sync::LazyLock;
+
 use super::holes::Border;
 use super::report::Found;
 use super::subject::Subject;
@@ -28,19 +30,19 @@ impl PartialEq for Kind {
 }
 
 type OfMesh = fn(&Subject<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
+type OfBorders = fn(&mut [Border], &mut Found<'_>, &dyn Watch) -> Result<()>;
 type OfScene = fn(&Facts<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
 
 /// How it is looked for.
-type OfBorders = fn(&mut [Border], &mut Found<'_>, &dyn Watch) -> Result<()>;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Check {
     /// In each mesh alone.
     Mesh(OfMesh),
+    /// In the edges with one face of all objects, afterwards.
+    Borders(OfBorders),
     /// In all of them together, afterwards.
     Scene(OfScene),
 }
-    /// In the edges with one face of all objects, afterwards.
-    Borders(OfBorders),
 
 /// All kinds. A face of several is marked as the first of them.
 pub const KINDS: &[Kind] = &[
@@ -123,6 +125,12 @@ pub const KINDS: &[Kind] = &[
     },
 ];
 
+/// The names of all.
+static NAMES: LazyLock<String> = LazyLock::new(|| {
+    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    format!("one of {}", names.join(", "))
+});
+
 impl Kind {
     /// The kind of that name.
     ///
@@ -131,9 +139,7 @@ impl Kind {
     /// [`Error::Argument`] where there is none.
     pub fn named(name: &str) -> Result<&'static Self> {
         let found = KINDS.iter().find(|kind| kind.name == name);
-        let expected = "self-intersection, non-manifold, winding, inside-out, duplicate, degenerate, hole, non-finite, \
-            unreferenced, far or units";
-        found.ok_or_else(|| Error::argument("kind", expected, name))
+        found.ok_or_else(|| Error::argument("kind", &NAMES, name))
     }
 }
 

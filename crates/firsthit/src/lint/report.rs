@@ -123,11 +123,6 @@ impl Found<'_> {
         if self.places.len() < self.most_places {
             self.places.push(place());
         }
-        self.mark(subject, triangles);
-    }
-
-    /// Marks triangles as parts of what is found already.
-    pub(super) fn mark(&mut self, subject: usize, triangles: &[u32]) {
         for &triangle in triangles {
             let mark = &mut self.marks[subject].of_triangles[triangle as usize];
             *mark = self.mark.min(*mark);

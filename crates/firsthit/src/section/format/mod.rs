@@ -6,6 +6,7 @@ mod svg;
 
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::LazyLock;
 
 use super::Section;
 use crate::error::{Error, Result};
@@ -42,6 +43,13 @@ pub const SECTION_FORMATS: &[SectionFormat] = &[
     },
 ];
 
+/// What a path must end in.
+static EXTENSIONS: LazyLock<String> = LazyLock::new(|| {
+    let names: Vec<&str> = SECTION_FORMATS.iter().map(|format| format.name).collect();
+    let (last, others) = names.split_last().expect("there are formats");
+    format!("a file in .{} or .{last}", others.join(", ."))
+});
+
 impl SectionFormat {
     /// The format that a path's extension names.
     ///
@@ -52,8 +60,7 @@ impl SectionFormat {
         let wanted = path.extension().unwrap_or_default();
         let mut formats = SECTION_FORMATS.iter();
         let found = formats.find(|format| wanted.eq_ignore_ascii_case(format.name));
-        let expected = "a file in .svg, .dxf or .json";
-        found.ok_or_else(|| Error::argument("output", expected, path.display()))
+        found.ok_or_else(|| Error::argument("output", &EXTENSIONS, path.display()))
     }
 
     /// Writes a section.
@@ -67,7 +74,7 @@ impl SectionFormat {
 }
 
 impl Section {
-    /// Writes the section to a file, whole or not at all. The extension tells the format: `.svg`, `.dxf` or `.json`.
+    /// Writes the section to a file, whole or not at all. The extension is that of one of the [`SECTION_FORMATS`].
     ///
     /// # Errors
     ///
