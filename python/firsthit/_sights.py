@@ -138,8 +138,8 @@ class Sights(Traceable):
         -------
         (...) array of float64
             Lengths in scene units. ``inf`` where the ray does not meet the object again; NaN for a
-            miss, for a direction that is zero or not finite, and for a point that is not finite or
-            has no surface to be near to.
+            miss, for a direction that is zero or not finite, inwards from a triangle without an
+            area, and for a point that is not finite or has no surface to be near to.
 
         Raises
         ------

@@ -109,6 +109,14 @@ def test_what_is_embedded_does_not_count():
     np.testing.assert_array_equal(scene.thickness([[0.5, 0.25, 0.01]]), [np.inf])
 
 
+def test_the_thickness_at_a_triangle_without_an_area_is_nan():
+    scene = fh.Scene()
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    scene.add(fh.Mesh(corners, [[0, 1, 0], [0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    thick = scene.thickness([[0.5, -1, -1], [0.25, 0.25, -1]])
+    np.testing.assert_array_equal(thick, [np.nan, 0.5])
+
+
 def test_the_thickness_of_a_bumpy_mesh_is_where_a_ray_next_meets_it():
     scene = fh.Scene()
     scene.add(fh.Mesh(*bumpy_sphere(20, 9)))

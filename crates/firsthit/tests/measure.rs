@@ -671,6 +671,23 @@ fn an_object_is_as_thick_as_it_is_deep() {
     );
 }
 
+/// It was infinite: its ray went nowhere.
+#[test]
+fn the_thickness_at_a_triangle_without_an_area_is_nan() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let mut faces = vec![[0, 1, 0], [0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let beside = [[0.5, -1.0, -1.0], [0.25, 0.25, -1.0]];
+    let of = |faces: Vec<[u32; 3]>| {
+        let scene = scene(vec![Object::new(mesh(&corners, faces))]);
+        thickness(&scene, &beside, &()).unwrap()
+    };
+    // The first of all triangles at the edge.
+    let found = of(faces.clone());
+    assert!(found[0].is_nan() && found[1] == 0.5, "{found:?}");
+    faces.rotate_left(1);
+    assert!(of(faces).iter().all(|length| length.is_finite()));
+}
+
 /// From a face's middle inwards, an exact ray crosses a closed mesh next where it is as far as it is thick there.
 #[test]
 fn the_thickness_of_a_mesh_is_that_of_rational_arithmetic() {

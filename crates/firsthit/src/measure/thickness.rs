@@ -16,7 +16,8 @@ use crate::watch::{OnlyStops, Watch};
 const PIECE: usize = 1 << 14;
 
 /// How thick the objects are at the surface points nearest to `points`, in scene units: the distance inwards, against the normal, to where
-/// a ray next meets the same object. Infinity where it does not meet it again; NaN for a point that has no surface to be near to.
+/// a ray next meets the same object. Infinity where it does not meet it again; NaN for a point that has no surface to be near to, and where
+/// the nearest is a triangle without an area: no direction is inwards.
 ///
 /// The ray leaves the surface as [`SurfaceInteraction::leave`](crate::scene::SurfaceInteraction::leave) has it. Other objects do not count.
 ///
@@ -53,8 +54,9 @@ fn measure(
     let inwards = (0..lengths.len()).map(|k| inwards(scene, from, k));
     let (rays, filters): (Vec<Ray>, Vec<RayFilter>) = inwards.unzip();
     let first = trace(scene, &Filtered::each(&rays, &filters), First, watch)?;
-    for ((length, &object), &t) in lengths.iter_mut().zip(&from.object).zip(&first.t) {
-        if object >= 0 {
+    let of_rays = rays.iter().zip(&first.t);
+    for ((length, &object), (ray, &t)) in lengths.iter_mut().zip(&from.object).zip(of_rays) {
+        if object >= 0 && ray.direction.is_finite() {
             *length = t;
         }
     }
