@@ -73,6 +73,7 @@ impl Rule {
     pub fn of(object: &Object) -> Result<Self> {
         Ok(match object.shape() {
             _ if object.is_hidden() => Self::Nothing,
+            _ if object.is_empty_mesh() => Self::Parity,
             Shape::Mesh(mesh) if object.has_cutouts() || !mesh.is_closed()? => Self::WindingNumber,
             Shape::Mesh(_)
             | Shape::Sphere(_)

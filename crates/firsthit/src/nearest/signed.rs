@@ -4,7 +4,7 @@
 //! once, decided as exact arithmetic would ([`All`]), so the sign is exact wherever the ray leads, for meshes as they are in
 //! their own space. A transform rounds the point and the ray; shapes that are no mesh are decided in float64.
 
-use super::{ClosestPoints, Method, Wanted, closest_points_with};
+use super::{Method, Wanted, closest_points_with};
 use crate::error::{Error, Result, escape_controls};
 use crate::memory;
 use crate::scene::Scene;
@@ -28,8 +28,7 @@ use crate::watch::{OnlyStops, Watch};
 /// # Errors
 ///
 /// [`Error::Argument`] for an object that is not [closed](crate::Shape::is_closed), or of which a material cuts parts out: it has
-/// no inside. Those of
-/// [`closest_points`](super::closest_points).
+/// no inside. Those of [`closest_points`](super::closest_points).
 pub fn signed_distances(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<f64>> {
     signed_distances_with(Method::default(), scene, points, watch)
 }
@@ -48,38 +47,46 @@ pub fn signed_distances_with(
     points: &[[f64; 3]],
     watch: &dyn Watch,
 ) -> Result<Vec<f64>> {
-    if let Some(open) = scene.first_open_object() {
-        let object = &scene.objects()[open];
-        let has_gaps = object.mesh().is_some() && !object.shape().is_closed();
-        let hint = if has_gaps {
-            "; firsthit lint shows its gaps"
-        } else {
-            ""
-        };
-        let (name, shape) = (escape_controls(object.name()), object.shape().name());
-        return Err(Error::argument(
-            "objects",
-            "closed where signed distances are asked",
-            format!("an open one: object {open} ({shape} \"{name}\"){hint}"),
-        ));
-    }
+    require_closed(scene)?;
     let mut signed = memory::filled(points.len(), f64::INFINITY)?;
     for (points, signed) in points.chunks(PIECE).zip(signed.chunks_mut(PIECE)) {
         let nearest = closest_points_with(method, scene, points, Wanted::default(), watch)?;
-        sign(method, (scene, points), &nearest, signed, watch)?;
+        sign(method, (scene, points), &nearest.distance, signed, watch)?;
     }
     Ok(signed)
+}
+
+/// Refuses objects that have no inside, and says why the first has none.
+fn require_closed(scene: &Scene) -> Result<()> {
+    let Some(open) = scene.first_open_object() else {
+        return Ok(());
+    };
+    let object = &scene.objects()[open];
+    let why = match object.mesh().map(|mesh| mesh.odd_edges()).transpose()? {
+        Some(1) => ", of which one edge belongs to an odd number of triangles".to_owned(),
+        Some(count) if count > 0 => {
+            format!(", of which {count} edges belong to an odd number of triangles")
+        }
+        _ if object.has_cutouts() => ", parts of which its material cuts out".to_owned(),
+        _ => String::new(),
+    };
+    let (name, shape) = (escape_controls(object.name()), object.shape().name());
+    Err(Error::argument(
+        "objects",
+        "closed where signed distances are asked",
+        format!("an open one: object {open} ({shape} \"{name}\"){why}"),
+    ))
 }
 
 fn sign(
     method: Method,
     (scene, points): (&Scene, &[[f64; 3]]),
-    nearest: &ClosestPoints,
+    distances: &[f64],
     signed: &mut [f64],
     watch: &dyn Watch,
 ) -> Result<()> {
     let is_inside = are_inside(method, scene, points, watch)?;
-    let all = signed.iter_mut().zip(&nearest.distance).zip(is_inside);
+    let all = signed.iter_mut().zip(distances).zip(is_inside);
     for ((signed, &distance), is_inside) in all {
         // On a surface it is neither: no negative zero.
         let is_negative = is_inside && distance > 0.0 && distance < f64::INFINITY;

@@ -348,14 +348,15 @@ impl Scene {
         self.top.boxes()
     }
 
-    /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out.
+    /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out. An empty mesh has no part.
     pub(crate) fn first_open_object(&self) -> Option<usize> {
         if let Some(&known) = self.first_open.get() {
             return known;
         }
         // Not while others wait: one of a pool's threads may be among them.
         let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();
-        let is_open = |object: &Object| !object.is_hidden() && has_gaps(object);
+        let is_nothing = |object: &Object| object.is_hidden() || object.is_empty_mesh();
+        let is_open = |object: &Object| !is_nothing(object) && has_gaps(object);
         let first = self.objects.iter().position(is_open);
         *self.first_open.get_or_init(|| first)
     }

@@ -232,6 +232,11 @@ impl Object {
         Some(slot.min(last))
     }
 
+    /// Whether it is a mesh without triangles.
+    pub(crate) fn is_empty_mesh(&self) -> bool {
+        self.mesh().is_some_and(|mesh| mesh.triangles().is_empty())
+    }
+
     /// Whether some of its surface may be cut out by the alpha of a material.
     pub fn has_cutouts(&self) -> bool {
         self.has_cutouts

@@ -208,12 +208,12 @@ shapes! {
 }
 
 impl Shape {
-    /// Whether it has an inside: solids have, planes and discs have not, and of meshes those that [are
-    /// closed](Mesh::is_closed).
+    /// Whether its surface has no border: so it is with solids, and with meshes that [are closed](Mesh::is_closed). They have an inside, but
+    /// for an empty mesh, in which nothing is. Planes and discs are open.
     pub fn is_closed(&self) -> bool {
         match self {
             // Without memory to find out, it is as good as open.
-            Self::Mesh(mesh) => !mesh.triangles().is_empty() && mesh.is_closed().unwrap_or(false),
+            Self::Mesh(mesh) => mesh.is_closed().unwrap_or(false),
             Self::Sphere(_) | Self::Box(_) | Self::Cylinder(_) | Self::Cone(_) => true,
             Self::Plane(_) | Self::Disc(_) => false,
         }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use firsthit::measure::{By, Rule, inside};
 use firsthit::nearest::{Method, closest_point, signed_distances, signed_distances_with};
 use firsthit::{
     AlphaMode, Color, Cuboid, Cylinder, DQuat, DVec3, Disc, Object, Plane, Sphere, Transform,
@@ -117,8 +118,11 @@ fn what_has_no_inside_is_refused() {
     };
     let cut_out = Object::new(mesh(&points, triangles)).with_materials([see_through]);
     for (object, what) in [
-        (open, "mesh \"lid off\"); firsthit lint shows its gaps"),
-        (cut_out, "mesh \"\")"),
+        (
+            open,
+            "mesh \"lid off\"), of which 3 edges belong to an odd number of triangles",
+        ),
+        (cut_out, "mesh \"\"), parts of which its material cuts out"),
         (plane, "plane \"\")"),
         (disc, "disc \"\")"),
     ] {
@@ -129,4 +133,28 @@ fn what_has_no_inside_is_refused() {
         );
         assert_eq!(error.to_string(), expected);
     }
+}
+
+/// One made all signed distances of a scene impossible.
+#[test]
+fn an_empty_mesh_has_no_inside_and_is_not_open() {
+    let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+    let holes = Material {
+        alpha: 0.5,
+        alpha_mode: AlphaMode::Mask { cutoff: 0.6 },
+        ..Material::colored(Color::ONE)
+    };
+    let empty = Object::new(mesh(&[], Vec::new())).with_materials([holes]);
+    assert!(empty.shape().is_closed());
+    assert_eq!(Rule::of(&empty).unwrap(), Rule::Parity);
+    let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
+    let signed = signed_distances(&scene(vec![empty.clone(), ball]), &points, &());
+    assert_eq!(signed.unwrap(), [-0.75, 2.0]);
+    let nothing = scene(vec![empty]);
+    assert_eq!(
+        signed_distances(&nothing, &points, &()).unwrap(),
+        [f64::INFINITY; 2]
+    );
+    let is_inside = inside(&nothing, &[DVec3::ZERO], By::Union, &()).unwrap();
+    assert_eq!(is_inside.is_inside, [false]);
 }

@@ -15,9 +15,9 @@ use super::weld::sort;
 use crate::error::Result;
 use crate::memory;
 
-/// What [`Mesh::is_closed`] found out; equal to any other, since it follows from the triangles.
+/// What [`Mesh::odd_edges`] found out; equal to any other, since it follows from the triangles.
 #[derive(Clone, Default)]
-pub(super) struct Closed(OnceLock<bool>);
+pub(super) struct Closed(OnceLock<usize>);
 
 impl PartialEq for Closed {
     fn eq(&self, _: &Self) -> bool {
@@ -43,16 +43,21 @@ impl Mesh {
     ///
     /// [`Error::Limit`](crate::Error::Limit) when there is no memory to sort the edges.
     pub fn is_closed(&self) -> Result<bool> {
-        let Closed(known) = &self.closed;
-        if let Some(&is_closed) = known.get() {
-            return Ok(is_closed);
-        }
-        // Not while others wait: one of a pool's threads may be among them.
-        let is_closed = self.has_even_edges()?;
-        Ok(*known.get_or_init(|| is_closed))
+        Ok(self.odd_edges()? == 0)
     }
 
-    fn has_even_edges(&self) -> Result<bool> {
+    /// How many edges belong to an odd number of triangles. Remembered once it is found out.
+    pub(crate) fn odd_edges(&self) -> Result<usize> {
+        let Closed(known) = &self.closed;
+        if let Some(&count) = known.get() {
+            return Ok(count);
+        }
+        // Not while others wait: one of a pool's threads may be among them.
+        let count = self.count_odd_edges()?;
+        Ok(*known.get_or_init(|| count))
+    }
+
+    fn count_odd_edges(&self) -> Result<usize> {
         let mut edges: Vec<u64> = Vec::new();
         let room = edges.try_reserve_exact(3 * self.triangles.len());
         room.map_err(|_| memory::no_room_for("edges of a mesh"))?;
@@ -63,8 +68,8 @@ impl Mesh {
             edges.extend(sides.map(|(p, q)| p.min(q) << 32 | p.max(q)));
         }
         sort(&mut edges, Ord::cmp);
-        let mut uses = edges.chunk_by(|one, other| one == other);
-        Ok(uses.all(|same| same.len().is_multiple_of(2)))
+        let uses = edges.chunk_by(|one, other| one == other);
+        Ok(uses.filter(|same| !same.len().is_multiple_of(2)).count())
     }
 }
 
@@ -108,6 +113,8 @@ mod tests {
         assert!(!is_closed(&TIPS, &twice));
         assert!(is_closed(&TIPS, &[]));
         assert!(!is_closed(&TIPS, &SIDES[..1]));
+        let open = Mesh::new(Positions::compact(TIPS.to_vec()), SIDES[..2].to_vec()).unwrap();
+        assert_eq!(open.odd_edges().unwrap(), 4);
     }
 
     /// The seam from 0 to 1 has a vertex halfway on one side alone.
