@@ -4,7 +4,7 @@ use std::time::Instant;
 use firsthit::Scene;
 use firsthit::channel::{DISTANCE, Kind, POINT, SIGNED_DISTANCE, kind};
 use firsthit::image::{Data, Frame};
-use firsthit::nearest::{ClosestPoints, Wanted, closest_points, signed_distances};
+use firsthit::nearest::{ClosestPoints, Wanted, closest_points, signed_from};
 use firsthit::render::origin;
 use serde_json::json;
 
@@ -75,7 +75,7 @@ fn kinds(args: &NearestArgs) -> Result<Vec<&'static Kind>, Failure> {
     Ok(kinds)
 }
 
-/// How many points are to be done.
+/// How many points are to be done: for signs once more.
 fn work(args: &NearestArgs, points: usize) -> u64 {
     points as u64 * if args.signed { 2 } else { 1 }
 }
@@ -92,7 +92,7 @@ fn search(
     };
     let mut found = closest_points(scene, points, wanted, progress)?;
     if args.signed {
-        found.distance = signed_distances(scene, points, progress)?;
+        found.distance = signed_from(scene, points, &found.distance, progress)?;
     }
     Ok(found)
 }

@@ -6,6 +6,7 @@
 
 use super::{Method, Wanted, closest_points_with};
 use crate::error::{Error, Result, escape_controls};
+use crate::geometry::require;
 use crate::memory;
 use crate::scene::Scene;
 use crate::shoot::{All, BruteForce, Cpu, Engine, FromPoints, trace_with};
@@ -52,6 +53,46 @@ pub fn signed_distances_with(
     for (points, signed) in points.chunks(PIECE).zip(signed.chunks_mut(PIECE)) {
         let nearest = closest_points_with(method, scene, points, Wanted::default(), watch)?;
         sign(method, (scene, points), &nearest.distance, signed, watch)?;
+    }
+    Ok(signed)
+}
+
+/// [`signed_distances`] of points whose nearest points are known: `distances` are those to the nearest surfaces, as
+/// [`closest_points`](super::closest_points) finds them where one for each point is wanted.
+///
+/// ```
+/// use firsthit::nearest::{Wanted, closest_points, signed_from};
+/// use firsthit::{DVec3, Object, Scene, Sphere};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
+/// let nearest = closest_points(&scene, &points, Wanted::default(), &())?;
+/// assert_eq!(signed_from(&scene, &points, &nearest.distance, &())?, [-0.75, 2.0]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// Those of [`signed_distances`], and [`Error::Argument`] for another number of distances than of points.
+pub fn signed_from(
+    scene: &Scene,
+    points: &[[f64; 3]],
+    distances: &[f64],
+    watch: &dyn Watch,
+) -> Result<Vec<f64>> {
+    let is_one_each = distances.len() == points.len();
+    require(
+        "distances",
+        "one for each point",
+        is_one_each,
+        distances.len(),
+    )?;
+    require_closed(scene)?;
+    let mut signed = memory::filled(points.len(), f64::INFINITY)?;
+    let pieces = points.chunks(PIECE).zip(distances.chunks(PIECE));
+    for ((points, distances), signed) in pieces.zip(signed.chunks_mut(PIECE)) {
+        sign(Method::default(), (scene, points), distances, signed, watch)?;
+        watch.advance(points.len() as u64);
     }
     Ok(signed)
 }
