@@ -123,7 +123,7 @@ Examples:
   firsthit probe scene.toml --pixel 20,30 --hide glass --json
 
 Each object has one reason why it is or is not the hit. Its box is the one around it along the axes of the world. A t has all its \
-digits, other numbers have six; --json has all of all. Exit code 0 also if the ray meets nothing.";
+digits, other numbers have six; --json has all digits. Exit code 0 also if the ray meets nothing.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

@@ -35,10 +35,11 @@ fn warning(scene: &Scene, rules: &[Rule]) -> Option<String> {
         .iter()
         .filter(|&&rule| rule == Rule::WindingNumber)
         .count();
-    let all = counted(scene.objects().len() as u64, "object");
+    let (all, counted) = (scene.objects().len(), counted(open as u64, "object"));
+    let are = if open == 1 { "is" } else { "are" };
     (open > 0).then(|| {
         format!(
-            "{open} of {all} open: what is inside is decided by the winding number, not exactly"
+            "{counted} of {all} {are} open: what is inside is decided by the winding number, not exactly"
         )
     })
 }

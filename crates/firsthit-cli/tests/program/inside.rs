@@ -47,7 +47,7 @@ fn an_open_mesh_is_a_warning() {
     cubes(&lab);
     let outcome = lab.pipe("inside open.obj -", POINTS.as_bytes());
     assert_eq!(outcome.text().lines().nth(1), Some("1"));
-    let words = "1 of 1 object open: what is inside is decided by the winding number";
+    let words = "1 object of 1 is open: what is inside is decided by the winding number";
     assert!(outcome.stderr.contains(words), "{}", outcome.stderr);
 }
 

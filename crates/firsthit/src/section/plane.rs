@@ -236,7 +236,7 @@ mod tests {
         assert!(counts.iter().all(|&count| count > 500), "{counts:?}");
     }
 
-    /// In units of the last digit of the larger end's coordinate, below which rounding of the ends' own digits lies.
+    /// Along each axis at most one step of float64 from the exact crossing.
     #[test]
     fn crossings_are_next_to_the_nearest_float64() {
         let mut numbers = numbers(5);
