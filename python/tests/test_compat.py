@@ -1,6 +1,7 @@
 """The drop-in replacements by themselves, against closed forms."""
 
 import copy
+import importlib.util
 import pickle
 
 import firsthit as fh
@@ -167,6 +168,19 @@ class TestTrimesh:
             assert twin.intersects_first(*ask).tolist() == rays.intersects_first(*ask).tolist()
         twin = pickle.loads(pickle.dumps(query))
         assert twin.on_surface([[0, 0, 5]])[1].tolist() == [4]
+
+    def test_a_mesh_that_carries_them_is_unpickled(self):
+        things = [Thing()]
+        if peer := importlib.util.find_spec("trimesh") and importlib.import_module("trimesh"):
+            things.append(peer.Trimesh(CORNERS, FACES, process=False))
+        for thing in things:
+            thing.ray, thing.nearest = RayMeshIntersector(thing), ProximityQuery(thing)
+            assert thing.ray.intersects_first([[0.3, 0.2, 5]], [[0, 0, -1]]) // 2 == [5]
+            assert thing.nearest.on_surface([[0, 0, 5]])[1].tolist() == [4]
+            twin = pickle.loads(pickle.dumps(thing))
+            assert twin.ray.mesh is twin
+            assert twin.ray.intersects_first([[0.3, 0.2, 5]], [[0, 0, -1]]) // 2 == [5]
+            assert twin.nearest.on_surface([[0, 0, 5]])[1].tolist() == [4]
 
     @pytest.mark.parametrize(
         ("origins", "along", "said"),

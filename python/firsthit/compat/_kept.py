@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,6 +37,14 @@ class Kept:
             made = key, self._make(self._mesh)
             self._made = made
         return made[1]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle without the trees.
+
+        The mesh may hold what holds this, as ``mesh.ray`` does. Unpickling then makes this before
+        the mesh has its vertices, so that nothing may be asked of it here.
+        """
+        return {**self.__dict__, "_made": None}
 
 
 def _fingerprint(mesh: MeshLike) -> object:

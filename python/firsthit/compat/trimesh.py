@@ -217,10 +217,6 @@ class RayMeshIntersector:
         """
         return self._kept.scene().inside(_points(points))
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle and copy without the trees."""
-        return RayMeshIntersector, (self.mesh, self._scale_to_box)
-
 
 class ProximityQuery:
     """What of one mesh is nearest to points, in the words of ``trimesh.proximity``.
@@ -307,10 +303,6 @@ class ProximityQuery:
         distance = scene.closest_point(asked).distance
         is_positive = (distance <= _ON_SURFACE) | scene.inside(asked)
         return np.where(is_positive, distance, -distance)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle and copy without the trees."""
-        return ProximityQuery, (self._mesh,)
 
 
 def closest_point(mesh: MeshLike, points: npt.ArrayLike) -> tuple[Floats, Floats, Indices]:
