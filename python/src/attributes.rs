@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{HitsIn, copied};
+use crate::arrays::{HitsIn, copied, not_contiguous};
 use crate::errors::raise;
 use crate::run::{guarded, report_done, run_reported};
 use crate::scene::Scene;
@@ -57,10 +57,12 @@ impl PropertyIn<'_> {
             },
             values: match values {
                 ValuesIn::Single(values) => {
-                    PropertyValues::Single(values.as_array().to_vec().into())
+                    let values = values.as_slice().map_err(not_contiguous)?;
+                    PropertyValues::Single(copied(values)?.into())
                 }
                 ValuesIn::Double(values) => {
-                    PropertyValues::Double(values.as_array().to_vec().into())
+                    let values = values.as_slice().map_err(not_contiguous)?;
+                    PropertyValues::Double(copied(values)?.into())
                 }
             },
         })

@@ -41,7 +41,10 @@ impl Mesh {
         let uvs = uvs.map(|array| attribute(&array)).transpose()?;
         let colors = colors.map(|array| attribute(&array)).transpose()?;
         let alphas = alphas.map(|array| attribute(&array)).transpose()?;
-        let [faces, slots] = labels.map(|array| array.map(|array| array.as_array().to_vec()));
+        let label =
+            |array: PyReadonlyArray1<'_, u32>| copied(array.as_slice().map_err(not_contiguous)?);
+        let [faces, slots] = labels.map(|array| array.map(label).transpose());
+        let (faces, slots) = (faces?, slots?);
         let properties = properties.into_iter().map(PropertyIn::property);
         let properties = properties.collect::<PyResult<Vec<_>>>()?;
         let mesh = py.detach(|| {
@@ -74,8 +77,11 @@ impl Mesh {
     fn moved(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let vertices = vertices.as_slice().map_err(not_contiguous)?;
         let points = copied(vertices.as_chunks::<3>().0)?;
-        let mesh = firsthit::Mesh::clone(&self.0);
-        let moved = py.detach(|| mesh.with_positions(Positions::compact(points)));
+        let moved = py.detach(|| {
+            // A clone shares triangles and attributes, and has no vertices of its own.
+            let mesh = firsthit::Mesh::clone(&self.0);
+            mesh.with_positions(Positions::compact(points))
+        });
         moved
             .map(|mesh| Self(Arc::new(mesh)))
             .map_err(|error| raise(py, &error))
@@ -149,12 +155,13 @@ type ArrayOut<'py> = Bound<'py, PyArrayDyn<f32>>;
 fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<Attribute<N>> {
     let values = array.as_slice().map_err(not_contiguous)?;
     let values = copied(values.as_chunks().0)?;
-    let corners = (array.shape().len() == 3).then(|| {
-        let count = u32::try_from(values.len()).unwrap_or(u32::MAX);
-        (0..count / 3)
-            .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
-            .collect()
-    });
+    let corners = if array.shape().len() == 3 {
+        let count = u32::try_from(values.len()).unwrap_or(u32::MAX) / 3;
+        let corners = (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        Some(collected(values.len() / 3, corners)?.into())
+    } else {
+        None
+    };
     let values = values.into();
     Ok(Attribute { values, corners })
 }

@@ -1,8 +1,7 @@
-//! Arrays of plain data that have memory of their own, or share that of a mapped file.
+//! Arrays of plain data that hold a vector together with their clones, or share the memory of a mapped file.
 
 use std::fmt::{self, Debug, Formatter};
 use std::marker::PhantomData;
-use std::mem::ManuallyDrop;
 use std::ops::{Deref, Range};
 use std::ptr::NonNull;
 use std::sync::Arc;
@@ -11,8 +10,8 @@ use bytemuck::Pod;
 
 use super::block::Block;
 
-/// An array that is read as a slice. It owns its memory, as a [`Vec`] does, or is a part of a mapped scene file,
-/// which it keeps mapped.
+/// An array that is read as a slice. It holds a [`Vec`], or is a part of a mapped scene file, which it keeps mapped. Clones
+/// share the memory.
 ///
 /// ```
 /// use firsthit::shape::Storage;
@@ -24,34 +23,38 @@ use super::block::Block;
 pub struct Storage<T> {
     start: NonNull<T>,
     length: usize,
-    owner: Owner,
-    /// As a vector, it drops elements.
+    owner: Owner<T>,
     elements: PhantomData<T>,
 }
 
-/// Who gives the memory back.
-enum Owner {
-    /// The storage itself: the memory is that of a vector with this capacity.
-    Own { capacity: usize },
-    /// The last one who holds the block.
-    Shared(Arc<Block>),
+/// Who gives the memory back: the last one who holds it.
+enum Owner<T> {
+    Vec(Arc<Vec<T>>),
+    Block(Arc<Block>),
 }
 
-// SAFETY: it gives its elements out as a vector does, and a block may go to any thread.
-unsafe impl<T: Send> Send for Storage<T> {}
+impl<T> Clone for Owner<T> {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Vec(vec) => Self::Vec(Arc::clone(vec)),
+            Self::Block(block) => Self::Block(Arc::clone(block)),
+        }
+    }
+}
+
+// SAFETY: it gives its elements out as a shared vector does, and a block may go to any thread.
+unsafe impl<T: Send + Sync> Send for Storage<T> {}
 // SAFETY: as above; there is no way to change an element by a shared reference.
-unsafe impl<T: Sync> Sync for Storage<T> {}
+unsafe impl<T: Send + Sync> Sync for Storage<T> {}
 
 impl<T> From<Vec<T>> for Storage<T> {
     fn from(vec: Vec<T>) -> Self {
-        let mut vec = ManuallyDrop::new(vec);
+        let vec = Arc::new(vec);
+        let elements = NonNull::from(vec.as_slice());
         Self {
-            // Not from a slice, which would not be all of the vector's room.
-            start: NonNull::new(vec.as_mut_ptr()).expect("a vector's pointer is not null"),
-            length: vec.len(),
-            owner: Owner::Own {
-                capacity: vec.capacity(),
-            },
+            start: elements.cast(),
+            length: elements.len(),
+            owner: Owner::Vec(vec),
             elements: PhantomData,
         }
     }
@@ -63,17 +66,8 @@ impl<T> Deref for Storage<T> {
     #[inline(always)]
     fn deref(&self) -> &[T] {
         // SAFETY: so many elements from there on are the vector's of `From`, or the slice's of `part`, and live as long
-        // as the owner. Nobody changes them meanwhile.
+        // as the owner. Nobody changes them meanwhile: `edit` does only while there is no element here.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.length) }
-    }
-}
-
-impl<T> Drop for Storage<T> {
-    fn drop(&mut self) {
-        if let Owner::Own { capacity } = self.owner {
-            // SAFETY: these are the parts of the vector of `From`, which is nobody else's since.
-            drop(unsafe { Vec::from_raw_parts(self.start.as_ptr(), self.length, capacity) });
-        }
     }
 }
 
@@ -83,25 +77,33 @@ impl<T> Storage<T> {
     where
         T: Clone,
     {
-        let Owner::Own { capacity } = self.owner else {
-            return self.to_vec();
-        };
-        let storage = ManuallyDrop::new(self);
-        // SAFETY: these are the parts of the vector of `From`, and `storage` is not dropped.
-        unsafe { Vec::from_raw_parts(storage.start.as_ptr(), storage.length, capacity) }
+        match self.owner {
+            Owner::Vec(vec) => Arc::unwrap_or_clone(vec),
+            Owner::Block(_) => self.to_vec(),
+        }
     }
 
     /// Whether it is a part of a mapped file.
     pub fn is_shared(&self) -> bool {
-        matches!(self.owner, Owner::Shared(_))
+        matches!(self.owner, Owner::Block(_))
     }
 
-    /// Changes the elements as a vector.
+    /// Changes the elements as a vector, copied first where others share them.
     pub(crate) fn edit<R>(&mut self, change: impl FnOnce(&mut Vec<T>) -> R) -> R
     where
         T: Clone,
     {
-        let mut vec = std::mem::take(self).into_vec();
+        if let Owner::Vec(vec) = &mut self.owner
+            && let Some(vec) = Arc::get_mut(vec)
+        {
+            // Until the change is through: a panic may leave the vector elsewhere.
+            self.length = 0;
+            let result = change(vec);
+            let elements = NonNull::from(vec.as_slice());
+            (self.start, self.length) = (elements.cast(), elements.len());
+            return result;
+        }
+        let mut vec = self.to_vec();
         let result = change(&mut vec);
         *self = vec.into();
         result
@@ -117,7 +119,7 @@ impl<T> Storage<T> {
         Some(Self {
             start: NonNull::from(elements).cast(),
             length: elements.len(),
-            owner: Owner::Shared(Arc::clone(block)),
+            owner: Owner::Block(Arc::clone(block)),
             elements: PhantomData,
         })
     }
@@ -144,17 +146,14 @@ impl<'a, T> IntoIterator for &'a Storage<T> {
     }
 }
 
-/// Of shared elements, no copy.
-impl<T: Clone> Clone for Storage<T> {
+/// No copy: the elements are shared.
+impl<T> Clone for Storage<T> {
     fn clone(&self) -> Self {
-        match &self.owner {
-            Owner::Own { .. } => self.to_vec().into(),
-            Owner::Shared(block) => Self {
-                start: self.start,
-                length: self.length,
-                owner: Owner::Shared(Arc::clone(block)),
-                elements: PhantomData,
-            },
+        Self {
+            start: self.start,
+            length: self.length,
+            owner: self.owner.clone(),
+            elements: PhantomData,
         }
     }
 }
@@ -182,10 +181,26 @@ mod tests {
         let texts = vec!["a".to_owned(), "b".to_owned()];
         let mut storage = Storage::from(texts.clone());
         let copy = storage.clone();
+        assert_eq!(copy.as_ptr(), storage.as_ptr(), "a clone copies nothing");
         storage.edit(|texts| texts.push("c".to_owned()));
         assert_eq!((&copy[..], storage.len()), (&texts[..], 3));
+        storage.edit(|texts| texts.extend(vec!["d".to_owned(); 100]));
+        assert_eq!((&storage[2][..], storage.len()), ("c", 103));
         assert_eq!(copy.into_vec(), texts);
         assert!(Storage::<u8>::default().is_empty());
+    }
+
+    #[test]
+    fn a_change_that_panics_leaves_nothing_that_is_not_there() {
+        let mut storage = Storage::from(vec![1; 8]);
+        let change = std::panic::AssertUnwindSafe(|| {
+            storage.edit(|numbers| {
+                numbers.extend([2; 1000]);
+                panic!("halfway");
+            });
+        });
+        assert!(std::panic::catch_unwind(change).is_err());
+        assert!(storage.is_empty());
     }
 
     #[test]
