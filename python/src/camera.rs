@@ -3,15 +3,18 @@
 use firsthit::camera::Description;
 use firsthit::camera::{Equirectangular, Projection};
 use firsthit::render::{framing_camera, sample_ray};
+use firsthit::watch::Watch;
 use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
-use pyo3::exceptions::{PyMemoryError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
-use crate::arrays::not_contiguous;
+use crate::arrays::{collected, not_contiguous};
 use crate::errors::raise;
 use crate::run::run;
 use crate::scene::Scene;
+use crate::shoot::FEW;
 
 /// A checked camera.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -149,8 +152,8 @@ impl Camera {
             rows.0.saturating_mul(columns),
             last_row.saturating_mul(columns),
         );
-        let ray = |index| sample_ray(&self.0, index, sample);
-        ray_arrays(py, (first..last).map(ray))
+        let ray = |index| sample_ray(&self.0, first + index, sample);
+        ray_arrays(py, last.saturating_sub(first), ray)
     }
 
     /// Origins and directions of the rays through the centres of some pixels, counted row by row.
@@ -160,8 +163,8 @@ impl Camera {
         py: Python<'py>,
         pixels: PyReadonlyArray1<'py, i64>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let pixels = self.checked(&pixels)?;
-        ray_arrays(py, pixels.map(|pixel| Rays::ray(&self.0, pixel)))
+        let pixels: Vec<usize> = self.checked(&pixels)?.collect();
+        ray_arrays(py, pixels.len(), |k| Rays::ray(&self.0, pixels[k]))
     }
 
     /// `range` or `z` of the hits at `t` of some pixels, counted row by row.
@@ -205,24 +208,41 @@ impl Camera {
     }
 }
 
-/// The two arrays of rays.
+/// The two arrays of so many rays, which are made in pieces by all threads; few by the calling thread alone.
 #[expect(clippy::type_complexity, reason = "two arrays")]
 fn ray_arrays(
     py: Python<'_>,
-    rays: impl ExactSizeIterator<Item = Ray>,
+    count: usize,
+    ray: impl Fn(usize) -> Ray + Sync,
 ) -> PyResult<(Bound<'_, PyArray2<f64>>, Bound<'_, PyArray2<f64>>)> {
-    let count = rays.len();
-    let mut origins = Vec::new();
-    let mut directions = Vec::new();
-    for values in [&mut origins, &mut directions] {
-        let room = values.try_reserve_exact(count.saturating_mul(3));
-        room.map_err(|_| PyMemoryError::new_err("the rays of so many pixels"))?;
+    /// Rays that are made between two looks at whether to stop.
+    const PIECE: usize = 1 << 14;
+    let zeros = || collected(count, std::iter::repeat_n([0.0; 3], count));
+    let (mut origins, mut directions) = (zeros()?, zeros()?);
+    let make = |first: usize, origins: &mut [[f64; 3]], directions: &mut [[f64; 3]]| {
+        let ends = origins.iter_mut().zip(directions);
+        for (index, (origin, direction)) in (first..).zip(ends) {
+            let ray = ray(index);
+            (*origin, *direction) = (ray.origin.to_array(), ray.direction.to_array());
+        }
+    };
+    if count < FEW {
+        make(0, &mut origins, &mut directions);
+    } else {
+        run(py, 0, |stop| {
+            let origins = origins.par_chunks_mut(PIECE);
+            let pieces = origins.zip(directions.par_chunks_mut(PIECE)).enumerate();
+            pieces.for_each(|(k, (origins, directions))| {
+                // The interruption is raised by whoever asked to stop.
+                if !stop.is_stopped() {
+                    make(k * PIECE, origins, directions);
+                }
+            });
+            Ok(())
+        })?;
     }
-    for ray in rays {
-        origins.extend(ray.origin.to_array());
-        directions.extend(ray.direction.to_array());
-    }
-    let array = |values| PyArray1::from_vec(py, values).reshape([count, 3]);
+    let array =
+        |values: Vec<[f64; 3]>| PyArray1::from_vec(py, values.into_flattened()).reshape([count, 3]);
     Ok((array(origins)?, array(directions)?))
 }
 

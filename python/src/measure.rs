@@ -14,7 +14,8 @@ use crate::run::{Report, guarded, report_done, run, run_reported};
 use crate::scene::Scene;
 use crate::shoot::FEW;
 
-/// Triangles times points that take about a tenth of a second at most.
+/// Triangles times points that take about a tenth of a second at most, also where a mesh is asked for the first time whether it is
+/// closed.
 const LITTLE: u64 = 1 << 21;
 
 fn by(is_by_object: bool) -> By {
@@ -22,7 +23,7 @@ fn by(is_by_object: bool) -> By {
 }
 
 /// Does what takes little in the calling thread alone.
-fn measured<T: Send>(
+pub(crate) fn measured<T: Send>(
     py: Python<'_>,
     (scene, count): (&Scene, usize),
     threads: usize,

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::not_contiguous;
 use crate::errors::raise;
+use crate::measure::measured;
 use crate::run::{guarded, report_done, run_reported};
 use crate::scene::Scene;
 use crate::shoot::FEW;
@@ -34,8 +35,14 @@ pub(crate) fn closest_points<'py>(
     let (count, radius) = wanted;
     let wanted = Wanted { count, radius };
     let work = |watch: &dyn Watch| find(&scene.0, points, wanted, watch);
-    let is_few = points.len().saturating_mul(count) < FEW;
-    let found: ClosestPoints = answered(py, (points.len(), is_few), threads, report, work)?;
+    let report = report.as_ref();
+    let found: ClosestPoints = if points.len().saturating_mul(count) < FEW {
+        let found = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
+        report_done(report, points.len())?;
+        found
+    } else {
+        run_reported(py, threads, report, |stop| work(stop))?
+    };
     Ok((
         PyArray1::from_vec(py, found.distance),
         PyArray1::from_vec(py, found.object),
@@ -55,25 +62,10 @@ pub(crate) fn signed_distances<'py>(
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let points = points.as_slice().map_err(not_contiguous)?.as_chunks().0;
-    let work = |watch: &dyn Watch| sign(&scene.0, points, watch);
-    let is_few = points.len() < FEW;
-    let signed = answered(py, (points.len(), is_few), threads, report, work)?;
+    let size = (scene, points.len());
+    // The first time it is found out of every mesh whether it is closed.
+    let signed = measured(py, size, threads, report.as_ref(), |watch| {
+        sign(&scene.0, points, watch)
+    })?;
     Ok(PyArray1::from_vec(py, signed))
-}
-
-/// Does work for so many points; for few by the calling thread alone.
-fn answered<T: Send>(
-    py: Python<'_>,
-    (points, is_few): (usize, bool),
-    threads: usize,
-    report: Option<Bound<'_, PyAny>>,
-    work: impl Fn(&dyn Watch) -> firsthit::Result<T> + Send + Sync,
-) -> PyResult<T> {
-    let report = report.as_ref();
-    if is_few {
-        let answers = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
-        report_done(report, points)?;
-        return Ok(answers);
-    }
-    run_reported(py, threads, report, |stop| work(stop))
 }
