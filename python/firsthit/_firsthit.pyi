@@ -15,6 +15,7 @@ __all__ = [
     "Section",
     "Shape",
     "Texels",
+    "all_threads",
     "attribute",
     "attribute_names",
     "channel",
@@ -131,6 +132,7 @@ class _Model(TypedDict):
 
 def version() -> str: ...
 def instruction_set() -> str: ...
+def all_threads() -> int: ...
 def run_program(arguments: Sequence[str]) -> int: ...
 
 @final

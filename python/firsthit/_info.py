@@ -1,7 +1,5 @@
 """Version, instruction set and threads."""
 
-import os
-
 from . import _firsthit
 
 
@@ -13,7 +11,8 @@ def info() -> dict[str, str | int]:
     dict
         ``version``; ``instruction_set``, the fastest that the machine has, or the one that the
         environment variable ``FIRSTHIT_ISA`` names (``portable``, ``avx2`` or ``avx512``; it never
-        changes a result); ``threads``, how many are used where ``threads`` is not given.
+        changes a result); ``threads``, how many are used where ``threads`` is not given, which the
+        affinity of the process and the limits of a control group (cgroup) decide.
 
     Raises
     ------
@@ -26,9 +25,8 @@ def info() -> dict[str, str | int]:
     >>> fh.info()["instruction_set"] in {"portable", "avx2", "avx512"}
     True
     """
-    threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return {
         "version": _firsthit.version(),
         "instruction_set": _firsthit.instruction_set(),
-        "threads": threads or 1,
+        "threads": _firsthit.all_threads(),
     }

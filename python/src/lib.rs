@@ -52,6 +52,8 @@ mod _firsthit {
     #[pymodule_export]
     use crate::nearest::{closest_points, signed_distances};
     #[pymodule_export]
+    use crate::run::all_threads;
+    #[pymodule_export]
     use crate::scene::{Scene, check_transform};
     #[pymodule_export]
     use crate::section::Section;

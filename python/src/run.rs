@@ -56,10 +56,15 @@ const ARENA_BYTES: usize = 64 << 20;
 /// What must be left for the work. A small allocation that fails ends the process.
 const SPARE_BYTES: usize = 32 << 20;
 
+/// How many threads are used where nobody says: as many as this process has processors, also by the limits of a control group.
+#[pyfunction]
+pub(crate) fn all_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// A pool of `threads` threads (0: all cores), or of as many as the system grants: the result is the same.
 fn pool(threads: usize) -> PyResult<ThreadPool> {
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let mut threads = if threads == 0 { cores() } else { threads };
+    let mut threads = if threads == 0 { all_threads() } else { threads };
     loop {
         let builder = ThreadPoolBuilder::new().num_threads(threads);
         let why = match check_room(threads) {
