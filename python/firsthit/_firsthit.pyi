@@ -76,7 +76,8 @@ _Rays = tuple[
 _Ends = tuple[npt.NDArray[np.float64], _Surfaces | None]
 _Label = tuple[int, str]
 _Labels = tuple[_Label | None, _Label | None]
-_Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, bool, _Labels]
+_Seen = tuple[bool, bool]
+_Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, _Seen, _Labels]
 #: What has it, name, components, whether it is a label, numbers.
 _Property = tuple[str, str, int, bool, npt.NDArray[Any]]
 _Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
@@ -116,7 +117,7 @@ class _Model(TypedDict):
             int | tuple[str, list[float]],
             list[list[float]] | None,
             list[_MaterialOut],
-            tuple[int, bool],
+            tuple[int, bool, bool],
             _Labels,
         ]
     ]

@@ -132,13 +132,12 @@ def _scene_of(model: _firsthit._Model) -> Scene:
     scene._up_is_guessed = model["up_is_guessed"]
     meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
     materials = _Materials(model["textures"])
-    for name, shape, rows, looks, (mask, is_hidden), labels in model["objects"]:
+    for name, shape, rows, looks, (mask, is_hidden, is_removed), labels in model["objects"]:
         made = meshes[shape] if isinstance(shape, int) else _analytic(*shape)
         looked = [materials.made(look) for look in looks]
         identifier = scene.add(made, name=name, transform=rows, material=looked or None, mask=mask)
-        scene._objects[identifier] = scene._objects[identifier]._but(_labels=labels)
-        if is_hidden:
-            scene.hide(identifier)
+        seen = {"_is_hidden": is_hidden, "_is_removed": is_removed}
+        scene._objects[identifier] = scene._objects[identifier]._but(_labels=labels, **seen)
     for light in model["lights"]:
         scene.add_light(_light(*light))
     scene._has_view = model["has_view"]

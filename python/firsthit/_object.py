@@ -123,7 +123,8 @@ class Object:
         rows = None if self._transform is None else self._transform.tolist()
         materials = [material._native() for material in self._materials]
         shape = self._shape._native()
-        return shape, self._name, rows, materials, self._mask, self._is_hidden, self._labels
+        seen = self._is_hidden, self._is_removed
+        return shape, self._name, rows, materials, self._mask, seen, self._labels
 
 
 def placed(

@@ -26,13 +26,14 @@ enum ShapeOut {
     Analytic(&'static str, Vec<f64>),
 }
 
-/// Name, shape, the rows of the transform, materials, mask and whether it is hidden, the labels of its node and its mesh.
+/// Name, shape, the rows of the transform, materials, mask, whether it is hidden and whether it was removed, the labels of its node
+/// and its mesh.
 type ObjectOut = (
     String,
     ShapeOut,
     Option<[[f64; 4]; 4]>,
     Vec<MaterialOut>,
-    (u32, bool),
+    (u32, bool, bool),
     (Option<LabelTuple>, Option<LabelTuple>),
 );
 
@@ -179,7 +180,7 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
         let transform = object.transform();
         let rows = (!transform.is_identity()).then(|| rows(transform.world_from_object()));
         let shape = shape_out(object.shape(), |mesh| meshes.number(mesh));
-        let seen = (object.mask(), object.is_hidden());
+        let seen = (object.mask(), object.is_hidden(), object.is_removed());
         let labels = (label_out(object.node()), label_out(object.mesh_label()));
         (
             object.name().to_owned(),

@@ -17,8 +17,8 @@ const FEW_OBJECTS: usize = 4096;
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Scene(pub(crate) firsthit::Scene);
 
-/// An object: shape, name, the rows of its transform if it has one, its materials, its mask, whether it is hidden, and what node and
-/// what mesh of a file it comes from.
+/// An object: shape, name, the rows of its transform if it has one, its materials, its mask, whether it is hidden and whether it was
+/// removed, and what node and what mesh of a file it comes from.
 #[derive(FromPyObject)]
 struct ObjectIn<'py>(
     PyRef<'py, Shape>,
@@ -26,7 +26,7 @@ struct ObjectIn<'py>(
     Option<[[f64; 4]; 4]>,
     Vec<MaterialIn<'py>>,
     u32,
-    bool,
+    (bool, bool),
     [Option<LabelTuple>; 2],
 );
 
@@ -186,13 +186,14 @@ fn transform(py: Python<'_>, rows: &[[f64; 4]; 4]) -> PyResult<Transform> {
 }
 
 fn build(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
-    let ObjectIn(shape, name, rows, materials, mask, is_hidden, [node, mesh]) = object;
+    let ObjectIn(shape, name, rows, materials, mask, seen, [node, mesh]) = object;
+    let (is_hidden, is_removed) = *seen;
     let mut object = Object::new(shape.0.clone()).named(name.clone());
     if let Some(rows) = rows {
         object = object.placed(transform(py, rows)?);
     }
     let materials: Vec<Material> = materials.iter().map(material).collect::<PyResult<_>>()?;
-    let object = object.masked(*mask).hidden(*is_hidden);
+    let object = object.masked(*mask).hidden(is_hidden).removed(is_removed);
     let object = object.from_node(label(node.as_ref()));
     let object = object.from_mesh(label(mesh.as_ref()));
     Ok(object.with_materials(materials))

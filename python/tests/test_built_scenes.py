@@ -170,6 +170,22 @@ def test_an_opened_scene_goes_on_living(tmp_path):
     assert_same(pickle.loads(pickle.dumps(scenes[1])), scenes[0])
 
 
+def test_what_was_removed_stays_removed_when_it_is_saved_and_opened(tmp_path):
+    first = rich_scene()
+    first.remove(2)
+    first.hide(3)
+    first.save(tmp_path / "a.fhs")
+    second = fh.open(tmp_path / "a.fhs")
+    second.save(tmp_path / "b.fhs")
+    for scene in (first, second, fh.open(tmp_path / "b.fhs")):
+        assert [made.removed for made in scene.objects] == [False, False, True, False, False]
+        with pytest.raises(IndexError, match="object 2 was removed"):
+            scene.show(2)
+        scene.show(3)
+        scene.hide(3)
+        assert [made.hidden for made in scene.objects] == [False, False, True, True, False]
+
+
 def test_other_processes_open_it_too(tmp_path):
     scene = rich_scene()
     scene.save(tmp_path / "a.fhs")

@@ -276,6 +276,7 @@ fn objects(
         object = object.named(escape_controls(&record.name));
         object = object.masked(record.mask.unwrap_or(u32::MAX));
         object = object.hidden(record.is_hidden);
+        object = object.removed(record.is_removed);
         object = object.from_node(labelled(labels, record.node)?);
         object = object.from_mesh(labelled(labels, record.mesh_label)?);
         if let Some(columns) = record.transform {

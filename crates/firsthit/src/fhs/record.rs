@@ -128,6 +128,8 @@ pub(super) struct ObjectRecord {
     pub(super) mask: Option<u32>,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(super) is_hidden: bool,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) is_removed: bool,
     /// The label of its node, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) node: Option<usize>,

@@ -271,6 +271,7 @@ impl<'a> Tables<'a> {
             materials: (!object.materials().is_empty()).then(|| self.list(object)),
             mask: (object.mask() != u32::MAX).then(|| object.mask()),
             is_hidden: object.is_hidden(),
+            is_removed: object.is_removed(),
             node: object.node().map(|label| self.label(label)),
             mesh_label: object.mesh_label().map(|label| self.label(label)),
         }

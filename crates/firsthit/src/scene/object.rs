@@ -33,6 +33,7 @@ pub struct Object {
     farthest: f64,
     mask: u32,
     is_hidden: bool,
+    is_removed: bool,
     node: Option<Label>,
     mesh_label: Option<Label>,
 }
@@ -69,6 +70,7 @@ impl Object {
             has_cutouts: false,
             mask: u32::MAX,
             is_hidden: false,
+            is_removed: false,
             node: None,
             mesh_label: None,
         }
@@ -140,6 +142,11 @@ impl Object {
         Self { is_hidden, ..self }
     }
 
+    /// The same object as what is left of one that was removed, so that the others keep their identifiers: hidden for good.
+    pub fn removed(self, is_removed: bool) -> Self {
+        Self { is_removed, ..self }
+    }
+
     /// Its mask; see [`Object::masked`].
     pub fn mask(&self) -> u32 {
         self.mask
@@ -147,7 +154,12 @@ impl Object {
 
     /// Whether no ray meets it.
     pub fn is_hidden(&self) -> bool {
-        self.is_hidden || self.mask == 0
+        self.is_hidden || self.is_removed || self.mask == 0
+    }
+
+    /// Whether it is what is left of one that was removed.
+    pub fn is_removed(&self) -> bool {
+        self.is_removed
     }
 
     /// Hides it, or shows it.
