@@ -343,32 +343,19 @@ def _offsets(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     return offsets
 
 
-def shoot_all(
-    built: Built,
-    rays: Rays,
-    threads: int,
-    report: Report | None,
-    seen: _firsthit.Scene | None = None,
-) -> AllHits:
-    """Find every hit of rays, perhaps of what is ``seen``; the rays' arrays are copied."""
+def shoot_all(built: Built, rays: Rays, threads: int, report: Report | None) -> AllHits:
+    """Find every hit of rays; the rays' arrays are copied."""
     rays = rays.copied()
     pieces: list[Arrays] = []
     counts = np.zeros(rays.length, np.int64)
     for part in chunks(rays.length):
-        met = _shot(seen or built.native, rays, part, None, threads, report)
+        met = _shot(built.native, rays, part, None, threads, report)
         counts[part] = np.diff(met[0])
         pieces.append(met[1])
     return AllHits._of(built, _joined(pieces), rays.unlimited(), _offsets(counts), threads)
 
 
-def shoot_nearest(
-    built: Built,
-    rays: Rays,
-    k: int,
-    threads: int,
-    report: Report | None,
-    seen: _firsthit.Scene | None = None,
-) -> Hits:
+def shoot_nearest(built: Built, rays: Rays, k: int, threads: int, report: Report | None) -> Hits:
     """Find the first ``k`` hits of each ray; the rays' arrays are copied."""
     rays = rays.copied()
     length = rays.length
@@ -377,7 +364,7 @@ def shoot_nearest(
     t, identifiers = np.full((length, k), np.inf), np.full((length, k), -1, np.int32)
     primitive, weights = identifiers.copy(), np.full((length, k, 2), np.nan)
     for part in chunks(length):
-        offsets, met = _shot(seen or built.native, rays, part, k, threads, report)
+        offsets, met = _shot(built.native, rays, part, k, threads, report)
         counts = np.diff(offsets)
         row = np.repeat(np.arange(part.start, part.stop), counts)
         column = np.arange(offsets[-1]) - np.repeat(offsets[:-1], counts)
@@ -392,7 +379,7 @@ def shoot_nearest(
 
 
 def _shot(
-    seen: _firsthit.Scene,
+    native: _firsthit.Scene,
     rays: Rays,
     part: slice,
     k: int | None,
@@ -401,9 +388,9 @@ def _shot(
 ) -> tuple[npt.NDArray[np.int64], Arrays]:
     """Return the offsets and the hits of some of the rays."""
     told, count = later(report, part.start), part.stop - part.start
-    native = rays.part(part)
+    some = rays.part(part)
     offsets, t, identifiers, primitive, weights = _firsthit.shoot_all(
-        seen, native, count, k, threads, told
+        native, some, count, k, threads, told
     )
     return offsets.astype(np.int64), (t, identifiers, primitive, weights.reshape(-1, 2))
 

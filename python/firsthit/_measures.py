@@ -116,7 +116,7 @@ class Measures(Traceable):
             raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
         is_by_object, with_rules = _is_by_object(by), flag("return_rules", return_rules)
         use, built = threads_or_all(threads), self._ready()
-        native = self._seen(built, None, objects)
+        native = self._seen(built, None, objects).native
         leading = array.shape[:-1]
         length = math.prod(leading)
         pieces = []
@@ -190,7 +190,7 @@ class Measures(Traceable):
         is_by_object = _is_by_object(by)
         rays = Rays.of(origins, directions, t_min, t_max)
         use, built = threads_or_all(threads), self._ready()
-        native = self._seen(built, None, objects)
+        native = self._seen(built, None, objects).native
         pieces = []
         with following(progress, rays.length) as report:
             for part in rays.parts():

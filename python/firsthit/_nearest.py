@@ -115,7 +115,11 @@ class NearestQueries(Traceable):
         within = _radius(radius)
         with following(progress, len(flat)) as report:
             distance, identifiers, primitive, point, weights = _firsthit.closest_points(
-                self._seen(self._ready(), None, objects), flat, (count, within), use, report
+                self._seen(self._ready(), None, objects).native,
+                flat,
+                (count, within),
+                use,
+                report,
             )
         shape = shape if k is None else (*shape, count)
         second, third = weights.reshape(-1, 2).T
@@ -172,7 +176,7 @@ class NearestQueries(Traceable):
         shape, flat = _flat(points)
         use = threads_or_all(threads)
         with following(progress, len(flat)) as report:
-            native = self._seen(self._ready(), None, objects)
+            native = self._seen(self._ready(), None, objects).native
             signed = _firsthit.signed_distances(native, flat, use, report)
         return signed.reshape(shape)
 

@@ -124,8 +124,7 @@ class Queries(Traceable):
         use = threads_or_all(threads)
         single = dtype is not None and is_single(dtype)
         masks = mask if mask is None or np.ndim(mask) else None
-        built = self._ready()
-        seen = self._seen(built, mask, objects)
+        built = self._seen(self._ready(), mask, objects)
         if isinstance(origins, Camera):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
@@ -138,22 +137,22 @@ class Queries(Traceable):
             length = origins.rows * origins.columns
             with following(progress, length) as report:
                 if is_open and filters is None:
-                    hits = shoot_camera(built, origins, use, report, seen)
+                    hits = shoot_camera(built, origins, use, report)
                 else:
                     rays = Rays.of(*origins.rays(), *limits, filters=filters, are_own=True)
                     if rays.shape != (origins.rows, origins.columns):
                         raise ValueError(f"the rays of a camera have no shape {rays.shape}")
                     limits = list(rays.arrays[2:])
-                    hits = shoot_rays(built, rays, use, report, Source(origins), seen)
+                    hits = shoot_rays(built, rays, use, report, Source(origins))
             return hits._rounded(*limits) if single else hits
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
         limits = list(rays.arrays[2:])
         if progress is None:
             # Without a context manager, which takes 1 us of the 11 of a call with one ray.
-            hits = shoot_rays(built, rays, use, None, None, seen)
+            hits = shoot_rays(built, rays, use, None)
         else:
             with following(progress, rays.length) as report:
-                hits = shoot_rays(built, rays, use, report, None, seen)
+                hits = shoot_rays(built, rays, use, report)
         return hits._rounded(*limits) if single else hits
 
     def occluded(
@@ -202,7 +201,7 @@ class Queries(Traceable):
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
         # Once: what others add meanwhile is for the next call.
-        native = self._seen(self._ready(), mask, objects)
+        native = self._seen(self._ready(), mask, objects).native
         return _answers(_firsthit.occluded, np.bool_, native, rays, threads, progress)
 
     def count(
@@ -255,7 +254,7 @@ class Queries(Traceable):
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
         # Once: what others add meanwhile is for the next call.
-        native = self._seen(self._ready(), mask, objects)
+        native = self._seen(self._ready(), mask, objects).native
         return _answers(_firsthit.count, np.uint32, native, rays, threads, progress)
 
     @overload
@@ -374,12 +373,11 @@ class Queries(Traceable):
         use = threads_or_all(threads)
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
-        built = self._ready()
-        seen = self._seen(built, mask, objects)
+        built = self._seen(self._ready(), mask, objects)
         with following(progress, rays.length) as report:
             if wanted is None:
-                return shoot_all(built, rays, use, report, seen)
-            return shoot_nearest(built, rays, wanted, use, report, seen)
+                return shoot_all(built, rays, use, report)
+            return shoot_nearest(built, rays, wanted, use, report)
 
 
 def _answers(
@@ -400,32 +398,18 @@ def _answers(
     return answers.reshape(rays.shape)
 
 
-def shoot_camera(
-    built: Built,
-    camera: Camera,
-    threads: int,
-    report: Report | None,
-    seen: _firsthit.Scene | None = None,
-) -> Hits:
-    """Shoot a camera's rays at what was built, or at what is ``seen`` of it."""
+def shoot_camera(built: Built, camera: Camera, threads: int, report: Report | None) -> Hits:
+    """Shoot a camera's rays at what was built."""
     out = hits_arrays(camera.rows * camera.columns)
-    _firsthit.shoot_camera(seen or built.native, camera._native, threads, out, report)
+    _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
     return Hits._of(built, out, Source(camera), (camera.rows, camera.columns), threads)
 
 
 def shoot_rays(
-    built: Built,
-    rays: Rays,
-    threads: int,
-    report: Report | None,
-    source: Source | None = None,
-    seen: _firsthit.Scene | None = None,
+    built: Built, rays: Rays, threads: int, report: Report | None, source: Source | None = None
 ) -> Hits:
-    """Shoot rays at what was built, or at what is ``seen`` of it.
-
-    Without a source, the rays are their own.
-    """
-    native = seen or built.native
+    """Shoot rays at what was built. Without a source, the rays are their own."""
+    native = built.native
     out = hits_arrays(rays.length)
     # The hits keep the rays, from which they compute what is asked later.
     copies = rays.own()

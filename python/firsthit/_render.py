@@ -186,15 +186,14 @@ def render(
     pixels = math.prod(part.shape)
     work = _firsthit.render_work(pixels, asked, look.samples)
     owned = pixels * look.samples if own is not None and "color" in names else 0
-    built = scene._ready()
-    seen, filters = scene._seen(built, None, objects), Filters.of(None, cull, None)
+    built, filters = scene._seen(scene._ready(), None, objects), Filters.of(None, cull, None)
     side = None if filters is None else filters.cull
     with following(progress, work + owned) as report:
         how = shading, look.samples, part, side, use
-        arrays, origin = _firsthit.render(seen, camera._native, asked, *how, report)
+        arrays, origin = _firsthit.render(built.native, camera._native, asked, *how, report)
         made = {name: _shaped(array, part) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
-            job = _OwnShading(built, seen, filters, camera, part, own, use)
+            job = _OwnShading(built, filters, camera, part, own, use)
             told = later(report, work)
             made["color"] = (
                 job.centres(told) if look.samples == 1 else job.means(look.samples, told)
@@ -247,7 +246,6 @@ class _OwnShading(NamedTuple):
     """The colours that a user's function gives to the pixels of a region."""
 
     built: Built
-    seen: _firsthit.Scene
     filters: Filters | None
     camera: Camera
     region: _Region
@@ -259,12 +257,12 @@ class _OwnShading(NamedTuple):
         camera = self.camera
         is_whole = self.region == _Region(0, camera.rows, 0, camera.columns)
         if is_whole and self.filters is None:
-            hits = shoot_camera(self.built, camera, self.threads, report, self.seen)
+            hits = shoot_camera(self.built, camera, self.threads, report)
         else:
             source = Source(camera, self._pixels(self.region.top, self.region.bottom).reshape(-1))
             grids = (array.reshape(*self.region.shape, 3) for array in source.both())
             rays = Rays.of(*grids, filters=self.filters)
-            hits = shoot_rays(self.built, rays, self.threads, report, source, self.seen)
+            hits = shoot_rays(self.built, rays, self.threads, report, source)
         return np.ascontiguousarray(self._colors(hits), np.float32)
 
     def means(self, samples: int, report: Report | None) -> npt.NDArray[np.float32]:
@@ -285,7 +283,7 @@ class _OwnShading(NamedTuple):
                 rays = Rays.of(*grids, filters=self.filters)
                 source = Source(camera, pixels.reshape(-1), rays)
                 told = later(report, done)
-                hits = shoot_rays(self.built, rays, self.threads, told, source, self.seen)
+                hits = shoot_rays(self.built, rays, self.threads, told, source)
                 total += self._colors(hits)
                 done += rays.length
             colors[row - top : last - top] = total / samples

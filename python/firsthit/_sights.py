@@ -97,7 +97,7 @@ class Sights(Traceable):
                 f"a {ends[0][0].shape} and b {ends[1][0].shape} must broadcast against each other, "
                 "and so must skip_a and skip_b"
             ) from None
-        use, native = threads_or_all(threads), self._seen(self._ready(), None, objects)
+        use, native = threads_or_all(threads), self._seen(self._ready(), None, objects).native
         length = math.prod(shape)
         seen = np.empty(length, np.bool_)
         with following(progress, length) as report:
@@ -157,16 +157,15 @@ class Sights(Traceable):
         >>> scene.thickness([[1, 1, 0.5], [0, 2, 0.25]])
         array([0.5, 4. ])
         """
-        use, built = threads_or_all(threads), self._ready()
-        native = self._seen(built, None, objects)
-        hits = points if isinstance(points, Hits) else _nearest(built, native, points, use)
+        use, built = threads_or_all(threads), self._seen(self._ready(), None, objects)
+        hits = points if isinstance(points, Hits) else _nearest(built, points, use)
         ways = -hits.normal if directions is None else _of_length_one(directions)
         leaving = rays_of(hits.leave(ways), None)
         assert leaving.filters is not None
         filters = Filters(left=leaving.filters.left, only=hits.object)
         rays = Rays(leaving.arrays, leaving.shape, filters=filters)
         with following(progress, rays.length) as report:
-            found = shoot_rays(built, rays, use, report, None, native)
+            found = shoot_rays(built, rays, use, report)
         own = np.broadcast_to(hits.object, rays.shape)
         has_way = np.broadcast_to(np.isfinite(ways).all(axis=-1), rays.shape)
         thick: npt.NDArray[np.float64] = np.where((own < 0) | ~has_way, np.nan, found.t)
@@ -185,14 +184,14 @@ def _of_length_one(directions: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return ways
 
 
-def _nearest(built: Built, native: _firsthit.Scene, points: npt.ArrayLike, threads: int) -> Hits:
+def _nearest(built: Built, points: npt.ArrayLike, threads: int) -> Hits:
     """Return the surface points that are nearest to points, as if they were hit."""
     array = numbers("points", points)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
     shape = array.shape[:-1]
     wanted = plain(array.reshape(-1, 3)), (1, math.inf), threads, None
-    _, identifiers, primitive, places, weights = _firsthit.closest_points(native, *wanted)
+    _, identifiers, primitive, places, weights = _firsthit.closest_points(built.native, *wanted)
     length = len(identifiers)
     t = np.where(identifiers < 0, np.inf, 0.0)
     arrays = t, identifiers, primitive, weights.reshape(length, 2)

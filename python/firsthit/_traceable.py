@@ -36,7 +36,7 @@ class Built:
         """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
         self.objects, self.lights = objects, lights
         #: What rays of one mask, or of some objects, were last shot at.
-        self._seen: tuple[object, _firsthit.Scene] | None = None
+        self._seen: _Seen | None = None
         self.native = native or _firsthit.Scene(
             [made._native() for made in objects], [light._native() for light in lights], previous
         )
@@ -59,18 +59,45 @@ class Built:
                 hidden.append((identifier, made._is_hidden))
         return Built(objects, self.lights, self.native.changed(replaced, places, hidden))
 
-    def seen(self, mask: int, only: Sequence[int] | None) -> _firsthit.Scene:
-        """Return what rays with a mask meet, or only some of it, by identifiers."""
+    def seen(self, mask: int, only: Sequence[int] | None) -> Built:
+        """Return what rays with a mask meet, or only some of it, by identifiers.
+
+        All objects are in it, and those that are not met are hidden.
+        """
         key = mask, None if only is None else tuple(only)
         last = self._seen
-        if last is None or last[0] != key:
-            last = key, self.native.seen_by(mask, None if only is None else list(only))
+        if last is None or last.key != key:
+            native = self.native.seen_by(mask, None if only is None else list(only))
+            last = _Seen(self.objects, self.lights, native, key)
             # The last one alone is kept: it is asked for again and again, or never.
             self._seen = last
-        return last[1]
+        return last
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Built, (self.objects, self.lights)
+
+
+class _Seen(Built):
+    """What rays of one mask meet, or some of the objects; it does not hold all of them built."""
+
+    def __init__(
+        self,
+        objects: Sequence[Object],
+        lights: Sequence[Light],
+        native: _firsthit.Scene,
+        key: tuple[int, tuple[int, ...] | None],
+    ) -> None:
+        super().__init__(objects, lights, native)
+        self.key = key
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _seen_again, (self.objects, self.lights, self.key)
+
+
+def _seen_again(
+    objects: Sequence[Object], lights: Sequence[Light], key: tuple[int, tuple[int, ...] | None]
+) -> Built:
+    return Built(objects, lights).seen(*key)
 
 
 class Traceable:
@@ -84,12 +111,10 @@ class Traceable:
         """Return what rays are shot at."""
         return self._ready().native
 
-    def _seen(
-        self, built: Built, mask: npt.ArrayLike | None, objects: Selection | None
-    ) -> _firsthit.Scene:
+    def _seen(self, built: Built, mask: npt.ArrayLike | None, objects: Selection | None) -> Built:
         """Return what rays of one mask are shot at, where there is one, and of some objects."""
         if objects is None and (mask is None or np.ndim(mask)):
-            return built.native
+            return built
         bits = ALL if mask is None or np.ndim(mask) else one_mask("mask", mask)
         return built.seen(bits, None if objects is None else chosen(built.objects, objects))
 

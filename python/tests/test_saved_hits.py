@@ -1,5 +1,7 @@
 """What hits and frames go into which file, and what is refused before anything is written."""
 
+import pickle
+
 import firsthit as fh
 import numpy as np
 import pytest
@@ -70,6 +72,33 @@ def test_what_is_wrong_is_refused_before_anything_is_written(save, words, tmp_pa
     with pytest.raises(ValueError, match=words):
         save(tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_hits_and_pictures_of_some_objects_name_the_scene_in_which_the_others_are_hidden(tmp_path):
+    def scene_of(path):
+        return fh.read_metadata(path)["scene"]
+
+    scene = ball()
+    scene.add(fh.Box((-3, -3, -3), (3, 3, -2)), name="floor", mask=2)
+    scene.shoot(CAMERA).save(tmp_path / "all.npz")
+    told = []
+    for some in (
+        scene.shoot(CAMERA, objects="ball"),
+        scene.shoot(CAMERA, mask=4),
+        scene.shoot(*RAYS, mask=4)[:1],
+        scene.shoot_all(*RAYS, objects=0).hits,
+        fh.render(scene, CAMERA, channels="t", objects=0),
+    ):
+        some.save(tmp_path / "some.npz")
+        told.append(scene_of(tmp_path / "some.npz"))
+    # A mask of each ray is no part of the scene.
+    scene.shoot(*RAYS, mask=[1, 2]).save(tmp_path / "each.npz")
+    assert scene_of(tmp_path / "each.npz") == scene_of(tmp_path / "all.npz") != told[0]
+    again = pickle.loads(pickle.dumps(scene.shoot(CAMERA, objects="ball")))
+    again.save(tmp_path / "again.npz")
+    scene.hide("floor")
+    scene.shoot(CAMERA).save(tmp_path / "hidden.npz")
+    assert {*told} == {scene_of(tmp_path / "again.npz"), scene_of(tmp_path / "hidden.npz")}
 
 
 def test_a_part_of_a_camera_s_hits_does_not_have_its_matrix(tmp_path):
