@@ -410,10 +410,3 @@ def _joined(pieces: list[Arrays]) -> Arrays:
         column.clear()
     t, identifiers, primitive, weights = made
     return t, identifiers, primitive, weights
-
-
-def checked(k: int) -> int:
-    """Return how many hits of each ray are wanted."""
-    if isinstance(k, bool | np.bool_) or not hasattr(k, "__index__") or not 1 <= k < 2**63:
-        raise ValueError(f"k must be a whole number from 1 on, or None for all hits, got {k!r}")
-    return int(k)

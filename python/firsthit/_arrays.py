@@ -75,21 +75,24 @@ def color_of(
 
 def number(name: str, value: npt.ArrayLike) -> float:
     """Return one number."""
+    if isinstance(value, str | bytes | bool):
+        raise ValueError(f"{name} must be a number, got {value!r}")
     array = numbers(name, value)
     if array.shape != ():
         raise ValueError(f"{name} must be a number, got an array of shape {array.shape}")
     return float(array)
 
 
-def count(name: str, value: object) -> int:
-    """Return a whole number that is not negative."""
+def count(name: str, value: object, least: int = 0, most: int | None = None) -> int:
+    """Return a whole number that is not negative, or within its bounds."""
     try:
-        whole = value.__index__()  # type: ignore[attr-defined]
-    except (AttributeError, TypeError):
+        whole = index(name, value)
+    except TypeError:
         raise ValueError(f"{name} must be a whole number, got {value!r}") from None
-    if not 0 <= whole < 2**63:
-        raise ValueError(f"{name} must be zero or more, got {whole}")
-    return int(whole)
+    if not least <= whole <= (2**63 - 1 if most is None else most):
+        span = f"{least or 'zero'} or more" if most is None else f"from {least} to {most}"
+        raise ValueError(f"{name} must be {span}, got {whole}")
+    return whole
 
 
 def fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
@@ -126,6 +129,14 @@ def numbers(name: str, value: Any) -> npt.NDArray[Any]:
         return array
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
+    return array
+
+
+def vectors(name: str, value: Any, length: int = 3) -> npt.NDArray[Any]:
+    """Return an array of vectors, (..., length)."""
+    array = numbers(name, value)
+    if array.ndim == 0 or array.shape[-1] != length:
+        raise ValueError(f"{name} must have the shape (..., {length}), got {array.shape}")
     return array
 
 
@@ -180,11 +191,7 @@ def flag(name: str, value: object) -> bool:
 
 def threads_or_all(threads: int | None) -> int:
     """Return the number of threads, 0 for all there are."""
-    if threads is None:
-        return 0
-    if not (hasattr(threads, "__index__") and 1 <= threads <= 1024):
-        raise ValueError(f"threads must be from 1 to 1024, or None for all cores, got {threads!r}")
-    return count("threads", threads)
+    return 0 if threads is None else count("threads", threads, 1, 1024)
 
 
 def is_flat(view: npt.NDArray[Any]) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from ._arrays import at_numbers, elements, numbers
+from ._arrays import elements, numbers
 from ._types import Side
 
 if TYPE_CHECKING:
@@ -77,21 +77,6 @@ class Filters:
             both = elements(identifiers, shape, part), elements(primitive, shape, part)
             left = (*both, elements(weights, shape, part, 1).reshape(-1, 2))
         return masks, self.cull, skip, left, only
-
-    def taken(self, chosen: npt.NDArray[np.int64], shape: tuple[int, ...]) -> Filters:
-        """Return those of some rays, by their numbers among rays of a shape."""
-
-        def of(array: npt.NDArray[Any], trailing: int = 0) -> npt.NDArray[Any]:
-            view = np.broadcast_to(array, shape + array.shape[array.ndim - trailing :])
-            some: npt.NDArray[Any] = view[at_numbers(chosen, shape)]
-            return some.reshape(len(chosen), *array.shape[array.ndim - trailing :])
-
-        skip = None if self.skip is None else (of(self.skip[0]), of(self.skip[1]))
-        left = None
-        if self.left is not None:
-            left = of(self.left[0]), of(self.left[1]), of(self.left[2], 1)
-        masks, only = (None if array is None else of(array) for array in (self.masks, self.only))
-        return Filters(masks, self.cull, skip, left, only)
 
 
 def surfaces(name: str, given: Any) -> Surfaces:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._arrays import numbers
+from ._arrays import vectors
 from ._filters import Filters
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
 
@@ -64,9 +64,7 @@ def leaving(
 ) -> LeavingRays:
     """Return rays from places on surfaces."""
     # Ours, as everything that is not float64 would be.
-    ways = np.array(numbers("directions", directions), np.float64)
-    if ways.ndim == 0 or ways.shape[-1] != 3:
-        raise ValueError(f"directions must have the shape (..., 3), got {ways.shape}")
+    ways = np.array(vectors("directions", directions), np.float64)
     try:
         shape = np.broadcast_shapes(positions.shape[:-1], ways.shape[:-1])
     except ValueError:

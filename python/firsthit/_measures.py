@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, flag, flat, is_flat, numbers, threads_or_all
+from ._arrays import chunks, flag, flat, is_flat, threads_or_all, vectors
 from ._progress import following, later
 from ._rays import Rays
 from ._traceable import Traceable
@@ -111,9 +111,7 @@ class Measures(Traceable):
                [False,  True],
                [False, False]])
         """
-        array = numbers("points", points)
-        if array.ndim == 0 or array.shape[-1] != 3:
-            raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
+        array = vectors("points", points)
         is_by_object, with_rules = _is_by_object(by), flag("return_rules", return_rules)
         use, built = threads_or_all(threads), self._ready()
         native = self._seen(built, None, objects).native

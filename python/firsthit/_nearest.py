@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import operator
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import numbers, plain, threads_or_all
+from ._arrays import count, number, plain, threads_or_all, vectors
 from ._progress import following
 from ._traceable import Traceable
 
@@ -111,17 +110,19 @@ class NearestQueries(Traceable):
         """
         shape, flat = _flat(points)
         use = threads_or_all(threads)
-        count = 1 if k is None else _count(k)
-        within = _radius(radius)
+        many = 1 if k is None else count("k", k, 1, 2**31 - 1)
+        within = number("radius", radius)
+        if not within >= 0:
+            raise ValueError(f"radius must be zero or positive, got {radius!r}")
         with following(progress, len(flat)) as report:
             distance, identifiers, primitive, point, weights = _firsthit.closest_points(
                 self._seen(self._ready(), None, objects).native,
                 flat,
-                (count, within),
+                (many, within),
                 use,
                 report,
             )
-        shape = shape if k is None else (*shape, count)
+        shape = shape if k is None else (*shape, many)
         second, third = weights.reshape(-1, 2).T
         barycentric = np.column_stack((1.0 - second - third, second, third))
         return ClosestPoints(
@@ -183,27 +184,5 @@ class NearestQueries(Traceable):
 
 def _flat(points: npt.ArrayLike) -> tuple[tuple[int, ...], npt.NDArray[np.float64]]:
     """Return the points' shape, and them as C-contiguous float64 of shape (n, 3)."""
-    array = numbers("points", points)
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
+    array = vectors("points", points)
     return array.shape[:-1], plain(array.reshape(-1, 3))
-
-
-def _count(k: int) -> int:
-    try:
-        count = operator.index(k)
-    except TypeError:
-        raise ValueError(f"k must be a whole number, got {k!r}") from None
-    if not 1 <= count < 2**31:
-        raise ValueError(f"k must be at least 1, and below 2**31, got {count}")
-    return count
-
-
-def _radius(radius: float) -> float:
-    try:
-        within = float(radius)
-    except (TypeError, ValueError):
-        raise ValueError(f"radius must be a number, got {radius!r}") from None
-    if not within >= 0:
-        raise ValueError(f"radius must be zero or positive, got {radius!r}")
-    return within

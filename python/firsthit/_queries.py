@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, TypeVar, overload
 import numpy as np
 
 from . import _firsthit
-from ._all_hits import checked, shoot_all, shoot_nearest
-from ._arrays import fits, numbers, threads_or_all
+from ._all_hits import shoot_all, shoot_nearest
+from ._arrays import count, fits, numbers, threads_or_all
 from ._camera import Camera
 from ._filters import Filters
 from ._hits import Hits
@@ -369,7 +369,7 @@ class Queries(Traceable):
         array([[ 1,  0],
                [ 1, -1]], dtype=int32)
         """
-        wanted = None if k is None else checked(k)
+        wanted = None if k is None else count("k", k, 1)
         use = threads_or_all(threads)
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._arrays import CHUNK, at_numbers, chunks, flat, is_flat, is_own, lock, numbers, plain
+from ._arrays import CHUNK, at_numbers, chunks, flat, is_flat, is_own, lock, numbers, plain, vectors
 from ._memory import SMALL, empty
 
 if TYPE_CHECKING:
@@ -79,10 +79,7 @@ class Rays:
         """Check what a user gave."""
         if directions is None:
             raise ValueError("directions must be given, except with a camera")
-        starts, ways = numbers("origins", origins), numbers("directions", directions)
-        for name, array in (("origins", starts), ("directions", ways)):
-            if array.ndim == 0 or array.shape[-1] != 3:
-                raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
+        starts, ways = vectors("origins", origins), vectors("directions", directions)
         begins = NO_MINIMUM if _is(t_min, 0.0) else numbers("t_min", t_min)
         ends = NO_MAXIMUM if _is(t_max, math.inf) else numbers("t_max", t_max)
         own = (True, True) if are_own else (is_own(origins), is_own(directions))
@@ -173,14 +170,6 @@ class Rays:
                 view = np.broadcast_to(array, (*self.shape, 3))
                 taken.append(view[at_numbers(chosen, self.shape)].reshape(*shape, 3))
         return Rays((*taken, NO_MINIMUM, NO_MAXIMUM), shape)
-
-    def only(self, chosen: npt.NDArray[np.bool_]) -> Rays:
-        """Return the rays where a mask of their shape is true, in a row, with what they leave."""
-        numbers = np.flatnonzero(chosen)
-        taken = self.take(numbers, (len(numbers),))
-        if self.filters is not None:
-            taken.filters = self.filters.taken(numbers, self.shape)
-        return taken
 
     def parts(self) -> list[slice]:
         """Return what goes to the native half at a time: all, where little of it is copied."""

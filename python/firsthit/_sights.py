@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, elements, flat, numbers, plain, threads_or_all
+from ._arrays import chunks, elements, flat, plain, threads_or_all, vectors
 from ._filters import Filters, surfaces
 from ._hits import Hits
 from ._leaving import rays_of
@@ -174,9 +174,7 @@ class Sights(Traceable):
 
 def _of_length_one(directions: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return directions with the length one; NaN for those of length zero."""
-    ways = np.array(numbers("directions", directions), np.float64)
-    if ways.ndim == 0 or ways.shape[-1] != 3:
-        raise ValueError(f"directions must have the shape (..., 3), got {ways.shape}")
+    ways = np.array(vectors("directions", directions), np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Squares of very long and very short ones leave the range of float64.
         ways /= np.abs(ways).max(axis=-1, keepdims=True)
@@ -186,9 +184,7 @@ def _of_length_one(directions: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 def _nearest(built: Built, points: npt.ArrayLike, threads: int) -> Hits:
     """Return the surface points that are nearest to points, as if they were hit."""
-    array = numbers("points", points)
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"points must have the shape (..., 3), got {array.shape}")
+    array = vectors("points", points)
     shape = array.shape[:-1]
     wanted = plain(array.reshape(-1, 3)), (1, math.inf), threads, None
     _, identifiers, primitive, places, weights = _firsthit.closest_points(built.native, *wanted)
@@ -206,9 +202,7 @@ def _end(name: str, given: Any, skip: Pair | None) -> tuple[npt.NDArray[Any], Su
         if skip is not None:
             raise ValueError(f"skip_{name} must be left out with Hits, which know their surfaces")
         return given.position, (given.object, given.primitive)
-    array = numbers(name, given)
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} must have the shape (..., 3), got {array.shape}")
+    array = vectors(name, given)
     return array, None if skip is None else surfaces(f"skip_{name}", skip)
 
 

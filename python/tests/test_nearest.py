@@ -88,8 +88,11 @@ def test_progress_is_in_points():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"k": 0}, "k must be at least 1"),
+        ({"k": 0}, "k must be from 1"),
         ({"k": 1.5}, "k must be a whole number"),
+        ({"k": True}, "k must be a whole number, got True"),
+        ({"radius": "0.5"}, "radius must be a number, got '0.5'"),
+        ({"radius": True}, "radius must be a number, got True"),
         ({"radius": -1}, "radius must be zero or positive"),
         ({"radius": float("nan")}, "radius must be zero or positive"),
         ({"radius": "far"}, "radius must be a number"),

@@ -69,7 +69,7 @@ def test_rays_and_distances_are_the_specifications_formulas(projection, ray_star
         ({"position": (0, 0)}, "position must be three numbers"),
         ({"projection": "fisheye"}, "projection must be one of perspective orthographic"),
         ({"ray_start": "lens"}, "ray_start must be viewplane or eye"),
-        ({"width": "wide"}, "width must be an array of numbers, got str"),
+        ({"width": "wide"}, "width must be a number, got 'wide'"),
     ],
 )
 def test_cameras_that_make_no_sense_are_refused_by_name(change, words):

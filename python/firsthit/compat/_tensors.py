@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from firsthit._arrays import cast, numbers
+from firsthit._arrays import cast, vectors
 
 from ._foreign_meshes import is_of
 
@@ -112,9 +112,7 @@ def or_zero(is_there: npt.NDArray[np.bool_], values: npt.NDArray[Any]) -> npt.ND
 
 def asked_about(name: str, given: Any, columns: int, *, wants_tensors: bool) -> Asked:
     """Return what was asked about, (..., columns), and what answers are to be like."""
-    array = numbers(name, array_of(given))
-    if array.ndim == 0 or array.shape[-1] != columns:
-        raise ValueError(f"{name} must have the shape (..., {columns}), got {array.shape}")
+    array = vectors(name, array_of(given), columns)
     # Lists have no type that anyone chose.
     is_double = hasattr(given, "dtype") and array.dtype == np.float64
     device = given.device if is_tensor(given) else "CPU:0" if wants_tensors else None
