@@ -274,8 +274,8 @@ class Hits(Attributed):
         Returns
         -------
         LeavingRays
-            For `Scene.shoot`, `Scene.occluded`, `Scene.count` and `Scene.shoot_all`, in the place
-            of origins and directions. The ray of a miss meets nothing.
+            For `Scene.shoot`, `Scene.occluded`, `Scene.count`, `Scene.shoot_all` and
+            `Scene.explain`, in place of origins and directions. The ray of a miss meets nothing.
 
         Raises
         ------

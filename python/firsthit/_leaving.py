@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._arrays import vectors
+from ._camera import Camera
 from ._filters import Filters
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
 
@@ -20,9 +21,9 @@ if TYPE_CHECKING:
 class LeavingRays:
     """Rays that start on surfaces and do not meet what they leave, as `Hits.leave` makes them.
 
-    `Scene.shoot` and its like take them in the place of origins and directions. Their shape is
-    written (...) below. They know the objects by their identifiers: they are for the scene that was
-    shot at, as it was.
+    `Scene.shoot` and its like take them in place of origins and directions. Their shape is written
+    (...) below. They know the objects by their identifiers: use them only with the scene that was
+    shot, before it changes.
     """
 
     def __init__(self) -> None:
@@ -87,7 +88,15 @@ def rays_of(
     cull: Any = None,
     skip: Any = None,
 ) -> Rays:
-    """Check what a user gave: arrays, or rays that leave surfaces."""
+    """Check what a user gave: arrays, a camera, or rays that leave surfaces."""
+    if isinstance(origins, Camera):
+        if directions is not None:
+            raise ValueError("directions must be left out with a camera, which has its own")
+        filters = Filters.of(masks, cull, skip)
+        rays = Rays.of(*origins.rays(), t_min, t_max, filters=filters, are_own=True)
+        if rays.shape != (origins.rows, origins.columns):
+            raise ValueError(f"the rays of a camera have no shape {rays.shape}")
+        return rays
     if not isinstance(origins, LeavingRays):
         return Rays.of(origins, directions, t_min, t_max, filters=Filters.of(masks, cull, skip))
     if directions is not None:

@@ -9,13 +9,14 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import chunks, flag, flat, is_flat, threads_or_all, vectors
+from ._leaving import LeavingRays, rays_of
 from ._progress import following, later
-from ._rays import Rays
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ._camera import Camera
     from ._types import Progress, Rule, Selection
 
 
@@ -131,8 +132,8 @@ class Measures(Traceable):
 
     def path_length(
         self,
-        origins: npt.ArrayLike,
-        directions: npt.ArrayLike,
+        origins: npt.ArrayLike | Camera,
+        directions: npt.ArrayLike | None = None,
         by: Literal["object"] | None = "object",
         *,
         t_min: npt.ArrayLike = 0.0,
@@ -149,7 +150,8 @@ class Measures(Traceable):
         Parameters
         ----------
         origins, directions, t_min, t_max, threads, progress
-            As for `shoot`; no camera. What lies outside the limits does not count.
+            As for `shoot`, but for `LeavingRays`: a length does not depend on which surface the ray
+            leaves. What lies outside the limits does not count.
         by : {"object", None}
             ``"object"`` measures each object by itself; ``None`` measures all together, where a
             stretch in several objects counts once.
@@ -186,7 +188,9 @@ class Measures(Traceable):
         array([6., 3.])
         """
         is_by_object = _is_by_object(by)
-        rays = Rays.of(origins, directions, t_min, t_max)
+        if isinstance(origins, LeavingRays):
+            raise ValueError("origins must not be LeavingRays: give their origin and direction")
+        rays = rays_of(origins, directions, t_min, t_max)
         use, built = threads_or_all(threads), self._ready()
         native = self._seen(built, None, objects).native
         pieces = []

@@ -11,11 +11,9 @@ from . import _firsthit
 from ._all_hits import shoot_all, shoot_nearest
 from ._arrays import count, fits, numbers, threads_or_all
 from ._camera import Camera
-from ._filters import Filters
 from ._hits import Hits
 from ._leaving import rays_of
 from ._progress import following, later
-from ._rays import Rays
 from ._rounding import is_single
 from ._source import Source, hits_arrays
 from ._traceable import Traceable
@@ -28,6 +26,7 @@ if TYPE_CHECKING:
     from ._all_hits import AllHits
     from ._leaving import LeavingRays
     from ._progress import Report
+    from ._rays import Rays
     from ._traceable import Built
     from ._types import Progress, Selection, Side
 
@@ -128,7 +127,6 @@ class Queries(Traceable):
         if isinstance(origins, Camera):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
-            filters = Filters.of(masks, cull, skip)
             limits = [numbers("t_min", t_min), numbers("t_max", t_max)]
             for name, limit in zip(("t_min", "t_max"), limits, strict=True):
                 if not fits(limit.shape, (origins.rows, origins.columns)):
@@ -136,12 +134,10 @@ class Queries(Traceable):
             is_open = np.all(limits[0] == 0.0) and np.all(limits[1] == math.inf)
             length = origins.rows * origins.columns
             with following(progress, length) as report:
-                if is_open and filters is None:
+                if is_open and all(option is None for option in (masks, cull, skip)):
                     hits = shoot_camera(built, origins, use, report)
                 else:
-                    rays = Rays.of(*origins.rays(), *limits, filters=filters, are_own=True)
-                    if rays.shape != (origins.rows, origins.columns):
-                        raise ValueError(f"the rays of a camera have no shape {rays.shape}")
+                    rays = rays_of(origins, None, *limits, masks=masks, cull=cull, skip=skip)
                     limits = list(rays.arrays[2:])
                     hits = shoot_rays(built, rays, use, report, Source(origins))
             return hits._rounded(*limits) if single else hits
@@ -157,7 +153,7 @@ class Queries(Traceable):
 
     def occluded(
         self,
-        origins: npt.ArrayLike | LeavingRays,
+        origins: npt.ArrayLike | Camera | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
@@ -174,7 +170,7 @@ class Queries(Traceable):
         Parameters
         ----------
         origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
-            As for `shoot`; no camera.
+            As for `shoot`. The rays of a camera have the shape (rows, columns).
 
         Returns
         -------
@@ -206,7 +202,7 @@ class Queries(Traceable):
 
     def count(
         self,
-        origins: npt.ArrayLike | LeavingRays,
+        origins: npt.ArrayLike | Camera | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
@@ -228,7 +224,7 @@ class Queries(Traceable):
         Parameters
         ----------
         origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
-            As for `shoot`; no camera.
+            As for `shoot`. The rays of a camera have the shape (rows, columns).
 
         Returns
         -------
@@ -260,7 +256,7 @@ class Queries(Traceable):
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike | LeavingRays,
+        origins: npt.ArrayLike | Camera | LeavingRays,
         directions: npt.ArrayLike | None = None,
         k: None = None,
         *,
@@ -277,7 +273,7 @@ class Queries(Traceable):
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike | LeavingRays,
+        origins: npt.ArrayLike | Camera | LeavingRays,
         directions: npt.ArrayLike | None,
         k: int,
         *,
@@ -294,7 +290,7 @@ class Queries(Traceable):
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike | LeavingRays,
+        origins: npt.ArrayLike | Camera | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         k: int,
@@ -310,7 +306,7 @@ class Queries(Traceable):
 
     def shoot_all(
         self,
-        origins: npt.ArrayLike | LeavingRays,
+        origins: npt.ArrayLike | Camera | LeavingRays,
         directions: npt.ArrayLike | None = None,
         k: int | None = None,
         *,
@@ -332,7 +328,8 @@ class Queries(Traceable):
         Parameters
         ----------
         origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
-            As for `shoot`; no camera, but ``scene.shoot_all(*camera.rays())``.
+            As for `shoot`. The rays of a camera have the shape (rows, columns); their hits have
+            neither ``range`` nor ``z``.
         k : int, optional
             How many hits of each ray are wanted at most; all if left out.
 

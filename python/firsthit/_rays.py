@@ -78,7 +78,7 @@ class Rays:
     ) -> Rays:
         """Check what a user gave."""
         if directions is None:
-            raise ValueError("directions must be given, except with a camera")
+            raise ValueError("directions must be given with an array of origins")
         starts, ways = vectors("origins", origins), vectors("directions", directions)
         begins = NO_MINIMUM if _is(t_min, 0.0) else numbers("t_min", t_min)
         ends = NO_MAXIMUM if _is(t_max, math.inf) else numbers("t_max", t_max)

@@ -120,6 +120,27 @@ def test_a_small_camera_sees_what_its_rays_meet():
         np.testing.assert_array_equal(hits.channel(name), rays.channel(name), name)
 
 
+def test_every_query_takes_a_camera_for_its_rays():
+    scene = scene_of_everything()
+    camera = fh.Camera.framing(scene, rows=5, columns=7)
+    rays, ends = camera.rays(), np.linspace(1, 9, 7)
+    for ask in (fh.Scene.occluded, fh.Scene.count, fh.Scene.path_length):
+        expected = ask(scene, *rays, t_max=ends)
+        np.testing.assert_array_equal(ask(scene, camera, t_max=ends), expected)
+        assert expected.shape[:2] == (5, 7)
+    met, expected = scene.shoot_all(camera, cull="back"), scene.shoot_all(*rays, cull="back")
+    assert met.shape == (5, 7)
+    np.testing.assert_array_equal(met.t, expected.t)
+    first = scene.shoot_all(camera, k=2)
+    np.testing.assert_array_equal(first.t, scene.shoot_all(*rays, k=2).t)
+    with pytest.raises(ValueError, match="directions must be left out with a camera"):
+        scene.count(camera, [0, 0, 1])
+    with pytest.raises(ValueError, match=r"t_max .* must broadcast|have no shape \(3, 5, 7\)"):
+        scene.count(camera, t_max=np.ones((3, 1, 1)))
+    with pytest.raises(ValueError, match="origins must not be LeavingRays"):
+        scene.path_length(scene.shoot(camera).leave([0, 0, 1]))
+
+
 @pytest.mark.parametrize("length", [0, 1, 100, 3000, LONG])
 def test_one_origin_or_direction_for_all_rays_is_one_for_each(length):
     rng, scene = np.random.default_rng(5), scene_of_everything()
