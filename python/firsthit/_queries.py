@@ -213,7 +213,7 @@ class Queries(Traceable):
         objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
-    ) -> npt.NDArray[np.uint32]:
+    ) -> npt.NDArray[np.int64]:
         """Count how often each ray crosses a surface.
 
         Each crossing counts once: at an edge or a corner, the triangles that a ray infinitely
@@ -228,7 +228,7 @@ class Queries(Traceable):
 
         Returns
         -------
-        (...) array of uint32
+        (...) array of int64
             The number of crossings with ``t_min < t <= t_max``.
 
         Raises
@@ -245,13 +245,15 @@ class Queries(Traceable):
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
         >>> scene.count([[0, 0, 5], [0, 0, 0], [0, 2, 5]], [0, 0, -1])
-        array([2, 1, 0], dtype=uint32)
+        array([2, 1, 0])
         """
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
         # Once: what others add meanwhile is for the next call.
         native = self._seen(self._ready(), mask, objects).native
-        return _answers(_firsthit.count, np.uint32, native, rays, threads, progress)
+        counts = _answers(_firsthit.count, np.uint32, native, rays, threads, progress)
+        # Of unsigned numbers, one less than none is four billion.
+        return counts.astype(np.int64)
 
     @overload
     def shoot_all(

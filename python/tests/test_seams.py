@@ -25,8 +25,12 @@ def test_count_counts_surfaces_and_copies_of_them() -> None:
     assert scene.count(origins, [0, 0, -1], t_max=8.5).tolist() == [3, 2, 0]
     many = np.broadcast_to(origins[0], (3, 1000, 3))
     counts = scene.count(many, [0, 0, -1])
-    assert (counts.dtype, counts.shape) == (np.uint32, (3, 1000))
+    assert (counts.dtype, counts.shape) == (np.int64, (3, 1000))
     assert (counts == 4).all()
+
+
+def test_one_less_than_no_crossing_is_minus_one() -> None:
+    assert (_scene().count([9, 9, 9], [0, 0, -1]) - 1).tolist() == -1
 
 
 def test_count_counts_a_shared_edge_once() -> None:
