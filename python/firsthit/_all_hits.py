@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, lock
+from ._arrays import chosen, chunks, lock
 from ._hits import Hits
 from ._progress import later
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
@@ -282,21 +282,20 @@ class AllHits:
         """
         if isinstance(index, str):
             return self.hits._named(index)
-        numbers = np.arange(self._rays.length).reshape(self.shape)[cast("Any", index)]
-        chosen = np.ascontiguousarray(np.reshape(numbers, -1))
-        if np.ndim(numbers) == 0:
-            one = int(chosen[0])
-            part = slice(int(self._offsets[one]), int(self._offsets[one + 1]))
-            return self._hits_of(chosen, part)
-        starts, counts = self._offsets[chosen], np.diff(self._offsets)[chosen]
+        numbers = chosen(index, self.shape)
+        row = np.ascontiguousarray(numbers.reshape(-1))
+        starts = self._offsets[row]
+        counts = self._offsets[row + 1] - starts
+        if numbers.ndim == 0:
+            return self._hits_of(row, slice(int(starts[0]), int(starts[0] + counts[0])))
         offsets = _offsets(counts)
         places = np.arange(offsets[-1]) + np.repeat(starts - offsets[:-1], counts)
         t, identifiers, primitive, weights = self._arrays
         arrays = t[places], identifiers[places], primitive[places], weights[places]
-        rays = self._rays.take(chosen, np.shape(numbers))
+        rays = self._rays.take(row, numbers.shape)
         return AllHits._of(self._built, arrays, rays, offsets, self._threads)
 
-    def _hits_of(self, ray: npt.NDArray[np.intp], part: slice) -> Hits:
+    def _hits_of(self, ray: npt.NDArray[np.int64], part: slice) -> Hits:
         """Return the hits of a single ray."""
         t, identifiers, primitive, weights = self._arrays
         arrays = t[part], identifiers[part], primitive[part], weights[part]

@@ -231,6 +231,30 @@ def at_numbers(numbers: npt.NDArray[np.int64], shape: tuple[int, ...]) -> tuple[
     return np.unravel_index(numbers, shape) if shape else ()
 
 
+def chosen(index: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
+    """Return the numbers, counted row by row, of the elements that an index leads to.
+
+    They have the shape that an array of ``shape`` has at that index. Whole numbers take a time that
+    does not depend on how many elements there are.
+    """
+    parts = index if isinstance(index, tuple) else (index,)
+    if len(parts) > len(shape) or not all(map(_is_whole, parts)):
+        everything: Any = np.arange(math.prod(shape)).reshape(shape)
+        return np.asarray(everything[index])
+    first = 0
+    for axis, (part, length) in enumerate(zip(map(int, parts), shape, strict=False)):
+        if not -length <= part < length:
+            raise IndexError(f"index {part} is out of bounds for axis {axis} with size {length}")
+        first = first * length + part % length
+    rest = shape[len(parts) :]
+    count = math.prod(rest)
+    return np.arange(first * count, (first + 1) * count).reshape(rest)
+
+
+def _is_whole(part: object) -> bool:
+    return isinstance(part, int | np.integer) and not isinstance(part, bool)
+
+
 def _piece(view: npt.NDArray[_Number], part: slice, trailing: int) -> npt.NDArray[_Number]:
     leading = view.shape[: view.ndim - trailing]
     rest = view.shape[view.ndim - trailing :]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 import numpy as np
 
 from . import _firsthit
-from ._arrays import lock, threads_or_all
+from ._arrays import chosen, lock, threads_or_all
 from ._attributes import Attributed
 from ._files import attribute_of, distinct, files, is_cloud, is_of_several
 from ._leaving import leaving
@@ -533,18 +533,16 @@ class Hits(Attributed):
         if isinstance(name, str):
             named: Any = self._named(name)
             return named  # type: ignore[no-any-return]
-        length = len(self._arrays[0])
-        everything: Any = np.arange(length).reshape(self._shape)
-        numbers = everything[index]
+        numbers = chosen(index, self._shape)
         # The native half takes contiguous arrays only; a column of an index array has gaps.
-        chosen = np.ascontiguousarray(np.reshape(numbers, -1))
+        row = np.ascontiguousarray(numbers.reshape(-1))
         some = Hits.__new__(Hits)
         some.__dict__.update(self.__dict__)
         t, identifiers, primitive, barycentric = self._arrays
-        some._arrays = t[chosen], identifiers[chosen], primitive[chosen], barycentric[chosen]
-        some._shape, some._made = np.shape(numbers), {}
-        some._single = None if self._single is None else self._single[chosen]
-        some._source = self._source.take(chosen, some._shape)
+        some._arrays = t[row], identifiers[row], primitive[row], barycentric[row]
+        some._shape, some._made = numbers.shape, {}
+        some._single = None if self._single is None else self._single[row]
+        some._source = self._source.take(row, some._shape)
         return some
 
     def _asked(self, name: str) -> npt.NDArray[Any]:

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import time
 
 import firsthit as fh
 import numpy as np
@@ -191,6 +192,41 @@ def test_large_arrays_are_copied_too():
     origins[:] = 7
     assert met.position[-1].tolist() == [0, 0, -1]
     assert met[9].origin.tolist() == [[0, 0, 5]] * 2
+
+
+def test_iterating_over_many_rays_takes_no_longer_for_each_of_them():
+    met = ball().shoot_all(np.tile([0.0, 0, 5], (100_000, 1)), [0, 0, -1])
+    hits = ball().shoot(np.tile([0.0, 0, 5], (1000, 100, 1)), [0, 0, -1])
+    start = time.perf_counter()
+    assert sum(len(each) for each in met) == 200_000
+    assert sum(hits[k % 1000, -1].t for k in range(20_000)) == 80_000
+    # A second; it was ten times that, and grew with the square. Other work may take its share.
+    assert time.perf_counter() - start < 20
+
+
+@pytest.mark.parametrize("index", [2, -1, np.int32(1), (1, -2), (np.uint8(2), 0), (), (0, 1, -1)])
+def test_whole_numbers_lead_where_those_of_arrays_lead(index):
+    origins = np.random.default_rng(2).uniform((-1, -1, 4), (1, 1, 6), (3, 4, 2, 3))
+    hits, met = (ask(ball(), origins, [0, 0, -1]) for ask in (fh.Scene.shoot, fh.Scene.shoot_all))
+    for name in ("t", "object", "origin", "position"):
+        np.testing.assert_array_equal(getattr(hits[index], name), getattr(hits, name)[index])
+    some = met[index]
+    if isinstance(some, fh.AllHits):
+        np.testing.assert_array_equal(some.counts, met.counts[index])
+        np.testing.assert_array_equal(some.origin, met.origin[index])
+    else:
+        assert len(some) == met.counts[index]
+        assert (some.origin == met.origin[index]).all()
+
+
+@pytest.mark.parametrize("index", [3, -4, (0, 4), (0, 0, 2), (0, 0, 0, 0), 0.5])
+def test_an_index_beyond_the_rays_is_refused_as_by_arrays(index):
+    hits = ball().shoot(np.zeros((3, 4, 2, 3)), [0, 0, -1])
+    with pytest.raises(IndexError) as expected:
+        hits.t[index]
+    with pytest.raises(IndexError) as refused:
+        hits[index]
+    assert str(refused.value) == str(expected.value)
 
 
 def test_tables_have_a_row_for_each_hit(tmp_path):
