@@ -58,7 +58,7 @@ def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Pa
     Raises
     ------
     ValueError
-        For point clouds of one channel each.
+        For point clouds of one channel each, and for two channels in one file.
     """
     if not is_for_each(path):
         return [(Path(path), list(names))]
@@ -67,7 +67,13 @@ def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Pa
             f"path must not contain {_EACH}: a point cloud holds all channels, "
             f"got {os.fspath(path)}"
         )
-    return [(Path(os.fspath(path).replace(_EACH, _in_path(name))), [name]) for name in names]
+    made = [(Path(os.fspath(path).replace(_EACH, _in_path(name))), [name]) for name in names]
+    of_file: dict[Path, _Name] = {}
+    for file, (name,) in made:
+        if other := of_file.get(file):
+            raise ValueError(f"channels {other!r} and {name!r} would both be written to {file}")
+        of_file[file] = name
+    return made
 
 
 def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Name]:

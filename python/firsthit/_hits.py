@@ -491,8 +491,8 @@ class Hits(Attributed):
         ------
         ValueError
             For an unknown extension, no channel, one that is none of `channels`, several for a file
-            that takes one, ``{channel}`` in the name of a point cloud, or numbers that the format
-            cannot hold.
+            that takes one, two whose names in the file are the same, ``{channel}`` in the name of a
+            point cloud, or numbers that the format cannot hold.
         FileWriteError
             The system refused; an old file is as it was.
 

@@ -101,6 +101,29 @@ def test_hits_and_pictures_of_some_objects_name_the_scene_in_which_the_others_ar
     assert {*told} == {scene_of(tmp_path / "again.npz"), scene_of(tmp_path / "hidden.npz")}
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        (
+            "x-{channel}.npy",
+            "'attribute:a b' and 'attribute:a_b' would both be written to .*a_b.npy",
+        ),
+        ("x.npz", "name the frame does not have yet, got attribute:a_b"),
+        ("x.exr", "name the frame does not have yet, got attribute:a_b"),
+        ("x.ply", "name the frame does not have yet, got attribute:a_b"),
+    ],
+)
+def test_two_channels_that_a_file_calls_alike_are_refused(name, words, tmp_path):
+    scene = fh.Scene()
+    corners = [[-1, -1, 0], [1, -1, 0], [0, 1, 0]]
+    named = {"a b": [1, 2, 3.5], "a_b": [4, 5, 6.5]}
+    scene.add(fh.Mesh(corners, [[0, 1, 2]], vertex_properties=named))
+    hits = scene.shoot(CAMERA)
+    with pytest.raises(ValueError, match=words):
+        hits.save(tmp_path / name, ["attribute:a b", "attribute:a_b"])
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_part_of_a_camera_s_hits_does_not_have_its_matrix(tmp_path):
     hits = ball().shoot(CAMERA)
     hits.save(tmp_path / "whole.npz")
