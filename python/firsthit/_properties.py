@@ -17,6 +17,17 @@ if TYPE_CHECKING:
     from ._types import AttributeOf
 
 
+#: Beyond this, not every whole number is a float64.
+_WHOLE = 1 << 53
+
+
+def is_exact(array: npt.NDArray[Any]) -> bool:
+    """Tell whether float64 holds numbers without a loss, as far as they are integers."""
+    if array.dtype.kind not in "iu" or array.size == 0:
+        return True
+    return int(array.min()) >= -_WHOLE and int(array.max()) <= _WHOLE
+
+
 def given(
     name: str, arrays: Mapping[str, npt.ArrayLike] | None, of: AttributeOf
 ) -> Iterator[tuple[str, str, int, bool, npt.NDArray[Any]]]:
@@ -32,6 +43,9 @@ def given(
             raise ValueError(f"{key} must have the shape {wanted}, got {array.shape}")
         components = array.shape[axes] if array.ndim > axes else 1
         is_label = array.dtype.kind in "iu"
+        if not is_exact(array):
+            span = f"{array.min()} to {array.max()}"
+            raise ValueError(f"{key} must be at most 2**53, to be exact as floats, got {span}")
         fits = array.dtype in (np.float32, np.float16, np.int8, np.uint8, np.int16, np.uint16)
         values = cast(array, np.float32 if fits else np.float64).reshape(-1)
         yield of, named, components, is_label, values
@@ -39,11 +53,15 @@ def given(
 
 def _counted(value: Any) -> Any:
     """Return flags as 0 and 1, and anything else as it is."""
-    array = np.asarray(value) if isinstance(value, list | tuple) else value
+    try:
+        array = np.asarray(value) if isinstance(value, list | tuple) else value
+    except ValueError:
+        # For `numbers` to refuse, which names it.
+        return value
     return array.astype(np.uint8) if getattr(array, "dtype", None) == np.bool_ else value
 
 
 def shaped(of: str, values: npt.NDArray[Any], components: int) -> npt.NDArray[Any]:
-    """Return the numbers of a property as they were given."""
+    """Return the numbers of a property, one for each without an axis of its own."""
     shape = (-1, 3) if of == "corners" else (-1,)
     return values.reshape(shape if components == 1 else (*shape, components))

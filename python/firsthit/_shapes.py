@@ -246,7 +246,7 @@ class Mesh(Shape):
     vertex_properties : dict of str to (n,) or (n, k) array_like, optional
         Numbers of the vertices by name, such as the quality of a scan. Where a ray meets the mesh,
         `Hits.attribute` interpolates floats; integers and bool are labels, taken from the nearest
-        corner.
+        corner. They are kept as floats, so that integers are at most 2^53; (n, 1) counts as (n,).
     face_properties : dict of str to (f,) or (f, k) array_like, optional
         The same for the polygons that ``faces`` counts.
     corner_properties : dict of str to (m, 3) or (m, 3, k) array_like, optional

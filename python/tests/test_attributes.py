@@ -183,6 +183,9 @@ def test_pickled_meshes_keep_their_properties_and_which_are_labels():
         ({"vertex_properties": {"a": np.zeros((4, 0))}}, r"\(n,\) or \(n, k\), got \(4, 0\)"),
         ({"vertex_properties": {"a": np.zeros((3, 2))}}, "as many as vertices, got 6 numbers, 2"),
         ({"face_properties": {"a": np.zeros((2, 2, 2))}}, "must have the shape"),
+        ({"vertex_properties": {"a": [2**53 + 1] * 4}}, r"a must be at most 2\*\*53, .* got 9007"),
+        ({"vertex_properties": {"a": np.uint64([1, 2, 3, 2**64 - 1])}}, "to 18446744073709551615"),
+        ({"vertex_properties": {"a": [[1], [1, 2]]}}, "a must be an array of numbers: "),
     ],
 )
 def test_properties_that_do_not_fit_are_refused(properties, message):
