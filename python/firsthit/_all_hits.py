@@ -14,6 +14,7 @@ from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
 from ._source import Source
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterator, Sequence
 
     import numpy.typing as npt
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from ._progress import Report
     from ._source import Arrays
     from ._traceable import Built
-    from ._types import AttributeOf, ChannelName, Progress
+    from ._types import Asked, AttributeOf, ChannelName, NamedIdentifier, Progress
 
 #: So many hits no memory holds, and NumPy's error for such shapes is another one.
 _MOST = 1 << 48
@@ -136,6 +137,41 @@ class AllHits:
     def face(self) -> npt.NDArray[np.int32]:
         """The identifiers of the polygons that became triangles, (m,) int32."""
         return self.hits.face
+
+    @property
+    def node(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the file's nodes that objects come from, (m,) int32; -1 for none."""
+        return self.hits.node
+
+    @property
+    def mesh(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the meshes that objects are, or are parts of, (m,) int32."""
+        return self.hits.mesh
+
+    @property
+    def material(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the materials, (m,) int32; -1 where there is none."""
+        return self.hits.material
+
+    def names(self, channel: NamedIdentifier) -> tuple[str, ...]:
+        """Return the names of what the identifiers of a channel stand for; see `Hits.names`.
+
+        Parameters
+        ----------
+        channel : {"object", "node", "mesh", "material"}
+            The channel.
+
+        Returns
+        -------
+        tuple of str
+            The name of each identifier, from 0 on.
+
+        Raises
+        ------
+        ValueError
+            For another channel.
+        """
+        return self.hits.names(channel)
 
     @property
     def barycentric(self) -> npt.NDArray[np.float64]:
@@ -252,6 +288,31 @@ class AllHits:
             If the array does not fit into memory.
         """
         return self.hits.attribute(name, of=of, threads=threads, progress=progress)
+
+    def items(self) -> Iterator[tuple[ChannelName, npt.NDArray[Any]]]:
+        """Yield the name and the array of each channel, computed when it is reached."""
+        return self.hits.items()
+
+    def save(
+        self, path: str | os.PathLike[str], channels: Asked | Sequence[Asked] | None = None
+    ) -> None:
+        """Write all hits to a file, whole or not at all; see `Hits.save`.
+
+        The number of each hit's ray is not in it; `to_dict` has it.
+
+        Parameters
+        ----------
+        path : path-like
+            As for `Hits.save`.
+        channels : str or sequence of str, optional
+            As for `Hits.save`.
+
+        Raises
+        ------
+        ValueError, FileWriteError
+            As `Hits.save`.
+        """
+        self.hits.save(path, channels)
 
     def to_dict(
         self, channels: ChannelName | Sequence[ChannelName] | None = None

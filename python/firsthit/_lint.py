@@ -120,8 +120,16 @@ class LintReport:
         """
         self._native.save(self._built.native, Path(path))
 
+    def __len__(self) -> int:
+        """How many findings there are."""
+        return len(self._findings)
+
     def __iter__(self) -> Iterator[Finding]:
         return iter(self._findings)
+
+    def __bool__(self) -> bool:
+        """Return True, also without findings: `is_clean` tells."""
+        return True
 
     def __repr__(self) -> str:
         found = ", ".join(f"{finding.kind}: {finding.count}" for finding in self._findings)

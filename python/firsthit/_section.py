@@ -14,6 +14,7 @@ from ._traceable import Traceable
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator
 
     import numpy as np
     import numpy.typing as npt
@@ -129,6 +130,14 @@ class Section:
     def __len__(self) -> int:
         """How many curves there are."""
         return len(self.polylines)
+
+    def __iter__(self) -> Iterator[Polyline]:
+        """Yield the curves."""
+        return iter(self.polylines)
+
+    def __bool__(self) -> bool:
+        """Return True, also without curves: the length must not decide."""
+        return True
 
     def __repr__(self) -> str:
         closed = sum(polyline.is_closed for polyline in self.polylines)

@@ -194,6 +194,15 @@ def test_large_arrays_are_copied_too():
     assert met[9].origin.tolist() == [[0, 0, 5]] * 2
 
 
+def test_all_hits_have_every_channel_that_they_name():
+    scene = onion()
+    met = scene.shoot_all([[0.2, 0.1, 5], [0, 9, 5]], [0, 0, -1])
+    assert met.names("object") == met.hits.names("object") == ("",) * 4
+    assert tuple(name for name, _ in met.items()) == met.channels
+    for name, array in met.items():
+        np.testing.assert_array_equal(getattr(met, name), array)
+
+
 def test_iterating_over_many_rays_takes_no_longer_for_each_of_them():
     met = ball().shoot_all(np.tile([0.0, 0, 5], (100_000, 1)), [0, 0, -1])
     hits = ball().shoot(np.tile([0.0, 0, 5], (1000, 100, 1)), [0, 0, -1])
@@ -234,7 +243,7 @@ def test_tables_have_a_row_for_each_hit(tmp_path):
     table = met.to_dict(["t", "normal"])
     assert list(table) == ["ray", "t", "normal_x", "normal_y", "normal_z"]
     assert table["ray"].tolist() == [0, 0, 2]
-    met.hits.save(tmp_path / "cloud.ply")
+    met.save(tmp_path / "cloud.ply")
     assert fh.read_metadata(tmp_path / "cloud.ply")["shape"] == [3]
     assert repr(met) == "AllHits(shape=(3,), 3 hits)"
 

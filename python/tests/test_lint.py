@@ -42,6 +42,9 @@ def test_findings_have_places():
     assert set(report.checked) == set(report.kinds)
     np.testing.assert_array_equal(report.marked(0), [True, True, True])
     assert repr(report) == "LintReport(hole: 3)"
+    assert (len(report), list(report)) == (1, [hole])
+    clean = of(CORNERS, FACES)
+    assert (len(clean), list(clean), bool(clean)) == (0, [], True)
     with pytest.raises(IndexError):
         report.marked(1)
 

@@ -55,6 +55,13 @@ def test_points_are_on_the_plane_and_in_its_coordinates():
     assert cut.perimeter == pytest.approx(sum(polyline.length for polyline in cut.polylines))
 
 
+def test_a_section_is_its_curves_and_true_without_any():
+    cut = bumps().section((0, 0, 0.1), (0, 0, 1))
+    assert list(cut) == list(cut.polylines)
+    nothing = bumps().section((0, 0, 9), (0, 0, 1))
+    assert (len(nothing), list(nothing), bool(nothing)) == (0, [], True)
+
+
 def test_transforms_and_several_objects_are_told_apart():
     scene = bumps()
     moved = np.eye(4)
