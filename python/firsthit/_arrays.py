@@ -145,6 +145,13 @@ def is_own(value: Any) -> bool:
     return type(value) in _NO_ARRAYS
 
 
+def locked(value: Any) -> npt.NDArray[np.float64]:
+    """Return numbers in a read-only array of our own; ``None`` among them becomes NaN."""
+    array = np.array(value, np.float64)
+    array.flags.writeable = False
+    return array
+
+
 def lock(array: Any) -> None:
     """Make an array read-only, and what it is a view of, lest a view be made writable again."""
     while isinstance(array, np.ndarray):

@@ -8,7 +8,7 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _firsthit
-from ._arrays import count, index, numbers
+from ._arrays import count, index, locked, numbers
 from ._camera import Camera
 from ._filters import Filters
 from ._leaving import rays_of
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
     from ._leaving import LeavingRays
     from ._types import Selection, Side
+
+
+#: What of a hit are vectors, (2,) or (3,) float64.
+_VECTORS = ("position", "normal", "shading_normal", "barycentric", "uv", "base_color")
 
 
 class Crossing(NamedTuple):
@@ -66,7 +70,7 @@ class Explanation:
 
     @property
     def hit(self) -> dict[str, Any] | None:
-        """What the ray meets first; ``None`` for a miss.
+        """What the ray meets first; ``None`` for a miss. Points, directions and weights are arrays.
 
         The keys are t, object, primitive, name, shape, node, mesh, face, position, normal,
         shading_normal, front, barycentric, uv, base_color, material and attributes. There is
@@ -74,6 +78,9 @@ class Explanation:
         ``id`` of the channel of that name, and the ``name`` that `Hits.names` gives for it.
         """
         hit: dict[str, Any] | None = copy.deepcopy(self._record["hit"])
+        if hit is not None:
+            for name in _VECTORS:
+                hit[name] = None if hit[name] is None else locked(hit[name])
         return hit
 
     @property

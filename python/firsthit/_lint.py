@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _firsthit
-from ._arrays import count, threads_or_all
+from ._arrays import count, locked, threads_or_all
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._traceable import Built
-    from ._types import Vector
 
 
 class Place(NamedTuple):
@@ -29,8 +28,21 @@ class Place(NamedTuple):
     object: int | None
     #: A triangle of its mesh; ``None`` where the finding is about none.
     primitive: int | None
-    #: A point in world space; NaN where the finding is that a vertex is nowhere.
-    position: Vector
+    #: A point in world space, (3,) float64; NaN where the finding is that a vertex is nowhere.
+    position: npt.NDArray[np.float64]
+
+    def __eq__(self, other: Any) -> bool:
+        return isinstance(other, Place) and self._key() == other._key()
+
+    def __ne__(self, other: Any) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def _key(self) -> tuple[int, int | None, bytes]:
+        """Return what two places have to have in common; of an array, `==` is an array."""
+        return self.object, self.primitive, self.position.tobytes()
 
 
 @dataclass(frozen=True)
@@ -54,7 +66,7 @@ class LintReport:
         self._built, self._settings = built, (ignore, places)
         self._native = _firsthit.Lint(built.native, list(ignore), places, threads)
         self._findings = tuple(
-            Finding(kind, count, note, tuple(Place(o, p, (x, y, z)) for o, p, (x, y, z) in places))
+            Finding(kind, count, note, tuple(Place(o, p, locked(xyz)) for o, p, xyz in places))
             for kind, count, note, places in self._native.findings()
         )
 

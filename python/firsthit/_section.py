@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _firsthit
-from ._arrays import threads_or_all, vector
+from ._arrays import lock, locked, threads_or_all, vector
 from ._errors import FirsthitWarning
 from ._traceable import Traceable
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Polyline:
-    """A curve of a `Section`.
+    """A curve of a `Section`. Its arrays are read-only.
 
     It runs so that the inside of a solid is on its left, seen from where the plane's normal points:
     counter-clockwise around material, clockwise around holes. Where triangles beside each other are
@@ -64,32 +64,36 @@ class Section:
     def polylines(self) -> tuple[Polyline, ...]:
         """The curves, by objects and, of each object, by the lowest primitive."""
         if self._polylines is None:
-            self._polylines = tuple(Polyline(*each) for each in self._native.polylines())
+            made = tuple(Polyline(*each) for each in self._native.polylines())
+            for polyline in made:
+                for array in (polyline.points, polyline.points_2d, polyline.primitives):
+                    lock(array)
+            self._polylines = made
         return self._polylines
 
     @property
-    def origin(self) -> Vector:
-        """The point of the plane where its coordinates are zero, in world space."""
-        return self._native.frame()[0]
+    def origin(self) -> npt.NDArray[np.float64]:
+        """The point of the plane where its coordinates are zero, in world space, (3,) float64."""
+        return locked(self._native.frame()[0])
 
     @property
-    def normal(self) -> Vector:
-        """The plane's normal, of length one."""
-        return self._native.frame()[1]
+    def normal(self) -> npt.NDArray[np.float64]:
+        """The plane's normal, of length one, (3,) float64."""
+        return locked(self._native.frame()[1])
 
     @property
-    def u(self) -> Vector:
-        """The direction of the plane's first coordinate, of length one.
+    def u(self) -> npt.NDArray[np.float64]:
+        """The direction of the plane's first coordinate, of length one, (3,) float64.
 
         The world axis with the smallest component along the normal (of equal ones the first),
         projected to the plane. For a normal of +z it is x.
         """
-        return self._native.frame()[2]
+        return locked(self._native.frame()[2])
 
     @property
-    def v(self) -> Vector:
+    def v(self) -> npt.NDArray[np.float64]:
         """The direction of the second coordinate: the cross product of normal and `u`."""
-        return self._native.frame()[3]
+        return locked(self._native.frame()[3])
 
     @property
     def area(self) -> float:

@@ -37,7 +37,10 @@ def test_findings_have_places():
     report = of(CORNERS, FACES[:3])
     (hole,) = report.findings
     assert (hole.kind, hole.count, hole.note) == ("hole", 3, "around 1 hole")
-    assert hole.places[0] == (0, 0, (0.0, 1.0, 0.0))
+    identifier, primitive, position = hole.places[0]
+    assert (identifier, primitive, position.tolist()) == (0, 0, [0.0, 1.0, 0.0])
+    with pytest.raises(ValueError, match="read-only"):
+        position += 1
     assert hole.kind in report.kinds
     assert set(report.checked) == set(report.kinds)
     np.testing.assert_array_equal(report.marked(0), [True, True, True])
