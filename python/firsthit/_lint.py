@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _firsthit
 from ._arrays import count, locked, threads_or_all
+from ._object import identified
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
@@ -90,13 +91,13 @@ class LintReport:
         """Every kind's name and meaning."""
         return dict(_firsthit.lint_kinds())
 
-    def marked(self, identifier: int) -> npt.NDArray[np.bool_]:
+    def marked(self, identifier: int | str) -> npt.NDArray[np.bool_]:
         """Tell which triangles of an object are part of a finding.
 
         Parameters
         ----------
-        identifier : int
-            The object's identifier.
+        identifier : int or str
+            The object's identifier; or its name, if no other object has it.
 
         Returns
         -------
@@ -106,11 +107,15 @@ class LintReport:
         Raises
         ------
         IndexError
-            For an identifier that no object with a mesh has.
+            For an identifier that no object has, and for an object that is no mesh.
+        ValueError
+            For a name that no object has, or several.
+        TypeError
+            For what is no identifier and no name.
         """
-        marked = self._native.marked(identifier) if identifier >= 0 else None
+        marked = self._native.marked(identified(self._built.objects, identifier))
         if marked is None:
-            raise IndexError(f"there is no object {identifier!r} with a mesh")
+            raise IndexError(f"object {identifier!r} is no mesh")
         return marked
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._traceable import Built
-    from ._types import Vector
+    from ._types import Selection, Vector
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -155,7 +155,12 @@ class Cuttable(Traceable):
     """The part of `Scene` that planes cut."""
 
     def section(
-        self, origin: npt.ArrayLike, normal: npt.ArrayLike, *, threads: int | None = None
+        self,
+        origin: npt.ArrayLike,
+        normal: npt.ArrayLike,
+        *,
+        objects: Selection | None = None,
+        threads: int | None = None,
     ) -> Section:
         """Cut all meshes by a plane.
 
@@ -170,6 +175,8 @@ class Cuttable(Traceable):
             A point of the plane, in world space.
         normal : (3,) array_like
             The direction at right angles to it, of any length but zero.
+        objects : int, str, or sequence of them, optional
+            Cut these only, by identifiers or names; all but hidden ones if left out.
         threads : int, optional
             The number of threads; all cores if left out. The result is the same for any number.
 
@@ -182,7 +189,10 @@ class Cuttable(Traceable):
         Raises
         ------
         ValueError
-            For an origin or a normal that is not finite, and a normal that is zero.
+            For an origin or a normal that is not finite, a normal that is zero, and a name that no
+            object has.
+        IndexError, TypeError
+            For ``objects`` that are not there, or are no identifiers and no names.
         MemoryError
             If there is too little memory.
 
@@ -206,7 +216,7 @@ class Cuttable(Traceable):
         """
         use = threads_or_all(threads)
         plane = vector("origin", origin), vector("normal", normal)
-        section = Section(self._ready(), *plane, use)
+        section = Section(self._seen(self._ready(), None, objects), *plane, use)
         for doubt in section._native.warnings():
             warnings.warn(doubt, FirsthitWarning, stacklevel=2)
         return section

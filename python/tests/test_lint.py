@@ -48,8 +48,22 @@ def test_findings_have_places():
     assert (len(report), list(report)) == (1, [hole])
     clean = of(CORNERS, FACES)
     assert (len(clean), list(clean), bool(clean)) == (0, [], True)
-    with pytest.raises(IndexError):
+    with pytest.raises(IndexError, match="there is no object 1"):
         report.marked(1)
+
+
+def test_triangles_are_marked_by_an_object_s_name_too():
+    scene = fh.Scene()
+    scene.add(fh.Mesh(CORNERS, FACES), name="whole")
+    scene.add(fh.Mesh(CORNERS, FACES[:3]), name="open")
+    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    report = scene.lint()
+    assert report.marked("open").tolist() == report.marked(np.int32(1)).tolist() == [True] * 3
+    assert not report.marked("whole").any()
+    with pytest.raises(IndexError, match="'ball' is no mesh"):
+        report.marked("ball")
+    with pytest.raises(ValueError, match="no object with the name 'shut'"):
+        report.marked("shut")
 
 
 def test_kinds_are_ignored_by_name():

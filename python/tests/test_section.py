@@ -104,6 +104,17 @@ def test_files_say_what_the_section_says(tmp_path):
         cut.save(tmp_path / "cut.pdf")
 
 
+def test_only_the_objects_that_are_asked_for_are_cut():
+    scene = bumps(name="first")
+    scene.add(scene.objects[0].shape, name="second")
+    scene.add(fh.Sphere((0, 0, 0), 1))
+    cut = scene.section((0, 0, 0.1), (0, 0, 1), objects="second")
+    assert ({curve.object for curve in cut}, cut.left_out) == ({1}, ())
+    assert {curve.object for curve in pickle.loads(pickle.dumps(cut))} == {1}
+    with pytest.raises(IndexError, match="no object 7"):
+        scene.section((0, 0, 0), (0, 0, 1), objects=7)
+
+
 def test_what_is_no_mesh_is_left_out_with_a_warning():
     scene = bumps()
     scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
