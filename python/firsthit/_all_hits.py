@@ -222,14 +222,14 @@ class AllHits:
         return self.hits.channels
 
     def channel(
-        self, name: ChannelName, *, threads: int | None = None, progress: Progress | None = None
+        self, name: Asked, *, threads: int | None = None, progress: Progress | None = None
     ) -> npt.NDArray[Any]:
         """Return a channel, as the attribute of its name; see `Hits.channel`.
 
         Parameters
         ----------
         name : str
-            One of `channels`.
+            One of `channels`, or ``"attribute:NAME"`` for an `attribute`.
         threads : int, optional
             The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
@@ -315,14 +315,15 @@ class AllHits:
         self.hits.save(path, channels)
 
     def to_dict(
-        self, channels: ChannelName | Sequence[ChannelName] | None = None
+        self, channels: Asked | Sequence[Asked] | None = None
     ) -> dict[str, npt.NDArray[Any]]:
         """Return the hits as a table: its columns by name.
 
         Parameters
         ----------
         channels : str or sequence of str, optional
-            Some of `channels`; all of them if left out.
+            Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; all channels if left
+            out.
 
         Returns
         -------

@@ -57,8 +57,8 @@ class Hits(Attributed):
     """The first hits of rays, as arrays of the rays' shape, which is written (...) below.
 
     ``t, o = hits`` unpacks distances and objects. ``hits[mask]`` and ``len(hits)`` work as for an
-    array of the rays' shape. ``hits["name"]`` is a channel, or an attribute of the meshes that were
-    hit. ``hits.to_dict()`` is a table.
+    array of the rays' shape. ``hits["normal"]`` is a channel, and ``hits["quality"]`` an attribute
+    of the meshes that were hit. ``hits.to_dict()`` is a table.
 
     A miss has ``t``, ``range`` and ``z`` of infinity; identifiers of -1; a false ``front``; and NaN
     elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
@@ -356,7 +356,7 @@ class Hits(Attributed):
     @overload
     def channel(
         self,
-        name: ChannelName,
+        name: Asked,
         *,
         threads: int | None = None,
         progress: Progress | None = None,
@@ -364,7 +364,7 @@ class Hits(Attributed):
 
     def channel(
         self,
-        name: ChannelName,
+        name: Asked,
         *,
         threads: int | None = None,
         progress: Progress | None = None,
@@ -374,7 +374,7 @@ class Hits(Attributed):
         Parameters
         ----------
         name : str
-            One of `channels`.
+            One of `channels`, or ``"attribute:NAME"`` for an `attribute`.
         threads : int, optional
             The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
@@ -388,12 +388,15 @@ class Hits(Attributed):
         Raises
         ------
         ValueError
-            For a name that is none of `channels`.
+            For a name that is none of `channels`, and an attribute that no mesh has.
         AttributeError
             For ``range`` and ``z`` of rays that no camera made.
         MemoryError
             If the array does not fit into memory.
         """
+        attribute = attribute_of(name) if isinstance(name, str) else None
+        if attribute is not None:
+            return self.attribute(attribute, threads=threads, progress=progress)
         use = self._threads if threads is None else threads_or_all(threads)
         made: npt.NDArray[Any]
         if name in ("t", "object", "primitive"):
@@ -415,7 +418,7 @@ class Hits(Attributed):
             yield name, self.channel(name)
 
     def to_dict(
-        self, channels: ChannelName | Sequence[ChannelName] | None = None
+        self, channels: Asked | Sequence[Asked] | None = None
     ) -> dict[str, npt.NDArray[Any]]:
         """Return the hits as a table: its columns by name.
 
@@ -424,14 +427,16 @@ class Hits(Attributed):
         Parameters
         ----------
         channels : str or sequence of str, optional
-            Some of `channels`; all of them if left out.
+            Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; all channels if left
+            out.
 
         Returns
         -------
         dict of str to (n,) array
             A row for each ray, in the order of the rays. For a camera's hits the first columns are
             ``row`` and ``column``, their pixel. A channel of several numbers has as many columns,
-            called as in the program's CSV: ``position_x``, ``barycentric_0``, ``uv_u``, and so on.
+            called as in the program's CSV: ``position_x``, ``barycentric_0``, ``uv_u``,
+            ``attribute:NAME_0``, and so on.
 
         Raises
         ------
@@ -456,12 +461,13 @@ class Hits(Attributed):
         names = [channels] if isinstance(channels, str) else channels
         for name in self.channels if names is None else names:
             array = self.channel(name)
-            components = _COMPONENTS.get(name, 1)
-            if components == 1:
+            if array.ndim == len(self._shape):
                 table[name] = array.reshape(-1)
                 continue
-            letters = _LETTERS.get(name, "xyz")
-            columns = array.reshape(-1, components)
+            columns = array.reshape(-1, array.shape[-1])
+            letters: Sequence[object] = _LETTERS.get(name, "xyz")
+            if attribute_of(name) is not None:
+                letters = range(array.shape[-1])
             for k, letter in enumerate(letters):
                 table[f"{name}_{letter}"] = columns[:, k]
         return table
@@ -519,7 +525,7 @@ class Hits(Attributed):
         native = camera._native if camera is not None and says_camera else None
         origin = _firsthit.origin(self._built.native, native, names)
         for file, held in wanted:
-            arrays = [(name, np.ascontiguousarray(self._asked(name)).ravel()) for name in held]
+            arrays = [(name, np.ascontiguousarray(self._named(name)).ravel()) for name in held]
             _firsthit.write(file, list(self._shape), arrays, origin, None)
 
     # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a
@@ -527,7 +533,8 @@ class Hits(Attributed):
     def __getitem__(self, index: Index) -> Hits:
         """Return some of the hits, as for an array of their shape: by a mask, a slice, ...
 
-        By a name, return the channel that is called so, or else the `attribute`.
+        By a name, return the channel that is called so, or else the `attribute`, which
+        ``"attribute:NAME"`` is in any case.
         """
         name: Any = index
         if isinstance(name, str):
@@ -545,17 +552,12 @@ class Hits(Attributed):
         some._source = self._source.take(row, some._shape)
         return some
 
-    def _asked(self, name: str) -> npt.NDArray[Any]:
-        """Return what a name among the channels of a file asks for."""
-        attribute = attribute_of(name)
-        return self._named(name) if attribute is None else self.attribute(attribute)
-
     def _named(self, name: str) -> npt.NDArray[Any]:
         """Return the channel of that name, or else the attribute."""
         for known in _OF_A_CAMERA:
             if known == name:
                 return self.channel(known)
-        return self.attribute(name)
+        return self.attribute(attribute_of(name) or name)
 
     def __len__(self) -> int:
         """Return the number of hits along the first axis, as for an array."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ._types import (
     AlphaMode,
+    Asked,
     AttributeChannel,
     AttributeOf,
     ChannelName,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlphaMode",
+    "Asked",
     "AttributeChannel",
     "AttributeOf",
     "ChannelName",

@@ -111,6 +111,23 @@ def test_a_name_in_brackets_is_a_channel_or_an_attribute():
         hits["range"]
 
 
+def test_an_attribute_has_one_name_in_every_call(tmp_path):
+    heat, pair = [1.0, 2, 3, 4.5], np.eye(4, 2) + 0.5
+    scene = square(vertex_properties={"t": heat, "pair": pair})
+    hits, met = scene.shoot(ORIGINS, DOWN), scene.shoot_all(ORIGINS, DOWN)
+    for some in (hits, met):
+        expected = some.attribute("t")
+        assert some["attribute:t"] is not some["t"]
+        np.testing.assert_array_equal(some["attribute:t"], expected)
+        np.testing.assert_array_equal(some.channel("attribute:t"), expected)
+        table = some.to_dict(["t", "attribute:t", "attribute:pair"])
+        assert list(table)[-3:] == ["attribute:t", "attribute:pair_0", "attribute:pair_1"]
+        np.testing.assert_array_equal(table["attribute:t"], expected)
+        np.testing.assert_array_equal(table["attribute:pair_1"], some["pair"][:, 1])
+    with pytest.raises(ValueError, match="got 'head'; there are"):
+        hits.channel("attribute:head")
+
+
 def test_parts_copies_and_pickles_of_hits_have_the_same_attributes():
     _, _, hits = star(vertex_properties=lambda rng, n, m: {"a": rng.normal(size=n)})
     whole = hits["a"]
