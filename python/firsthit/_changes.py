@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._turn import Turn
-    from ._types import MeshLike, Selection
+    from ._types import MeshLike, ObjectKey, Selection
 
 #: After so many changes their list begins anew, and the next build starts from all objects.
 _MOST_MOVES = 1 << 16
@@ -37,7 +37,7 @@ class Changes(Traceable):
     #: Two threads must not change the same object at once: one of the changes would be lost.
     _changing: Turn
 
-    def move(self, identifier: int | str, transform: npt.ArrayLike | None) -> None:
+    def move(self, identifier: ObjectKey, transform: npt.ArrayLike | None) -> None:
         """Move an object: replace its transform.
 
         Later calls give the results of a scene that is built anew. The move itself takes
@@ -158,7 +158,7 @@ class Changes(Traceable):
             gone["_labels"] = (None, None)
             self._change(identifier, **gone, _is_removed=True, _is_hidden=True)
 
-    def replace(self, identifier: int | str, shape: Shape | MeshLike) -> None:
+    def replace(self, identifier: ObjectKey, shape: Shape | MeshLike) -> None:
         """Give an object another shape; its name, transform, materials and mask stay.
 
         Parameters
@@ -191,7 +191,7 @@ class Changes(Traceable):
         node, _ = self._objects[identifier]._labels
         self._change(identifier, _shape=shape, _labels=(node, None))
 
-    def update_vertices(self, identifier: int | str, vertices: npt.ArrayLike) -> None:
+    def update_vertices(self, identifier: ObjectKey, vertices: npt.ArrayLike) -> None:
         """Move the vertices of an object's mesh; its triangles and attributes stay.
 
         The mesh's tree is not built anew, but its boxes are fitted to the new vertices, which takes

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._traceable import Built
+    from ._types import ObjectKey
 
 
 class Place(NamedTuple):
@@ -91,7 +92,7 @@ class LintReport:
         """Every kind's name and meaning."""
         return dict(_firsthit.lint_kinds())
 
-    def marked(self, identifier: int | str) -> npt.NDArray[np.bool_]:
+    def marked(self, identifier: ObjectKey) -> npt.NDArray[np.bool_]:
         """Tell which triangles of an object are part of a finding.
 
         Parameters

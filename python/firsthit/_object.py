@@ -148,8 +148,9 @@ def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
     """Return the identifiers of objects, each once and in order; removed ones are not there."""
     if isinstance(given, bytes | bytearray):
         raise TypeError(f"objects must be identifiers or names, got {given!r}")
-    is_one = isinstance(given, str) or (hasattr(given, "__index__") and np.ndim(given) == 0)
-    several: Any = [given] if is_one else given
+    several: Any = given
+    if isinstance(given, str) or (hasattr(given, "__index__") and np.ndim(several) == 0):
+        several = [given]
     try:
         wanted = list(several)
     except TypeError:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, NewType, Protocol
 
+import numpy as np
+import numpy.typing as npt
+
 #: Three numbers, as attributes have them; arguments take anything array_like of three.
 Vector = tuple[float, float, float]
 
@@ -37,7 +40,7 @@ ChannelName = Literal[
 ]
 
 #: The channel of an attribute, for type checkers: ``AttributeChannel("attribute:quality")``. At run
-#: time it is the text itself, which does as well.
+#: time it is the text itself, which will do.
 AttributeChannel = NewType("AttributeChannel", str)
 #: What pictures and files of hits can be asked for.
 Asked = ChannelName | AttributeChannel
@@ -62,8 +65,10 @@ AlphaMode = Literal["opaque", "mask", "blend"]
 Progress = bool | Callable[[int, int], object]
 
 
-#: Some objects, by identifier or name; a name means all objects that have it.
-Selection = int | str | Sequence[int | str]
+#: An object, by its identifier, of Python's or NumPy's, or by its name.
+ObjectKey = int | np.integer[Any] | str
+#: Some objects, by identifiers or names; a name means all objects that have it.
+Selection = ObjectKey | Sequence[ObjectKey] | npt.NDArray[np.integer[Any]]
 
 
 class MeshLike(Protocol):

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Any, assert_type
 import firsthit as fh
 import numpy as np
 import numpy.typing as npt
-from firsthit.typing import ChannelName, Projection, RayStart, Rule, ShaderName, ViewName
+from firsthit.typing import (
+    Asked,
+    AttributeChannel,
+    ChannelName,
+    Projection,
+    RayStart,
+    Rule,
+    ShaderName,
+    ViewName,
+)
 
 Doubles = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int32]
@@ -38,6 +47,9 @@ def shapes() -> fh.Scene:
     assert_type(fh.Sphere(center=[0, 0, 0], radius=1).center, tuple[float, float, float])
     assert_type(look.color, tuple[float, float, float])
     assert_type(scene.objects[ball].transform, Doubles)
+    scene.hide(np.unique(scene.shoot([0, 0, 9], [0, 0, -1]).object))
+    scene.show(np.flatnonzero(np.ones(len(scene.objects))))
+    scene.move(np.int32(ball), np.eye(4))
     return scene
 
 
@@ -73,6 +85,9 @@ def hits(scene: fh.Scene, camera: fh.Camera) -> None:
     assert_type(len(hits), int)
     assert_type(hits.channel("normal", progress=True), Doubles)
     assert_type(hits.channel("face", threads=1), Integers)
+    assert_type(scene.count(camera), npt.NDArray[np.int64])
+    asked: list[Asked] = ["t", AttributeChannel("attribute:quality")]
+    assert_type(hits.to_dict(asked[:1]), dict[str, npt.NDArray[Any]])
     assert_type(hits.to_dict(), dict[str, npt.NDArray[Any]])
     names: list[ChannelName] = [name for name, _ in hits.items()]
     assert_type(hits.channel(names[0]), npt.NDArray[Any])
