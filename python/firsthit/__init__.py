@@ -25,7 +25,8 @@ from ._info import info
 from ._leaving import LeavingRays
 from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._lint import Finding, LintReport, Place
-from ._load import lint, load, open  # noqa: A004 - fh.open
+from ._load import lint, load
+from ._load import open as open  # noqa: A004 - fh.open
 from ._material import Material, Texture
 from ._nearest import ClosestPoints
 from ._object import Object
@@ -38,6 +39,7 @@ from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 # Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
 __version__ = _firsthit.version()
 
+# Not `open`: a star import must leave Python's own in place.
 __all__ = [
     "AllHits",
     "Box",
@@ -78,7 +80,6 @@ __all__ = [
     "info",
     "lint",
     "load",
-    "open",
     "read_metadata",
     "render",
 ]

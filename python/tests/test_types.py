@@ -1,5 +1,6 @@
 """The package as type checkers see it, from a user's script."""
 
+import builtins
 import json
 import shutil
 import subprocess
@@ -90,3 +91,10 @@ def test_arguments_are_taken_as_the_types_say_and_shown_as_tuples():
     assert repr(fh.PointLight([0, 0, 1])) == (
         "PointLight(position=(0.0, 0.0, 1.0), intensity=(1.0, 1.0, 1.0))"
     )
+
+
+def test_a_star_import_leaves_python_s_own_names_in_place():
+    names: dict[str, object] = {}
+    exec("from firsthit import *", names)
+    assert not {*names} & {*dir(builtins)} - {"__doc__", "__name__"}
+    assert callable(fh.open)
