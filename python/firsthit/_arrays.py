@@ -116,8 +116,12 @@ def index(name: str, value: Any) -> int:
 def numbers(name: str, value: Any) -> npt.NDArray[Any]:
     """Return an array of real numbers, not copied where it is one already."""
     # Asked first what it mostly is: a call with one ray takes little longer than this.
-    if type(value) not in _PLAIN and not hasattr(value, "__array__"):
-        if hasattr(value, "__dlpack__"):
+    if type(value) not in _PLAIN:
+        if hasattr(value, "__array__"):
+            if np.ma.is_masked(value):
+                gaps = np.count_nonzero(value.mask)
+                raise ValueError(f"{name} must not be masked, got {gaps} masked elements")
+        elif hasattr(value, "__dlpack__"):
             value = np.from_dlpack(value)
         elif isinstance(value, dict | set | str | bytes):
             raise ValueError(f"{name} must be an array of numbers, got {type(value).__name__}")

@@ -89,6 +89,7 @@ def test_rays_begin_beyond_t_min():
         (np.zeros(3), "abc", "directions must be an array of numbers, got str"),
         (np.zeros(3), [[1, 2, 3], [1, 2]], "directions must be an array of numbers"),
         (np.zeros(3), None, "directions must be given"),
+        (np.ma.masked_equal([0, 0, 9], 9), np.zeros(3), "origins must not be masked, got 1 masked"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused_by_name(origins, directions, words):
