@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import operator
-import warnings
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from . import _firsthit
-from ._errors import FirsthitWarning
+from ._errors import warn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,11 +63,9 @@ def color_of(
         raise ValueError(f"{name} must be {wanted}, got {made}")
     levels = None if is_light else _firsthit.meant_as_levels(made)
     if levels is not None:
-        warnings.warn(
+        warn(
             f"{name} {made} is brighter than white: colours are linear, from 0 to 1; "
-            f"levels from 0 to 255 are written {levels!r}",
-            FirsthitWarning,
-            stacklevel=3,
+            f"levels from 0 to 255 are written {levels!r}"
         )
     return made
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _foreign
 from ._arrays import table
+from ._foreign_mesh import is_mesh
 from ._object import NOTHING, Object, affine, chosen, identified
 from ._shapes import Mesh, Shape
 from ._traceable import Traceable
@@ -184,9 +184,9 @@ class Changes(Traceable):
         """
         identifier = identified(self._objects, identifier)
         if not isinstance(shape, Shape):
-            if not (hasattr(shape, "vertices") and hasattr(shape, "faces")):
+            if not is_mesh(shape):
                 raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
-            shape = _foreign.mesh(shape)[0]
+            shape = Mesh(shape)
         # It stays where it is in the file's tree, but is no longer that mesh.
         node, _ = self._objects[identifier]._labels
         self._change(identifier, _shape=shape, _labels=(node, None))

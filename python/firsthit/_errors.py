@@ -1,8 +1,26 @@
 """Errors and warnings about files. Bad values are plain ``ValueError``."""
 
+import sys
+import warnings
+from types import FrameType
+
 
 class FirsthitWarning(UserWarning):
     """Something doubtful in a file, or an argument that is probably not what was meant."""
+
+
+def warn(text: str) -> None:
+    """Warn of something in the line of the user's that led to it."""
+    level, frame = 1, sys._getframe()
+    package = _package_of(frame)
+    while frame.f_back is not None and _package_of(frame) == package:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, FirsthitWarning, stacklevel=level)
+
+
+def _package_of(frame: FrameType) -> str:
+    name: str = frame.f_globals.get("__name__", "")
+    return name.partition(".")[0]
 
 
 class FileError(Exception):

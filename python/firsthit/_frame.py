@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -12,7 +11,7 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import number
-from ._errors import FileFormatError, FirsthitWarning
+from ._errors import FileFormatError, warn
 from ._files import files, is_cloud, is_of_several
 
 if TYPE_CHECKING:
@@ -263,7 +262,7 @@ def _read(path: str | os.PathLike[str]) -> tuple[list[Any], str | None]:
     """Return the arrays in a file and the text of its metadata; warn of what is doubtful."""
     arrays, said, doubts = _firsthit.read(Path(path))
     for doubt in doubts:
-        warnings.warn(f"{os.fspath(path)}: {doubt}", FirsthitWarning, stacklevel=3)
+        warn(f"{os.fspath(path)}: {doubt}")
     return arrays, said
 
 

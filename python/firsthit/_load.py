@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import _cameras, _firsthit
 from ._arrays import count, flag, settle
 from ._arrays import vector as as_vector
-from ._errors import FirsthitWarning
+from ._errors import warn
 from ._lights import DirectionalLight, Light, PointLight, Sky, SpotLight
 from ._material import Material, Texture
 from ._scene import Scene
@@ -73,7 +72,7 @@ def load(
     limits = count("max_memory", max_memory), min(count("max_texture", max_texture), 2**32 - 1)
     model = _firsthit.load(Path(path), flag("strict", strict), *limits)
     for doubt in model["warnings"]:
-        warnings.warn(doubt, FirsthitWarning, stacklevel=2)
+        warn(doubt)
     return _scene_of(model)
 
 
@@ -164,6 +163,9 @@ def lint(
     ignore: Iterable[str] = (),
     places: int = 10,
     threads: int | None = None,
+    strict: bool = False,
+    max_memory: int = 8 << 30,
+    max_texture: int = 16384,
 ) -> LintReport:
     """Look for what may be wrong with a 3D file.
 
@@ -173,6 +175,8 @@ def lint(
         The file, as for `load`.
     ignore, places, threads
         As for `Scene.lint`.
+    strict, max_memory, max_texture
+        As for `load`.
 
     Returns
     -------
@@ -184,14 +188,15 @@ def lint(
     FileReadError, FileFormatError, MemoryError
         As `load`.
     ValueError
-        For a kind that there is not.
+        For a kind that there is not, and for limits that are no whole numbers.
 
     Warns
     -----
     FirsthitWarning
         For what is doubtful in the file.
     """
-    return load(path).lint(ignore=ignore, places=places, threads=threads)
+    scene = load(path, strict=strict, max_memory=max_memory, max_texture=max_texture)
+    return scene.lint(ignore=ignore, places=places, threads=threads)
 
 
 def _analytic(kind: str, numbers: Sequence[float]) -> Shape:

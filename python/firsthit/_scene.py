@@ -15,6 +15,7 @@ from ._cameras import NamedCamera, find
 from ._changes import Changes
 from ._explain import Explainable
 from ._filters import ALL, one_mask
+from ._foreign_mesh import is_mesh
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._lint import Lintable
 from ._measures import Measures
@@ -168,7 +169,7 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
             parts = list(_foreign.objects(shape))
         elif isinstance(shape, Shape):
             parts = [_foreign.Part(name, shape)]
-        elif hasattr(shape, "vertices") and hasattr(shape, "faces"):
+        elif is_mesh(shape):
             parts = [_foreign.Part(name, *_foreign.mesh(shape))]
         else:
             raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")

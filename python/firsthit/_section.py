@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _firsthit
 from ._arrays import lock, locked, threads_or_all, vector
-from ._errors import FirsthitWarning
+from ._errors import warn
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
@@ -218,5 +217,5 @@ class Cuttable(Traceable):
         plane = vector("origin", origin), vector("normal", normal)
         section = Section(self._seen(self._ready(), None, objects), *plane, use)
         for doubt in section._native.warnings():
-            warnings.warn(doubt, FirsthitWarning, stacklevel=2)
+            warn(doubt)
         return section

@@ -9,6 +9,8 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import cast, number, numbers, settle, table, vector
+from ._foreign_mesh import attributes as foreign_attributes
+from ._foreign_mesh import is_mesh
 from ._properties import given, shaped
 
 if TYPE_CHECKING:
@@ -228,7 +230,9 @@ class Mesh(Shape):
         nothing, else as float64.
     triangles : (m, 3) array_like of int
         The indices of each triangle's vertices. May be left out if ``vertices`` is an object with
-        ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``.
+        ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``: then its texture coordinates,
+        colours and attributes are taken, too, unless others are given. Its material is for objects,
+        see `Scene.add`.
     normals : (n, 3) or (m, 3, 3) array_like, optional
         Normals for shading, of any length. These and the next three are given for each vertex, or
         for each corner of each triangle, and stored as float32.
@@ -260,6 +264,11 @@ class Mesh(Shape):
     TypeError
         For properties that are no dict.
 
+    Warns
+    -----
+    FirsthitWarning
+        For what is left out of another package's mesh.
+
     Examples
     --------
     >>> import firsthit as fh
@@ -283,9 +292,15 @@ class Mesh(Shape):
     ) -> None:
         if triangles is None:
             other: Any = vertices
-            if not (hasattr(other, "vertices") and hasattr(other, "faces")):
+            if not is_mesh(other):
                 raise ValueError("triangles must be given with an array of vertices")
-            vertices, triangles = other.vertices, other.faces
+            vertices, triangles, own = other.vertices, other.faces, foreign_attributes(other)
+            uvs = own.get("uvs") if uvs is None else uvs
+            colors = own.get("colors") if colors is None else colors
+            if vertex_properties is None:
+                vertex_properties = own["vertex_properties"]
+            if face_properties is None:
+                face_properties = own["face_properties"]
         points = table("vertices", vertices, 3, np.float64)
         corners = _indices(triangles, len(points))
         optional = [("normals", normals, 3), ("uvs", uvs, 2), ("colors", colors, 3)]

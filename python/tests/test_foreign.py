@@ -46,6 +46,48 @@ def test_what_is_no_mesh_is_left_out_with_a_warning():
     assert scene.objects[0].name == "box"
 
 
+def test_warnings_are_of_the_line_that_led_to_them(tmp_path):
+    box = trimesh.creation.box()
+    box.vertex_attributes["note"] = np.array(["a"] * 8)
+    scene = trimesh.Scene([trimesh.PointCloud(np.zeros((3, 3))), box])
+    scene.add_geometry(box)
+    open_ball = fh.Scene()
+    open_ball.add(fh.Sphere((0, 0, 0), 1))
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl none\nf 1 2 3\n")
+    for call in (
+        lambda: fh.Scene().add(box),
+        lambda: fh.Scene().add(scene),
+        lambda: fh.Mesh(box),
+        lambda: open_ball.section((0, 0, 0), (0, 0, 1)),
+        lambda: fh.load(tmp_path / "a.obj"),
+        lambda: fh.lint(tmp_path / "a.obj"),
+        lambda: fh.Material(color=(255, 128, 0)),
+    ):
+        with pytest.warns(fh.FirsthitWarning) as told:
+            call()
+        assert {warning.filename for warning in told} == {__file__}
+
+
+def test_a_mesh_is_made_with_the_colours_uvs_and_attributes_that_an_object_gets():
+    box = painted(trimesh.creation.box(), vertex_colors=[0, 188, 255, 255])
+    box.vertex_attributes["heat"] = np.arange(8.0)
+    box.face_attributes["part"] = np.arange(12)
+    look = trimesh.visual.TextureVisuals(uv=np.eye(8, 2))
+    textured = trimesh.Trimesh(box.vertices, box.faces, process=False, visual=look)
+    for thing in (box, textured):
+        scene = fh.Scene()
+        scene.add(thing)
+        made, added = fh.Mesh(thing), scene.objects[0].shape
+        for name in ("colors", "uvs", "vertices", "triangles"):
+            np.testing.assert_array_equal(getattr(made, name), getattr(added, name))
+        assert (made.colors is None, made.uvs is None) == (thing is textured, thing is box)
+    made = fh.Mesh(box)
+    assert made.vertex_properties["heat"].tolist() == [*range(8)]
+    assert made.face_properties["part"].tolist() == [*range(12)]
+    own = fh.Mesh(box, colors=np.ones((8, 3)), vertex_properties={"mine": np.zeros(8)})
+    assert ({*own.vertex_properties}, own.colors.min()) == ({"mine"}, 1)
+
+
 def seen(scene, at=(0, 0)):
     """The colour straight below a point."""
     camera = fh.Camera((*at, 9), (0, 0, -1), (0, 1, 0), 1, 0.1, 0.1, 1, 1, "orthographic")

@@ -1,0 +1,96 @@
+"""What meshes of other packages, trimesh's above all, bring along, without importing any."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit
+from ._errors import warn
+from ._material import Material, Texture
+from ._properties import is_exact
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+
+def is_mesh(thing: object) -> bool:
+    """Tell whether something is a mesh like trimesh's."""
+    return hasattr(thing, "vertices") and hasattr(thing, "faces")
+
+
+def attributes(thing: Any) -> dict[str, Any]:
+    """Return what a mesh has beside vertices and faces, as arguments of `Mesh`."""
+    found: dict[str, Any] = {
+        "vertex_properties": _properties(thing, "vertex_attributes", len(thing.vertices)),
+        "face_properties": _properties(thing, "face_attributes", len(thing.faces)),
+    }
+    visual: Any = getattr(thing, "visual", None)
+    kind = getattr(visual, "kind", None)
+    if kind == "vertex":
+        found["colors"] = _linear(visual.vertex_colors)
+    elif kind == "face":
+        found["colors"] = np.repeat(_linear(visual.face_colors)[:, None], 3, axis=1)
+    elif kind == "texture":
+        found["uvs"] = getattr(visual, "uv", None)
+    return found
+
+
+def material(thing: Any) -> Material | None:
+    """Return the look of a mesh, if it has one beside its colours."""
+    visual: Any = getattr(thing, "visual", None)
+    if getattr(visual, "kind", None) != "texture":
+        return None
+    return _material(visual.material, has_uvs=getattr(visual, "uv", None) is not None)
+
+
+def _properties(thing: Any, of: str, count: int) -> dict[str, npt.NDArray[Any]]:
+    """Return trimesh's attributes of vertices or faces that are numbers, one row for each."""
+    found = {}
+    for name, values in (getattr(thing, of, None) or {}).items():
+        array = np.asarray(values)
+        has_rows = array.ndim in (1, 2) and len(array) == count and array.size
+        if not (isinstance(name, str) and array.dtype.kind in "biuf" and has_rows):
+            warn(f"the attribute {name!r} of {of} is left out: it has no numbers for each")
+        elif not is_exact(array):
+            warn(f"the attribute {name!r} of {of} is left out: it has integers beyond 2**53")
+        else:
+            found[name] = array
+    return found
+
+
+def _linear(colors: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return linear red, green and blue, (n, 3), of sRGB colours with eight bits each."""
+    # The library's own numbers: NumPy's powers differ between machines in the last bit.
+    return np.array(_firsthit.srgb_levels())[np.asarray(colors, np.uint8)[:, :3]]
+
+
+def _material(look: Any, *, has_uvs: bool) -> Material:
+    """Return a look of trimesh's: one of glTF's materials, or one of MTL's.
+
+    Both have linear colours in eight bits; their pictures are sRGB.
+    """
+    if hasattr(look, "materials"):
+        warn("a mesh's several materials are left out: it is white")
+    color = _first(look, "baseColorFactor", "diffuse")
+    levels = np.full(4, 255.0) if color is None else np.asarray(color, np.float64)
+    # trimesh has eight bits, but leaves floats that it was given.
+    levels = levels / 255.0 if color is None or np.asarray(color).dtype.kind in "iu" else levels
+    picture = _first(look, "baseColorTexture", "image") if has_uvs else None
+    texture = None if picture is None else Texture(np.asarray(picture.convert("RGBA")))
+    mode = str(getattr(look, "alphaMode", None) or "opaque").lower()
+    cutoff = getattr(look, "alphaCutoff", None)
+    return Material(
+        levels[:3],
+        float(levels[3]) if len(levels) > 3 else 1.0,
+        texture,
+        alpha_mode="mask" if mode == "mask" else "blend" if mode == "blend" else "opaque",
+        cutoff=0.5 if cutoff is None else float(cutoff),
+        double_sided=bool(getattr(look, "doubleSided", True)),
+    )
+
+
+def _first(look: Any, *names: str) -> Any:
+    """Return the first of some attributes that is there."""
+    return next((v for name in names if (v := getattr(look, name, None)) is not None), None)
