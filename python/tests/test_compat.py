@@ -201,6 +201,19 @@ class TestTrimesh:
                 ask([0, 0, 0])
 
 
+def test_what_is_inside_is_the_same_whatever_is_asked_at_a_time(monkeypatch):
+    scene = RaycastingScene()
+    for size in (1, 2, 3):
+        scene.add_triangles(CORNERS * size, FACES)
+    asked = np.random.default_rng(1).uniform(-4, 4, (7, 11, 3)).astype(np.float32)
+    largest = np.abs(asked).max(axis=-1)
+    expected = (largest < 1) | ((largest > 2) & (largest < 3))
+    for at_once in (1, 10, 1 << 24):
+        monkeypatch.setattr("firsthit.compat.open3d._ANSWERS", at_once)
+        np.testing.assert_array_equal(scene.compute_occupancy(asked), expected)
+    assert scene.compute_occupancy(np.zeros((0, 3), np.float32)).shape == (0,)
+
+
 class TestOpen3D:
     """The words of ``open3d.t.geometry.RaycastingScene``."""
 

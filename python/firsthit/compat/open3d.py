@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 
     from ._tensors import Asked, LegacyMesh, Tensor, TriangleMesh
 
+#: How many answers about a point and a mesh are held at a time.
+_ANSWERS = 1 << 24
+
 
 class RaycastingScene:
     """Meshes for rays and points, in the words of ``open3d.t.geometry.RaycastingScene``.
@@ -398,9 +401,15 @@ class RaycastingScene:
         return asked_about(name, given, columns, wants_tensors=self._is_open3d)
 
     def _inside(self, points: npt.NDArray[Any], threads: int | None) -> npt.NDArray[np.bool_]:
-        by_mesh = self._scene.inside(points, "object", threads=threads)
-        inside: npt.NDArray[np.bool_] = np.logical_xor.reduce(by_mesh, axis=-1)
-        return inside
+        flat = points.reshape(-1, 3)
+        inside = np.empty(len(flat), np.bool_)
+        # There is an answer for each point and mesh.
+        step = max(1, _ANSWERS // max(1, len(self._scene.objects)))
+        for start in range(0, len(flat), step):
+            part = slice(start, start + step)
+            by_mesh = self._scene.inside(flat[part], "object", threads=threads)
+            np.logical_xor.reduce(by_mesh, axis=-1, out=inside[part])
+        return inside.reshape(points.shape[:-1])
 
     def _normals_of(
         self, meshes: npt.NDArray[np.int32], triangles: npt.NDArray[np.int32]
