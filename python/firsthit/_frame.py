@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import number
+from ._arrays import count, number, text
 from ._errors import FileFormatError, warn
 from ._files import files, is_cloud, is_of_several
 
@@ -36,17 +37,64 @@ class Frame:
 
     For type checkers, channels have the types that `render` gives them; those of a file may differ,
     see `load`.
+
+    Parameters
+    ----------
+    shape : pair of int
+        Rows and columns.
+    channels : mapping of str to (rows, columns) or (rows, columns, k) array_like
+        What each pixel has, as bool, integers or floats; arrays are not copied. To be saved,
+        channels have names that `render` lists, which say how they are shown and what a miss is; or
+        any name after ``attribute:``, for other numbers. Files hold integers as int32.
+
+    Raises
+    ------
+    ValueError
+        For a channel of another shape, or of no numbers, with its name.
+    TypeError
+        For channels that are no mapping of names.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import firsthit as fh
+    >>> fh.Frame((2, 3), {"attribute:quality": np.zeros((2, 3))})
+    Frame(3 x 2 pixels: attribute:quality)
     """
 
-    def __init__(
-        self,
+    _shape: tuple[int, int]
+    _channels: dict[str, npt.NDArray[Any]]
+    #: The JSON of where the channels come from.
+    _origin: str
+    #: Where the frame is from a file.
+    _metadata: dict[str, Any] | None
+
+    def __init__(self, shape: tuple[int, int], channels: Mapping[str, npt.ArrayLike]) -> None:
+        if not isinstance(shape, tuple | list) or len(shape) != 2:
+            raise ValueError(f"shape must be (rows, columns), got {shape!r}")
+        rows, columns = count("rows", shape[0]), count("columns", shape[1])
+        if not isinstance(channels, Mapping):
+            raise TypeError(f"channels must be a dict of arrays, got {channels!r}")
+        self._shape = rows, columns
+        self._channels = {
+            text("a name of channels", name): _checked(name, array, self._shape)
+            for name, array in channels.items()
+        }
+        self._origin, self._metadata = "{}", None
+
+    @classmethod
+    def _of(
+        cls,
         shape: tuple[int, int],
         channels: dict[str, npt.NDArray[Any]],
         origin: str = "{}",
         metadata: dict[str, Any] | None = None,
-    ) -> None:
-        self._shape, self._channels = shape, channels
-        self._origin, self._metadata = origin, metadata
+    ) -> Frame:
+        """Return a frame of arrays that are as they should be."""
+        frame = cls.__new__(cls)
+        frame._shape, frame._channels = shape, channels
+        frame._origin, frame._metadata = origin, metadata
+        return frame
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Frame:
@@ -105,7 +153,7 @@ class Frame:
                     dtype = computed
             channels[name or "array"] = values.astype(dtype, copy=False).reshape(shape)
         rows, columns = next((array.shape[:2] for array in channels.values()), (0, 0))
-        return cls((rows, columns), channels, said or "{}", metadata)
+        return cls._of((rows, columns), channels, said or "{}", metadata)
 
     @property
     def metadata(self) -> dict[str, Any]:
@@ -120,7 +168,7 @@ class Frame:
         if self._origin == "{}":
             return {}
         # Of one pixel: what is said depends on types and components alone.
-        pixel = [(name, array[:1, :1].reshape(-1)) for name, array in self._channels.items()]
+        pixel = [(name, _in_file(name, array[:1, :1])) for name, array in self._channels.items()]
         made: dict[str, Any] = json.loads(_firsthit.metadata(self._shape, pixel, self._origin))
         return made
 
@@ -150,7 +198,7 @@ class Frame:
     def __getitem__(self, name: str) -> npt.NDArray[Any]: ...
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
-        """Return the array of a channel; a ``KeyError`` where there is no such channel."""
+        """Return the array of a channel; a ``KeyError`` where there is none, as of a dict."""
         if name not in self._channels:
             raise KeyError(f"no channel {name!r}; there are {', '.join(self._channels)}")
         return self._channels[name]
@@ -217,14 +265,13 @@ class Frame:
             self._write(file, held, png_scale)
 
     def _write(self, path: Path, names: list[str], png_scale: float | None) -> None:
-        channels = [(name, np.ascontiguousarray(self._channels[name]).ravel()) for name in names]
+        channels = [(name, _in_file(name, self._channels[name])) for name in names]
         scale = None if png_scale is None else number("png_scale", png_scale)
         _firsthit.write(path, list(self._shape), channels, self._origin, scale)
 
     def _repr_png_(self) -> bytes:
         name = "color" if "color" in self._channels else next(iter(self._channels))
-        values = np.ascontiguousarray(self._channels[name]).ravel()
-        return _firsthit.png(list(self._shape), name, values)
+        return _firsthit.png(list(self._shape), name, _in_file(name, self._channels[name]))
 
 
 def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
@@ -264,6 +311,33 @@ def _read(path: str | os.PathLike[str]) -> tuple[list[Any], str | None]:
     for doubt in doubts:
         warn(f"{os.fspath(path)}: {doubt}")
     return arrays, said
+
+
+def _checked(name: str, given: Any, shape: tuple[int, int]) -> npt.NDArray[Any]:
+    """Return the array of a channel that a user gave."""
+    try:
+        array = np.asarray(given)
+    except ValueError as error:
+        raise ValueError(f"channel {name!r} must be an array: {error}") from None
+    if array.dtype.kind not in "fiub":
+        raise ValueError(f"channel {name!r} must be bool or real numbers, got dtype {array.dtype}")
+    if array.ndim not in (2, 3) or array.shape[:2] != shape:
+        wanted = f"{shape} or {(*shape, 'k')}".replace("'", "")
+        raise ValueError(f"channel {name!r} must have the shape {wanted}, got {array.shape}")
+    return array
+
+
+def _in_file(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return a channel, flat, in the type in which files hold it."""
+    if array.dtype.kind in "iu" and array.dtype != np.int32:
+        low, high = (int(array.min()), int(array.max())) if array.size else (0, 0)
+        if low < -(2**31) or high >= 2**31:
+            span = f"{low} to {high}"
+            raise ValueError(f"channel {name!r} must be int32 to be written, got {span}")
+        array = array.astype(np.int32)
+    elif array.dtype.kind == "f" and array.dtype not in (np.float64, np.float32):
+        array = array.astype(np.float32 if array.dtype.itemsize < 4 else np.float64)
+    return np.ascontiguousarray(array).ravel()
 
 
 def _wrong(path: str | os.PathLike[str], name: str | None, what: str) -> FileFormatError:

@@ -198,7 +198,7 @@ def render(
             made["color"] = (
                 job.centres(told) if look.samples == 1 else job.means(look.samples, told)
             )
-    return Frame(part.shape, {name: made[name] for name in names}, origin)
+    return Frame._of(part.shape, {name: made[name] for name in names}, origin)
 
 
 def _names(channels: str | Sequence[str]) -> list[str]:

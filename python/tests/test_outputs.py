@@ -20,6 +20,49 @@ EXR_NAMES = {
 }
 
 
+@pytest.mark.parametrize("dtype", ["i8", "u1", "u4", "i4", ">i2"])
+def test_a_frame_of_integers_is_saved_as_int32(dtype, tmp_path):
+    object_of = np.arange(6, dtype=dtype).reshape(2, 3)
+    own = fh.Frame((2, 3), {"object": object_of, "attribute:a": object_of.astype(np.float16)})
+    own.save(tmp_path / "{channel}.npy")
+    assert np.load(tmp_path / "object.npy").dtype == np.int32
+    np.testing.assert_array_equal(np.load(tmp_path / "object.npy"), object_of)
+    assert np.load(tmp_path / "attribute-a.npy").dtype == np.float32
+    assert own.metadata == {}
+    assert own._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("shape", "channels", "error", "words"),
+    [
+        (
+            (2, 3),
+            {"t": np.zeros((3, 2))},
+            ValueError,
+            r"'t' must have the shape \(2, 3\) or \(2, 3",
+        ),
+        ((2, 3), {"t": np.zeros(6)}, ValueError, r"channel 't' must have the shape .* got \(6,\)"),
+        ((2, 3), {"t": [["a"] * 3] * 2}, ValueError, "channel 't' must be bool or real numbers"),
+        ((2, 3), {"t": [[1], [1, 2]]}, ValueError, "channel 't' must be an array"),
+        ((2, 3, 4), {}, ValueError, r"shape must be \(rows, columns\), got \(2, 3, 4\)"),
+        ((2, 3), [np.zeros((2, 3))], TypeError, "channels must be a dict of arrays"),
+        ((2, 3), {1: np.zeros((2, 3))}, TypeError, "a name of channels must be a str, got 1"),
+    ],
+)
+def test_a_frame_of_what_is_no_picture_is_refused_by_name(shape, channels, error, words):
+    with pytest.raises(error, match=words):
+        fh.Frame(shape, channels)
+
+
+def test_an_integer_that_no_file_holds_is_refused_by_the_channel_s_name(tmp_path):
+    own = fh.Frame((1, 1), {"object": np.full((1, 1), 2**31)})
+    with pytest.raises(
+        ValueError, match="channel 'object' must be int32 to be written, got 2147483648"
+    ):
+        own.save(tmp_path / "a.npy")
+    assert not list(tmp_path.iterdir())
+
+
 def scene():
     """A ball in the upper left, in front of nothing; a box in the lower right."""
     made = fh.Scene()
