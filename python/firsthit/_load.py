@@ -32,6 +32,8 @@ def load(
 ) -> Scene:
     """Read a 3D file: a mesh, a scene file (TOML), or a built scene (.fhs, see `open`).
 
+    Ctrl-C is raised when the file is read, not before.
+
     Parameters
     ----------
     path : path-like
@@ -81,7 +83,8 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
 
     The file is mapped into memory as it is, with its trees: nothing is read or built, and processes
     that open the same file share its memory. What is indexed is checked, so that no file does
-    harm. The answers are those of the scene that was saved, to the last bit.
+    harm. The answers are those of the scene that was saved, to the last bit. Ctrl-C is raised when
+    that is done, not before.
 
     Parameters
     ----------

@@ -54,7 +54,8 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any
     unit, the scene unit. Adding is cheap: the trees for rays are built by the first call that needs
-    them, and later calls build only what has changed.
+    them, and later calls build only what has changed. Ctrl-C ends queries at once, but not a
+    build: it is raised when that is done.
 
     Examples
     --------
