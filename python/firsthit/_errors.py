@@ -1,4 +1,11 @@
-"""Errors and warnings about files. Bad values are plain ``ValueError``."""
+"""Errors and warnings about files, and which built-in errors there are beside them.
+
+A bad value is a ``ValueError``, and so is a name that an argument cannot be: of a channel, an
+attribute, an object, a kind of finding. What is looked up like the keys of a dict is a
+``KeyError`` where it is not there: ``frame["z"]``, and a camera of a scene. A number is an
+``IndexError`` where nothing has it: the identifier of an object, an index of hits. What is of
+another type altogether is a ``TypeError``.
+"""
 
 import sys
 import warnings
