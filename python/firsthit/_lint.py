@@ -168,7 +168,8 @@ class Lintable(Traceable):
         Holes, flipped faces, shells inside out, degenerate and duplicate faces, non-manifold edges,
         self-intersections, vertices that are not finite or not used, digits lost far from the
         origin, and unlikely sizes. Areas, volumes and whether faces meet are decided in exact
-        arithmetic. Vertices in one place are one, whether or not faces share them.
+        arithmetic. Vertices in one place are one, whether or not faces share them. Hidden objects
+        are looked at too.
 
         Parameters
         ----------

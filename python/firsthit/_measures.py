@@ -62,8 +62,8 @@ class Measures(Traceable):
         A closed mesh (`Mesh.is_closed`) or a solid holds a point if a ray from there crosses it an
         odd number of times, which for a mesh without a transform is decided exactly. So shells
         within shells are hollows. An open mesh, or one with parts that its material cuts out, holds
-        the points in its box around which its winding number is above one half. A plane and a disc
-        hold nothing.
+        the points in its box around which its winding number is above one half or below minus one
+        half, whichever way its triangles face. A plane and a disc hold nothing.
 
         A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is:
         of closed objects without a gap between them, exactly one holds each point that they share.
@@ -73,7 +73,8 @@ class Measures(Traceable):
         points : (..., 3) array_like
             The points, in world space, of any real type.
         by : {None, "object"}
-            ``None`` asks about all objects together, ``"object"`` about each.
+            ``None`` asks about all objects together, ``"object"`` about each. (`path_length` has
+            the other default, for a ray is mostly asked what it goes through.)
         return_rules : bool
             Whether to tell, too, how it is known for each object.
         objects : int, str, or sequence of them, optional
@@ -85,7 +86,8 @@ class Measures(Traceable):
         -------
         inside : (...) array of bool
             Whether each point is inside any object; with ``by="object"`` (..., n), whether it is
-            inside each of the n objects. False for a point that is not finite.
+            inside each of the n objects of the scene, in the order of their identifiers: False for
+            those that are hidden or not among ``objects``. False for a point that is not finite.
         rules : tuple of str
             Only with ``return_rules``, for each object: ``"parity"``, ``"winding"`` or ``"none"``.
 
@@ -93,6 +95,8 @@ class Measures(Traceable):
         ------
         ValueError
             For points of a wrong shape or type, and another ``by``.
+        ValueError, IndexError, TypeError
+            For ``objects``, as `shoot`.
         MemoryError
             If the answers do not fit into memory.
 
@@ -161,15 +165,19 @@ class Measures(Traceable):
         Returns
         -------
         (..., n) or (...) array of float64
-            Lengths in scene units, whatever the direction's length: for each of the n objects, or
-            with ``by=None`` for all together. NaN where an open mesh is crossed in a way that does
+            Lengths in scene units, whatever the direction's length: for each of the n objects of
+            the scene (0 for those that are hidden or not among ``objects``), or with ``by=None``
+            for all together. NaN where an open mesh is crossed in a way that does
             not say where the ray is inside; 0 in planes and discs, and for rays that cannot meet
             anything.
 
         Raises
         ------
         ValueError
-            For arrays whose shapes or types do not fit, with their names, and another ``by``.
+            For arrays whose shapes or types do not fit, with their names, for `LeavingRays`, and
+            another ``by``.
+        ValueError, IndexError, TypeError
+            For ``objects``, as `shoot`.
         MemoryError
             If the lengths do not fit into memory.
 

@@ -92,6 +92,8 @@ class NearestQueries(Traceable):
             For arrays of a wrong shape or type, a ``k`` below 1, a ``radius`` that is negative or
             NaN, and for a cone or a cylinder whose transform does not stretch by the same in all
             directions.
+        ValueError, IndexError, TypeError
+            For ``objects``, as `shoot`.
         MemoryError
             If the answers do not fit into memory.
 
@@ -160,8 +162,9 @@ class NearestQueries(Traceable):
         Raises
         ------
         ValueError
-            For an object that is not closed, or of which a material cuts parts out; and for what
-            `closest_point` raises it.
+            For an object that is not closed, or of which a material cuts parts out.
+        ValueError, IndexError, TypeError
+            As `closest_point`.
         MemoryError
             If the answers do not fit into memory.
 

@@ -102,9 +102,13 @@ class Queries(Traceable):
         Raises
         ------
         ValueError
-            For arrays whose shapes or types do not fit, with their names, and for another dtype.
+            For arrays whose shapes or types do not fit, with their names, for another dtype, and
+            for a name in ``objects`` that no object has.
+        IndexError
+            For an identifier in ``objects`` that no object has, or one that was removed.
         TypeError
-            For a progress that is no bool and no function.
+            For ``objects`` that are no identifiers and no names, and for a progress that is no bool
+            and no function.
         MemoryError
             If the hits do not fit into memory.
 
@@ -179,8 +183,8 @@ class Queries(Traceable):
 
         Raises
         ------
-        ValueError
-            For arrays whose shapes or types do not fit, with their names.
+        ValueError, IndexError, TypeError
+            As `shoot`.
         MemoryError
             If the answers do not fit into memory.
 
@@ -233,8 +237,8 @@ class Queries(Traceable):
 
         Raises
         ------
-        ValueError
-            For arrays whose shapes or types do not fit, with their names.
+        ValueError, IndexError, TypeError
+            As `shoot`.
         MemoryError
             If the answers do not fit into memory.
 
@@ -348,6 +352,8 @@ class Queries(Traceable):
         ValueError
             For arrays whose shapes or types do not fit, with their names, and for a ``k`` that is
             not positive.
+        ValueError, IndexError, TypeError
+            As `shoot`.
         MemoryError
             If the hits do not fit into memory.
 

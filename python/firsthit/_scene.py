@@ -341,7 +341,7 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
     def bounds(self) -> npt.NDArray[np.float64]:
         """The box around all finite objects in world space: its low and its high corner.
 
-        (2, 3) float64, in scene units; NaN without finite objects.
+        (2, 3) float64, in scene units; NaN without finite objects. Hidden ones do not count.
         """
         bounds = self._native().bounds()
         return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)

@@ -74,6 +74,8 @@ class Sights(Traceable):
         ------
         ValueError
             For arrays whose shapes or types do not fit, with their names.
+        ValueError, IndexError, TypeError
+            For ``objects``, as `shoot`.
         MemoryError
             If the answers do not fit into memory.
 
@@ -124,13 +126,15 @@ class Sights(Traceable):
         Parameters
         ----------
         points : (..., 3) array_like, or Hits
-            Points in world space, each in place of the surface point nearest to it; or hits.
+            Points in world space, each in place of the surface point nearest to it; or hits of this
+            scene, before it changes.
         directions : (..., 3) array_like, optional
             The directions to measure along, of any length; they broadcast against the points. If
             left out, inwards: against the geometric normal, which points outwards where the mesh
             is as it should be.
         objects : int, str, or sequence of them, optional
-            Whose surfaces the points are brought to, by identifiers or names; all by default.
+            The only objects that are there, by identifiers or names; all by default. Points are
+            brought to their surfaces, and hits on other objects have the thickness ``inf``.
         threads, progress
             As for `shoot`.
 
@@ -145,6 +149,8 @@ class Sights(Traceable):
         ------
         ValueError
             For arrays whose shapes or types do not fit.
+        ValueError, IndexError, TypeError
+            For ``objects``, as `shoot`.
         MemoryError
             If the lengths do not fit into memory.
 
