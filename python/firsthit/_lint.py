@@ -42,7 +42,7 @@ class Place(NamedTuple):
     def __hash__(self) -> int:
         return hash(self._key())
 
-    def _key(self) -> tuple[int, int | None, bytes]:
+    def _key(self) -> tuple[int | None, int | None, bytes]:
         """Return what two places have to have in common; of an array, `==` is an array."""
         return self.object, self.primitive, self.position.tobytes()
 

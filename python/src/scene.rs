@@ -87,7 +87,7 @@ impl Scene {
             .collect::<PyResult<_>>()?;
         let has_new_trees = !replaced.is_empty();
         let changed = || {
-            let mut scene = self.0.clone();
+            let mut scene = self.0.try_clone()?;
             if has_new_trees {
                 let mut objects = scene.objects().to_vec();
                 for (identifier, object) in replaced {
@@ -133,7 +133,7 @@ impl Scene {
             return Ok(Self(self.0.clone()));
         }
         let seen = || {
-            let mut scene = self.0.clone();
+            let mut scene = self.0.try_clone()?;
             scene.hide_objects(&hidden).map(|()| scene)
         };
         if objects.len() < FEW_OBJECTS {

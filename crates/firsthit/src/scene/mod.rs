@@ -101,6 +101,20 @@ impl Scene {
         Self::build(objects, None)
     }
 
+    /// A clone, or an error where there is no memory for the objects and the tree over them, where `clone` ends the process.
+    /// Meshes and their trees are shared.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`].
+    pub fn try_clone(&self) -> Result<Self> {
+        /// More than what the tree over the objects and the lists beside it take for one.
+        const OF_TREE: usize = 512;
+        let each = size_of::<Object>() + OF_TREE;
+        memory::check("a copy of the scene", self.objects.len() * each)?;
+        Ok(self.clone())
+    }
+
     /// A scene of other objects, with the same lights. What did not change is shared: the tree over a mesh
     /// that this scene has too is not built again. A mesh in the place of one with the
     /// same triangles and other vertices gets that one's tree: its boxes are fitted to the new vertices, unless that
