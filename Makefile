@@ -115,9 +115,9 @@ bench-python: .venv-bench/ready target/scenes/ready
 	.venv-bench/bin/python benches/python.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
 	.venv-bench/bin/python benches/process.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
 
-# All hits, nearest points and lines of sight beside Open3D, trimesh and embreex. Open3D is 400 MB; without it the rest is measured.
+# All hits, nearest points and lines of sight beside Open3D, FCPW, trimesh and embreex. Open3D is 400 MB; what is not there is left out.
 bench-queries: .venv-bench/ready target/scenes/ready
-	.venv-bench/bin/pip install --quiet open3d==0.20.0 libusb-package scipy rtree || echo "bench: open3d cannot be installed here"
+	.venv-bench/bin/pip install --quiet open3d==0.20.0 fcpw==1.2.0 libusb-package scipy rtree || echo "bench: open3d or fcpw cannot be installed here"
 	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
 	.venv-bench/bin/python benches/queries.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
 

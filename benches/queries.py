@@ -5,8 +5,8 @@
 Times are processor time of the whole process for each ray, point or pair, the smallest of all
 rounds. ``all hits``: `Scene.shoot_all` beside Open3D's ``list_intersections`` and trimesh's
 ``intersects_id(multiple_hits=True)`` over embreex. ``nearest``: `Scene.closest_point` beside
-Open3D's ``compute_closest_points`` and `trimesh.proximity`, for points in a box twice as large as
-the mesh and for points within a thousandth of it. ``visible``: `Scene.visible` beside embreex'
+Open3D's ``compute_closest_points``, FCPW's ``find_closest_points`` and `trimesh.proximity`, for
+points in a box twice as large as the mesh and for points within a thousandth of it. ``visible``: `Scene.visible` beside embreex'
 occlusion query. A peer that is not installed has no number. Peers compute in float32.
 """
 
@@ -32,6 +32,10 @@ try:
     import open3d
 except ImportError:
     open3d = None
+try:
+    import fcpw
+except ImportError:
+    fcpw = None
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,6 +57,26 @@ def tensor_scene(vertices: np.ndarray, faces: np.ndarray) -> object | None:
         open3d.core.Tensor(faces.astype(np.uint32)),
     )
     return scene
+
+
+def fcpw_query(
+    vertices: np.ndarray, faces: np.ndarray
+) -> Callable[[np.ndarray], object] | None:
+    """Return what finds the nearest points of an array in FCPW, where that is installed."""
+    if fcpw is None:
+        return None
+    scene = fcpw.scene_3D()
+    scene.set_object_count(1)
+    scene.set_object_vertices(vertices.astype(np.float32), 0)
+    scene.set_object_triangles(faces.astype(np.int32), 0)
+    scene.build(fcpw.aggregate_type.bvh_surface_area, vectorize=True)
+
+    def ask(points: np.ndarray) -> object:
+        found = fcpw.interaction_3D_list()
+        scene.find_closest_points(points, np.full(len(points), np.inf, np.float32), found)
+        return found
+
+    return ask
 
 
 def rows(vertices: np.ndarray, faces: np.ndarray) -> Rows:
@@ -101,6 +125,10 @@ def rows(vertices: np.ndarray, faces: np.ndarray) -> Rows:
         for name, given in zip(("nearest", "near"), points, strict=True):
             ask = lambda given=given: tensors.compute_closest_points(given)  # noqa: E731
             found[name]["open3d"] = COUNT, ask
+    if find := fcpw_query(vertices, faces):
+        for name, given in (("nearest", around), ("near", near)):
+            points = np.asfortranarray(given, dtype=np.float32)
+            found[name]["fcpw"] = COUNT, lambda points=points: find(points)
     return found
 
 
