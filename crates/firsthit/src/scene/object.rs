@@ -20,10 +20,7 @@ use crate::shape::{Crossing, Mesh, Shape, Surface};
 /// assert_eq!(ball.bounds().high, DVec3::new(1.0, 1.0, 2.0));
 /// # Ok::<(), firsthit::Error>(())
 /// ```
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "facts that do not depend on each other"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "independent facts")]
 #[derive(Clone, PartialEq)]
 pub struct Object {
     name: String,
