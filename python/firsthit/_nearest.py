@@ -68,8 +68,8 @@ class NearestQueries(Traceable):
         Parameters
         ----------
         points : (..., 3) array_like
-            Points in world space. Those that are not finite, or farther than 1e154 away, have no
-            answer.
+            Points in world space. Those that are not finite or beyond 1e150 have no answer, and
+            distances below 1e-150 have few digits.
         k : int, optional
             Find that many for each point, each of another (object, primitive), in order.
         radius : float

@@ -190,6 +190,8 @@ def affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
         matrix = np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]])
     if matrix.shape != (4, 4):
         raise ValueError(f"transform must have the shape (4, 4) or (3, 4), got {matrix.shape}")
+    if not np.isfinite(matrix).all():
+        raise ValueError(f"transform must be finite, got {matrix.tolist()}")
     if not np.array_equal(matrix[3], [0, 0, 0, 1]):
         raise ValueError(f"transform must have the last row 0, 0, 0, 1, got {matrix[3]}")
     # Refused here, not at the first shot.

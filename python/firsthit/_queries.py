@@ -344,8 +344,10 @@ class Queries(Traceable):
         AllHits or Hits
             Without ``k`` an `AllHits` of the rays' shape. With ``k`` a `Hits` of shape (..., k):
             ``t[..., j]`` is that of the hit ``j`` of each ray; after the last hit come misses.
-            Hits are in the order of their exact ``t``, of equal ones in that of (object,
-            primitive).
+            Hits are in the order of ``t``, the float64 nearest to the exact one where others are
+            close; of equal ones in that of the object. Within a mesh those are in the order of
+            their exact ``t``, then in that in which a ray infinitely little beside enters and
+            leaves, then in that of the primitive.
 
         Raises
         ------

@@ -73,6 +73,7 @@ def test_objects_come_back_as_they_were_added():
         (np.eye(3), r"transform must have the shape \(4, 4\) or \(3, 4\), got \(3, 3\)"),
         (np.full((4, 4), 1.0), "last row"),
         (np.eye(4) * [1, 1, np.nan, 1], "transform must"),
+        (np.full((4, 4), np.nan), "transform must be finite, got"),
     ],
 )
 def test_transforms_that_make_no_sense_are_refused_at_once(transform, words):

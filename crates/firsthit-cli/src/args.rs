@@ -324,7 +324,7 @@ pub(crate) struct BuildArgs {
 pub(crate) struct NearestArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The list, as above: .npy, .npz or .csv, or - for standard input
+    /// The points: .npy, .npz or .csv, or - for standard input
     pub(crate) points: PathBuf,
     /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points), .npy with {channel} in its name,
     /// - for standard output; may be given several times [default: - as CSV]
@@ -356,7 +356,7 @@ pub(crate) struct NearestArgs {
 pub(crate) struct ListArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The list, as above: .npy, .npz or .csv, or - for standard input
+    /// The points, or the pairs of points: .npy, .npz or .csv, or - for standard input
     pub(crate) points: PathBuf,
     /// Where to write: .npz, .npy or .csv, - for standard output; may be given several times [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]

@@ -417,6 +417,33 @@ fn transforms_move_scale_and_mirror_what_is_cut() {
 }
 
 #[test]
+fn an_area_that_leaves_open_curves_out_says_so() {
+    let (points, triangles) = cells(&[[0, 0, 0]]);
+    let moved: Vec<DVec3> = points.iter().map(|point| 3.0 * DVec3::X + *point).collect();
+    // A cube, and one without the face that stands at x = 3.
+    let gap = triangles.iter().copied().filter(|corners| {
+        let at_gap = |k: &u32| moved[*k as usize].x == 3.0;
+        !corners.iter().all(at_gap)
+    });
+    let gap = mesh(&moved, gap.collect::<Vec<_>>());
+    let both = scene(vec![
+        Object::new(mesh(&points, triangles.clone())),
+        Object::new(gap.clone()),
+    ]);
+    let cut = at_z(&both, 0.5);
+    assert_eq!((cut.len(), cut.area()), (2, 1.0));
+    assert_eq!(
+        cut.warnings(),
+        [
+            "1 of 2 curves is open, since the mesh has gaps there: the area is that of the closed ones alone"
+        ]
+    );
+    // Of a sheet nobody expects an area.
+    let cut = at_z(&scene(vec![Object::new(gap)]), 0.5);
+    assert!(cut.warnings().is_empty() && cut.len() == 1);
+}
+
+#[test]
 fn shapes_that_are_no_meshes_are_left_out_with_a_warning() {
     let (points, triangles) = cells(&[[0, 0, 0]]);
     let far = [DVec3::ZERO, DVec3::X * 1e200, DVec3::Z * 2.0];

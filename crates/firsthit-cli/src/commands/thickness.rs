@@ -9,19 +9,24 @@ use serde_json::json;
 use super::list::{self, Answers};
 use crate::args::ListArgs;
 use crate::failure::Failure;
+use crate::hints::triple;
 use crate::progress::Progress;
 
 pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
         let lengths = thickness(scene, points, progress)?;
-        let finite = lengths.iter().copied().filter(|length| length.is_finite());
-        let least = finite.reduce(f64::min);
+        let finite = (lengths.iter().copied().enumerate()).filter(|(_, length)| length.is_finite());
+        let least = finite.min_by(|(_, a), (_, b)| a.total_cmp(b));
         Ok(Answers {
             data: Data::Float64(lengths),
-            summary: least.map_or("nothing behind any".into(), |least| {
-                format!("{least} at the thinnest")
+            summary: least.map_or("nothing behind any".into(), |(index, least)| {
+                let place = triple(points[index].into());
+                format!("{least} at the thinnest, near point {index} ({place})")
             }),
-            facts: vec![("least", json!(least))],
+            facts: vec![
+                ("least", json!(least.map(|(_, length)| length))),
+                ("least_at", json!(least.map(|(index, _)| index))),
+            ],
             warnings: Vec::new(),
         })
     };

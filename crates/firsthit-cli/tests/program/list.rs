@@ -32,7 +32,7 @@ fn points_go_in_and_thickness_comes_out() {
     let points = "x,y,z\n1,1.25,0.5\n1.5,1,-2\n-1,2,0.25\n";
     let outcome = lab.pipe("thickness plate.obj -", points.as_bytes());
     assert_eq!(outcome.text(), "thickness\n0.5\n0.5\n4\n");
-    let said = "standard output: 3 points, 0.5 at the thinnest, ";
+    let said = "standard output: 3 points, 0.5 at the thinnest, near point 0 (1,1.25,0.5), ";
     assert!(outcome.stderr.contains(said), "{}", outcome.stderr);
     let outcome = lab.pipe("thickness square.ply - --json", b"0,0.5,1\n");
     assert_eq!(outcome.text(), "thickness\ninf\n");

@@ -229,7 +229,23 @@ pub fn section(scene: &Scene, plane: SectionPlane, watch: &dyn Watch) -> Result<
         }
     }
     section.warnings = reasons.iter().filter_map(Reason::line).collect();
+    section.warnings.extend(section.says_of_gaps());
     Ok(section)
+}
+
+impl Section {
+    /// That the area leaves something out. Where all curves are open, as those of a terrain, nobody takes it for an area.
+    fn says_of_gaps(&self) -> Option<String> {
+        let open = self.polylines().filter(|curve| !curve.is_closed).count();
+        let is_mixed = open > 0 && open < self.len();
+        is_mixed.then(|| {
+            let are = if open == 1 { "is" } else { "are" };
+            format!(
+                "{open} of {} curves {are} open, since the mesh has gaps there: the area is that of the closed ones alone",
+                self.len()
+            )
+        })
+    }
 }
 
 /// Why objects are left out.

@@ -51,9 +51,9 @@ pub struct Count;
 /// does both or neither. So at an edge [`First`] may see a surface that is not among these. A ray along a triangle does
 /// not cross it. A solid that is no mesh is crossed at both ends. Surfaces in the same place count each.
 ///
-/// The order is that of the exact `t`, of equal ones that of (object, primitive); within a mesh at an edge or corner it is the one in
-/// which the ray beside enters and leaves. `t` is as [`First`] has it, and among hits closer than a few units in
-/// the last place the float64 nearest to the exact one: it never decreases. Those of a ray that leaves a surface
+/// The order is that of `t`, which is as [`First`] has it, and among hits closer than a few units in the last place the float64
+/// nearest to the exact one: it never decreases. Of equal ones it is that of the object. Within a mesh it is then that of the exact `t`,
+/// after that the one in which the ray beside enters and leaves, and at last that of the primitive. Those of a ray that leaves a surface
 /// ([`Departure`](crate::Departure)) are in the order of `t` as it is, then of (object, primitive), at edges too.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct All {
