@@ -6,8 +6,9 @@ Times are processor time of the whole process for each ray, point or pair, the s
 rounds. ``all hits``: `Scene.shoot_all` beside Open3D's ``list_intersections`` and trimesh's
 ``intersects_id(multiple_hits=True)`` over embreex. ``nearest``: `Scene.closest_point` beside
 Open3D's ``compute_closest_points``, FCPW's ``find_closest_points`` and `trimesh.proximity`, for
-points in a box twice as large as the mesh and for points within a thousandth of it. ``visible``: `Scene.visible` beside embreex'
-occlusion query. A peer that is not installed has no number. Peers compute in float32.
+points in a box twice as large as the mesh and for points within a thousandth of it. ``visible``:
+`Scene.visible` beside embreex' occlusion query. A peer that is not installed has no number. Peers
+compute in float32.
 """
 
 from __future__ import annotations
@@ -59,9 +60,7 @@ def tensor_scene(vertices: np.ndarray, faces: np.ndarray) -> object | None:
     return scene
 
 
-def fcpw_query(
-    vertices: np.ndarray, faces: np.ndarray
-) -> Callable[[np.ndarray], object] | None:
+def fcpw_query(vertices: np.ndarray, faces: np.ndarray) -> Callable[[np.ndarray], object] | None:
     """Return what finds the nearest points of an array in FCPW, where that is installed."""
     if fcpw is None:
         return None

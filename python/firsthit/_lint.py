@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class Place(NamedTuple):
     """Where something was found."""
 
-    #: The object's identifier; of objects that share a mesh the first in which it is found. ``None``
-    #: where the finding is about the whole scene.
+    #: The object's identifier; of objects that share a mesh the first in which it is found.
+    #: ``None`` where the finding is about the whole scene.
     object: int | None
     #: A triangle of its mesh; ``None`` where the finding is about none.
     primitive: int | None

@@ -81,7 +81,7 @@ fn info_finds_damage_that_render_does_not_look_for() {
     lab.fails(
         "info a.fhs",
         3,
-        "the file is damaged: the checksum of this section is another",
+        "the file is damaged: the checksum of this section does not match",
     );
     lab.write("a.fhs", &bytes[..bytes.len() - 9]);
     lab.fails("render a.fhs", 3, "it is truncated, or has grown");
