@@ -33,6 +33,24 @@ def sides(faces):
     return np.asarray(faces) // 2
 
 
+def test_meshes_that_know_their_vertices_later_are_taken():
+    class Late:
+        @property
+        def vertices(self):
+            return np.eye(3) * self.size
+
+        @property
+        def faces(self):
+            return np.array([[0, 1, 2]])
+
+    mesh = Late()
+    queries = RayMeshIntersector(mesh)
+    mesh.size = 3.0
+    assert queries.intersects_any([[0, 0, 0]], [[1, 1, 1]]).tolist() == [True]
+    with pytest.raises(TypeError, match="mesh must have vertices and faces, got a dict"):
+        RayMeshIntersector({})
+
+
 def test_neither_peer_is_imported():
     words = output(
         "sys.modules['trimesh'] = sys.modules['open3d'] = None\n"

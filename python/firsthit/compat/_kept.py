@@ -22,7 +22,10 @@ class Kept:
     """A scene made of a mesh, as long as the mesh stays the same."""
 
     def __init__(self, mesh: MeshLike, make: Callable[[MeshLike], Scene]) -> None:
-        if not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
+        # The class first: trimesh makes the queries of a box or a sphere before that can tell its
+        # vertices.
+        places = (type(mesh), mesh)
+        if not all(any(hasattr(p, name) for p in places) for name in ("vertices", "faces")):
             what = type(mesh).__name__
             raise TypeError(
                 f"mesh must have vertices and faces, got a {what}; scenes of trimesh have to_mesh()"
