@@ -129,27 +129,27 @@ impl AllAnswers<'_> {
         find: impl Fn(usize, &mut [CrossingList]) + Sync,
     ) -> Result<()> {
         let Self { all, nearest } = self;
-        let gathered = |number: usize| {
+        let gather = |number: usize| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
             let first = number * BATCH;
             let mut lists = [CrossingList::EMPTY; BATCH];
             let lists = &mut lists[..(rays.len() - first).min(BATCH)];
-            let (ordered, had_room) = CrossingList::gather(|| {
-                find(first, lists);
-                CrossingList::finish_all();
-                Ordered::new(scene, rays, (first, lists), nearest, watch)
+            let count = lists.len() as u64;
+            // All on one thread, in whose memory the lists are.
+            let (ordered, had_room) = with_stack(|| {
+                CrossingList::gather(|| {
+                    find(first, lists);
+                    CrossingList::finish_all();
+                    Ordered::new(scene, rays, (first, lists), nearest, watch)
+                })
             });
             if !had_room {
                 return Err(memory::no_room_for("hits of rays"));
             }
-            watch.advance(lists.len() as u64);
+            watch.advance(count);
             ordered
-        };
-        let gather = |number: usize| {
-            // The lists are in memory of one thread's.
-            with_stack(|| gathered(number))
         };
         let chunks: Vec<Ordered> = match rays.len().div_ceil(BATCH) {
             // Few rays need no other thread.

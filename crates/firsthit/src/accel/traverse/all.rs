@@ -9,7 +9,7 @@
 //!
 //! The crossings of a ray are an unordered list in thread-local memory.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use super::mesh_packet::{MeshRay, SettleExactly};
 use super::query::{MeshQuery, Visitor};
@@ -35,7 +35,6 @@ pub(crate) struct Node {
 struct Gathered {
     nodes: Vec<Node>,
     is_full: bool,
-    is_in_use: bool,
     waiting: Waiting,
 }
 
@@ -43,12 +42,14 @@ struct Gathered {
 const KEPT: usize = 1 << 18;
 
 impl Gathered {
-    const NEW: Self = Self {
-        nodes: Vec::new(),
-        is_full: false,
-        is_in_use: false,
-        waiting: Waiting::NONE,
-    };
+    /// None yet, in `memory`.
+    const fn new(memory: Vec<Node>) -> Self {
+        Self {
+            nodes: memory,
+            is_full: false,
+            waiting: Waiting::NONE,
+        }
+    }
 
     /// Adds a crossing to a list, and returns its index. Without memory it is lost.
     fn add(&mut self, list: &mut CrossingList, crossing: Crossing) -> Option<u32> {
@@ -108,9 +109,10 @@ impl Waiting {
 }
 
 thread_local! {
-    static GATHERED: RefCell<Gathered> = const {
-        RefCell::new(Gathered::NEW)
-    };
+    static GATHERED: RefCell<Gathered> = const { RefCell::new(Gathered::new(Vec::new())) };
+
+    /// Memory for nodes that is used again; empty while it is in use.
+    static SPARE: Cell<Vec<Node>> = const { Cell::new(Vec::new()) };
 }
 
 /// A list of crossings in memory of this thread's, the last one first. It is valid within one [`CrossingList::gather`].
@@ -127,33 +129,18 @@ impl CrossingList {
     /// `work` may come back here on the same thread: rays may be computed by other queries, and a thread that waits for
     /// others takes over what these have left.
     pub(crate) fn gather<T>(work: impl FnOnce() -> T) -> (T, bool) {
-        let outer = GATHERED.with_borrow_mut(|gathered| {
-            let outer = gathered
-                .is_in_use
-                .then(|| std::mem::replace(gathered, Gathered::NEW));
-            // What work that panicked has left.
-            gathered.nodes.clear();
-            gathered.waiting.count = 0;
-            gathered.is_full = false;
-            gathered.is_in_use = true;
-            outer
-        });
+        let outer = GATHERED.replace(Gathered::new(SPARE.take()));
         let made = work();
-        let had_room = GATHERED.with_borrow_mut(|gathered| {
-            let had_room = !gathered.is_full;
-            if let Some(outer) = outer {
-                *gathered = outer;
-            } else {
-                gathered.nodes.clear();
-                gathered.nodes.shrink_to(KEPT);
-                gathered.is_in_use = false;
-            }
-            had_room
-        });
-        (made, had_room)
+        let Gathered {
+            mut nodes, is_full, ..
+        } = GATHERED.replace(outer);
+        nodes.clear();
+        nodes.shrink_to(KEPT);
+        SPARE.set(nodes);
+        (made, !is_full)
     }
 
-    /// How many crossings there are on this thread, and perhaps a few more.
+    /// How many crossings all lists of this thread have together at most.
     pub(crate) fn count_all() -> usize {
         GATHERED.with_borrow(|gathered| gathered.nodes.len())
     }

@@ -62,14 +62,8 @@ impl Meeting<f64> {
 
     /// Whether another triangle has the same corners, in any order.
     pub(crate) fn is_in_place_of(&self, other: &Self) -> bool {
-        let holds = |corners: &[Vector; 3], corner: &Vector| corners.contains(corner);
-        self.corners
-            .iter()
-            .all(|corner| holds(&other.corners, corner))
-            && other
-                .corners
-                .iter()
-                .all(|corner| holds(&self.corners, corner))
+        let is_within = |one: &[Vector; 3], all: &[Vector; 3]| one.iter().all(|p| all.contains(p));
+        is_within(&self.corners, &other.corners) && is_within(&other.corners, &self.corners)
     }
 
     /// The order of this crossing and of another with a crossed triangle of the same ray.
