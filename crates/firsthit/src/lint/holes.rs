@@ -16,7 +16,7 @@ use crate::watch::Watch;
 
 /// An edge of one face, of an object.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Border {
+pub(super) struct BoundaryEdge {
     /// Its ends in world space, the lower one first.
     ends: [DVec3; 2],
     /// The face's other corner.
@@ -30,7 +30,7 @@ pub(super) struct Border {
     places: [u32; 2],
 }
 
-impl Border {
+impl BoundaryEdge {
     fn by_ends(&self, other: &Self) -> Ordering {
         let by_end = |k: usize| compare_points(self.ends[k], other.ends[k]);
         by_end(0).then_with(|| by_end(1))
@@ -44,11 +44,11 @@ impl Border {
 }
 
 /// The edges with one face, of an object that has a mesh.
-pub(super) fn borders(
+pub(super) fn boundary_edges(
     subject: &Subject<'_>,
     object: i32,
     transform: &Transform,
-) -> impl Iterator<Item = Border> {
+) -> impl Iterator<Item = BoundaryEdge> {
     let single = subject.edge_uses().filter(|uses| uses.len() == 1);
     single.map(move |uses| {
         let edge = uses[0];
@@ -57,7 +57,7 @@ pub(super) fn borders(
         let in_world = |place: u32| transform.point_in_world(subject.point(place));
         let [a, b] = edge.ends.map(in_world);
         let is_turned = compare_points(a, b) == Ordering::Greater;
-        Border {
+        BoundaryEdge {
             ends: if is_turned { [b, a] } else { [a, b] },
             opposite: opposite.map_or(a, in_world),
             is_forward: edge.is_forward != is_turned,
@@ -69,39 +69,32 @@ pub(super) fn borders(
     })
 }
 
-/// Looks at those of all objects.
+/// Finds the holes among the boundary edges of all objects.
 pub(super) fn check(
-    borders: &mut [Border],
+    boundary_edges: &mut [BoundaryEdge],
     found: &mut Found<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
-    borders.par_sort_unstable_by(|a, b| {
+    boundary_edges.par_sort_unstable_by(|a, b| {
         let by_triangle =
             || (a.object, a.triangle, a.places).cmp(&(b.object, b.triangle, b.places));
         a.by_ends(b).then_with(by_triangle)
     });
     stop_if_asked(watch)?;
-    let same = borders.chunk_by(|a, b| a.by_ends(b) == Ordering::Equal);
+    let same = boundary_edges.chunk_by(|a, b| a.by_ends(b) == Ordering::Equal);
     let alone = same.filter(|same| {
-        let is_of_one_object = same.iter().all(|border| border.object == same[0].object);
-        is_of_one_object || same.iter().all(|border| border.has_face_of(&same[0]))
+        let is_of_one_object = same.iter().all(|edge| edge.object == same[0].object);
+        is_of_one_object || same.iter().all(|edge| edge.has_face_of(&same[0]))
     });
-    let mut open: Vec<Border> = alone.flatten().copied().collect();
-    // Of objects that share a mesh the first is told of that has the hole.
-    open.par_sort_unstable_by_key(|border| {
-        (
-            border.subject,
-            border.triangle,
-            border.places,
-            border.object,
-        )
-    });
-    open.dedup_by_key(|border| (border.subject, border.triangle, border.places));
-    for border in &open {
-        let [a, b] = border.ends;
-        found.add_at(border.subject, &[border.triangle], || Place {
-            object: Some(border.object),
-            primitive: Some(primitive(border.triangle)),
+    let mut open: Vec<BoundaryEdge> = alone.flatten().copied().collect();
+    // A hole of a mesh is reported once, for the first object that has it.
+    open.par_sort_unstable_by_key(|edge| (edge.subject, edge.triangle, edge.places, edge.object));
+    open.dedup_by_key(|edge| (edge.subject, edge.triangle, edge.places));
+    for edge in &open {
+        let [a, b] = edge.ends;
+        found.add_at(edge.subject, &[edge.triangle], || Place {
+            object: Some(edge.object),
+            primitive: Some(primitive(edge.triangle)),
             position: 0.5 * a + 0.5 * b,
         });
     }
@@ -114,10 +107,10 @@ pub(super) fn check(
 }
 
 /// How many connected components boundary edges have. A hole is one; two that have a vertex in common are one together.
-fn components(open: &[Border]) -> usize {
+fn components(open: &[BoundaryEdge]) -> usize {
     let ends = open
         .iter()
-        .flat_map(|border| border.places.map(|place| (border.subject, place)));
+        .flat_map(|edge| edge.places.map(|place| (edge.subject, place)));
     let mut order: Vec<((usize, u32), u32)> = ends.zip(0..).collect();
     order.par_sort_unstable();
     let mut sets = DisjointSets::new(open.len());

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::holes::Border;
+use super::holes::BoundaryEdge;
 use super::report::Found;
 use super::subject::Subject;
 use super::{Facts, edges, faces, holes, scale, self_intersections, shells, vertices};
@@ -30,7 +30,7 @@ impl PartialEq for Kind {
 }
 
 type OfMesh = fn(&Subject<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
-type OfBorders = fn(&mut [Border], &mut Found<'_>, &dyn Watch) -> Result<()>;
+type OfBoundaryEdges = fn(&mut [BoundaryEdge], &mut Found<'_>, &dyn Watch) -> Result<()>;
 type OfScene = fn(&Facts<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
 
 /// How it is looked for.
@@ -38,8 +38,8 @@ type OfScene = fn(&Facts<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
 pub(super) enum Check {
     /// In each mesh alone.
     Mesh(OfMesh),
-    /// In the edges with one face of all objects, afterwards.
-    Borders(OfBorders),
+    /// Among the boundary edges of all objects, afterwards.
+    BoundaryEdges(OfBoundaryEdges),
     /// In all of them together, afterwards.
     Scene(OfScene),
 }
@@ -93,7 +93,7 @@ pub const KINDS: &[Kind] = &[
         counted: "edge",
         about: "edges with one face only, unless the face at the other side belongs to another object",
         color: [40, 90, 220],
-        check: Check::Borders(holes::check),
+        check: Check::BoundaryEdges(holes::check),
     },
     Kind {
         name: "non-finite",

@@ -33,7 +33,7 @@ use crate::memory;
 use crate::scene::{Object, Scene};
 use crate::shape::Mesh;
 use crate::watch::Watch;
-use holes::Border;
+use holes::BoundaryEdge;
 use kinds::Check;
 use report::{Found, Marks, NO_MARK};
 use subject::Subject;
@@ -103,9 +103,9 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         scene,
         meshes: Vec::new(),
     };
-    let of_borders = |kind: &&Kind| matches!(kind.check, Check::Borders(_));
-    let wants_borders = checked.iter().any(of_borders);
-    let mut borders = Vec::new();
+    let of_boundary_edges = |kind: &&Kind| matches!(kind.check, Check::BoundaryEdges(_));
+    let wants_boundary_edges = checked.iter().any(of_boundary_edges);
+    let mut boundary_edges = Vec::new();
     for index in 0..marks.len() {
         let object = usize::try_from(marks[index].objects[0]).unwrap_or(0);
         let Some((object, mesh)) = with_mesh(scene, object) else {
@@ -113,8 +113,12 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         };
         let subject = Subject::new([index, object.0], mesh, object.1.transform(), watch)?;
         facts.meshes.push((marks[index].objects[0], mesh));
-        if wants_borders {
-            add_borders(scene, (&subject, &marks[index].objects), &mut borders)?;
+        if wants_boundary_edges {
+            add_boundary_edges(
+                scene,
+                (&subject, &marks[index].objects),
+                &mut boundary_edges,
+            )?;
         }
         for draft in &mut drafts {
             if let Check::Mesh(check) = draft.kind.check {
@@ -125,8 +129,8 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
     for draft in &mut drafts {
         match draft.kind.check {
             Check::Mesh(_) => {}
-            Check::Borders(check) => draft.take(&mut marks, settings, |found| {
-                check(&mut borders, found, watch)
+            Check::BoundaryEdges(check) => draft.take(&mut marks, settings, |found| {
+                check(&mut boundary_edges, found, watch)
             })?,
             Check::Scene(check) => {
                 draft.take(&mut marks, settings, |found| check(&facts, found, watch))?;
@@ -143,22 +147,22 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
 }
 
 /// Adds the edges with one face, of all objects that have a mesh.
-fn add_borders(
+fn add_boundary_edges(
     scene: &Scene,
     (subject, objects): (&Subject<'_>, &[i32]),
-    all: &mut Vec<Border>,
+    all: &mut Vec<BoundaryEdge>,
 ) -> Result<()> {
-    let single = holes::borders(subject, 0, &Transform::IDENTITY).count();
+    let single = holes::boundary_edges(subject, 0, &Transform::IDENTITY).count();
     let count = single.saturating_mul(objects.len());
     // They are copied once more, and sorted by their places.
     let bytes = count
         .saturating_add(all.len())
-        .saturating_mul(3 * size_of::<Border>());
+        .saturating_mul(3 * size_of::<BoundaryEdge>());
     memory::check("the edges of holes", bytes)?;
     for &object in objects {
         let placed = with_mesh(scene, usize::try_from(object).unwrap_or(0));
         let transform = placed.map_or(subject.transform, |((_, object), _)| object.transform());
-        all.extend(holes::borders(subject, object, transform));
+        all.extend(holes::boundary_edges(subject, object, transform));
     }
     Ok(())
 }
