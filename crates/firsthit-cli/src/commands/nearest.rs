@@ -4,7 +4,7 @@ use std::time::Instant;
 use firsthit::Scene;
 use firsthit::channel::{DISTANCE, Kind, POINT, SIGNED_DISTANCE, kind};
 use firsthit::image::{Data, Frame};
-use firsthit::nearest::{ClosestPoints, Wanted, closest_points, signed_from};
+use firsthit::nearest::{ClosestPoints, Wanted, closest_points, signed_distances_from};
 use firsthit::render::origin;
 use serde_json::json;
 
@@ -92,7 +92,7 @@ fn search(
     };
     let mut found = closest_points(scene, points, wanted, progress)?;
     if args.signed {
-        found.distance = signed_from(scene, points, &found.distance, progress)?;
+        found.distance = signed_distances_from(scene, points, &found.distance, progress)?;
     }
     Ok(found)
 }

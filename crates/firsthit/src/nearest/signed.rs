@@ -57,24 +57,24 @@ pub fn signed_distances_with(
     Ok(signed)
 }
 
-/// [`signed_distances`] of points whose nearest points are known: `distances` are those to the nearest surfaces, as
-/// [`closest_points`](super::closest_points) finds them where one for each point is wanted.
+/// Gives the distances of points the signs that [`signed_distances`] has: negative inside. `distances` are those to the nearest
+/// surfaces, one for each point, as [`closest_points`](super::closest_points) finds them.
 ///
 /// ```
-/// use firsthit::nearest::{Wanted, closest_points, signed_from};
+/// use firsthit::nearest::{Wanted, closest_points, signed_distances_from};
 /// use firsthit::{DVec3, Object, Scene, Sphere};
 ///
 /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
 /// let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
 /// let nearest = closest_points(&scene, &points, Wanted::default(), &())?;
-/// assert_eq!(signed_from(&scene, &points, &nearest.distance, &())?, [-0.75, 2.0]);
+/// assert_eq!(signed_distances_from(&scene, &points, &nearest.distance, &())?, [-0.75, 2.0]);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 ///
 /// # Errors
 ///
 /// Those of [`signed_distances`], and [`Error::Argument`] for another number of distances than of points.
-pub fn signed_from(
+pub fn signed_distances_from(
     scene: &Scene,
     points: &[[f64; 3]],
     distances: &[f64],

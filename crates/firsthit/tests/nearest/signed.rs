@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use firsthit::measure::{By, Rule, inside};
 use firsthit::nearest::{Method, Wanted, closest_point, closest_points, signed_distances};
-use firsthit::nearest::{signed_distances_with, signed_from};
+use firsthit::nearest::{signed_distances_from, signed_distances_with};
 use firsthit::{
     AlphaMode, Color, Cuboid, Cylinder, DQuat, DVec3, Disc, Object, Plane, Sphere, Transform,
 };
@@ -167,10 +167,10 @@ fn signs_of_known_distances_are_those_of_a_search() {
     let mut numbers = Numbers::new(11);
     let asked: Vec<_> = (0..600).map(|_| numbers.point().to_array()).collect();
     let nearest = closest_points(&ball, &asked, Wanted::default(), &()).unwrap();
-    let signed = signed_from(&ball, &asked, &nearest.distance, &()).unwrap();
+    let signed = signed_distances_from(&ball, &asked, &nearest.distance, &()).unwrap();
     assert_eq!(signed, signed_distances(&ball, &asked, &()).unwrap());
     assert!(signed.iter().any(|&x| x < 0.0) && signed.iter().any(|&x| x > 0.0));
-    let error = signed_from(&ball, &asked, &nearest.distance[1..], &()).unwrap_err();
+    let error = signed_distances_from(&ball, &asked, &nearest.distance[1..], &()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "distances must be one for each point, got 599"
