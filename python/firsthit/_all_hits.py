@@ -298,7 +298,7 @@ class AllHits:
     ) -> None:
         """Write all hits to a file, whole or not at all; see `Hits.save`.
 
-        The number of each hit's ray is not in it; `to_dict` has it.
+        A file that takes several channels has the number of each hit's ray first, as ``ray``.
 
         Parameters
         ----------
@@ -312,7 +312,7 @@ class AllHits:
         ValueError, FileWriteError
             As `Hits.save`.
         """
-        self.hits.save(path, channels)
+        self.hits._save(path, channels, {"ray": self.ray.astype(np.int32)})
 
     def to_dict(
         self, channels: Asked | Sequence[Asked] | None = None

@@ -511,6 +511,15 @@ class Hits(Attributed):
         >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
         >>> hits.save("cloud.ply", ["position", "normal", "object"])
         """
+        self._save(path, channels, {})
+
+    def _save(
+        self,
+        path: str | os.PathLike[str],
+        channels: Asked | Sequence[Asked] | None,
+        others: dict[str, npt.NDArray[np.int32]],
+    ) -> None:
+        """Write channels, and before them ``others`` to a file that takes several."""
         names: list[str]
         if channels is not None:
             names = list(distinct(channels, self.channels))
@@ -519,13 +528,16 @@ class Hits(Attributed):
             names = ["normal", *names] if is_cloud(path) else names
         if is_cloud(path) and "position" not in names:
             names = ["position", *names]
+        if is_of_several(path):
+            names = [*others, *names]
         wanted = files(path, names)
         camera = self._source.camera
         says_camera = is_cloud(path) or self._source.is_whole
         native = camera._native if camera is not None and says_camera else None
         origin = _firsthit.origin(self._built.native, native, names)
         for file, held in wanted:
-            arrays = [(name, np.ascontiguousarray(self._named(name)).ravel()) for name in held]
+            made = ((name, others[name] if name in others else self._named(name)) for name in held)
+            arrays = [(name, np.ascontiguousarray(array).ravel()) for name, array in made]
             _firsthit.write(file, list(self._shape), arrays, origin, None)
 
     # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a

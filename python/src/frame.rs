@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-use firsthit::channel::{self, Kind};
+use firsthit::channel::{self, Kind, RAY};
 use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
 use firsthit::render::{
     BACKGROUND, Picture, Region, SAMPLES, has_shoulder_shadows, shoulder_light, work,
@@ -194,7 +194,11 @@ fn frame(
         .map_err(|error| PyValueError::new_err(format!("origin: {error}")))?;
     let mut frame = Frame::new(shape).from_origin(origin);
     for (name, array) in arrays {
-        let kind = channel::asked(&name).map_err(|error| raise(py, &error))?;
+        let kind = if name == RAY.name {
+            Cow::Borrowed(RAY)
+        } else {
+            channel::asked(&name).map_err(|error| raise(py, &error))?
+        };
         let data = data(&array)?;
         // Colours with a fourth number say so by how many there are.
         let elements: usize = frame.shape().iter().product();
