@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 def is_mesh(thing: object) -> bool:
     """Tell whether something is a mesh like trimesh's."""
-    return hasattr(thing, "vertices") and hasattr(thing, "faces")
+    # The class first: a box or a sphere of trimesh's is asked before it can tell its vertices.
+    places = (type(thing), thing)
+    return all(any(hasattr(p, name) for p in places) for name in ("vertices", "faces"))
 
 
 def attributes(thing: Any) -> dict[str, Any]:
@@ -52,7 +54,10 @@ def _properties(thing: Any, of: str, count: int) -> dict[str, npt.NDArray[Any]]:
         array = np.asarray(values)
         has_rows = array.ndim in (1, 2) and len(array) == count and array.size
         if not (isinstance(name, str) and array.dtype.kind in "biuf" and has_rows):
-            warn(f"the attribute {name!r} of {of} is left out: it has no numbers for each")
+            warn(
+                f"the attribute {name!r} of {of} is left out: it must have real numbers, a row for "
+                f"each of {count}, got {array.dtype} of shape {array.shape}"
+            )
         elif not is_exact(array):
             warn(f"the attribute {name!r} of {of} is left out: it has integers beyond 2**53")
         else:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from firsthit._foreign_mesh import is_mesh
 from firsthit._scene import Scene
 from firsthit._shapes import Mesh
 
@@ -22,10 +23,7 @@ class Kept:
     """A scene made of a mesh, as long as the mesh stays the same."""
 
     def __init__(self, mesh: MeshLike, make: Callable[[MeshLike], Scene]) -> None:
-        # The class first: trimesh makes the queries of a box or a sphere before that can tell its
-        # vertices.
-        places = (type(mesh), mesh)
-        if not all(any(hasattr(p, name) for p in places) for name in ("vertices", "faces")):
+        if not is_mesh(mesh):
             what = type(mesh).__name__
             raise TypeError(
                 f"mesh must have vertices and faces, got a {what}; scenes of trimesh have to_mesh()"
