@@ -81,10 +81,10 @@ def load(
 def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noqa: A001 - fh.open
     """Open a scene that `Scene.save`, or ``firsthit build``, wrote to a ``.fhs`` file.
 
-    The file is mapped into memory as it is, with its trees: nothing is read or built, and processes
-    that open the same file share its memory. What is indexed is checked, so that no file does
-    harm. The answers are those of the scene that was saved, to the last bit. Ctrl-C is raised when
-    that is done, not before.
+    On Linux the file is mapped into memory as it is, with its trees, and processes that open the
+    same file share it. Nothing is built. What is indexed is checked, so that no file does harm. The
+    answers are those of the scene that was saved, to the last bit. Ctrl-C is raised when that is
+    done, not before.
 
     Parameters
     ----------

@@ -73,8 +73,8 @@ class Measures(Traceable):
         points : (..., 3) array_like
             The points, in world space, of any real type.
         by : {None, "object"}
-            ``None`` asks about all objects together, ``"object"`` about each. (`path_length` has
-            the other default, for a ray is mostly asked what it goes through.)
+            ``None`` asks about all objects together, ``"object"`` about each. `path_length` has
+            the other default.
         return_rules : bool
             Whether to tell, too, how it is known for each object.
         objects : int, str, or sequence of them, optional

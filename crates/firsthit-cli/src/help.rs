@@ -113,7 +113,8 @@ Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz 
 a line; under a header with the names x,y,z, in any order and beside other columns. The answer for each is 1 or true if it is inside any object.
 
 A closed mesh and a solid hold a point if a ray from it crosses them an odd number of times, which is decided exactly. An open mesh \
-holds the points in its box around which its winding number is above one half or below minus one half; a warning counts such meshes. A plane and a disc hold nothing.";
+holds the points in its box around which its winding number is above one half or below minus one half; a warning counts such \
+meshes. A plane and a disc hold nothing.";
 
 pub(crate) const PROBE_EXAMPLES: &str = "\
 Examples:

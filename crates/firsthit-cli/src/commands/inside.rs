@@ -35,11 +35,13 @@ fn warning(scene: &Scene, rules: &[Rule]) -> Option<String> {
         .iter()
         .filter(|&&rule| rule == Rule::WindingNumber)
         .count();
-    let (all, counted) = (scene.objects().len(), counted(open as u64, "object"));
+    let of_all = format!(
+        "{} of {}",
+        counted(open as u64, "object"),
+        scene.objects().len()
+    );
     let are = if open == 1 { "is" } else { "are" };
     (open > 0).then(|| {
-        format!(
-            "{counted} of {all} {are} open: what is inside is decided by the winding number, not exactly"
-        )
+        format!("{of_all} {are} open: what is inside is decided by the winding number, not exactly")
     })
 }

@@ -15,7 +15,8 @@ use crate::progress::Progress;
 pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
         let lengths = thickness(scene, points, progress)?;
-        let finite = (lengths.iter().copied().enumerate()).filter(|(_, length)| length.is_finite());
+        let finite = lengths.iter().copied().enumerate();
+        let finite = finite.filter(|(_, length)| length.is_finite());
         let least = finite.min_by(|(_, a), (_, b)| a.total_cmp(b));
         Ok(Answers {
             data: Data::Float64(lengths),

@@ -53,8 +53,8 @@ pub(crate) static FORMAT: Format = Format {
 };
 
 /// Opens a file that [`save`] wrote, whatever its name. On Linux it is mapped, so that processes that open it share its
-/// memory; elsewhere it is read. Nothing is built: that takes milliseconds. Indices are checked; whether the rest is as it was
-/// written is checked if `verify`.
+/// memory; elsewhere it is read. It takes milliseconds, since nothing is built. Indices are checked, and with `verify` also
+/// whether every byte is as it was written.
 ///
 /// The file must not be changed while the scene lives; [`save`] replaces a file and changes none. A process that reads what was
 /// cut off a mapped file is ended by the system.

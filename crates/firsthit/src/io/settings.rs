@@ -6,8 +6,8 @@ pub struct LoadSettings {
     /// Whether unusable triangles, and a text file that seems to be truncated, are errors instead of warnings.
     pub strict: bool,
     /// How many bytes of memory may be spent on the file: on its content, unpacked, on what it names, and
-    /// on the vertices, triangles and textures of all that. The trees of a scene come on top. A `.fhs` file that is mapped
-    /// counts for nothing, nor do its textures have another limit than its size.
+    /// on the vertices, triangles and textures of all that. The trees of a scene come on top. Neither this nor
+    /// `max_texture` limits a `.fhs` file that is mapped.
     ///
     /// What a small file may describe is bounded by its size too: vertices, triangles, instances and names may take
     /// 256 times the bytes that were read, and 1/256 of `max_memory` beside. Of textures a sixteenth counts there.

@@ -91,8 +91,8 @@ impl<'a> Solids<'a> {
         rays < FEW && triangles.saturating_mul(rays as u64) < FEW_ANGLES
     }
 
-    /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is ignored. `state` makes memory that rays use
-    /// one after the other: as many times as pieces are in the making at once.
+    /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is ignored. `state` makes scratch memory, which
+    /// is used again: it is called once for each piece of work that is under way at the same time.
     pub(super) fn sweep<T: Send, S: Send>(
         &self,
         rays: &dyn Rays,
@@ -150,7 +150,7 @@ impl<'a> Solids<'a> {
     }
 }
 
-/// What nobody uses; a thread that panicked left it whole.
+/// The scratch memory that is idle. A thread that panics leaves the list whole.
 fn lock<S>(spare: &Mutex<Vec<S>>) -> MutexGuard<'_, Vec<S>> {
     spare.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -70,7 +70,7 @@ fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
     for material in materials {
         digest_material(material, known, digest);
     }
-    // Only what is hidden says so: the fingerprints of other scenes are older than hiding.
+    // For hidden objects only, so that scenes without any keep the fingerprints they had.
     if object.is_hidden() {
         digest.word("hidden");
     }

@@ -143,7 +143,7 @@ impl Object {
         Self { is_hidden, ..self }
     }
 
-    /// The same object as what is left of one that was removed, so that the others keep their identifiers: hidden for good.
+    /// The same object, marked as removed: it is hidden for good, and only there so that the others keep their identifiers.
     pub fn removed(self, is_removed: bool) -> Self {
         Self { is_removed, ..self }
     }
@@ -158,7 +158,7 @@ impl Object {
         self.is_hidden || self.is_removed || self.mask == 0
     }
 
-    /// Whether it is what is left of one that was removed.
+    /// Whether it is marked as [removed](Self::removed).
     pub fn is_removed(&self) -> bool {
         self.is_removed
     }

@@ -229,13 +229,13 @@ pub fn section(scene: &Scene, plane: SectionPlane, watch: &dyn Watch) -> Result<
         }
     }
     section.warnings = reasons.iter().filter_map(Reason::line).collect();
-    section.warnings.extend(section.says_of_gaps());
+    section.warnings.extend(section.gap_warning());
     Ok(section)
 }
 
 impl Section {
-    /// That the area leaves something out. Where all curves are open, as those of a terrain, nobody takes it for an area.
-    fn says_of_gaps(&self) -> Option<String> {
+    /// The warning that the area leaves open curves out. There is none where all are open, as those of a terrain: it encloses nothing.
+    fn gap_warning(&self) -> Option<String> {
         let open = self.polylines().filter(|curve| !curve.is_closed).count();
         let is_mixed = open > 0 && open < self.len();
         is_mixed.then(|| {

@@ -208,8 +208,8 @@ shapes! {
 }
 
 impl Shape {
-    /// Whether its surface has no border: so it is with solids, and with meshes that [are closed](Mesh::is_closed). They have an inside, but
-    /// for an empty mesh, in which nothing is. Planes and discs are open.
+    /// Whether its surface is closed. Solids are, and [closed meshes](Mesh::is_closed), of which an empty one has no inside; planes and
+    /// discs are open.
     pub fn is_closed(&self) -> bool {
         match self {
             // Without memory to find out, it is as good as open.

@@ -19,8 +19,8 @@ use crate::simd::{Lanes, set_bits};
 /// What ends a traversal, in place of a `t_max`.
 pub(crate) const END: f64 = f64::NEG_INFINITY;
 
-/// Calls `visit(triangle, t_max)` with each triangle that `ray`, or a ray displaced from it by up to `off`, may meet at a parameter of at most `t_max`, in any
-/// order, and perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
+/// Calls `visit(triangle, t_max)` with each triangle that `ray`, or a ray displaced from it by up to `off`, may meet at a parameter
+/// of at most `t_max`, in any order, and perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
 #[inline(always)]

@@ -34,8 +34,8 @@ impl Mesh {
 
     /// The places of all corners. They are numbered in the order of their points.
     ///
-    /// All threads of the rayon pool help in which it is called. Outside of one the calling thread is alone: a process that forks,
-    /// as Python's do, has no threads but those of a call.
+    /// In a rayon pool all its threads help. Elsewhere the calling thread works alone, since a process that forks, as those of Python
+    /// do, has no other threads.
     pub(crate) fn welded(&self) -> Result<Welded> {
         let used = self.used_vertices()?;
         let mut order = memory::filled(used.len(), 0)?;
