@@ -486,17 +486,17 @@ pub(crate) struct LintArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = help::PROBE_EXAMPLES)]
+#[command(after_help = help::PROBE_EXAMPLES, group(clap::ArgGroup::new("which ray").required(true).args(["pixel", "ray"])))]
 pub(crate) struct ProbeArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The pixel through whose centre the ray goes: its column from the left and its row from the top, both from 0. The picture is
     /// that of firsthit render with the same options
-    #[arg(long, value_name = "X,Y", value_parser = values::pixel, allow_hyphen_values = true, required_unless_present = "ray")]
+    #[arg(long, value_name = "X,Y", value_parser = values::pixel, allow_hyphen_values = true)]
     pub(crate) pixel: Option<(usize, usize)>,
     /// The ray itself: its origin and its direction, of any length
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", value_parser = values::ray, allow_hyphen_values = true,
-        conflicts_with_all = ["pixel", "camera", "view", "position", "aim", "look_at", "up", "fov", "focal_length", "viewplane",
+        conflicts_with_all = ["camera", "view", "position", "aim", "look_at", "up", "fov", "focal_length", "viewplane",
         "projection", "orthographic", "ray_start", "size"])]
     pub(crate) ray: Option<(DVec3, DVec3)>,
     /// Hits have a t above this. With a negative one, the ray also meets what is behind its start [default: 0]

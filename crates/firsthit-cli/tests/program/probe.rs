@@ -174,7 +174,16 @@ fn many_objects_are_counted_and_all_are_listed_if_asked() {
 #[test]
 fn what_cannot_be_asked_is_refused() {
     let lab = lab();
-    lab.fails("probe squares.obj", 2, "--pixel");
+    lab.fails(
+        "probe squares.obj",
+        2,
+        "<--pixel <X,Y>|--ray <OX,OY,OZ,DX,DY,DZ>>",
+    );
+    lab.fails(
+        "probe squares.obj --pixel 1,1 --ray 0,0,1,0,0,1",
+        2,
+        "cannot be used with",
+    );
     lab.fails("probe squares.obj --pixel 1", 2, "such as 640,360");
     lab.fails("probe squares.obj --pixel=-1,2", 2, "such as 640,360");
     lab.fails("probe squares.obj --ray 1,2,3", 2, "six finite numbers");
