@@ -528,9 +528,7 @@ class Hits(Attributed):
             names = ["normal", *names] if is_cloud(path) else names
         if is_cloud(path) and "position" not in names:
             names = ["position", *names]
-        if is_of_several(path):
-            names = [*others, *names]
-        wanted = files(path, names)
+        wanted = files(path, [*others, *names] if is_of_several(path) else names)
         camera = self._source.camera
         says_camera = is_cloud(path) or self._source.is_whole
         native = camera._native if camera is not None and says_camera else None
