@@ -1,11 +1,10 @@
 //! How a camera makes rays: a file per lens.
 
 use super::equirectangular::Equirectangular;
-use super::named::named;
 use super::pose::Pose;
 use super::viewplane::Viewplane;
 use crate::error::Result;
-use crate::geometry::{DVec2, PixelGrid, Ray};
+use crate::geometry::{DVec2, PixelGrid, Ray, named};
 
 /// What every lens can do, for a camera of a pose and with so many rows and columns of pixels.
 pub(super) trait Model {

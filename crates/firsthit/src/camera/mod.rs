@@ -6,7 +6,6 @@ mod equirectangular;
 mod framing;
 mod lens;
 mod matrices;
-mod named;
 mod pose;
 mod standard;
 mod viewplane;

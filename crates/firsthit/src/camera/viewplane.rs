@@ -1,10 +1,9 @@
 //! A flat viewplane: perspective where rays run through the camera's position, orthographic where they are parallel.
 
 use super::lens::{Model, Reach};
-use super::named::named;
 use super::pose::Pose;
 use crate::error::Result;
-use crate::geometry::{DVec2, PixelGrid, Ray, require_positive};
+use crate::geometry::{DVec2, PixelGrid, Ray, named, require_positive};
 
 /// A flat viewplane in front of the camera. Lengths are in scene units.
 ///
