@@ -122,6 +122,7 @@ pub mod shade;
 pub mod shape;
 pub mod shoot;
 mod simd;
+pub mod trajectory;
 pub mod watch;
 #[cfg(feature = "load")]
 pub mod world;
@@ -141,3 +142,4 @@ pub use scene::{AlphaMode, Background, Light, Material, Object, Scene, Texture, 
 pub use shade::{Shade, Shader, Shading};
 pub use shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 pub use shoot::{Hits, occluded, shoot};
+pub use trajectory::{Pose, Trajectory};
