@@ -1,20 +1,40 @@
 //! Poses over time: where a moving body is, between the times at which somebody knew.
 //!
 //! A [`Trajectory`] is a list of times and poses, and a way to go from one to the next. Times are seconds, positions
-//! scene units.
+//! scene units. It is read from text ([`TrajectoryFormat`]) and written as text.
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use firsthit::trajectory::{BodyAxes, Interpolation, TrajectoryFormat};
+//!
+//! let text = "# timestamp tx ty tz qx qy qz qw\n\
+//!     0.0 0 0 0 0 0 0 1\n\
+//!     0.1 1 0 0 0 0 0 1\n";
+//! let trajectory = TrajectoryFormat::Tum.read(text.as_bytes(), Path::new("groundtruth.txt"))?;
+//! let trajectory = trajectory.interpolated(Interpolation::Se3)?;
+//! let pose = trajectory.at(0.05)?;
+//! assert_eq!(pose.position.x, 0.5);
+//! // The body is a camera of OpenCV's axes: it looks along z.
+//! let camera = pose.camera(BodyAxes::RightDownForwards);
+//! # Ok::<(), firsthit::Error>(())
+//! ```
 //!
 //! The same trajectory and time give the same bits on every machine.
 
 mod axes;
 mod kinds;
 mod pose;
+mod read;
 mod rotation;
 mod screw;
 mod spline;
+mod write;
 
 pub use axes::BodyAxes;
 pub use kinds::{Extrapolation, Interpolation};
 pub use pose::Pose;
+pub use read::{TrajectoryFormat, read_csv, read_kitti, read_kitti_times, read_ros, read_tum};
 
 use crate::error::{Error, Result};
 use crate::geometry::summary::{Count, summary};
