@@ -1,9 +1,8 @@
 //! How other programs write a camera: which way its axes point, which way its matrix goes, where the first pixel's centre is.
 
-use super::named::named;
 use super::{Camera, Lens, PixelMatrix, View, Viewplane};
 use crate::error::Result;
-use crate::geometry::{DAffine3, DMat3, DVec3, require};
+use crate::geometry::{DAffine3, DMat3, DVec3, named, require};
 
 named! {
     /// The conventions by name.

@@ -9,13 +9,12 @@ use super::distortion::{
     OrthographicFisheye, Stereographic, Ucm,
 };
 use super::equirectangular::Equirectangular;
-use super::named::named;
 use super::octahedral::Octahedral;
 use super::parameters::{self, Parameters};
 use super::pose::Pose;
 use super::viewplane::Viewplane;
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, PixelGrid, Ray};
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, named};
 
 /// What every lens can do, for a camera of a pose and with so many rows and columns of pixels.
 pub(super) trait Model {

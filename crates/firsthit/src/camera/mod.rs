@@ -12,7 +12,6 @@ mod equirectangular;
 mod framing;
 mod lens;
 mod matrices;
-mod named;
 mod octahedral;
 mod parameters;
 mod pixel_matrix;

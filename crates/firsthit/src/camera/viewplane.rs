@@ -1,12 +1,11 @@
 //! A flat viewplane: perspective where rays run through the camera's position, orthographic where they are parallel.
 
 use super::lens::{Model, Reach};
-use super::named::named;
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
 use super::pose::Pose;
 use crate::error::Result;
-use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray, require, require_positive};
+use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray, named, require, require_positive};
 
 /// A flat viewplane in front of the camera. Lengths are in scene units.
 ///
