@@ -329,4 +329,9 @@ impl Rays for Camera {
     fn grid(&self) -> Option<PixelGrid> {
         self.grid_within(PixelGrid::CENTRE)
     }
+
+    fn picture(&self) -> Option<[usize; 2]> {
+        let is_flat = self.view.lens.viewplane().is_some();
+        (!is_flat).then(|| self.size())
+    }
 }

@@ -92,6 +92,10 @@ impl Rays for Part<'_> {
     fn grid(&self) -> Option<PixelGrid> {
         self.grid_within(self.offset)
     }
+
+    fn picture(&self) -> Option<[usize; 2]> {
+        self.sensor.picture().map(|_| self.region.shape())
+    }
 }
 
 impl Sensor for Part<'_> {

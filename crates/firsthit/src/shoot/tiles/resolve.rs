@@ -209,7 +209,7 @@ impl TileTask<'_> {
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn rays_in_object<L: Lanes>(&self, l: L, seen: &SeenObject<'_>, half: usize) -> RayBundle<L> {
         let object = seen.object;
-        let grid = &self.plan.grid;
+        let grid = &self.grid;
         let (x, y) = (self.pixels.x(l, half), self.pixels.y(l, half));
         // The lanes of a vector: an expression for each axis.
         macro_rules! vector {
