@@ -224,9 +224,9 @@ impl SquareRays {
     pub(super) fn cone(&self, tiles_down: usize) -> (DVec3, f64) {
         let halves = &self.direction[..tiles_down * TILES * HALVES];
         let directions = || {
-            let lanes = halves.iter().flat_map(|[x, y, z]| {
-                (0..WIDE).map(|lane| DVec3::new(x[lane], y[lane], z[lane]))
-            });
+            let lanes = halves
+                .iter()
+                .flat_map(|[x, y, z]| (0..WIDE).map(|lane| DVec3::new(x[lane], y[lane], z[lane])));
             lanes.filter(|direction| direction.is_finite() && *direction != DVec3::ZERO)
         };
         let sum: DVec3 = directions().map(DVec3::normalize).sum();

@@ -29,9 +29,9 @@ pub(super) fn trace_hits(
 ) -> Result<()> {
     let fits = |grid: &PixelGrid| grid.rows.checked_mul(grid.columns) == Some(rays.len());
     let own = rays.grid().filter(fits);
-    let picture = rays.picture().filter(|&[rows, columns]| {
-        own.is_none() && rows.checked_mul(columns) == Some(rays.len())
-    });
+    let picture = rays
+        .picture()
+        .filter(|&[rows, columns]| own.is_none() && rows.checked_mul(columns) == Some(rays.len()));
     let (first, grid, source) = match (own, picture) {
         (Some(grid), _) => (0, Some(grid), Source::Grid),
         (None, Some(size)) => (0, fit::around(rays, size), Source::Curved),

@@ -77,7 +77,11 @@ impl<'a> TileTask<'a> {
         let off = match &rays {
             _ if is_unfit => None,
             Some(rays) => {
-                let most = if own.is_some() { FARTHEST_CURVED } else { FARTHEST };
+                let most = if own.is_some() {
+                    FARTHEST_CURVED
+                } else {
+                    FARTHEST
+                };
                 rays.distance(l, &grid, &pixels, rows, most)
             }
             None => Some(0.0),
@@ -239,7 +243,10 @@ impl<'a> TileTask<'a> {
 
 /// How far away from its position a grid's corners are.
 fn longest(grid: &PixelGrid) -> f64 {
-    let (right, up) = (0.5 * grid.width * grid.right, 0.5 * grid.height * grid.upwards);
+    let (right, up) = (
+        0.5 * grid.width * grid.right,
+        0.5 * grid.height * grid.upwards,
+    );
     let corners = [right + up, right - up, up - right, -right - up];
     let lengths = corners.map(|corner: DVec3| (grid.toward + corner).length());
     lengths.into_iter().fold(0.0, f64::max)
