@@ -13,7 +13,7 @@ identifiers and ``nan`` elsewhere.
 (array([ 4., inf]), array([ 0, -1], dtype=int32))
 """
 
-from . import _firsthit
+from . import _firsthit, annotations
 from ._all_hits import AllHits
 from ._camera import Camera
 from ._cameras import NamedCamera
@@ -35,6 +35,7 @@ from ._scene import Scene
 from ._section import Polyline, Section
 from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
+from .annotations import annotate
 
 # Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
 __version__ = _firsthit.version()
@@ -77,6 +78,8 @@ __all__ = [
     "Sphere",
     "SpotLight",
     "Texture",
+    "annotate",
+    "annotations",
     "info",
     "lint",
     "load",

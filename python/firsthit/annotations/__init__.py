@@ -1,0 +1,26 @@
+"""Annotations of pictures: what is where, of which class, how it lies and what hides it.
+
+`annotate` finds it from the scene, exactly. The other functions write it for other programs, each
+in the form and the frames of its format. ``docs/annotations.md`` has them side by side.
+"""
+
+from ._annotate import annotate
+from ._annotations import Annotations, Instance, Occlusion, Part
+from ._box import Box3D
+from ._coco import save_coco, to_coco
+from ._keypoints import Keypoint, Keypoints
+from ._mask import Mask
+
+__all__ = [
+    "Annotations",
+    "Box3D",
+    "Instance",
+    "Keypoint",
+    "Keypoints",
+    "Mask",
+    "Occlusion",
+    "Part",
+    "annotate",
+    "save_coco",
+    "to_coco",
+]

@@ -1,0 +1,540 @@
+"""Annotations from the scene: brute force object by object, closed forms, other programs."""
+
+import math
+
+import firsthit as fh
+import numpy as np
+import pytest
+from firsthit._project import project
+from firsthit.annotations import Keypoints, Mask
+from support import TESTDATA, bumpy_sphere
+
+#: pycocotools hands NumPy an array that cannot be asked whether it is copied.
+of_pycocotools = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")
+
+RNG = np.random.default_rng(11)
+ROWS, COLUMNS = 60, 80
+PROJECTIONS = ["perspective", "orthographic", "equirectangular"]
+
+
+def turned(axis, angle, place=(0, 0, 0), scale=1.0):
+    """A rotation about an axis, a place, and a scale along the object's axes."""
+    x, y, z = np.array(axis, float) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turn = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = turn * scale, place
+    return matrix
+
+
+def crowd():
+    """Shapes of all kinds in front of each other, some beyond the border, some behind the eye."""
+    scene, rng = fh.Scene(), np.random.default_rng(12)
+    shapes = [
+        fh.Mesh(*bumpy_sphere(8, 3)),
+        fh.Sphere((0, 0, 0), 0.9),
+        fh.Box((-0.8, -0.5, -0.6), (0.7, 0.9, 0.4)),
+        fh.Cylinder((0, 0, -1), (0.3, 0.2, 1), 0.5),
+        fh.Cone((0, 0, -1), (0, 0.2, 1), 0.8, 0.2),
+        fh.Disc((0, 0, 0), (1, 2, 3), 0.9),
+    ]
+    for k in range(24):
+        place = rng.uniform((-4.5, -3, -6), (4.5, 3, 3))
+        matrix = turned(rng.normal(size=3), rng.uniform(0, 6), place, rng.uniform(0.4, 1.2, 3))
+        scene.add(shapes[k % len(shapes)], name=f"thing {k}", transform=matrix)
+    scene.add(fh.Plane((0, -3.5, 0), (0, 1, 0)), name="ground")
+    return scene
+
+
+def seen_by(projection="perspective", ray_start="eye", position=(0.5, 0.4, 5)):
+    aim, up = (-0.1, -0.05, -1), (0.1, 1, 0)
+    if projection == "equirectangular":
+        return fh.Camera.equirectangular(position, aim, up, ROWS, COLUMNS)
+    lengths = (0.6, 0.8, 0.7) if projection == "perspective" else (0.6, 6, 5)
+    return fh.Camera(position, aim, up, *lengths, ROWS, COLUMNS, projection, ray_start)
+
+
+def box_of(mask):
+    rows, columns = np.nonzero(mask)
+    if len(rows) == 0:
+        return None
+    left, top = columns.min(), rows.min()
+    return left, top, columns.max() + 1 - left, rows.max() + 1 - top
+
+
+@pytest.mark.parametrize("projection", PROJECTIONS)
+@pytest.mark.parametrize("ray_start", ["eye", "viewplane"])
+def test_masks_and_boxes_are_those_of_each_object_in_a_scene_of_its_own(projection, ray_start):
+    if projection == "equirectangular":
+        ray_start = "eye"
+    scene, camera = crowd(), seen_by(projection, ray_start)
+    found = fh.annotate(scene, camera, unseen=True)
+    picture = scene.shoot(camera).object
+    assert [one.id for one in found.instances] == list(range(25))
+    hidden_somewhere = 0
+    for one, made in zip(found.instances, scene.objects, strict=True):
+        alone = fh.Scene()
+        alone.add(made.shape, transform=made.transform)
+        amodal, visible = alone.shoot(camera).object == 0, picture == one.object
+        np.testing.assert_array_equal(one.amodal.array, amodal)
+        np.testing.assert_array_equal(one.visible.array, visible)
+        assert one.amodal_box == box_of(amodal)
+        assert one.visible_box == box_of(visible)
+        assert (one.visible_pixels, one.amodal_pixels) == (visible.sum(), amodal.sum())
+        assert one.parts[0].visible_pixels == visible.sum()
+        if amodal.any():
+            assert one.visibility == visible.sum() / amodal.sum()
+        else:
+            assert math.isnan(one.visibility)
+        hiding = {o.object: o.pixels for o in found.occlusions if o.behind == one.id}
+        objects, counts = np.unique(picture[amodal & ~visible], return_counts=True)
+        assert hiding == dict(zip(objects.tolist(), counts.tolist(), strict=True))
+        hidden_somewhere += len(hiding) > 0
+    assert hidden_somewhere > 8
+    np.testing.assert_array_equal(found.instance, picture)
+    shown = fh.annotate(scene, camera)
+    assert [one.id for one in shown.instances] == np.unique(picture[picture >= 0]).tolist()
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+@pytest.mark.parametrize("ray_start", ["eye", "viewplane"])
+def test_what_the_border_cuts_off_is_that_of_a_larger_picture(projection, ray_start):
+    # Of all that reaches the eye's plane there is no end.
+    scene, camera = crowd(), seen_by(projection, ray_start, position=(0.5, 0.4, 7))
+    more = 300
+    larger = fh.Camera(
+        camera.position,
+        camera.aim,
+        camera.up,
+        camera.focal_length,
+        camera.width * (COLUMNS + 2 * more) / COLUMNS,
+        camera.height * (ROWS + 2 * more) / ROWS,
+        ROWS + 2 * more,
+        COLUMNS + 2 * more,
+        projection,
+        ray_start,
+    )
+    cut = 0
+    for one in fh.annotate(scene, camera, unseen=True).instances[:-1]:
+        whole = scene.shoot(larger, objects=one.object).object >= 0
+        assert one.whole_pixels == whole.sum()
+        left, top, width, height = box_of(whole)
+        assert one.whole_box == (left - more, top - more, width, height)
+        assert one.truncated == (whole.sum() - one.amodal_pixels) / whole.sum()
+        cut += one.truncated > 0
+    assert cut > 3
+
+
+def test_what_has_no_end_is_all_beyond_the_border_and_what_is_behind_is_nowhere():
+    scene, camera = fh.Scene(), seen_by(position=(0, 0, 5))
+    scene.add(fh.Plane((0, -1, 0), (0, 1, 0)), name="ground")
+    scene.add(fh.Box((-1, -2, -3), (1, -1.5, 9)), name="past the eye")
+    scene.add(fh.Sphere((0, 0, 8), 1), name="behind")
+    ground, box, ball = fh.annotate(scene, camera, unseen=True).instances
+    assert ground.amodal_pixels > 0
+    assert (ground.whole_pixels, ground.truncated, ground.box3d) == (None, 1, None)
+    assert box.amodal_pixels > 0
+    assert (box.whole_pixels, box.truncated) == (None, 1)
+    assert (ball.whole_pixels, ball.whole_box, ball.amodal_box) == (0, None, None)
+    assert math.isnan(ball.truncated)
+
+
+def test_a_huge_silhouette_is_counted_on_a_grid():
+    camera = fh.Camera((0, 0, 0), (0, 0, -1), (0, 1, 0), 1, 1, 1, 100, 100, ray_start="eye")
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, -1.001), 1))
+    (ball,) = fh.annotate(scene, camera).instances
+    assert (ball.amodal_pixels, ball.whole_pixels, ball.whole_box) == (10_000, None, None)
+    # A circle around the middle of the picture's plane.
+    radius = 100 * math.tan(math.asin(1 / 1.001))
+    assert 1 - ball.truncated == pytest.approx(10_000 / (math.pi * radius**2), rel=0.05)
+
+
+def test_the_visible_share_of_boxes_is_that_of_their_faces():
+    # Squares of 40 and 20 pixels; the near one covers a quarter of the far one.
+    camera = fh.Camera((0, 0, 10), (0, 0, -1), (0, 1, 0), 10, 80, 80, 80, 80, "orthographic", "eye")
+    scene = fh.Scene()
+    scene.add(fh.Box((-20, -20, -5), (20, 20, -4)), name="far")
+    scene.add(fh.Box((0, 0, 0), (20, 20, 1)), name="near")
+    found = fh.annotate(scene, camera)
+    far, near = found.instances
+    assert (far.visibility, near.visibility) == (0.75, 1)
+    assert far.amodal_box == far.visible_box == (20, 20, 40, 40)
+    assert near.visible_box == (40, 20, 20, 20)
+    assert found.occlusions == ((1, 1, 0, 400),)
+    assert found.by_name("far") is far
+    with pytest.raises(KeyError, match="0 instances have the name 'ball'"):
+        found.by_name("ball")
+
+
+def test_a_ball_behind_a_wall_is_seen_as_far_as_the_cap_of_its_circle():
+    camera = fh.Camera((0, 0, 9), (0, 0, -1), (0, 1, 0), 1, 4, 4, 800, 800, "orthographic", "eye")
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    scene.add(fh.Box((0.5, -2, 2), (2, 2, 3)), name="wall")
+    ball = fh.annotate(scene, camera, classes={"ball": "ball"}).instances[0]
+    cap = math.acos(0.5) - 0.5 * math.sqrt(0.75)
+    # Less than a pixel's width around a circle of 200 pixels.
+    assert ball.visibility == pytest.approx(1 - cap / math.pi, abs=2e-3)
+    assert ball.amodal_pixels * (4 / 800) ** 2 == pytest.approx(math.pi, abs=5e-3)
+
+
+def test_boxes_in_space_hold_their_objects_and_touch_them():
+    scene, camera = crowd(), seen_by()
+    there = fh.annotate(scene, camera, unseen=True).instances
+    assert there[-1].box3d is None
+    for one, made in zip(there[:-1], scene.objects, strict=False):
+        alone = fh.Scene()
+        alone.add(made.shape, transform=made.transform)
+        box = one.box3d
+        np.testing.assert_allclose(box.in_world, alone.bounds, atol=1e-12)
+        np.testing.assert_array_equal(box.world_from_object, made.transform)
+        own = fh.Scene()
+        own.add(made.shape)
+        np.testing.assert_allclose(box.in_object, own.bounds, atol=1e-12)
+        # OpenCV's axes: z is what the channel says.
+        z = (box.corners_in_world - camera.position) @ camera.aim
+        np.testing.assert_allclose(box.corners_in_camera[:, 2], z, atol=1e-12)
+        edges = box.corners_in_world[[1, 2, 4]] - box.corners_in_world[0]
+        np.testing.assert_allclose(np.linalg.norm(edges, axis=1), box.size, rtol=1e-12)
+
+
+def test_opencv_projects_the_corners_of_boxes_to_their_pixels():
+    cv2 = pytest.importorskip("cv2")
+    scene, camera = crowd(), seen_by(position=(0.5, 0.4, 9))
+    k = np.array(fh.render(scene, camera, channels="z").metadata["camera"]["intrinsics"]["k"])
+    k[:2, 2] -= 0.5
+    for one in fh.annotate(scene, camera, unseen=True).instances[:-1]:
+        box = one.box3d
+        pose = box.camera_from_object
+        # OpenCV takes rotations only, so the scale goes to the corners.
+        scale = np.linalg.norm(pose[:3, :3], axis=0)
+        turn, _ = cv2.Rodrigues(pose[:3, :3] / scale)
+        pixels, _ = cv2.projectPoints(box.corners_in_object * scale, turn, pose[:3, 3], k, None)
+        own = project(camera, box.corners_in_world)
+        np.testing.assert_allclose(pixels[:, 0] + 0.5, own, atol=1e-6)
+        # The whole silhouette is within.
+        left, top, width, height = one.whole_box
+        low, high = own.min(axis=0), own.max(axis=0)
+        assert (low < (left + 0.5, top + 0.5)).all()
+        assert (high > (left + width - 0.5, top + height - 0.5)).all()
+
+
+def test_pixels_of_positions_are_the_centres_of_pixels():
+    scene = crowd()
+    for projection in PROJECTIONS:
+        for ray_start in ("eye", "viewplane")[: 1 if projection == "equirectangular" else 2]:
+            camera = seen_by(projection, ray_start)
+            hits = scene.shoot(camera)
+            rows, columns = np.nonzero(hits.object >= 0)
+            pixels = project(camera, hits.position[rows, columns])
+            np.testing.assert_allclose(pixels[:, 0], columns + 0.5, atol=1e-9)
+            np.testing.assert_allclose(pixels[:, 1], rows + 0.5, atol=1e-9)
+    behind = project(seen_by(), [[0, 0, 9], [np.nan, 0, 0], [0.5, 0.4, 5]])
+    assert np.isnan(behind).all()
+
+
+# Classes, and what is one instance.
+
+
+def test_classes_come_from_names_patterns_paths_and_functions():
+    scene, camera = crowd(), seen_by(position=(0, 0, 12))
+    table = {"thing 1?": "tens", "thing 11": "eleven", "thing *": "thing"}
+    hiding = next(one.object for one in fh.annotate(scene, camera).occlusions)
+    table |= dict.fromkeys(("ground", f"thing {hiding}"))
+    found = fh.annotate(scene, camera, classes=table, unseen=True)
+    assert found.classes == ("tens", "eleven", "thing")
+    named = {one.name: one.class_name for one in found.instances}
+    assert {"ground", f"thing {hiding}"} & named.keys() == set()
+    assert (named["thing 10"], named["thing 11"], named["thing 3"]) == ("tens", "eleven", "thing")
+    # What has no class still hides others, and has no instance.
+    assert {one.object for one in found.occlusions if one.front is None} == {hiding}
+    same = fh.annotate(
+        scene,
+        camera,
+        classes=lambda made: "solid" if isinstance(made.shape, fh.Sphere) else None,
+        unseen=True,
+    )
+    assert [one.object for one in same.instances] == [1, 7, 13, 19]
+    assert [one.id for one in same.instances] == [0, 1, 2, 3]
+    assert same.classes == ("solid",)
+
+
+def test_objects_of_one_node_can_be_one_instance():
+    gltf = fh.load(TESTDATA / "torus_meshopt.glb")
+    view = fh.Camera.framing(gltf, 60, 80)
+    paths = {"node 0": "one", "*node [12]": "other"}
+    tori = fh.annotate(gltf, view, by="node", classes=paths, unseen=True).instances
+    assert [[part.node for part in one.parts] for one in tori] == [
+        ["node 0"],
+        ["node 1"],
+        ["node 2"] * 4,
+    ]
+    assert [one.class_name for one in tori] == ["one", "other", "other"]
+    assert tori[2].parts[3].mesh_name == gltf.objects[5].mesh_name == ""
+    assert sum(part.visible_pixels for part in tori[2].parts) == tori[2].visible_pixels > 0
+
+    scene, camera = crowd(), seen_by(position=(0, 0, 12))
+    single = fh.annotate(scene, camera, unseen=True)
+    pairs = fh.annotate(
+        scene,
+        camera,
+        classes={"thing *": "pair"},
+        by=lambda made: int(made.name.split()[1]) // 2,
+        unseen=True,
+    )
+    assert len(pairs.instances) == 12
+    for one, (a, b) in zip(
+        pairs.instances,
+        zip(single.instances[:-1:2], single.instances[1:-1:2], strict=True),
+        strict=True,
+    ):
+        assert [part.object for part in one.parts] == [a.object, b.object]
+        np.testing.assert_array_equal(one.visible.array, a.visible.array | b.visible.array)
+        np.testing.assert_array_equal(one.amodal.array, a.amodal.array | b.amodal.array)
+        both = np.stack([a.box3d.in_world, b.box3d.in_world])
+        np.testing.assert_allclose(one.box3d.in_world[0], both[:, 0].min(axis=0))
+        np.testing.assert_allclose(one.box3d.in_world[1], both[:, 1].max(axis=0))
+        np.testing.assert_array_equal(one.box3d.world_from_object, a.box3d.world_from_object)
+        # The oriented box holds the corners of the other object's own.
+        back = np.linalg.inv(a.box3d.world_from_object)
+        points = scene.objects[b.object].transform
+        if isinstance(scene.objects[b.object].shape, fh.Mesh):
+            vertices = scene.objects[b.object].shape.vertices
+            inner = (vertices @ points[:3, :3].T + points[:3, 3]) @ back[:3, :3].T + back[:3, 3]
+            assert (inner > one.box3d.in_object[0] - 1e-12).all()
+            assert (inner < one.box3d.in_object[1] + 1e-12).all()
+
+
+def test_hidden_removed_and_left_out_objects_are_no_instances():
+    scene, camera = crowd(), seen_by(position=(0, 0, 12))
+    scene.hide("thing 3")
+    scene.remove("thing 5")
+    found = fh.annotate(scene, camera, unseen=True)
+    assert {3, 5} & {one.object for one in found.instances} == set()
+    few = fh.annotate(scene, camera, objects=["thing 1", "thing 2"], unseen=True)
+    assert [one.object for one in few.instances] == [1, 2]
+    picture = scene.shoot(camera, objects=[1, 2]).object
+    assert [one.visible_pixels for one in few.instances] == [(picture == k).sum() for k in (1, 2)]
+
+
+def test_a_frame_is_taken_if_it_is_that_picture(tmp_path):
+    scene, camera = crowd(), seen_by()
+    frame = fh.render(scene, camera, channels=("object", "z"))
+    expected = fh.annotate(scene, camera)
+    frame.save(tmp_path / "a.exr")
+    own = fh.Frame(frame.shape, {"object": frame["object"].astype(np.int64)})
+    for given in (frame, fh.Frame.load(tmp_path / "a.exr"), own):
+        found = fh.annotate(scene, camera, frame=given)
+        np.testing.assert_array_equal(found.instance, expected.instance)
+    moved = seen_by(position=(0.5, 0.4, 5.1))
+    with pytest.raises(ValueError, match="metadata name another camera"):
+        fh.annotate(scene, moved, frame=frame)
+    with pytest.raises(ValueError, match="where no ray meets that"):
+        fh.annotate(scene, moved, frame=own)
+    with pytest.raises(ValueError, match="must have the channel object, got z"):
+        fh.annotate(scene, camera, frame=fh.render(scene, camera, channels="z"))
+    with pytest.raises(ValueError, match=r"it is \(10, 80\), and the camera \(60, 80\)"):
+        fh.annotate(
+            scene, camera, frame=fh.render(scene, camera, channels="object", region=np.s_[:10, :])
+        )
+    with pytest.raises(ValueError, match="its objects are 99 to 99"):
+        fh.annotate(scene, camera, frame=fh.Frame((60, 80), {"object": np.full((60, 80), 99)}))
+    scene.move(0, None)
+    with pytest.raises(ValueError, match="metadata name another scene"):
+        fh.annotate(scene, camera, frame=frame)
+
+
+# Keypoints.
+
+
+def test_keypoints_on_a_surface_are_seen_where_no_ray_meets_anything_before_them():
+    scene, camera = crowd(), seen_by(position=(0, 0, 9))
+    mesh = scene.objects[0].shape
+    names = [f"v{k}" for k in range(len(mesh.vertices))]
+    points = dict(zip(names, mesh.vertices, strict=True))
+    found = fh.annotate(
+        scene,
+        camera,
+        classes=lambda made: "mesh" if made.shape is mesh else None,
+        keypoints={"mesh": points},
+        unseen=True,
+    )
+    assert len(found.instances) == 4
+    states = []
+    for one in found.instances:
+        for point, vertex in zip(one.keypoints, mesh.vertices, strict=True):
+            place = one.box3d.world_from_object
+            np.testing.assert_allclose(point.position, place[:3, :3] @ vertex + place[:3, 3])
+            at = np.array(point.position)
+            np.testing.assert_allclose(point.pixel, project(camera, at))
+            assert point.z == pytest.approx((at - camera.position) @ camera.aim)
+            u, v = point.pixel
+            if not (0 <= u < COLUMNS and 0 <= v < ROWS):
+                assert point.visibility == 0
+                continue
+            # An independent way: what is met a little before the point?
+            way = at - camera.position
+            first = float(scene.shoot(camera.position, way).t)
+            assert abs(first - 1) > 1e-9 or abs(first - 1) < 1e-13
+            assert point.visibility == (2 if first > 1 - 1e-9 else 1)
+            states.append(point.visibility)
+    assert states.count(1) > 30
+    assert states.count(2) > 30
+
+
+@pytest.mark.parametrize("projection", PROJECTIONS)
+def test_the_surface_of_a_keypoint_does_not_hide_it_and_the_far_side_does(projection):
+    camera = seen_by(projection, position=(0, 0, 5))
+    scene = fh.Scene()
+    ball = scene.add(fh.Sphere((0, 0, 0), 1), transform=turned((1, 2, 3), 1, scale=0.5))
+    unit = RNG.normal(size=(300, 3))
+    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
+    points = Keypoints({str(k): point for k, point in enumerate(unit)})
+    (one,) = fh.annotate(scene, camera, keypoints={ball: points}).instances
+    at = np.array([point.position for point in one.keypoints])
+    towards = -camera.aim if projection == "orthographic" else camera.position - at
+    facing = (towards * at).sum(axis=1)
+    assert (np.abs(facing) > 1e-6).all()
+    states = np.array([point.visibility for point in one.keypoints])
+    np.testing.assert_array_equal(states, np.where(facing > 0, 2, 1))
+
+
+def test_keypoints_before_the_viewplane_or_beyond_the_border_or_nan_are_not_labelled():
+    scene = fh.Scene()
+    scene.add(fh.Box((-0.1, -0.1, -1), (0.1, 0.1, 4.9)), name="beam")
+    points = {
+        "near": (0, 0, 4.6),
+        "tip": (0, 0, 4),
+        "aside": (9, 0, 0),
+        "behind": (0, 0, 6),
+        "unknown": (np.nan, 0, 0),
+    }
+    inner = Keypoints(points, tolerance=math.inf)
+    states = {}
+    for ray_start in ("eye", "viewplane"):
+        camera = seen_by(ray_start=ray_start, position=(0, 0, 5))
+        (beam,) = fh.annotate(scene, camera, keypoints={"beam": inner}).instances
+        states[ray_start] = [point.visibility for point in beam.keypoints]
+    assert states == {"eye": [2, 2, 0, 0, 0], "viewplane": [0, 2, 0, 0, 0]}
+
+
+def test_a_tolerance_is_for_rounded_points_and_what_is_inside():
+    camera = fh.Camera((0, 0, 5), (0, 0, -1), (0, 1, 0), 1, 1, 1, 50, 50, ray_start="eye")
+    scene = fh.Scene()
+    ball = scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    names = {"front": (0, 0, 1), "rounded": (0, 0, 0.9999), "middle": (0, 0, 0), "back": (0, 0, -1)}
+
+    def states(**words):
+        (one,) = fh.annotate(scene, camera, classes={"ball": "ball"}, **words).instances
+        return [point.visibility for point in one.keypoints]
+
+    for tolerance, expected in [(0, [2, 1, 1, 1]), (1e-3, [2, 2, 1, 1]), (math.inf, [2, 2, 2, 2])]:
+        given = Keypoints(names, tolerance=tolerance)
+        assert states(keypoints={ball: given}) == expected
+    scene.add(fh.Box((-2, -2, 2), (2, 0.001, 2.5)), name="wall")
+    assert states(keypoints={ball: Keypoints(names, tolerance=math.inf)}) == [1, 1, 1, 1]
+    # As if the wall were not there.
+    given = {"ball": Keypoints(names, frame="world", tolerance=1e-3)}
+    assert states(keypoints=given, objects="ball") == [2, 2, 1, 1]
+
+
+def test_wrong_arguments_are_refused_by_name():
+    scene, camera = crowd(), seen_by()
+    for words, error, match in [
+        ({"classes": ["thing"]}, TypeError, "classes must be a dict or a function"),
+        ({"classes": {"thing *": ""}}, ValueError, "the name of a class must not be empty"),
+        ({"by": "mesh"}, ValueError, "by must be 'object', 'node' or a function, got 'mesh'"),
+        ({"keypoints": {"car": {}}}, ValueError, "keypoints must be of a class among thing 0"),
+        ({"keypoints": {99: {}}}, ValueError, "keypoints must be of objects of an instance"),
+        ({"keypoints": [1]}, TypeError, "keypoints must be a dict by class or object"),
+        ({"frame": 1}, TypeError, "frame must be a Frame"),
+        ({"unseen": 1}, TypeError, "unseen must be True or False"),
+        ({"objects": "car"}, ValueError, "there is no object with the name 'car'"),
+        (
+            {"classes": lambda made: made.name, "by": lambda _: 0},
+            ValueError,
+            "objects of one instance must have one class, got 'thing 0' for object 0",
+        ),
+    ]:
+        with pytest.raises(error, match=match):
+            fh.annotate(scene, camera, **words)
+    for words, error, match in [
+        ({"points": [1]}, TypeError, "points must be a dict"),
+        ({"points": {"a": (1, 2)}}, ValueError, "keypoint 'a' must be three numbers"),
+        ({"points": {}, "frame": "camera"}, ValueError, "frame must be 'object' or 'world'"),
+        ({"points": {"a": (0, 0, 0)}, "skeleton": [("a", "b")]}, ValueError, "got 'b'"),
+        ({"points": {}, "tolerance": -1}, ValueError, "tolerance must be zero or more"),
+    ]:
+        with pytest.raises(error, match=match):
+            Keypoints(**words)
+
+
+# Masks.
+
+
+def random_masks():
+    for k in range(150):
+        shape = RNG.integers(1, 20, 2)
+        mask = RNG.random(shape) < RNG.random()
+        # Some with larger parts and holes.
+        yield mask.repeat(3, axis=0).repeat(3, axis=1) if k % 3 == 0 else mask
+
+
+@of_pycocotools
+def test_pycocotools_makes_the_same_run_lengths_boxes_and_areas():
+    coco = pytest.importorskip("pycocotools.mask")
+    for mask in random_masks():
+        own, theirs = Mask.of(mask), coco.encode(np.asfortranarray(mask.astype(np.uint8)))
+        assert own.rle()["counts"].encode() == theirs["counts"]
+        assert own.rle()["size"] == theirs["size"]
+        assert own.pixels == coco.area(theirs)
+        if mask.any():
+            assert list(own.box) == coco.toBbox(theirs).tolist()
+        np.testing.assert_array_equal(own.array, mask)
+        flat = coco.frPyObjects({"size": [*mask.shape], "counts": own.run_lengths()}, *mask.shape)
+        np.testing.assert_array_equal(coco.decode(flat), mask)
+    # Long runs need several characters, with differences of both signs.
+    wide = np.zeros((700, 900), bool)
+    wide[100:103, 5:] = wide[:, 600] = wide[650, 800:] = True
+    own, theirs = Mask.of(wide), coco.encode(np.asfortranarray(wide.astype(np.uint8)))
+    assert own.rle()["counts"].encode() == theirs["counts"]
+
+
+@of_pycocotools
+@pytest.mark.parametrize("join", [False, True])
+def test_pycocotools_makes_exactly_the_mask_of_its_polygons(join):
+    coco = pytest.importorskip("pycocotools.mask")
+    for mask in random_masks():
+        found = Mask.of(mask).polygons(join=join)
+        if not mask.any():
+            assert found == []
+            continue
+        assert not join or len(found) == 1
+        given = [polygon.reshape(-1).tolist() for polygon in found]
+        made = coco.decode(coco.merge(coco.frPyObjects(given, *mask.shape)))
+        np.testing.assert_array_equal(made, mask)
+
+
+def test_opencv_fills_polygons_to_exactly_the_mask():
+    cv2 = pytest.importorskip("cv2")
+    # OpenCV draws the edge as well, so that each pixel is made of several.
+    fine = 8
+    for mask in random_masks():
+        drawn = np.zeros(np.multiply(mask.shape, fine), np.uint8)
+        for polygon in Mask.of(mask).polygons():
+            cv2.fillPoly(drawn, [np.round(polygon * fine).astype(np.int32)], 1)
+        np.testing.assert_array_equal(drawn[fine // 2 :: fine, fine // 2 :: fine], mask)
+
+
+def test_a_mask_in_a_larger_picture_has_its_place_there():
+    mask = Mask.of(np.eye(3, dtype=bool)[1:], shape=(10, 20), row=4, column=7)
+    assert (mask.box, mask.shape) == ((8, 4, 2, 2), (10, 20))
+    assert mask.array[4, 8]
+    assert mask.array[5, 9]
+    assert mask.array.sum() == 2
+    assert [polygon.min(axis=0).tolist() for polygon in mask.polygons()] == [[8, 4], [9, 5]]
+    with pytest.raises(ValueError, match="must be within the picture"):
+        Mask.of(np.eye(3, dtype=bool), shape=(10, 20), row=8)
+    with pytest.raises(ValueError, match="of bool, got int64"):
+        Mask.of(np.eye(3, dtype=np.int64))
