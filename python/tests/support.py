@@ -1,5 +1,6 @@
 """What several tests share."""
 
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,9 @@ ROOT = Path(__file__).parents[2]
 TESTDATA = ROOT / "testdata"
 
 needs_refdata = pytest.mark.skipif(not REFDATA.is_dir(), reason="../shared/refdata is not here")
+
+#: pycocotools hands NumPy an array that cannot be asked whether it is copied.
+of_pycocotools = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")
 
 #: What scripts of tests begin with.
 PRELUDE = f"""
@@ -60,3 +64,13 @@ def ball() -> fh.Scene:
     scene = fh.Scene()
     scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
     return scene
+
+
+def turned(axis, angle, place=(0, 0, 0), scale=1.0):
+    """A rotation about an axis, a place, and a scale along the object's axes."""
+    x, y, z = np.array(axis, float) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turn = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = turn * scale, place
+    return matrix
