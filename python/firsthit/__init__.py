@@ -19,6 +19,7 @@ from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
 from ._explain import Candidate, Crossing, Explanation
+from ._flow import Disparity, Flow, disparity, optical_flow
 from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
@@ -52,6 +53,7 @@ __all__ = [
     "Cylinder",
     "DirectionalLight",
     "Disc",
+    "Disparity",
     "Explanation",
     "FileError",
     "FileFormatError",
@@ -59,6 +61,7 @@ __all__ = [
     "FileWriteError",
     "Finding",
     "FirsthitWarning",
+    "Flow",
     "Frame",
     "Hits",
     "LeavingRays",
@@ -80,9 +83,11 @@ __all__ = [
     "Texture",
     "annotate",
     "annotations",
+    "disparity",
     "info",
     "lint",
     "load",
+    "optical_flow",
     "read_metadata",
     "render",
 ]
