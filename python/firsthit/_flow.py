@@ -236,15 +236,10 @@ def _sighted(
     has_line = is_there & np.isfinite(starts).all(axis=-1) & np.isfinite(pixels).all(axis=-1)
     with np.errstate(invalid="ignore"):
         is_in = (pixels >= 0.0).all(axis=-1) & (pixels < (whole.right, whole.bottom)).all(axis=-1)
-    # The triangle of a point is flat, and hides nothing of itself. The other shapes have one
-    # surface all around, of which the side that faces away does hide the point.
-    # A miss is -1, and has the last place.
-    is_mesh = np.array([isinstance(made.shape, Mesh) for made in hits._built.objects] + [False])
-    own = np.where(is_mesh[hits.object], hits.primitive, -1)[has_line]
-    skip = hits.object[has_line], own
+    own = hits.object[has_line], hits.primitive[has_line]
     occluded = np.zeros(hits.shape, np.bool_)
     occluded[has_line] = ~scene.visible(
-        starts[has_line], points[has_line], skip_b=skip, threads=threads
+        starts[has_line], points[has_line], skip_b=own, threads=threads
     )
     outside: Bools = np.asarray(is_there & ~(has_line & is_in))
     return pixels, occluded, outside

@@ -74,3 +74,21 @@ def turned(axis, angle, place=(0, 0, 0), scale=1.0):
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = turn * scale, place
     return matrix
+
+
+def things(count: int, low: tuple[float, ...], high: tuple[float, ...]) -> fh.Scene:
+    """Shapes of all kinds within a box, turned and scaled: ``thing 0`` and so on."""
+    scene, rng = fh.Scene(), np.random.default_rng(12)
+    shapes = [
+        fh.Mesh(*bumpy_sphere(8, 3)),
+        fh.Sphere((0, 0, 0), 0.9),
+        fh.Box((-0.8, -0.5, -0.6), (0.7, 0.9, 0.4)),
+        fh.Cylinder((0, 0, -1), (0.3, 0.2, 1), 0.5),
+        fh.Cone((0, 0, -1), (0, 0.2, 1), 0.8, 0.2),
+        fh.Disc((0, 0, 0), (1, 2, 3), 0.9),
+    ]
+    for k in range(count):
+        place = rng.uniform(low, high)
+        matrix = turned(rng.normal(size=3), rng.uniform(0, 6), place, rng.uniform(0.4, 1.2, 3))
+        scene.add(shapes[k % len(shapes)], name=f"thing {k}", transform=matrix)
+    return scene

@@ -186,7 +186,13 @@ def test_what_coco_cannot_hold_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path):
+def test_a_file_is_replaced_whole_or_not_at_all(tmp_path):
+    (tmp_path / "b.json").write_text("old and longer" * 10_000)
+    (tmp_path / "b.json").chmod(0o604)
+    save_coco(tmp_path / "b.json", pictures())
+    assert at(tmp_path / "b.json") == to_coco(pictures())
+    assert (tmp_path / "b.json").stat().st_mode & 0o777 == 0o604
+    (tmp_path / "b.json").unlink()
     (tmp_path / "a.json").mkdir()
     with pytest.raises(fh.FileWriteError, match=r"a\.json"):
         save_coco(tmp_path / "a.json", pictures())

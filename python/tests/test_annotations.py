@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from firsthit._project import project
 from firsthit.annotations import Keypoints
-from support import TESTDATA, bumpy_sphere, turned
+from support import TESTDATA, things, turned
 
 RNG = np.random.default_rng(11)
 ROWS, COLUMNS = 60, 80
@@ -15,20 +15,8 @@ PROJECTIONS = ["perspective", "orthographic", "equirectangular"]
 
 
 def crowd():
-    """Shapes of all kinds in front of each other, some beyond the border, some behind the eye."""
-    scene, rng = fh.Scene(), np.random.default_rng(12)
-    shapes = [
-        fh.Mesh(*bumpy_sphere(8, 3)),
-        fh.Sphere((0, 0, 0), 0.9),
-        fh.Box((-0.8, -0.5, -0.6), (0.7, 0.9, 0.4)),
-        fh.Cylinder((0, 0, -1), (0.3, 0.2, 1), 0.5),
-        fh.Cone((0, 0, -1), (0, 0.2, 1), 0.8, 0.2),
-        fh.Disc((0, 0, 0), (1, 2, 3), 0.9),
-    ]
-    for k in range(24):
-        place = rng.uniform((-4.5, -3, -6), (4.5, 3, 3))
-        matrix = turned(rng.normal(size=3), rng.uniform(0, 6), place, rng.uniform(0.4, 1.2, 3))
-        scene.add(shapes[k % len(shapes)], name=f"thing {k}", transform=matrix)
+    """Things and a ground without an end."""
+    scene = things(24, (-4.5, -3, -6), (4.5, 3, 3))
     scene.add(fh.Plane((0, -3.5, 0), (0, 1, 0)), name="ground")
     return scene
 
@@ -124,6 +112,27 @@ def test_what_has_no_end_is_all_beyond_the_border_and_what_is_behind_is_nowhere(
     assert (box.whole_pixels, box.truncated) == (None, 1)
     assert (ball.whole_pixels, ball.whole_box, ball.amodal_box) == (0, None, None)
     assert math.isnan(ball.truncated)
+
+
+def test_the_viewplane_ends_what_reaches_the_eye_and_hides_what_is_before_it():
+    scene, lens = fh.Scene(), (0.5, 1, 1)
+    scene.add(fh.Box((-1, -2, -3), (1, -1.5, 9)), name="past the eye")
+    scene.add(fh.Box((-0.2, -0.2, 4.6), (0.2, 0.2, 4.7)), name="before the viewplane")
+    scene.add(fh.Sphere((0, 0, 0), 0.5), name="ball")
+    for projection in ("perspective", "orthographic"):
+        aim = (0, 0, 5), (0, 0, -1), (0, 1, 0), *lens
+        view, more = fh.Camera(*aim, 40, 40, projection), 400
+        wide = 1 + 2 * more / 40
+        larger = fh.Camera(*aim[:3], 0.5, wide, wide, 40 + 2 * more, 40 + 2 * more, projection)
+        point = Keypoints({"a": (0.15, 0.05, 0.4743)}, tolerance=1e-3)
+        found = fh.annotate(scene, view, unseen=True, keypoints={"ball": point})
+        for one in found.instances:
+            whole = scene.shoot(larger, objects=one.object).object >= 0
+            assert one.whole_pixels == whole.sum()
+        assert found.instances[0].whole_pixels > 0
+        assert found.instances[1].whole_pixels == 0
+        # What is before the viewplane is on the way from the eye, but not in the picture.
+        assert found.by_name("ball").keypoints[0].visibility == 2
 
 
 def test_a_huge_silhouette_is_counted_on_a_grid():
@@ -247,6 +256,23 @@ def test_classes_come_from_names_patterns_paths_and_functions():
     assert same.classes == ("solid",)
 
 
+def test_a_class_may_be_that_of_a_node_s_path():
+    leaf = fh.load(TESTDATA / "torus_meshopt.glb").objects[0]
+    scene = fh.Scene()
+    scene.add(leaf.shape, name="wheel")
+    scene.add(leaf.shape, name="wheel", transform=turned((0, 0, 1), 0, (3, 0, 0)))
+    for k, path in enumerate(("truck/wheel", "car/wheel")):
+        scene._change(k, _labels=((k, path), None))
+    view = fh.Camera.framing(scene, 20, 30)
+    for table, expected in [
+        ({"truck/*": "truck", "*": "rest"}, ["truck", "rest"]),
+        ({"truck*": "truck", "wheel": "rest"}, ["rest", "rest"]),
+        ({"car/wheel": "car"}, ["car"]),
+    ]:
+        found = fh.annotate(scene, view, classes=table).instances
+        assert [one.class_name for one in found] == expected
+
+
 def test_objects_of_one_node_can_be_one_instance():
     gltf = fh.load(TESTDATA / "torus_meshopt.glb")
     view = fh.Camera.framing(gltf, 60, 80)
@@ -267,13 +293,13 @@ def test_objects_of_one_node_can_be_one_instance():
         scene,
         camera,
         classes={"thing *": "pair"},
-        by=lambda made: int(made.name.split()[1]) // 2,
+        by=lambda made: int(made.name.split()[1]) % 12,
         unseen=True,
     )
     assert len(pairs.instances) == 12
     for one, (a, b) in zip(
         pairs.instances,
-        zip(single.instances[:-1:2], single.instances[1:-1:2], strict=True),
+        zip(single.instances[:12], single.instances[12:-1], strict=True),
         strict=True,
     ):
         assert [part.object for part in one.parts] == [a.object, b.object]
@@ -332,98 +358,13 @@ def test_a_frame_is_taken_if_it_is_that_picture(tmp_path):
         fh.annotate(scene, camera, frame=frame)
 
 
-# Keypoints.
-
-
-def test_keypoints_on_a_surface_are_seen_where_no_ray_meets_anything_before_them():
-    scene, camera = crowd(), seen_by(position=(0, 0, 9))
-    mesh = scene.objects[0].shape
-    names = [f"v{k}" for k in range(len(mesh.vertices))]
-    points = dict(zip(names, mesh.vertices, strict=True))
-    found = fh.annotate(
-        scene,
-        camera,
-        classes=lambda made: "mesh" if made.shape is mesh else None,
-        keypoints={"mesh": points},
-        unseen=True,
-    )
-    assert len(found.instances) == 4
-    states = []
-    for one in found.instances:
-        for point, vertex in zip(one.keypoints, mesh.vertices, strict=True):
-            place = one.box3d.world_from_object
-            np.testing.assert_allclose(point.position, place[:3, :3] @ vertex + place[:3, 3])
-            at = np.array(point.position)
-            np.testing.assert_allclose(point.pixel, project(camera, at))
-            assert point.z == pytest.approx((at - camera.position) @ camera.aim)
-            u, v = point.pixel
-            if not (0 <= u < COLUMNS and 0 <= v < ROWS):
-                assert point.visibility == 0
-                continue
-            # An independent way: what is met a little before the point?
-            way = at - camera.position
-            first = float(scene.shoot(camera.position, way).t)
-            assert abs(first - 1) > 1e-9 or abs(first - 1) < 1e-13
-            assert point.visibility == (2 if first > 1 - 1e-9 else 1)
-            states.append(point.visibility)
-    assert states.count(1) > 30
-    assert states.count(2) > 30
-
-
-@pytest.mark.parametrize("projection", PROJECTIONS)
-def test_the_surface_of_a_keypoint_does_not_hide_it_and_the_far_side_does(projection):
-    camera = seen_by(projection, position=(0, 0, 5))
+def test_vertices_of_no_triangle_are_in_no_box():
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [9, 9, 9]]
     scene = fh.Scene()
-    ball = scene.add(fh.Sphere((0, 0, 0), 1), transform=turned((1, 2, 3), 1, scale=0.5))
-    unit = RNG.normal(size=(300, 3))
-    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
-    points = Keypoints({str(k): point for k, point in enumerate(unit)})
-    (one,) = fh.annotate(scene, camera, keypoints={ball: points}).instances
-    at = np.array([point.position for point in one.keypoints])
-    towards = -camera.aim if projection == "orthographic" else camera.position - at
-    facing = (towards * at).sum(axis=1)
-    assert (np.abs(facing) > 1e-6).all()
-    states = np.array([point.visibility for point in one.keypoints])
-    np.testing.assert_array_equal(states, np.where(facing > 0, 2, 1))
-
-
-def test_keypoints_before_the_viewplane_or_beyond_the_border_or_nan_are_not_labelled():
-    scene = fh.Scene()
-    scene.add(fh.Box((-0.1, -0.1, -1), (0.1, 0.1, 4.9)), name="beam")
-    points = {
-        "near": (0, 0, 4.6),
-        "tip": (0, 0, 4),
-        "aside": (9, 0, 0),
-        "behind": (0, 0, 6),
-        "unknown": (np.nan, 0, 0),
-    }
-    inner = Keypoints(points, tolerance=math.inf)
-    states = {}
-    for ray_start in ("eye", "viewplane"):
-        camera = seen_by(ray_start=ray_start, position=(0, 0, 5))
-        (beam,) = fh.annotate(scene, camera, keypoints={"beam": inner}).instances
-        states[ray_start] = [point.visibility for point in beam.keypoints]
-    assert states == {"eye": [2, 2, 0, 0, 0], "viewplane": [0, 2, 0, 0, 0]}
-
-
-def test_a_tolerance_is_for_rounded_points_and_what_is_inside():
-    camera = fh.Camera((0, 0, 5), (0, 0, -1), (0, 1, 0), 1, 1, 1, 50, 50, ray_start="eye")
-    scene = fh.Scene()
-    ball = scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
-    names = {"front": (0, 0, 1), "rounded": (0, 0, 0.9999), "middle": (0, 0, 0), "back": (0, 0, -1)}
-
-    def states(**words):
-        (one,) = fh.annotate(scene, camera, classes={"ball": "ball"}, **words).instances
-        return [point.visibility for point in one.keypoints]
-
-    for tolerance, expected in [(0, [2, 1, 1, 1]), (1e-3, [2, 2, 1, 1]), (math.inf, [2, 2, 2, 2])]:
-        given = Keypoints(names, tolerance=tolerance)
-        assert states(keypoints={ball: given}) == expected
-    scene.add(fh.Box((-2, -2, 2), (2, 0.001, 2.5)), name="wall")
-    assert states(keypoints={ball: Keypoints(names, tolerance=math.inf)}) == [1, 1, 1, 1]
-    # As if the wall were not there.
-    given = {"ball": Keypoints(names, frame="world", tolerance=1e-3)}
-    assert states(keypoints=given, objects="ball") == [2, 2, 1, 1]
+    scene.add(fh.Mesh(corners, [[0, 1, 2]]))
+    (one,) = fh.annotate(scene, fh.Camera.framing(scene, 10, 10)).instances
+    np.testing.assert_array_equal(one.box3d.in_object, [[0, 0, 0], [1, 1, 0]])
+    assert one.whole_pixels == one.amodal_pixels
 
 
 def test_wrong_arguments_are_refused_by_name():
@@ -446,12 +387,3 @@ def test_wrong_arguments_are_refused_by_name():
     ]:
         with pytest.raises(error, match=match):
             fh.annotate(scene, camera, **words)
-    for words, error, match in [
-        ({"points": [1]}, TypeError, "points must be a dict"),
-        ({"points": {"a": (1, 2)}}, ValueError, "keypoint 'a' must be three numbers"),
-        ({"points": {}, "frame": "camera"}, ValueError, "frame must be 'object' or 'world'"),
-        ({"points": {"a": (0, 0, 0)}, "skeleton": [("a", "b")]}, ValueError, "got 'b'"),
-        ({"points": {}, "tolerance": -1}, ValueError, "tolerance must be zero or more"),
-    ]:
-        with pytest.raises(error, match=match):
-            Keypoints(**words)

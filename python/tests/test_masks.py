@@ -36,6 +36,13 @@ def test_pycocotools_makes_the_same_run_lengths_boxes_and_areas():
     assert own.rle()["counts"].encode() == theirs["counts"]
 
 
+def test_slits_to_holes_go_along_the_edges_of_pixels():
+    for mask in random_masks():
+        for polygon in Mask.of(mask).polygons():
+            steps = np.roll(polygon, -1, axis=0) - polygon
+            assert ((steps == 0).sum(axis=1) == 1).all()
+
+
 @of_pycocotools
 @pytest.mark.parametrize("join", [False, True])
 def test_pycocotools_makes_exactly_the_mask_of_its_polygons(join):

@@ -170,9 +170,7 @@ class _Ways:
         """Return a way without the points on straight lines."""
         way, at = [self._points[first]], self._after[first]
         while at != first:
-            # Parts that touch by a corner are joined there.
-            if self._points[at] != way[-1]:
-                way.append(self._points[at])
+            way.append(self._points[at])
             at = self._after[at]
         places = np.array(way, np.float64)
         come, go = places - np.roll(places, 1, axis=0), np.roll(places, -1, axis=0) - places
