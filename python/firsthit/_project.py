@@ -60,9 +60,34 @@ def picture(camera: Camera) -> Reach:
     return Reach(0, 0, camera.columns, camera.rows)
 
 
-def has_viewplane(camera: Camera) -> bool:
-    """Tell whether the picture is flat, so that it can be continued beyond its border."""
-    return camera.projection in ("perspective", "orthographic")
+class Plane(NamedTuple):
+    """How a flat picture goes on beyond its border.
+
+    With x to the right and y down, in the camera's frame and for a perspective camera divided by z,
+    the pixel is ``(fx * x + skew * y + cx, fy * y + cy)``.
+    """
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    skew: float
+
+
+def plane(camera: Camera) -> Plane | None:
+    """Return how the picture goes on; ``None`` for one that is not flat."""
+    k = intrinsic_matrix(camera)
+    if k is not None:
+        return Plane(k[0, 0], k[1, 1], k[0, 2], k[1, 2], k[0, 1])
+    if camera.projection != "orthographic":
+        return None
+    across, down = _pixels_per_length(camera)
+    return Plane(across, down, 0.5 * camera.columns, 0.5 * camera.rows, 0.0)
+
+
+def sees_everything(camera: Camera) -> bool:
+    """Tell whether all directions are in the picture, which then has no border."""
+    return camera.projection == "equirectangular"
 
 
 def world_from_camera(camera: Camera) -> Floats:
@@ -152,68 +177,61 @@ def starts_towards(camera: Camera, points: Floats) -> Floats:
     return np.where(z > near, starts, np.nan)
 
 
-def rays_at(camera: Camera, pixels: Floats) -> tuple[Floats, Floats]:
-    """Return the rays through points of the picture's plane, which go on beyond its border.
+def rays_at(camera: Camera, flat: Plane, pixels: Floats) -> tuple[Floats, Floats]:
+    """Return the rays through points of a flat picture's plane, (..., 2), beyond its border too.
 
-    Only for cameras with a viewplane. Within the picture the camera's own rays are exact; these are
-    the same but for rounding.
+    Within the picture the camera's own rays are exact; these are the same but for rounding.
     """
-    across, down = _pixels_per_length(camera)
-    x = (pixels[..., :1] - 0.5 * camera.columns) / across
-    y = (pixels[..., 1:] - 0.5 * camera.rows) / down
+    y = (pixels[..., 1:] - flat.cy) / flat.fy
+    x = (pixels[..., :1] - flat.cx - flat.skew * y) / flat.fx
     beside = x * camera.right - y * camera.upwards
     ahead = np.broadcast_to(camera.aim, beside.shape)
-    place = camera.position
+    near, place = _nearest_z(camera), camera.position
     if camera.projection == "orthographic":
-        return place + beside + _nearest_z(camera) * ahead, ahead
-    way = beside + _focal_length(camera) * ahead
-    start = place if camera.ray_start == "eye" else place + way
-    return (
-        np.broadcast_to(start, way.shape),
-        way / np.linalg.norm(way, axis=-1, keepdims=True),
-    )
+        return place + beside + near * ahead, ahead
+    way = beside + ahead
+    return place + near * way, way / np.linalg.norm(way, axis=-1, keepdims=True)
 
 
-def reach(camera: Camera, box: Floats) -> Reach | None:
-    """Return pixels outside which no ray of the continued picture meets what is in a box.
+def reach(camera: Camera, flat: Plane, box: Floats) -> Reach | None:
+    """Return pixels outside which no ray of a flat picture's plane meets what is in a box.
 
     Parameters
     ----------
     camera : Camera
         The camera.
+    flat : Plane
+        How its picture goes on.
     box : (2, 3) array of float64
-        Its low and high corner in OpenCV's axes of the camera.
+        The box's low and high corner in OpenCV's axes of the camera.
 
     Returns
     -------
     Reach or None
-        ``None`` where there is no end to it: for a box that reaches the eye's plane, for an
-        infinite one, and for projections that are not flat.
+        ``None`` where there is no end to it: for a box that reaches the eye's plane, and for an
+        infinite one.
     """
-    if not has_viewplane(camera):
-        return None
     near = _nearest_z(camera)
-    (left, top, closest), (right, bottom, farthest) = box
+    closest, farthest = max(box[0, 2], near), box[1, 2]
     if farthest <= near:
         return Reach(0, 0, 0, 0)
+    sides = np.array([[x, y] for x in box[:, 0] for y in box[:, 1]])
     if camera.projection == "perspective":
-        closest = max(closest, near)
         if closest <= 0.0:
             return None
-        focal = _focal_length(camera)
-        ends = focal / closest, focal / farthest
         # Of an infinite box numbers may come out as NaN, which is no end either.
         with np.errstate(invalid="ignore"):
-            left, right = min(left * end for end in ends), max(right * end for end in ends)
-            top, bottom = min(top * end for end in ends), max(bottom * end for end in ends)
-    across, down = _pixels_per_length(camera)
-    edges = np.array([left * across, top * down, right * across, bottom * down])
-    edges += 0.5 * np.array([camera.columns, camera.rows] * 2)
+            sides = np.concatenate((sides / closest, sides / farthest))
+    with np.errstate(invalid="ignore"):
+        u = flat.fx * sides[:, 0] + flat.skew * sides[:, 1] + flat.cx
+        v = flat.fy * sides[:, 1] + flat.cy
+    edges = np.array([u.min(), v.min(), u.max(), v.max()])
     if not (np.abs(edges) < _MOST_PIXELS).all():
         return None
     # A pixel more on each side than rounding could ask for.
-    first, last = np.floor(edges[:2]).astype(int) - 1, np.ceil(edges[2:]).astype(int) + 1
-    return Reach(int(first[0]), int(first[1]), int(last[0]), int(last[1]))
+    left, top = (np.floor(edges[:2]).astype(int) - 1).tolist()
+    right, bottom = (np.ceil(edges[2:]).astype(int) + 1).tolist()
+    return Reach(left, top, right, bottom)
 
 
 def _focal_length(camera: Camera) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._arrays import CHUNK, chunks, threads_or_all
 from firsthit._filters import Filters
-from firsthit._project import Reach, has_viewplane, picture, rays_at, reach
+from firsthit._project import Plane, Reach, picture, plane, rays_at, reach, sees_everything
 from firsthit._rays import Rays
 
 from ._mask import Mask
@@ -68,20 +68,21 @@ def silhouette(
     Silhouette
         By a ray for each pixel that the box could be in, as if nothing else were there.
     """
-    whole = picture(camera)
-    span = reach(camera, box)
+    whole, flat = picture(camera), plane(camera)
+    span = None if flat is None else reach(camera, flat, box)
     inside = whole if span is None else span.within(whole)
 
     def alone(rays: tuple[Floats, Floats]) -> Bools:
         return _met(built, objects, *rays, threads)
 
     mask = _of_picture(camera, inside, alone)
-    if not has_viewplane(camera):
-        # All directions are in the picture.
+    if sees_everything(camera):
         return Silhouette(mask, mask.pixels, mask.box, 0.0 if mask.pixels else math.nan)
+    if flat is None:
+        return Silhouette(mask, None, None, math.nan)
     if span is None:
         return Silhouette(mask, None, None, 1.0)
-    return _beyond(camera, mask, span, alone)
+    return _beyond(camera, flat, mask, span, alone)
 
 
 def _of_picture(camera: Camera, part: Reach, alone: _Alone) -> Mask:
@@ -102,7 +103,7 @@ def _of_picture(camera: Camera, part: Reach, alone: _Alone) -> Mask:
     return Mask.of(found, shape=shape, row=part.top, column=part.left)
 
 
-def _beyond(camera: Camera, mask: Mask, span: Reach, alone: _Alone) -> Silhouette:
+def _beyond(camera: Camera, flat: Plane, mask: Mask, span: Reach, alone: _Alone) -> Silhouette:
     """Return the silhouette of which the mask is the part in the picture."""
     whole, inner = picture(camera), span.within(picture(camera))
     # Above and below the picture, and to the left and right of it between these.
@@ -125,7 +126,7 @@ def _beyond(camera: Camera, mask: Mask, span: Reach, alone: _Alone) -> Silhouett
         grid = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
         if len(grid) == 0:
             continue
-        met = grid[alone(rays_at(camera, grid.astype(np.float64) + 0.5))]
+        met = grid[alone(rays_at(camera, flat, grid.astype(np.float64) + 0.5))]
         beyond += len(met) * step**2
         if len(met):
             corners += [tuple(met.min(axis=0).tolist()), tuple((met.max(axis=0) + 1).tolist())]
