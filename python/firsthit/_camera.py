@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import _firsthit
-from ._arrays import count, number, text, vector
+from . import _colmap, _conventions, _firsthit
+from ._arrays import count, index, number, numbers, text, vector, vectors
+from ._colmap import ColmapCamera
+from ._conventions import OpenCvCamera
 
 if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping
+
     import numpy.typing as npt
 
     from ._traceable import Traceable
-    from ._types import Projection, RayStart, Vector, ViewName
+    from ._types import Convention, FisheyeName, Projection, RayStart, Vector, ViewName
+
+#: The projections with a viewplane.
+_FLAT = ("perspective", "orthographic")
+#: A viewplane's numbers that are arguments of their own.
+_LENGTHS = ("focal_length", "width", "height")
 
 
 class Camera:
@@ -37,19 +48,57 @@ class Camera:
         Size of the viewplane; ``None`` for a projection without a viewplane.
     rows, columns : int
         Pixels down and across.
-    projection : {"perspective", "orthographic", "equirectangular"}
-        Perspective rays go from the position through the viewplane, orthographic ones are parallel
-        to the aim, and equirectangular ones go in all directions: see `equirectangular`.
+    projection : str
+        How rays are made: ``perspective`` rays go from the position through the viewplane,
+        ``orthographic`` ones are parallel to the aim. The others have no viewplane; the notes list
+        them.
     ray_start : {"viewplane", "eye"}
         Where rays start, and ``t`` is 0. Rays that start on the viewplane do not meet what is
-        between it and the eye. Equirectangular rays start at the eye.
+        between it and the eye. Without a viewplane they start at the eye.
+    parameters : mapping of str to float, optional
+        The other numbers of the projection, which the notes list.
 
     Raises
     ------
     ValueError
         For a value that makes no sense, with its name: a zero direction, ``up`` parallel to
-        ``aim``, a length that is not positive, no pixels, numbers that are not finite, lengths or a
-        ``ray_start`` that do not fit the projection.
+        ``aim``, a length that is not positive, no pixels, numbers that are not finite, lengths, a
+        ``ray_start`` or parameters that do not fit the projection.
+
+    Notes
+    -----
+    Pixel coordinates count columns to the right and rows down from the picture's upper left corner:
+    the centre of the first pixel is at (0.5, 0.5). Angles of fields of view and tilts are in
+    degrees. ``docs/cameras.md`` has the formulas and their sources.
+
+    ======================== ===================================================================
+    projection               parameters
+    ======================== ===================================================================
+    ``perspective``          ``shift_x``, ``shift_y``: from where the aim meets the viewplane to
+                             its middle, to the right and upwards; ``tilt_x``, ``tilt_y``: how it
+                             is turned; ``skew``
+    ``orthographic``         ``shift_x``, ``shift_y``, ``skew``
+    ``equirectangular``      ``horizontal_fov``, ``vertical_fov``
+    ``cylindrical``          the same
+    ``cube_map``             none; the picture's shape says how the faces lie
+    ``octahedral``           none
+    all below                ``fx``, ``fy``, ``cx``, ``cy``, ``skew``: the intrinsic matrix, and:
+    ``opencv``               ``k1`` to ``k6``, ``p1``, ``p2``, ``s1`` to ``s4``, ``tau_x``,
+                             ``tau_y``
+    ``opencv_fisheye``       ``k1`` to ``k4``
+    ``kannala_brandt``       ``k1`` to ``k5``
+    ``double_sphere``        ``xi``, ``alpha``
+    ``eucm``                 ``alpha``, ``beta``
+    ``ucm``                  ``alpha``
+    ``mei``                  ``xi``, ``k1``, ``k2``, ``p1``, ``p2``
+    ``equidistant``,         ``fov``, beyond which nothing is seen
+    ``equisolid``,
+    ``stereographic``,
+    ``orthographic_fisheye``
+    ======================== ===================================================================
+
+    A pixel that no direction is seen at, beyond a fold of the distortion or outside a fisheye's
+    circle, has a ray of NaN, which is a miss; the channel ``valid`` is false there.
 
     Examples
     --------
@@ -73,9 +122,10 @@ class Camera:
         columns: int,
         projection: Projection = "perspective",
         ray_start: RayStart = "viewplane",
+        parameters: Mapping[str, float] | None = None,
     ) -> None:
         lengths = {"focal_length": focal_length, "width": width, "height": height}
-        has_viewplane = text("projection", projection) != "equirectangular"
+        has_viewplane = text("projection", projection) in _FLAT
         for name, length in lengths.items():
             if has_viewplane != (length is not None):
                 how = "given with" if has_viewplane else "None with"
@@ -84,39 +134,67 @@ class Camera:
             raise ValueError(
                 f"ray_start must be eye with projection {projection}, got {ray_start!r}"
             )
-        self._arguments = (
+        given = _parameters(parameters)
+        for name, length in lengths.items():
+            if name in given:
+                raise ValueError(f"{name} is an argument of its own, not one of parameters")
+            if length is not None:
+                given[name] = number(name, length)
+        native = _firsthit.Camera(
             vector("position", position),
             vector("aim", aim),
             vector("up", up),
-            _length("focal_length", focal_length),
-            _length("width", width),
-            _length("height", height),
-            count("rows", rows),
-            count("columns", columns),
+            (count("rows", rows), count("columns", columns)),
             text("projection", projection),
             text("ray_start", ray_start),
+            list(given.items()),
+            False,
         )
-        self._native, self._is_taken = self._made(again=False), False
+        self._take(native, vector("aim", aim))
 
     _native: _firsthit.Camera
+    #: Position, aim as it was given, up; rows and columns; projection and ray start; parameters.
+    _arguments: tuple[
+        Vector,
+        Vector,
+        Vector,
+        tuple[int, int],
+        tuple[Projection, RayStart],
+        tuple[tuple[str, float], ...],
+    ]
     #: Whether the arguments were taken from a camera: its aim is then to stay as it is, bit by bit.
     _is_taken: bool
 
-    def _made(self, *, again: bool) -> _firsthit.Camera:
-        where, aimed, upward, focal, wide, high, down, across, kind, start = self._arguments
-        # A projection without a viewplane has no use for these.
-        size = 1.0 if wide is None else wide, 1.0 if high is None else high
-        focal = 1.0 if focal is None else focal
-        return _firsthit.Camera(
-            where, aimed, upward, focal, size, (down, across), str(kind), str(start), again
-        )
+    def _take(self, native: _firsthit.Camera, aim: Vector | None = None) -> None:
+        """Become the camera that the native half made."""
+        (where, own_aim, up), pixels, words, parameters = native.view()
+        aimed = vector("aim", own_aim) if aim is None else aim
+        position, upwards = vector("position", where), vector("up", up)
+        self._arguments = (position, aimed, upwards, pixels, words, tuple(parameters))
+        self._native, self._is_taken = native, aim is None
+
+    @classmethod
+    def _of(cls, native: _firsthit.Camera) -> Camera:
+        camera = cls.__new__(cls)
+        camera._take(native)
+        return camera
 
     @classmethod
     def _again(cls, view: _firsthit._View) -> Camera:
         """Return the camera from which the view was taken."""
-        vectors, lengths, pixels, words = view
-        position, aim, up = (vector("view", each) for each in vectors)
-        return _taken(cls, position, aim, up, *lengths, *pixels, *words)
+        vectors_, pixels, words, parameters = view
+        return _taken(cls, *(vector("view", each) for each in vectors_), pixels, words, parameters)
+
+    @classmethod
+    def _given(cls, view: _firsthit._View) -> Camera:
+        """Return the camera of a view that was taken from none."""
+        (position, aim, up), pixels, words, parameters = view
+        aimed = vector("view", aim)
+        camera = cls.__new__(cls)
+        where, upwards = vector("view", position), vector("view", up)
+        native = _firsthit.Camera(where, aimed, upwards, pixels, *words, parameters, False)
+        camera._take(native, aimed)
+        return camera
 
     @classmethod
     def look_at(
@@ -183,8 +261,11 @@ class Camera:
         up: npt.ArrayLike,
         rows: int,
         columns: int,
+        *,
+        horizontal_fov: float = 360.0,
+        vertical_fov: float = 180.0,
     ) -> Camera:
-        """Make a camera for panoramas, which sees the whole sphere.
+        """Make a camera for panoramas, which sees the whole sphere unless told otherwise.
 
         The aim is in the middle of the picture. Longitude is linear in the columns, from -180
         degrees at the left edge to 180 at the right one. Latitude is linear in the rows, from 90
@@ -198,6 +279,8 @@ class Camera:
             The directions of the picture's middle and of up, of any length but zero; not parallel.
         rows, columns : int
             Pixels down and across; twice as many columns as rows make square pixels at the horizon.
+        horizontal_fov, vertical_fov : float
+            Degrees from edge to edge: up to 360 and 180.
 
         Returns
         -------
@@ -216,8 +299,391 @@ class Camera:
         >>> camera.rays()[1][0, 1].round(3)
         array([-0.5  ,  0.5  ,  0.707])
         """
+        parameters = {"horizontal_fov": horizontal_fov, "vertical_fov": vertical_fov}
+        lengths, kind = (None, None, None), "equirectangular"
+        return cls(position, aim, up, *lengths, rows, columns, kind, "eye", parameters)
+
+    @classmethod
+    def fisheye(
+        cls,
+        position: npt.ArrayLike,
+        aim: npt.ArrayLike,
+        up: npt.ArrayLike,
+        fov_degrees: float,
+        rows: int,
+        columns: int,
+        projection: FisheyeName = "equidistant",
+    ) -> Camera:
+        """Make a fisheye whose field of view is a circle that touches the picture's longer edges.
+
+        Parameters
+        ----------
+        position : (3,) array_like
+            The point, in world space, where the camera is.
+        aim, up : (3,) array_like
+            The directions of the picture's middle and of up, of any length but zero; not parallel.
+        fov_degrees : float
+            The field of view: up to 360 degrees, below 360 of ``stereographic``, up to 180 of
+            ``orthographic_fisheye``. What is beyond it is not seen.
+        rows, columns : int
+            Pixels down and across.
+        projection : {"equidistant", "equisolid", "stereographic", "orthographic_fisheye"}
+            The distance from the middle as a function of the angle a to the aim: a,
+            2 sin(a / 2), 2 tan(a / 2), sin(a).
+
+        Returns
+        -------
+        Camera
+            Its rays start at ``position``.
+
+        Raises
+        ------
+        ValueError
+            For a field of view that the projection does not reach, directions that do not fit, no
+            pixels, and numbers that are not finite.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.fisheye((0, 0, 0), (0, 0, 1), (0, 1, 0), 180, rows=9, columns=9)
+        >>> camera.project((1, 0, 1)).round(3)  # Half of the way to the left edge.
+        array([2.25, 4.5 ])
+        """
+        pixels = count("rows", rows), count("columns", columns)
+        kind, degrees = text("projection", projection), number("fov_degrees", fov_degrees)
+        given = dict(_firsthit.Camera.with_fov(kind, degrees, pixels))
         lengths = None, None, None
-        return cls(position, aim, up, *lengths, rows, columns, "equirectangular", "eye")
+        return cls(position, aim, up, *lengths, *pixels, projection, "eye", given)
+
+    @classmethod
+    def from_intrinsics(
+        cls,
+        K: npt.ArrayLike,  # noqa: N803 - what everyone calls it
+        *,
+        rows: int,
+        columns: int,
+        convention: Convention,
+        pose: npt.ArrayLike | None = None,
+        projection: Projection = "perspective",
+        parameters: Mapping[str, float] | None = None,
+    ) -> Camera:
+        """Make a camera from an intrinsic matrix and a pose, as another program writes them.
+
+        Parameters
+        ----------
+        K : (3, 3) or (4,) array_like
+            The intrinsic matrix, upper triangular with (0, 0, 1) as its last row; or its
+            (fx, fy, cx, cy). In pixels.
+        rows, columns : int
+            Pixels down and across.
+        convention : str
+            Whose words these are; it is never guessed. The table below says what each means.
+        pose : (4, 4) or (3, 4) array_like, optional
+            The pose, without a scale or a mirror; the identity if left out.
+        projection : str
+            ``perspective``, or one with distortion, such as ``opencv``.
+        parameters : mapping of str to float, optional
+            Those of the distortion, as `Camera` lists them.
+
+        Returns
+        -------
+        Camera
+            Its rays start at the eye.
+
+        Raises
+        ------
+        ValueError
+            For matrices of another shape or kind, an unknown convention, a focal length that is not
+            positive, and what `Camera` refuses.
+
+        Notes
+        -----
+        ==============  ======================  ==============================  ================
+        convention      the camera's x, y, z    the pose takes                  first pixel at
+        ==============  ======================  ==============================  ================
+        ``opencv``      right, down, forwards   the world to the camera         (0, 0)
+        ``colmap``      right, down, forwards   the world to the camera         (0.5, 0.5)
+        ``ros``         right, down, forwards   the camera to the world         (0, 0)
+        ``opengl``      right, up, backwards    the camera to the world         (0.5, 0.5)
+        ``blender``     right, up, backwards    the camera to the world         (0.5, 0.5)
+        ``gltf``        right, up, backwards    the camera to the world         (0.5, 0.5)
+        ``nerfstudio``  right, up, backwards    the camera to the world         (0.5, 0.5)
+        ``pytorch3d``   left, up, forwards      the world to the camera, rows   (0.5, 0.5)
+        ==============  ======================  ==============================  ================
+
+        The last column is the place of the first pixel's centre in the coordinates that K gives.
+        PyTorch3D's matrix is applied to rows, so its translation is in the last row.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.from_intrinsics([500, 500, 319.5, 239.5], rows=480, columns=640,
+        ...                                    convention="opencv")
+        >>> camera.aim.tolist(), camera.project((0, 0, 2)).tolist()
+        ([0.0, 0.0, 1.0], [320.0, 240.0])
+        """
+        native = _firsthit.Camera.from_intrinsics(
+            _conventions.intrinsics(K),
+            _conventions.pose4(pose),
+            text("convention", convention),
+            (count("rows", rows), count("columns", columns)),
+            text("projection", projection),
+            list(_parameters(parameters).items()),
+        )
+        return cls._of(native)
+
+    @classmethod
+    def from_opencv(
+        cls,
+        K: npt.ArrayLike,  # noqa: N803 - what everyone calls it
+        distortion: npt.ArrayLike | None = None,
+        rvec: npt.ArrayLike | None = None,
+        tvec: npt.ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        R: npt.ArrayLike | None = None,  # noqa: N803 - what everyone calls it
+        rows: int,
+        columns: int,
+        model: str = "pinhole",
+        xi: float = 0.0,
+    ) -> Camera:
+        """Make the camera whose pictures OpenCV's functions describe.
+
+        A point of the world that a ray of this camera meets is one that ``cv2.projectPoints``, or
+        ``cv2.fisheye.projectPoints`` or ``cv2.omnidir.projectPoints``, puts at that pixel.
+
+        Parameters
+        ----------
+        K : (3, 3) or (4,) array_like
+            The camera matrix, or its (fx, fy, cx, cy), in which the centre of the first pixel is at
+            (0, 0).
+        distortion : array_like, optional
+            OpenCV's coefficients in its order: 4, 5, 8, 12 or 14 of them; 4 of the other models.
+        rvec : (3,) array_like, optional
+            The rotation from the world to the camera as axis times angle in radians.
+        tvec : (3,) array_like
+            The translation from the world to the camera.
+        R : (3, 3) array_like, optional
+            The rotation as a matrix, instead of ``rvec``. Without both the camera is not turned.
+        rows, columns : int
+            Pixels down and across.
+        model : {"pinhole", "fisheye", "omnidir"}
+            Whose coefficients these are.
+        xi : float
+            That of ``cv2.omnidir``.
+
+        Returns
+        -------
+        Camera
+            Its rays start at the eye.
+
+        Raises
+        ------
+        ValueError
+            For both ``rvec`` and ``R``, other numbers of coefficients, and what `from_intrinsics`
+            refuses.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.from_opencv([600, 600, 320, 240], (-0.2, 0.05, 0, 0),
+        ...                                rows=480, columns=640)
+        >>> camera.projection
+        'opencv'
+        """
+        named = _conventions.coefficients(distortion, model, xi)
+        kind: Projection = "perspective"
+        if model == "fisheye":
+            kind = "opencv_fisheye"
+        elif model == "omnidir":
+            kind = "mei"
+        elif any(named.values()):
+            kind = "opencv"
+        else:
+            named = {}
+        turned = np.eye(3)
+        if rvec is not None or R is not None:
+            turned = _conventions.rotation_of(rvec, R)
+        moved = numbers("tvec", tvec)
+        moved = np.array(vector("tvec", moved.ravel() if moved.size == 3 else moved))
+        return cls.from_intrinsics(
+            K,
+            rows=rows,
+            columns=columns,
+            convention="opencv",
+            pose=np.column_stack([turned, moved]),
+            projection=kind,
+            parameters=named,
+        )
+
+    @classmethod
+    def from_colmap(
+        cls, cameras: str | os.PathLike[str], images: str | os.PathLike[str]
+    ) -> dict[str, Camera]:
+        """Read the cameras of a COLMAP reconstruction.
+
+        Parameters
+        ----------
+        cameras, images : path-like
+            ``cameras.txt`` and ``images.txt``, or ``cameras.bin`` and ``images.bin``.
+
+        Returns
+        -------
+        dict of str to Camera
+            A camera for each image, by the image's name, in the order of the file.
+
+        Raises
+        ------
+        FileReadError
+            If the system refuses to read a file; also an `OSError`.
+        FileFormatError
+            For what no such file has, and for a model that is not known, with its name; also a
+            `ValueError`.
+        """
+        known, made = _colmap.read_cameras(cameras), {}
+        for image in _colmap.read_images(images):
+            if image.camera not in known:
+                raise _colmap._wrong(
+                    images, f"image {image.name!r}: there is no camera {image.camera}"
+                )
+            numbers_ = known[image.camera]
+            made[image.name] = cls.from_intrinsics(
+                numbers_.matrix,
+                rows=numbers_.rows,
+                columns=numbers_.columns,
+                convention="colmap",
+                pose=np.array(image.matrix),
+                projection=numbers_.projection,  # type: ignore[arg-type]
+                parameters=dict(numbers_.parameters),
+            )
+        return made
+
+    @classmethod
+    def from_projection_matrix(
+        cls,
+        P: npt.ArrayLike,  # noqa: N803 - what everyone calls it
+        *,
+        rows: int,
+        columns: int,
+        view: npt.ArrayLike | None = None,
+        convention: Convention = "opencv",
+    ) -> Camera:
+        """Make a camera from a projection matrix.
+
+        Parameters
+        ----------
+        P : (3, 4) or (4, 4) array_like
+            A 3 x 4 matrix takes points of the world to pixels, ``K [R | t]``, up to its scale. A
+            4 x 4 one is OpenGL's, applied to columns: from the camera's coordinates (right, up,
+            backwards) to clip space. Its near and far planes count for nothing: rays start at the
+            eye.
+        rows, columns : int
+            Pixels down and across.
+        view : (4, 4) array_like, optional
+            With a 4 x 4 ``P``: OpenGL's view matrix, which takes the world to the camera. The
+            identity if left out.
+        convention : {"opencv", "colmap"}
+            With a 3 x 4 ``P``: where it puts the first pixel's centre, at (0, 0) or (0.5, 0.5).
+
+        Returns
+        -------
+        Camera
+            A perspective one, or of an orthographic ``P`` an orthographic one.
+
+        Raises
+        ------
+        ValueError
+            For a matrix that is no projection of this kind.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.from_projection_matrix(
+        ...     [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]], rows=10, columns=10)
+        >>> camera.aim.tolist(), camera.focal_length / camera.width
+        ([0.0, 0.0, -1.0], 1.0)
+        """
+        matrix = numbers("P", P).astype(np.float64)
+        if matrix.shape == (3, 4):
+            if view is not None:
+                raise ValueError("view is for a 4 x 4 P; a 3 x 4 one has the pose in it")
+            if convention not in ("opencv", "colmap"):
+                raise ValueError(f"convention must be opencv or colmap, got {convention!r}")
+            k, pose = _conventions.decomposed(matrix)
+            return cls.from_intrinsics(
+                k, rows=rows, columns=columns, convention=convention, pose=pose
+            )
+        if matrix.shape != (4, 4):
+            raise ValueError(f"P must be a 3 x 4 or 4 x 4 matrix, got shape {matrix.shape}")
+        down, across = count("rows", rows, 1), count("columns", columns, 1)
+        says = _conventions.of_gl_projection(matrix, down, across)
+        seen = np.array(_conventions.pose4(view))
+        try:
+            world = np.linalg.inv(seen)
+        except np.linalg.LinAlgError:
+            raise ValueError("view must have an inverse") from None
+        if "K" in says:
+            return cls.from_intrinsics(
+                says["K"], rows=down, columns=across, convention="opengl", pose=world
+            )
+        base = cls.from_intrinsics(
+            np.eye(3), rows=down, columns=across, convention="opengl", pose=world
+        )
+        shifts = {name: says[name] for name in ("shift_x", "shift_y")}
+        return cls(
+            base.position,
+            base.aim,
+            base.up,
+            1.0,
+            says["width"],
+            says["height"],
+            down,
+            across,
+            "orthographic",
+            "eye",
+            shifts,
+        )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Camera:
+        """Read the camera that made an output from what the output says of itself.
+
+        Parameters
+        ----------
+        path : path-like
+            A picture or a point cloud that firsthit wrote, of any kind: ``docs/outputs.md``.
+
+        Returns
+        -------
+        Camera
+            The camera, bit for bit: it makes the same picture. Of a region, it is the camera of the
+            whole.
+
+        Raises
+        ------
+        ValueError
+            For a file that does not say which camera made it.
+        FileReadError, FileFormatError
+            As `Frame.load`.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> camera = fh.Camera.framing(scene, rows=30, columns=40)
+        >>> fh.render(scene, camera, channels="z").save("z.npz")
+        >>> fh.Camera.load("z.npz") == camera
+        True
+        """
+        # Frames import cameras' types.
+        from ._frame import read_metadata
+
+        said = read_metadata(path)
+        record = None if said is None else said.get("camera")
+        if record is None:
+            raise ValueError(f"{path} does not say which camera made it")
+        return cls._of(_firsthit.Camera.of_record(json.dumps(record)))
 
     @classmethod
     def framing(
@@ -304,37 +770,250 @@ class Camera:
     @property
     def focal_length(self) -> float | None:
         """Distance to the viewplane, in scene units; ``None`` for a projection without one."""
-        return self._arguments[3]
+        return self._length("focal_length")
 
     @property
     def width(self) -> float | None:
         """Width of the viewplane, in scene units; ``None`` for a projection without one."""
-        return self._arguments[4]
+        return self._length("width")
 
     @property
     def height(self) -> float | None:
         """Height of the viewplane, in scene units; ``None`` for a projection without one."""
-        return self._arguments[5]
+        return self._length("height")
+
+    def _length(self, name: str) -> float | None:
+        return self.parameters[name] if self.projection in _FLAT else None
 
     @property
     def rows(self) -> int:
         """Pixels down."""
-        return self._arguments[6]
+        return self._arguments[3][0]
 
     @property
     def columns(self) -> int:
         """Pixels across."""
-        return self._arguments[7]
+        return self._arguments[3][1]
 
     @property
     def projection(self) -> Projection:
-        """``perspective``, ``orthographic`` or ``equirectangular``."""
-        return self._arguments[8]
+        """How rays are made: one of those that `Camera` lists."""
+        return self._arguments[4][0]
 
     @property
     def ray_start(self) -> RayStart:
         """``viewplane`` or ``eye``."""
-        return self._arguments[9]
+        return self._arguments[4][1]
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All numbers of the projection by their names, also of the viewplane: a copy."""
+        return dict(self._arguments[5])
+
+    @property
+    def intrinsic_matrix(self) -> npt.NDArray[np.float64] | None:
+        """The intrinsic matrix K, (3, 3) float64; ``None`` for a projection without one.
+
+        For the camera's coordinates x to the right, y down, z forwards; the centre of the first
+        pixel is at (0.5, 0.5), as in COLMAP. Distortion comes before it. `to_opencv` gives
+        OpenCV's.
+        """
+        k, _ = self._native.matrices("colmap")
+        return None if k is None else np.array(k)
+
+    @property
+    def world_from_camera(self) -> npt.NDArray[np.float64]:
+        """The pose, (4, 4) float64: from right, up and backwards to the world."""
+        return np.array(self._native.matrices("opengl")[1])
+
+    def to_convention(
+        self, convention: Convention
+    ) -> tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64]]:
+        """Return the intrinsic matrix and the pose as another program writes them.
+
+        Parameters
+        ----------
+        convention : str
+            As for `from_intrinsics`, which takes both back.
+
+        Returns
+        -------
+        K : (3, 3) array of float64, or None
+            ``None`` where there is none, as for parallel rays and panoramas.
+        pose : (4, 4) array of float64
+            The matrix of the pose.
+        """
+        k, pose = self._native.matrices(text("convention", convention))
+        return None if k is None else np.array(k), np.array(pose)
+
+    def to_opencv(self) -> OpenCvCamera:
+        """Return the camera as OpenCV's functions take it.
+
+        Returns
+        -------
+        OpenCvCamera
+            ``K``, ``distortion``, ``rvec``, ``tvec``, ``R``, ``model`` and ``xi``.
+
+        Raises
+        ------
+        ValueError
+            For a projection that OpenCV does not have.
+        """
+        names = {
+            "perspective": ("pinhole", ()),
+            "opencv": ("pinhole", _conventions.OPENCV),
+            "opencv_fisheye": ("fisheye", _conventions.FISHEYE),
+            "mei": ("omnidir", _conventions.OMNIDIR),
+        }
+        k, pose = self.to_convention("opencv")
+        if k is None or self.projection not in names:
+            raise ValueError(f"OpenCV has no such camera: {self.projection}")
+        if k[0, 1] != 0.0 and self.projection in ("perspective", "opencv"):
+            raise ValueError(f"cv2.projectPoints takes no skew, got {k[0, 1]}")
+        (model, order), values = names[self.projection], self.parameters
+        distortion = np.array([values[name] for name in order])
+        turned = pose[:3, :3]
+        rvec = _conventions.rotation_vector(turned)
+        xi = values.get("xi", 0.0) if model == "omnidir" else 0.0
+        return OpenCvCamera(k, distortion, rvec, pose[:3, 3], turned, model, xi)
+
+    def to_colmap(self) -> ColmapCamera:
+        """Return the camera as COLMAP's files have it.
+
+        Returns
+        -------
+        ColmapCamera
+            The model, its parameters, and the pose; it writes lines of the text files.
+
+        Raises
+        ------
+        ValueError
+            For a camera that COLMAP has no model for.
+        """
+        return _colmap.from_camera(self)
+
+    def to_opengl(
+        self, near: float, far: float
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Return OpenGL's projection and view matrices.
+
+        Parameters
+        ----------
+        near, far : float
+            The distances of the planes between which OpenGL keeps what it draws; positive, and
+            ``far`` may be infinite.
+
+        Returns
+        -------
+        projection, view : (4, 4) array of float64
+            Applied to columns: ``projection @ view @ (x, y, z, 1)`` is in clip space.
+
+        Raises
+        ------
+        ValueError
+            For a camera other than a perspective one without tilt, and for other planes.
+        """
+        k, pose = self.to_convention("opengl")
+        if k is None or self.projection != "perspective":
+            raise ValueError(f"OpenGL has no such camera: {self.projection}")
+        planes = number("near", near), number("far", far)
+        return _conventions.gl_projection(k, self.rows, self.columns, *planes), np.linalg.inv(pose)
+
+    def project(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Say where in the picture points are seen, whether or not anything hides them.
+
+        Parameters
+        ----------
+        points : (..., 3) array_like
+            Points in world space.
+
+        Returns
+        -------
+        (..., 2) array of float64
+            Columns from the picture's left edge and rows from its upper edge: the centre of the
+            first pixel is (0.5, 0.5), and what is beyond the edges has places there. NaN where the
+            projection sees no such direction, as behind a pinhole or beyond a fold.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.look_at((0, -5, 0), (0, 0, 0), (0, 0, 1), 90, rows=480, columns=640)
+        >>> camera.project([(0, 0, 0), (0, -9, 0)])
+        array([[320., 240.],
+               [ nan,  nan]])
+        """
+        given = vectors("points", points)
+        flat_points = np.ascontiguousarray(given, np.float64).reshape(-1)
+        return self._native.project(flat_points).reshape((*given.shape[:-1], 2))
+
+    def crop(
+        self,
+        rows: slice | tuple[int, int] | tuple[slice, slice],
+        columns: slice | tuple[int, int] | None = None,
+    ) -> Camera:
+        """Make the camera of a part of the picture; its intrinsic matrix follows.
+
+        Parameters
+        ----------
+        rows, columns : slice or pair of int
+            From and to, without steps, as NumPy counts them; or both in one, as
+            ``np.s_[100:200, :]``.
+
+        Returns
+        -------
+        Camera
+            Its rays are those of the part, but for rounding; `render` with a ``region`` gives the
+            same bits.
+
+        Raises
+        ------
+        ValueError
+            For an empty part or one beyond the picture, steps, and a projection without an
+            intrinsic matrix other than ``orthographic``.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.from_intrinsics([50, 50, 32, 24], rows=48, columns=64,
+        ...                                    convention="colmap")
+        >>> camera.crop(slice(4, 40), slice(8, 60)).intrinsic_matrix[:2, 2]
+        array([24., 20.])
+        """
+        if columns is None:
+            if not isinstance(rows, tuple) or len(rows) != 2 or not isinstance(rows[0], slice):
+                raise ValueError("crop takes rows and columns, or both as np.s_[rows, columns]")
+            rows, columns = rows
+        top, bottom = _span("rows", rows, self.rows)
+        left, right = _span("columns", columns, self.columns)
+        return self._of(self._native.crop((top, bottom, left, right)))
+
+    def resize(self, rows: int, columns: int) -> Camera:
+        """Make the camera of the same picture with other numbers of pixels, as by binning.
+
+        Parameters
+        ----------
+        rows, columns : int
+            Pixels down and across.
+
+        Returns
+        -------
+        Camera
+            Its intrinsic matrix follows; its viewplane is the same.
+
+        Raises
+        ------
+        ValueError
+            For no pixels, and for a shape that a cube map does not have.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.from_intrinsics([50, 50, 32, 24], rows=48, columns=64,
+        ...                                    convention="colmap")
+        >>> camera.resize(24, 32).intrinsic_matrix[:2, 2]
+        array([16., 12.])
+        """
+        return self._of(self._native.resize(count("rows", rows, 1), count("columns", columns, 1)))
 
     def rays(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Make the rays through the pixels' centres.
@@ -352,37 +1031,55 @@ class Camera:
         if not isinstance(other, Camera):
             return False
         # The arguments may be the same and the aim, made of length one once more, not.
+        mine, theirs = self._arguments, other._arguments
         same_frame = self._native.frame() == other._native.frame()
-        return self._arguments == other._arguments and same_frame
+        return mine[:1] + mine[2:] == theirs[:1] + theirs[2:] and same_frame
 
     def __hash__(self) -> int:
-        return hash(self._arguments)
+        return hash(self._arguments[:1] + self._arguments[2:])
 
     def __repr__(self) -> str:
-        names = [
-            "position",
-            "aim",
-            "up",
-            "focal_length",
-            "width",
-            "height",
-            "rows",
-            "columns",
-            "projection",
-            "ray_start",
-        ]
-        pairs = zip(names, self._arguments, strict=True)
+        position, aim, up, (rows, columns), (projection, ray_start), parameters = self._arguments
+        others = dict(parameters)
+        lengths = [(name, others.pop(name, None)) for name in _LENGTHS]
+        pairs: list[tuple[str, object]] = [("position", position), ("aim", aim), ("up", up)]
+        pairs += [*lengths, ("rows", rows), ("columns", columns)]
+        pairs += [("projection", projection), ("ray_start", ray_start)]
+        if others := {name: value for name, value in others.items() if value}:
+            pairs.append(("parameters", others))
         return f"Camera({', '.join(f'{name}={value!r}' for name, value in pairs)})"
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         """Pickle by what it was made from."""
         if self._is_taken:
             return _taken, (type(self), *self._arguments)
-        return type(self), self._arguments
+        return _given, (type(self), *self._arguments)
 
 
-def _length(name: str, length: float | None) -> float | None:
-    return None if length is None else number(name, length)
+def _parameters(given: Mapping[str, float] | None) -> dict[str, float]:
+    if given is None:
+        return {}
+    if not isinstance(given, dict) and not hasattr(given, "items"):
+        raise TypeError(f"parameters must be a dict of numbers, got {given!r}")
+    return {text("a parameter", name): number(str(name), each) for name, each in given.items()}
+
+
+def _span(name: str, part: object, length: int) -> tuple[int, int]:
+    """Return the first index of a part and the one behind it."""
+    if isinstance(part, slice):
+        first, last, step = part.indices(length)
+        stop = part.stop
+        if step != 1:
+            raise ValueError(f"{name} must be without steps, got {part}")
+        if stop is not None and stop > length:
+            last = int(stop)
+    elif isinstance(part, tuple | list) and len(part) == 2:
+        first, last = (index(name, each) for each in part)
+    else:
+        raise ValueError(f"{name} must be a slice or a pair of ints, got {part!r}")
+    if not 0 <= first < last <= length:
+        raise ValueError(f"{name} must be a part of 0 to {length}, got {first} to {last}")
+    return first, last
 
 
 def _taken(
@@ -390,17 +1087,25 @@ def _taken(
     position: Vector,
     aim: Vector,
     up: Vector,
-    focal_length: float | None,
-    width: float | None,
-    height: float | None,
-    rows: int,
-    columns: int,
-    projection: Projection,
-    ray_start: RayStart,
+    pixels: tuple[int, int],
+    words: tuple[Projection, RayStart],
+    parameters: tuple[tuple[str, float], ...],
 ) -> Camera:
     """Return the camera from which the arguments were taken."""
+    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, True)
+    return kind._of(native)
+
+
+def _given(
+    kind: type[Camera],
+    position: Vector,
+    aim: Vector,
+    up: Vector,
+    pixels: tuple[int, int],
+    words: tuple[Projection, RayStart],
+    parameters: tuple[tuple[str, float], ...],
+) -> Camera:
+    """Return the camera that was made from the arguments."""
     camera = kind.__new__(kind)
-    lengths = focal_length, width, height
-    camera._arguments = (position, aim, up, *lengths, rows, columns, projection, ray_start)
-    camera._native, camera._is_taken = camera._made(again=True), True
+    camera._take(_firsthit.Camera(position, aim, up, pixels, *words, parameters, False), aim)
     return camera

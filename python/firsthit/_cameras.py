@@ -62,18 +62,23 @@ class NamedCamera:
 
 def _resized(camera: Camera, columns: int, rows: int) -> Camera:
     height = camera.height
-    width = None if height is None else height * columns / max(rows, 1)
+    if height is None:
+        return camera.resize(rows, columns)
+    parameters = camera.parameters
+    for name in ("focal_length", "width", "height"):
+        del parameters[name]
     return Camera(
         camera.position,
         camera.aim,
         camera.up,
         camera.focal_length,
-        width,
-        camera.height,
+        height * columns / max(rows, 1),
+        height,
         rows,
         columns,
         camera.projection,
         camera.ray_start,
+        parameters,
     )
 
 
@@ -97,7 +102,5 @@ def from_native(
     settled: bool,
 ) -> NamedCamera:
     """Return the camera that the native half read; it is as it is where it is ``settled``."""
-    (position, aim, up), lengths, pixels, words = view
-    if settled:
-        return NamedCamera(name, Camera._again(view), has_size)
-    return NamedCamera(name, Camera(position, aim, up, *lengths, *pixels, *words), has_size)
+    camera = Camera._again(view) if settled else Camera._given(view)
+    return NamedCamera(name, camera, has_size)

@@ -88,14 +88,15 @@ _MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
 _MaterialOut = tuple[
     _Vector, float, _MapOut | None, _MapOut | None, AlphaMode, float, bool, bool, str
 ]
-# Position, aim and up; focal length, width and height; rows and columns; projection and where
-# rays start.
+# Position, aim and up; rows and columns; projection and where rays start; the lens' parameters.
 _View = tuple[
     tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
-    tuple[float | None, float | None, float | None],
     tuple[int, int],
     tuple[Projection, RayStart],
+    list[tuple[str, float]],
 ]
+_Matrix3 = list[list[float]]
+_Matrix4 = list[list[float]]
 _CameraOut = tuple[str, _View, bool]
 _PolylineOut = tuple[
     int,
@@ -143,13 +144,31 @@ class Camera:
         position: _Vector,
         aim: _Vector,
         up: _Vector,
-        focal_length: float,
-        size: tuple[float, float],
         pixels: tuple[int, int],
         projection: str,
         ray_start: str,
+        parameters: Sequence[tuple[str, float]],
         again: bool,
     ) -> Camera: ...
+    @staticmethod
+    def from_intrinsics(
+        k: _Matrix3,
+        pose: _Matrix4,
+        convention: str,
+        pixels: tuple[int, int],
+        projection: str,
+        parameters: Sequence[tuple[str, float]],
+    ) -> Camera: ...
+    def matrices(self, convention: str) -> tuple[_Matrix3 | None, _Matrix4]: ...
+    @staticmethod
+    def of_record(json: str) -> Camera: ...
+    @staticmethod
+    def with_fov(
+        projection: str, fov: float, pixels: tuple[int, int]
+    ) -> list[tuple[str, float]]: ...
+    def crop(self, region: tuple[int, int, int, int]) -> Camera: ...
+    def resize(self, rows: int, columns: int) -> Camera: ...
+    def project(self, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...
     @staticmethod
     def framing(
         scene: Scene, up: _Vector, view: str, rows: int | None, columns: int | None
@@ -254,6 +273,7 @@ def lint_kinds() -> list[tuple[str, str]]: ...
 def check_transform(rows: list[list[float]]) -> None: ...
 def check_material(candidate: _Material) -> None: ...
 def srgb_levels() -> list[float]: ...
+def rotation(vector: _Vector) -> _Matrix3: ...
 def named_color(text: str, others: Sequence[str]) -> tuple[list[float] | None, str | None]: ...
 def meant_as_levels(color: Sequence[float]) -> str | None: ...
 def load(path: Path, strict: bool, max_memory: int, max_texture: int) -> _Model: ...

@@ -37,6 +37,7 @@ ChannelName = Literal[
     "uv",
     "base_color",
     "front",
+    "valid",
 ]
 
 #: The channel of an attribute, for type checkers: ``AttributeChannel("attribute:quality")``. At run
@@ -48,7 +49,32 @@ Asked = ChannelName | AttributeChannel
 #: What of a mesh has an attribute.
 AttributeOf = Literal["vertices", "corners", "faces"]
 ShaderName = Literal["lambert", "unlit", "normal"]
-Projection = Literal["perspective", "orthographic", "equirectangular"]
+#: What `Camera` takes; its docstring says what each is.
+Projection = Literal[
+    "perspective",
+    "orthographic",
+    "equirectangular",
+    "cylindrical",
+    "cube_map",
+    "octahedral",
+    "opencv",
+    "opencv_fisheye",
+    "kannala_brandt",
+    "double_sphere",
+    "eucm",
+    "ucm",
+    "mei",
+    "equidistant",
+    "equisolid",
+    "stereographic",
+    "orthographic_fisheye",
+]
+#: Fisheyes that a field of view is enough for.
+FisheyeName = Literal["equidistant", "equisolid", "stereographic", "orthographic_fisheye"]
+#: How other programs write cameras, see `Camera.from_intrinsics`.
+Convention = Literal[
+    "opencv", "opengl", "colmap", "blender", "ros", "pytorch3d", "nerfstudio", "gltf"
+]
 RayStart = Literal["viewplane", "eye"]
 #: The sides from which `Camera.framing` looks.
 ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]

@@ -1,8 +1,10 @@
 //! The camera.
 
-use firsthit::camera::Description;
-use firsthit::camera::{Equirectangular, Projection};
+use firsthit::camera::{Convention, Description, PixelMatrix, Projection};
+use firsthit::geometry::DMat3;
+use firsthit::image::CameraRecord;
 use firsthit::render::{framing_camera, sample_ray};
+use firsthit::sensor::camera_of;
 use firsthit::watch::Watch;
 use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
@@ -36,50 +38,143 @@ impl Camera {
         position: [f64; 3],
         aim: [f64; 3],
         up: [f64; 3],
-        focal_length: f64,
-        size: [f64; 2],
         pixels: [usize; 2],
         projection: &str,
         ray_start: &str,
+        parameters: Vec<(String, f64)>,
         again: bool,
     ) -> PyResult<Self> {
-        let ray_start = match ray_start {
-            "viewplane" => RayStart::Viewplane,
-            "eye" => RayStart::Eye,
-            other => {
-                let text = format!("ray_start must be viewplane or eye, got {other}");
-                return Err(PyValueError::new_err(text));
-            }
-        };
         let make = if again {
             firsthit::Camera::again
         } else {
             firsthit::Camera::new
         };
-        let flat = |parallel| {
-            Lens::Flat(Viewplane {
-                focal_length,
-                width: size[0],
-                height: size[1],
-                parallel,
-                ray_start,
-            })
-        };
-        let camera = projection.parse().and_then(|projection| {
+        let lens = lens_in(projection, ray_start, &parameters);
+        let camera = lens.and_then(|lens| {
             make(View {
                 position: DVec3::from(position),
                 aim: DVec3::from(aim),
                 up: DVec3::from(up),
                 rows: pixels[0],
                 columns: pixels[1],
-                lens: match projection {
-                    Projection::Perspective => flat(false),
-                    Projection::Orthographic => flat(true),
-                    Projection::Equirectangular => Lens::Equirectangular(Equirectangular {}),
-                },
+                lens,
             })
         });
         camera.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// The camera of a matrix K and a matrix of a pose, row by row, as a convention has them; with the parameters of a projection
+    /// that distorts.
+    #[staticmethod]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a camera's words, sent by the Python half alone"
+    )]
+    fn from_intrinsics(
+        py: Python<'_>,
+        k: [[f64; 3]; 3],
+        pose: [[f64; 4]; 4],
+        convention: &str,
+        pixels: [usize; 2],
+        projection: &str,
+        parameters: Vec<(String, f64)>,
+    ) -> PyResult<Self> {
+        let make = || {
+            let convention: Convention = convention.parse()?;
+            let columns = [0, 1, 2].map(|column| DVec3::from([0, 1, 2].map(|row| k[row][column])));
+            let k = DMat3::from_cols(columns[0], columns[1], columns[2]);
+            let matrix = convention.pixel_matrix(PixelMatrix::from_matrix(k)?);
+            let pose = convention.pose(pose)?;
+            let [rows, columns] = pixels;
+            let projection: Projection = projection.parse()?;
+            if projection == Projection::Perspective && parameters.is_empty() {
+                return firsthit::Camera::from_intrinsics(&matrix, &pose, rows, columns);
+            }
+            let mut all = vec![
+                ("fx", matrix.fx),
+                ("fy", matrix.fy),
+                ("cx", matrix.cx),
+                ("cy", matrix.cy),
+                ("skew", matrix.skew),
+            ];
+            all.extend(parameters.iter().map(|(name, value)| (&**name, *value)));
+            let lens = Lens::named(projection, &all)?;
+            firsthit::Camera::at_pose(&pose, lens, rows, columns)
+        };
+        make().map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// The matrix K, if there is one, and the matrix of the pose, row by row, as a convention has them.
+    #[expect(clippy::type_complexity, reason = "two matrices")]
+    fn matrices(
+        &self,
+        py: Python<'_>,
+        convention: &str,
+    ) -> PyResult<(Option<[[f64; 3]; 3]>, [[f64; 4]; 4])> {
+        let convention: Convention = convention.parse().map_err(|error| raise(py, &error))?;
+        let matrix = self.0.pixel_matrix();
+        let k = matrix.map(|matrix| convention.own_pixel_matrix(matrix).matrix());
+        let k = k.map(|k| [0, 1, 2].map(|row| k.row(row).to_array()));
+        Ok((k, convention.matrix(&self.0.world_from_camera())))
+    }
+
+    /// The camera that made an output, from the JSON of its record.
+    #[staticmethod]
+    fn of_record(py: Python<'_>, json: &str) -> PyResult<Self> {
+        let record: CameraRecord =
+            serde_json::from_str(json).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let camera = camera_of(&record);
+        camera.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// A fisheye or a panorama of so many degrees: its parameters.
+    #[staticmethod]
+    fn with_fov(
+        py: Python<'_>,
+        projection: &str,
+        fov: f64,
+        pixels: [usize; 2],
+    ) -> PyResult<Vec<(&'static str, f64)>> {
+        let [rows, columns] = pixels;
+        let lens = projection
+            .parse()
+            .and_then(|projection| Lens::with_fov(projection, fov, rows, columns));
+        lens.map(|lens| lens.parameters())
+            .map_err(|error| raise(py, &error))
+    }
+
+    /// The camera of a part of the picture: from a row to a row, from a column to a column.
+    fn crop(&self, py: Python<'_>, region: [usize; 4]) -> PyResult<Self> {
+        let [top, bottom, left, right] = region;
+        let part = self.0.crop(top..bottom, left..right);
+        part.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// The same picture with other numbers of rows and columns.
+    fn resize(&self, py: Python<'_>, rows: usize, columns: usize) -> PyResult<Self> {
+        let sized = self.0.resize(rows, columns);
+        sized.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// Where points are seen: columns and rows for each, NaN for nowhere.
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let points = points.as_slice().map_err(not_contiguous)?;
+        let (points, _) = points.as_chunks::<3>();
+        let camera = &self.0;
+        let pixel = |point: &[f64; 3]| {
+            let pixel = camera.project(DVec3::from(*point));
+            pixel.map_or([f64::NAN; 2], |pixel| pixel.to_array())
+        };
+        let pixels: Vec<[f64; 2]> = if points.len() < FEW {
+            points.iter().map(pixel).collect()
+        } else {
+            run(py, 0, |_| Ok(points.par_iter().map(pixel).collect()))?
+        };
+        Ok(PyArray1::from_vec(py, pixels.into_flattened()))
     }
 
     /// The camera that sees all of a scene; rows and columns that are left out are the usual ones.
@@ -246,12 +341,37 @@ fn ray_arrays(
     Ok((array(origins)?, array(directions)?))
 }
 
-/// Position, aim and up; focal length, width and height; rows and columns; projection and ray start.
+/// The lens of a projection's name, of where its rays start, and of its numbers.
+fn lens_in(
+    projection: &str,
+    ray_start: &str,
+    parameters: &[(String, f64)],
+) -> firsthit::Result<Lens> {
+    let parameters = parameters.iter();
+    let parameters: Vec<(&str, f64)> = parameters
+        .map(|(name, value)| (name.as_str(), *value))
+        .collect();
+    let mut lens = Lens::named(projection.parse()?, &parameters)?;
+    let start: RayStart = ray_start.parse()?;
+    if let Lens::Flat(viewplane) = &mut lens {
+        viewplane.ray_start = start;
+    }
+    Ok(lens)
+}
+
+/// The rotation about an axis by its length, as `cv2.Rodrigues` has it, row by row.
+#[pyfunction]
+pub(crate) fn rotation(vector: [f64; 3]) -> [[f64; 3]; 3] {
+    let rotation = firsthit::camera::rotation(DVec3::from(vector));
+    [0, 1, 2].map(|row| rotation.row(row).to_array())
+}
+
+/// Position, aim and up; rows and columns; projection and ray start; the lens' numbers by their names.
 pub(crate) type ViewOut = (
     [[f64; 3]; 3],
-    [Option<f64>; 3],
     [usize; 2],
     [&'static str; 2],
+    Vec<(&'static str, f64)>,
 );
 
 pub(crate) fn view_out(view: &View) -> ViewOut {
@@ -264,14 +384,11 @@ pub(crate) fn view_out(view: &View) -> ViewOut {
         lens,
     } = view;
     let viewplane = lens.viewplane();
-    let lengths =
-        viewplane.map(|viewplane| [viewplane.focal_length, viewplane.width, viewplane.height]);
-    let lengths = [0, 1, 2].map(|k| lengths.map(|lengths| lengths[k]));
     let ray_start = viewplane.map_or(RayStart::Eye, |viewplane| viewplane.ray_start);
     (
         [position, aim, up].map(|vector| vector.to_array()),
-        lengths,
         [rows, columns],
         [lens.projection().name(), ray_start.name()],
+        lens.parameters(),
     )
 }

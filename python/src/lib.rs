@@ -34,7 +34,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::attributes::{attribute, attribute_names};
     #[pymodule_export]
-    use crate::camera::Camera;
+    use crate::camera::{Camera, rotation};
     #[pymodule_export]
     use crate::explain::explain;
     #[pymodule_export]

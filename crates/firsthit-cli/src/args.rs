@@ -8,13 +8,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use firsthit::camera::StandardView;
+use firsthit::camera::{PixelMatrix, StandardView};
 use firsthit::{Background, Color, DVec3, RayStart, Side};
 
 use crate::completion::ChannelNames;
 use crate::help;
 use crate::output::Source;
-use crate::values::{self, LightArg, Sky, Target};
+use crate::values::{self, LightArg, Parameters, Sky, Target};
 
 /// The general raycaster: what does this ray meet first?
 #[derive(Debug, Parser)]
@@ -92,9 +92,10 @@ pub(crate) struct RenderArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct CameraArgs {
-    /// A camera of the file, by its name or its number (from 0), as firsthit info lists them. The options below
-    /// override what it says [default: the first one of a scene file, none of other files]
-    #[arg(long, value_name = "NAME|NUMBER", allow_hyphen_values = true)]
+    /// A camera of the file, by its name or its number (from 0), as firsthit info lists them; or the picture or point cloud that
+    /// firsthit made with a camera, such as out.exr. The options below override what it says [default: the first one of a
+    /// scene file, none of other files]
+    #[arg(long, value_name = "NAME|NUMBER|FILE", allow_hyphen_values = true)]
     pub(crate) camera: Option<String>,
     /// Look at the model from a standard side, so that it fills the picture. This replaces the file's camera. The front
     /// is the side that faces -y if z is up, and +z if y is up [default: iso, a three-quarter view from above]
@@ -114,7 +115,8 @@ pub(crate) struct CameraArgs {
     /// that axis: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
-    /// The vertical field of view: degrees from the picture's lower to its upper edge [default: 45]
+    /// The vertical field of view: degrees from the picture's lower to its upper edge; of a fisheye those of the circle that
+    /// touches the longer edges, of a panorama those across [default: 45; 180 of a fisheye, 360 of a panorama]
     #[arg(long, value_name = "DEGREES", value_parser = values::fov, conflicts_with_all = ["viewplane", "focal_length", "orthographic"], allow_hyphen_values = true)]
     pub(crate) fov: Option<f64>,
     /// The distance from the camera to the viewplane, in scene units
@@ -123,10 +125,30 @@ pub(crate) struct CameraArgs {
     /// The viewplane's width and height, in scene units
     #[arg(long, value_name = "WxH", value_parser = values::lengths, allow_hyphen_values = true)]
     pub(crate) viewplane: Option<(f64, f64)>,
-    /// Perspective rays go through a viewplane, orthographic ones are parallel, and equirectangular ones go in all
-    /// directions: a panorama of 360 by 180 degrees [default: perspective, or the file's]
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), conflicts_with = "orthographic")]
+    /// The intrinsic matrix: focal lengths and principal point in pixels, and the skew if there is one. Needs --convention and
+    /// --size
+    #[arg(long, value_name = "FX,FY,CX,CY[,SKEW]", value_parser = values::intrinsics, requires = "convention", requires = "size", conflicts_with_all = ["fov", "viewplane", "orthographic"], allow_hyphen_values = true)]
+    pub(crate) intrinsics: Option<PixelMatrix>,
+    /// A text file with the 3 x 4 or 4 x 4 matrix of the camera's pose, row by row, with blanks or commas between. Needs
+    /// --convention
+    #[arg(long, value_name = "FILE", requires = "convention", conflicts_with_all = ["position", "aim", "look_at", "up", "view"])]
+    pub(crate) pose: Option<PathBuf>,
+    /// Whose words --intrinsics and --pose are in. opencv: x right, y down, z forwards, the matrix takes the world to the
+    /// camera, the first pixel's centre is (0, 0); colmap: the same with (0.5, 0.5); ros: as opencv with the inverse matrix;
+    /// opengl, blender, gltf, nerfstudio: x right, y up, z backwards, the matrix takes the camera to the world, (0.5, 0.5);
+    /// pytorch3d: x left, y up, z forwards, the matrix takes rows of the world to the camera, (0.5, 0.5)
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::camera::Convention::NAMES), hide_possible_values = true)]
+    pub(crate) convention: Option<String>,
+    /// Perspective rays go through a viewplane, and orthographic ones are parallel. Panoramas: equirectangular, cylindrical,
+    /// cube_map, octahedral. Fisheyes: equidistant, equisolid, stereographic, orthographic_fisheye, with --fov, by default 180.
+    /// Calibrated, with --intrinsics and --parameters: opencv, opencv_fisheye, kannala_brandt, double_sphere, eucm, ucm, mei
+    /// [default: perspective, or the file's]
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), hide_possible_values = true, conflicts_with = "orthographic")]
     pub(crate) projection: Option<String>,
+    /// The numbers of the projection by their names, as docs/cameras.md lists them; those left out are 0. For the distortion of
+    /// a calibrated camera, such as k1=-0.2,k2=0.05
+    #[arg(long, value_name = "NAME=NUMBER,...", value_parser = values::parameters, requires = "projection", allow_hyphen_values = true)]
+    pub(crate) parameters: Option<Parameters>,
     /// The same as --projection orthographic
     #[arg(long)]
     pub(crate) orthographic: bool,

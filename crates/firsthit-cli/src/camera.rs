@@ -1,9 +1,13 @@
 //! From the command line's words to a camera.
 
+use std::io::Read;
 use std::path::Path;
 
-use firsthit::camera::{Aim, Description, Opening, StandardView};
+use firsthit::camera::{
+    Aim, Convention, Description, Lens, Opening, PixelMatrix, StandardView, Viewplane,
+};
 use firsthit::error::{escape_controls, escaped};
+use firsthit::sensor::camera_of;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Camera, DVec3, Projection, Scene};
 
@@ -34,6 +38,25 @@ pub(crate) fn camera(
     model: &World,
 ) -> Result<Chosen, Failure> {
     let bounds = scene.bounds();
+    let base = &match of_output(args)? {
+        Some(camera) if !overrides(args) => {
+            let camera = match args.size {
+                Some((columns, rows)) => {
+                    check_size("--size", (columns, rows))?;
+                    camera.resize(rows, columns)?
+                }
+                None => camera,
+            };
+            let guessed = Vec::new();
+            return Ok(Chosen { camera, guessed });
+        }
+        Some(camera) => Description {
+            columns: Some(camera.columns()),
+            rows: Some(camera.rows()),
+            ..Description::of(camera.view())
+        },
+        None => *base,
+    };
     let described = described(args, base)?;
     match args.size {
         Some(size) => check_size("--size", size)?,
@@ -70,7 +93,15 @@ fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
     if let Some(up) = up {
         guessed.push(format!("up {} (--up)", axis(up)));
     }
-    let is_panorama = described.projection == Some(Projection::Equirectangular);
+    let is_panorama = matches!(
+        described.projection,
+        Some(
+            Projection::Equirectangular
+                | Projection::Cylindrical
+                | Projection::CubeMap
+                | Projection::Octahedral
+        )
+    );
     match (described.position, described.aim) {
         (None, Some(Aim::Along(_))) if is_panorama => {
             guessed.push("from the middle (--position)".into());
@@ -98,8 +129,71 @@ fn axis(direction: DVec3) -> String {
     named.map_or_else(|| triple(direction), |(_, name)| name.to_owned())
 }
 
+/// Whether any option says something else than a camera that is known in full.
+fn overrides(args: &CameraArgs) -> bool {
+    let CameraArgs {
+        camera: _,
+        size: _,
+        view,
+        position,
+        aim,
+        look_at,
+        up,
+        fov,
+        focal_length,
+        viewplane,
+        intrinsics,
+        pose,
+        convention: _,
+        projection,
+        parameters,
+        orthographic,
+        ray_start,
+    } = args;
+    view.is_some()
+        || position.is_some()
+        || aim.is_some()
+        || look_at.is_some()
+        || up.is_some()
+        || fov.is_some()
+        || focal_length.is_some()
+        || viewplane.is_some()
+        || intrinsics.is_some()
+        || pose.is_some()
+        || projection.is_some()
+        || parameters.is_some()
+        || *orthographic
+        || ray_start.is_some()
+}
+
+/// The output that is named as the camera.
+fn output(args: &CameraArgs) -> Option<&Path> {
+    let path = Path::new(args.camera.as_deref()?);
+    let is_output = firsthit::image::format_of(path).is_ok();
+    (is_output && path.is_file()).then_some(path)
+}
+
+/// The camera that made the output that is named as the camera, if one is.
+fn of_output(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
+    let Some(path) = output(args) else {
+        return Ok(None);
+    };
+    let read = firsthit::image::read(path)?;
+    let record = read.metadata.and_then(|metadata| metadata.camera);
+    let Some(record) = record else {
+        return Err(Failure::bad_input(format!(
+            "{}: the file does not say which camera made it",
+            escaped(path)
+        )));
+    };
+    Ok(Some(camera_of(&record)?))
+}
+
 /// What the file says of the camera that is asked for, or that it is to be looked through.
 pub(crate) fn of_file(args: &CameraArgs, model: &World) -> Result<Description, Failure> {
+    if output(args).is_some() {
+        return Ok(Description::default());
+    }
     let camera = match &args.camera {
         Some(name) => Some(named(name, &model.cameras)?),
         None => model.cameras.first().filter(|_| model.has_view),
@@ -194,7 +288,7 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
         _ => base.aim,
     };
     let projection = projection(args).or(base.projection);
-    let has_viewplane = projection != Some(Projection::Equirectangular);
+    let has_viewplane = is_flat(projection.unwrap_or_default());
     let described = Description {
         position: args.position.or(base.position),
         aim,
@@ -208,8 +302,118 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
         columns: args.size.map_or(base.columns, |(columns, _)| Some(columns)),
         rows: args.size.map_or(base.rows, |(_, rows)| Some(rows)),
     };
+    let described = match &args.pose {
+        Some(path) => posed(described, path, convention(args))?,
+        None => described,
+    };
     check_aim(&described)?;
     Ok(described)
+}
+
+fn is_flat(projection: Projection) -> bool {
+    matches!(
+        projection,
+        Projection::Perspective | Projection::Orthographic
+    )
+}
+
+fn convention(args: &CameraArgs) -> Convention {
+    let named = args
+        .convention
+        .as_deref()
+        .and_then(|name| name.parse().ok());
+    named.unwrap_or_default()
+}
+
+/// The description with the pose of a file.
+fn posed(
+    described: Description,
+    path: &Path,
+    convention: Convention,
+) -> Result<Description, Failure> {
+    /// A matrix takes less than this, in bytes.
+    const LARGEST: u64 = 1 << 16;
+    let wrong = |what: &str| Failure::bad_input(format!("{}: {what}", escaped(path)));
+    let mut text = String::new();
+    let read =
+        std::fs::File::open(path).and_then(|file| file.take(LARGEST).read_to_string(&mut text));
+    read.map_err(|error| wrong(&error.to_string()))?;
+    let words = text.split(|c: char| c.is_whitespace() || ",;[]".contains(c));
+    let numbers = words.filter(|word| !word.is_empty()).map(str::parse::<f64>);
+    let numbers: Option<Vec<f64>> = numbers.map(Result::ok).collect();
+    let numbers = numbers.filter(|numbers| [12, 16].contains(&numbers.len()));
+    let Some(mut numbers) = numbers else {
+        return Err(wrong(
+            "expected the 12 or 16 numbers of a 3 x 4 or 4 x 4 matrix, row by row",
+        ));
+    };
+    if numbers.len() == 12 {
+        numbers.extend([0.0, 0.0, 0.0, 1.0]);
+    }
+    let row = |k: usize| [0, 1, 2, 3].map(|column| numbers[4 * k + column]);
+    let pose = convention.pose([row(0), row(1), row(2), row(3)]);
+    let pose = pose.map_err(|error| wrong(&error.to_string()))?;
+    Ok(Description {
+        position: Some(pose.translation),
+        aim: Some(Aim::Along(-pose.matrix3.z_axis)),
+        up: Some(pose.matrix3.y_axis),
+        ..described
+    })
+}
+
+/// The lens of an intrinsic matrix or of numbers by name, if there are any.
+fn lens(args: &CameraArgs, projection: Projection) -> Result<Option<Opening>, Failure> {
+    let named = args.parameters.as_ref().map_or(&[][..], |named| &named.0);
+    let named = named.iter().map(|(name, value)| (&**name, *value));
+    let mut numbers: Vec<(&str, f64)> = named.collect();
+    let described = Description {
+        opening: args.viewplane.map(|(width, height)| Opening::Viewplane {
+            width,
+            height,
+            focal_length: args.focal_length,
+        }),
+        projection: Some(projection),
+        columns: args.size.map(|(columns, _)| columns),
+        rows: args.size.map(|(_, rows)| rows),
+        ..Description::default()
+    };
+    let (columns, rows) = described.size();
+    let size = [rows, columns];
+    if let Some(matrix) = args.intrinsics {
+        let matrix = convention(args).pixel_matrix(matrix);
+        if projection == Projection::Perspective {
+            if !numbers.is_empty() {
+                return Err(Failure::usage(
+                    "--parameters: a perspective camera with --intrinsics has no others; for distortion use --projection opencv",
+                ));
+            }
+            let lens = Lens::Flat(Viewplane::from_pixel_matrix(&matrix, rows, columns)?);
+            return Ok(Some(Opening::Lens { lens, size }));
+        }
+        let PixelMatrix {
+            fx,
+            fy,
+            cx,
+            cy,
+            skew,
+        } = matrix;
+        numbers.extend([
+            ("fx", fx),
+            ("fy", fy),
+            ("cx", cx),
+            ("cy", cy),
+            ("skew", skew),
+        ]);
+    }
+    if numbers.is_empty() {
+        return Ok(None);
+    }
+    if let Some((width, height)) = args.viewplane {
+        numbers.extend([("width", width), ("height", height)]);
+        numbers.extend(args.focal_length.map(|length| ("focal_length", length)));
+    }
+    let lens = Lens::named(projection, &numbers)?;
+    Ok(Some(Opening::Lens { lens, size }))
 }
 
 /// The projection that the arguments name.
@@ -225,14 +429,17 @@ fn projection(args: &CameraArgs) -> Option<Projection> {
 /// How much the camera sees: by the viewplane's own size, or by an angle.
 fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Opening>, Failure> {
     let projection = projection(args).or(base.projection);
-    if projection == Some(Projection::Equirectangular) {
-        return if args.fov.is_some() || args.viewplane.is_some() {
-            Err(Failure::usage(
-                "--fov and --viewplane are for cameras with a viewplane; an equirectangular one sees all directions",
-            ))
-        } else {
-            Ok(None)
-        };
+    if let Some(lens) = lens(args, projection.unwrap_or_default())? {
+        return Ok(Some(lens));
+    }
+    if !is_flat(projection.unwrap_or_default()) {
+        if args.viewplane.is_some() {
+            return Err(Failure::usage(
+                "--viewplane is for perspective and orthographic cameras; the others have none",
+            ));
+        }
+        let own = base.opening.filter(|_| projection == base.projection);
+        return Ok(args.fov.map(Opening::Fov).or(own));
     }
     let is_parallel = projection == Some(Projection::Orthographic);
     let of_file = match base.opening {
@@ -259,6 +466,8 @@ fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Opening>, Fai
         (Some(fov), _) => Ok(Some(Opening::Fov(fov))),
         // Of an angle parallel rays know nothing.
         (None, Some(Opening::Fov(_))) if is_parallel => Ok(None),
+        // Another projection than the file's has another lens.
+        (None, Some(Opening::Lens { .. })) if projection != base.projection => Ok(None),
         (None, lens) => Ok(lens),
     }
 }

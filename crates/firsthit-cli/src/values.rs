@@ -1,6 +1,7 @@
 //! How values are written on the command line.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use firsthit::camera::PixelMatrix;
 use firsthit::camera::StandardView;
 use firsthit::geometry::{COLOR_NAMES, color_of};
 use firsthit::lint::KINDS;
@@ -231,10 +232,48 @@ pub(crate) fn t_max(text: &str) -> Result<f64, String> {
     end.ok_or_else(|| "expected a number, or inf".into())
 }
 
+/// An intrinsic matrix by its numbers.
+pub(crate) fn intrinsics(text: &str) -> Result<PixelMatrix, String> {
+    let form =
+        "fx,fy,cx,cy or fx,fy,cx,cy,skew, of which fx and fy are positive, such as 600,600,320,240";
+    let numbers = match numbers::<4>(text, ',', form) {
+        Ok([fx, fy, cx, cy]) => [fx, fy, cx, cy, 0.0],
+        Err(_) => numbers::<5>(text, ',', form)?,
+    };
+    let [fx, fy, cx, cy, skew] = numbers;
+    if fx > 0.0 && fy > 0.0 {
+        Ok(PixelMatrix {
+            fx,
+            fy,
+            cx,
+            cy,
+            skew,
+        })
+    } else {
+        Err(format!("expected {form}"))
+    }
+}
+
+/// Numbers with names.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Parameters(pub(crate) Vec<(String, f64)>);
+
+/// Numbers with names, as `NAME=NUMBER`, with commas between.
+pub(crate) fn parameters(text: &str) -> Result<Parameters, String> {
+    let one = |part: &str| {
+        let (name, value) = part.split_once('=')?;
+        let value: f64 = value.trim().parse().ok()?;
+        value.is_finite().then(|| (name.trim().to_owned(), value))
+    };
+    let all: Option<Vec<(String, f64)>> = text.split(',').map(one).collect();
+    all.map(Parameters)
+        .ok_or_else(|| "expected names and numbers, such as k1=-0.2,k2=0.05".into())
+}
+
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
-    let form = "degrees between 0 and 180";
+    let form = "degrees above 0 and up to 360";
     let [degrees] = numbers::<1>(text, ',', form)?;
-    if degrees > 0.0 && degrees < 180.0 {
+    if degrees > 0.0 && degrees <= 360.0 {
         Ok(degrees)
     } else {
         Err(format!("expected {form}"))
@@ -244,6 +283,27 @@ pub(crate) fn fov(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn matrices_have_four_or_five_numbers() {
+        let matrix = intrinsics("600, 610,320,240").unwrap();
+        assert_eq!(
+            (matrix.fx, matrix.fy, matrix.cx, matrix.cy, matrix.skew),
+            (600.0, 610.0, 320.0, 240.0, 0.0)
+        );
+        assert_eq!(intrinsics("600,610,320,240,2").unwrap().skew, 2.0);
+        for bad in ["", "1,2,3", "0,1,2,3", "1,-1,2,3", "1,2,3,4,5,6"] {
+            assert!(intrinsics(bad).is_err(), "{bad}");
+        }
+        let given = parameters("k1=-0.2, k2=1e-3").unwrap();
+        assert_eq!(
+            given,
+            Parameters(vec![("k1".into(), -0.2), ("k2".into(), 1e-3)])
+        );
+        for bad in ["", "k1", "k1=", "k1=x", "k1=nan", "k1=1,"] {
+            assert!(parameters(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn vectors_may_be_negative_and_must_be_whole() {

@@ -80,6 +80,8 @@ enum Make {
     Flag(fn(&SurfaceInteraction<'_>) -> bool),
     /// Which of [`Sensor::range_and_z`].
     Distance(usize),
+    /// From the ray alone.
+    Valid,
     /// An attribute of the meshes, by its name.
     Attribute(Arc<str>),
     /// From a shader, by `render`.
@@ -235,7 +237,7 @@ impl Kind {
             Make::Identifier(_) | Make::Origin(_) | Make::Integer(_) => {
                 Data::Int32(filled(count, -1)?)
             }
-            Make::Flag(_) => Data::Bool(filled(count, false)?),
+            Make::Flag(_) | Make::Valid => Data::Bool(filled(count, false)?),
             Make::Color | Make::Attribute(_) | Make::Elsewhere => {
                 return Err(Error::argument(
                     "channel",
@@ -260,6 +262,7 @@ enum Part<'a> {
     Integer(fn(&SurfaceInteraction<'_>) -> i32, &'a mut [i32]),
     Flag(fn(&SurfaceInteraction<'_>) -> bool, &'a mut [bool]),
     Distance(usize, &'a mut [f64]),
+    Valid(&'a mut [bool]),
 }
 
 impl<'a> Part<'a> {
@@ -293,6 +296,9 @@ impl<'a> Part<'a> {
                 let parts = values.chunks_mut(CHUNK);
                 parts.map(|part| Self::Flag(value, part)).collect()
             }
+            (Data::Bool(values), Make::Valid) => {
+                values.chunks_mut(CHUNK).map(Self::Valid).collect()
+            }
             _ => unreachable!("`missed` makes the data that the kind asks for"),
         }
     }
@@ -308,6 +314,13 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
     let needs_surface = parts.iter().any(Part::needs_surface);
     let has_origin = parts.iter().any(|part| matches!(part, Part::Origin(..)));
     let catalog = has_origin.then(|| shots.scene.catalog());
+    for part in &mut *parts {
+        if let Part::Valid(out) = part {
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = shots.rays.ray(first + k).is_valid();
+            }
+        }
+    }
     for k in 0..count {
         let hit = shots.hits.get(first + k);
         if hit.is_miss() {
@@ -319,6 +332,8 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
             .and_then(|ray| shots.scene.interaction(ray, &hit));
         for part in &mut *parts {
             match part {
+                // Of every ray, above.
+                Part::Valid(_) => {}
                 Part::T(out) => out[k] = hit.t,
                 Part::Identifier(value, out) => out[k] = value(&hit),
                 Part::Origin(value, out) => {

@@ -51,6 +51,27 @@
 //! Each step can be replaced, and a caller may enter or leave at any arrow.
 //! `examples/minimal.rs` is the loop by hand; `ARCHITECTURE.md` says where what is and why.
 //!
+//! # Poses over time
+//!
+//! A [`Trajectory`] says where a moving body is between the times at which somebody knew. The pose of a body is that of a
+//! camera, once it is said which axis looks forwards:
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use firsthit::trajectory::{BodyAxes, Interpolation, read_csv};
+//! use firsthit::{Camera, DVec3, View};
+//!
+//! let text = b"time,x,y,z,qx,qy,qz,qw\n0,0,0,1,0,0,0,1\n1,5,0,1,0,0,0,1\n";
+//! let drive = read_csv(text, Path::new("drive.csv"))?.interpolated(Interpolation::Spline)?;
+//! let pose = drive.at(0.2)?.camera(BodyAxes::ForwardsLeftUp);
+//! let (aim, up) = (pose.rotation * DVec3::NEG_Z, pose.rotation * DVec3::Y);
+//! let camera = Camera::new(View { position: pose.position, aim, up, ..View::default() })?;
+//! assert_eq!(camera.position(), DVec3::new(1.0, 0.0, 1.0));
+//! assert_eq!(camera.aim(), DVec3::X);
+//! # Ok::<(), firsthit::Error>(())
+//! ```
+//!
 //! # Features
 //!
 //! All are on by default, and none changes a result.
@@ -122,6 +143,7 @@ pub mod shade;
 pub mod shape;
 pub mod shoot;
 mod simd;
+pub mod trajectory;
 pub mod watch;
 #[cfg(feature = "load")]
 pub mod world;
@@ -141,3 +163,4 @@ pub use scene::{AlphaMode, Background, Light, Material, Object, Scene, Texture, 
 pub use shade::{Shade, Shader, Shading};
 pub use shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 pub use shoot::{Hits, occluded, shoot};
+pub use trajectory::{Pose, Trajectory};

@@ -7,7 +7,7 @@ mod slab;
 pub use region::Region;
 pub use settings::{Look, Render};
 
-use crate::camera::{Aim, Camera, Description, Projection, StandardView};
+use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::Kind;
 use crate::error::Result;
 use crate::geometry::summary::summary;
@@ -343,7 +343,7 @@ pub fn framing_camera(
 /// Whether the [`shoulder_light`] casts shadows. Not in a panorama: its camera is often in a room, and the walls would shadow
 /// everything that it sees.
 pub fn has_shoulder_shadows(camera: &Camera) -> bool {
-    camera.lens().projection() != Projection::Equirectangular
+    !camera.lens().is_panorama()
 }
 
 /// The light of pictures that have none of their own: parallel, from behind the camera's left shoulder.

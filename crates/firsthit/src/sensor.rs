@@ -2,7 +2,8 @@
 
 use std::fmt::Debug;
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Lens, Projection, View};
+use crate::error::Result;
 use crate::geometry::{DMat3, DVec2, PixelGrid, Ray, Rays};
 use crate::image::{CameraRecord, Intrinsics, Pose};
 
@@ -24,6 +25,44 @@ pub trait Sensor: Rays + Debug {
 
     /// What files say about it.
     fn record(&self) -> CameraRecord;
+}
+
+/// The camera that made an output, bit for bit, from what the output's metadata say.
+///
+/// # Errors
+///
+/// [`Error::Argument`](crate::Error::Argument) for a record that describes no camera.
+pub fn camera_of(record: &CameraRecord) -> Result<Camera> {
+    let projection: Projection = record.projection.parse()?;
+    let mut lens = if record.parameters.is_empty() {
+        let lengths = [
+            ("focal_length", record.focal_length),
+            ("width", record.width),
+            ("height", record.height),
+        ];
+        let lengths = lengths.into_iter();
+        let lengths: Vec<(&str, f64)> = lengths
+            .filter_map(|(name, length)| Some((name, length?)))
+            .collect();
+        Lens::named(projection, &lengths)?
+    } else {
+        let parameters = record.parameters.iter();
+        let parameters: Vec<(&str, f64)> =
+            parameters.map(|(name, &value)| (&**name, value)).collect();
+        Lens::named(projection, &parameters)?
+    };
+    if let Lens::Flat(viewplane) = &mut lens {
+        viewplane.ray_start = record.ray_start.parse()?;
+    }
+    let count = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
+    Camera::again(View {
+        position: record.position.into(),
+        aim: record.aim.into(),
+        up: record.up.into(),
+        rows: count(record.rows),
+        columns: count(record.columns),
+        lens,
+    })
 }
 
 impl Sensor for Camera {
@@ -54,6 +93,12 @@ impl Sensor for Camera {
             [x, y, z, pose.translation[k]]
         };
         let viewplane = view.lens.viewplane();
+        let named = |parameters: Vec<(&str, f64)>| {
+            let parameters = parameters.into_iter();
+            parameters
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect()
+        };
         let intrinsics = |k: DMat3| Intrinsics {
             k: [0, 1, 2].map(|row_index| row(&k, row_index)),
             first_pixel_center: 0.5,
@@ -72,6 +117,7 @@ impl Sensor for Camera {
             ray_start: viewplane
                 .map_or("eye", |viewplane| viewplane.ray_start.name())
                 .to_owned(),
+            parameters: named(view.lens.parameters()),
             intrinsics: self.intrinsic_matrix().map(intrinsics),
             pose: Pose {
                 world_from_camera: [pose_row(0), pose_row(1), pose_row(2), [0.0, 0.0, 0.0, 1.0]],

@@ -226,7 +226,7 @@ fn look_at_has_its_field_of_view_between_the_edges() {
 fn viewplane(view: &mut View) -> &mut Viewplane {
     match &mut view.lens {
         Lens::Flat(viewplane) => viewplane,
-        Lens::Equirectangular(_) => panic!("it has no viewplane"),
+        _ => panic!("it has no viewplane"),
     }
 }
 
@@ -248,7 +248,7 @@ fn a_panorama_has_degrees_for_columns_and_rows() {
         up: DVec3::Z,
         rows: 18,
         columns: 36,
-        lens: Lens::Equirectangular(Equirectangular {}),
+        lens: Lens::Equirectangular(Equirectangular::default()),
     })
     .unwrap();
     for row in 0..18 {

@@ -221,7 +221,7 @@ fn world() -> World {
         ..Description::default()
     };
     let panorama = View {
-        lens: Lens::Equirectangular(Equirectangular {}),
+        lens: Lens::Equirectangular(Equirectangular::default()),
         ..view
     };
     World {

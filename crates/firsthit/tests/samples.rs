@@ -57,7 +57,7 @@ fn a_region_is_that_part_of_the_whole() {
     let kinds: Vec<&Kind> = KINDS.iter().collect();
     let shading = Shader::default().on(&scene);
     let panorama = Camera::new(View {
-        lens: Lens::Equirectangular(Equirectangular {}),
+        lens: Lens::Equirectangular(Equirectangular::default()),
         ..*camera.view()
     });
     for camera in [camera, panorama.unwrap()] {

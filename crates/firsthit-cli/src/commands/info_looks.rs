@@ -1,6 +1,6 @@
 //! What a file says beside its shapes: cameras, lights, materials, textures.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
@@ -47,6 +47,7 @@ impl<'a> Looks<'a> {
                 "focal_length": viewplane.map(|viewplane| viewplane.focal_length),
                 "width": viewplane.map(|viewplane| viewplane.width),
                 "height": viewplane.map(|viewplane| viewplane.height),
+                "parameters": view.lens.parameters().into_iter().collect::<BTreeMap<_, _>>(),
             })
         };
         self.cameras.iter().take(most).map(camera).collect()
@@ -162,7 +163,17 @@ fn camera_line(place: usize, camera: &NamedCamera) -> String {
             let angle = 2.0 * (viewplane.height / 2.0 / viewplane.focal_length).atan();
             format!("{} degrees", number(angle.to_degrees()))
         }
-        Lens::Equirectangular(_) => "all directions".to_owned(),
+        lens => {
+            let parameters = lens.parameters().into_iter();
+            let parameters = parameters.filter(|&(_, value)| value != 0.0);
+            let parameters = parameters.map(|(name, value)| format!("{name} {}", number(value)));
+            let parameters: Vec<String> = parameters.collect();
+            if parameters.is_empty() {
+                "all directions".to_owned()
+            } else {
+                parameters.join(" ")
+            }
+        }
     };
     let (label, kind) = (labelled(place, camera), view.lens.projection().name());
     let (position, aim) = (triple(view.position), triple(view.aim));

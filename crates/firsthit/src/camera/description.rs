@@ -1,7 +1,7 @@
 //! Cameras as people describe them: what they leave open, the scene decides.
 
 use super::framing::{MARGIN, smallest};
-use super::{Camera, Equirectangular, Lens, Projection, RayStart, StandardView, View, Viewplane};
+use super::{Camera, Lens, Projection, RayStart, StandardView, View, Viewplane};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, require, unit};
 
@@ -14,7 +14,7 @@ pub struct Description {
     pub aim: Option<Aim>,
     /// Which way is up; else the scene's.
     pub up: Option<DVec3>,
-    /// How much it sees; else [`Description::FOV`].
+    /// How much it sees; else [`Description::FOV`], or of a fisheye 180 degrees.
     pub opening: Option<Opening>,
     /// How it makes rays; else perspective. A panorama needs no opening, and stands in the middle of the scene.
     pub projection: Option<Projection>,
@@ -42,7 +42,8 @@ pub enum Aim {
 /// How much a camera sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Opening {
-    /// Degrees from the picture's lower to its upper edge, with square pixels: for perspective cameras.
+    /// Degrees from the picture's lower to its upper edge, with square pixels: for perspective cameras. Of fisheyes those of a circle
+    /// that touches the longer edges, of panoramas those from the left to the right edge.
     Fov(f64),
     /// A viewplane of a size.
     Viewplane {
@@ -52,6 +53,13 @@ pub enum Opening {
         height: f64,
         /// Its distance from the camera, which parallel rays can do without.
         focal_length: Option<f64>,
+    },
+    /// A lens with all its numbers, whatever the projection is said to be.
+    Lens {
+        /// The lens of a picture of `size`; in other sizes its intrinsic matrix follows.
+        lens: Lens,
+        /// Rows and columns.
+        size: [usize; 2],
     },
 }
 
@@ -102,8 +110,8 @@ impl Description {
         };
         let camera = match (self.position, lens) {
             (Some(position), _) => self.at_position(View { position, ..view }, bounds)?,
-            (None, Lens::Flat(_)) => self.framed(view, support)?,
-            (None, Lens::Equirectangular(_)) => self.in_the_middle(view, bounds)?,
+            (None, lens) if lens.is_panorama() => self.in_the_middle(view, bounds)?,
+            (None, _) => self.framed(view, support)?,
         };
         let Some(viewplane) = lens.viewplane() else {
             return Ok(camera);
@@ -112,16 +120,22 @@ impl Description {
     }
 
     /// The camera of a view, at as many pixels as its viewplane's shape asks.
-    pub(crate) fn of(view: &View) -> Self {
+    pub fn of(view: &View) -> Self {
         let viewplane = view.lens.viewplane();
         Self {
             position: Some(view.position),
             aim: Some(Aim::Along(view.aim)),
             up: Some(view.up),
-            opening: viewplane.map(|viewplane| Opening::Viewplane {
-                width: viewplane.width,
-                height: viewplane.height,
-                focal_length: Some(viewplane.focal_length),
+            opening: Some(match viewplane {
+                Some(viewplane) if viewplane.is_centred() => Opening::Viewplane {
+                    width: viewplane.width,
+                    height: viewplane.height,
+                    focal_length: Some(viewplane.focal_length),
+                },
+                _ => Opening::Lens {
+                    lens: view.lens,
+                    size: [view.rows, view.columns],
+                },
             }),
             projection: Some(view.lens.projection()),
             ray_start: viewplane.map(|viewplane| viewplane.ray_start),
@@ -132,10 +146,25 @@ impl Description {
 
     /// Columns and rows of pixels.
     pub fn size(&self) -> (usize, usize) {
+        if let (None, None, Some(Opening::Lens { size, .. })) =
+            (self.columns, self.rows, self.opening)
+        {
+            let [rows, columns] = size;
+            return (columns, rows);
+        }
         let aspect = match self.opening {
             Some(Opening::Viewplane { width, height, .. }) => width / height,
-            _ if self.projection == Some(Projection::Equirectangular) => 2.0,
-            _ => 4.0 / 3.0,
+            Some(Opening::Lens {
+                size: [rows, columns],
+                ..
+            }) => columns as f64 / rows.max(1) as f64,
+            _ => match self.projection {
+                Some(Projection::Equirectangular) => 2.0,
+                Some(Projection::Cylindrical) => 3.0,
+                Some(Projection::CubeMap) => 1.5,
+                Some(Projection::Octahedral) => 1.0,
+                _ => 4.0 / 3.0,
+            },
         };
         #[expect(
             clippy::cast_possible_truncation,
@@ -145,23 +174,32 @@ impl Description {
         let pixels = |count: f64| count.round().clamp(1.0, 16_384.0) as usize;
         match (self.columns, self.rows) {
             (Some(columns), Some(rows)) => (columns, rows),
+            (None, None) if self.projection == Some(Projection::CubeMap) => (1026, 684),
             (Some(columns), None) => (columns, pixels(columns as f64 / aspect)),
             (None, Some(rows)) => (pixels(rows as f64 * aspect), rows),
             (None, None) => (1024, pixels(1024.0 / aspect)),
         }
     }
 
-    /// What it sees through: a viewplane by its own size or by an angle, or all directions.
+    /// What it sees through: a viewplane by its own size or by an angle, or another lens.
     fn lens(&self, [rows, columns]: [usize; 2]) -> Result<Lens> {
         let projection = self.projection.unwrap_or_default();
-        if projection == Projection::Equirectangular {
-            let expected = "left out of an equirectangular camera, which sees all directions";
-            let is_fine = self.opening.is_none();
-            require("fov or viewplane", expected, is_fine, "one")?;
-            let expected = "left out of an equirectangular camera, whose rays start at the eye";
+        if let Some(Opening::Lens { lens, size }) = self.opening {
+            let factors = [
+                rows as f64 / size[0].max(1) as f64,
+                columns as f64 / size[1].max(1) as f64,
+            ];
+            return Ok(lens.scaled(factors));
+        }
+        let has_viewplane = matches!(
+            projection,
+            Projection::Perspective | Projection::Orthographic
+        );
+        if !has_viewplane {
+            let expected = "left out of a camera without a viewplane, whose rays start at the eye";
             let is_fine = self.ray_start != Some(RayStart::Viewplane);
             require("ray_start", expected, is_fine, "viewplane")?;
-            return Ok(Lens::Equirectangular(Equirectangular {}));
+            return self.lens_without_viewplane(projection, [rows, columns]);
         }
         let parallel = projection == Projection::Orthographic;
         let square = |degrees| Viewplane::with_vertical_fov(degrees, rows, columns);
@@ -172,6 +210,7 @@ impl Description {
                 require("fov", expected, !parallel, degrees)?;
                 square(degrees)?
             }
+            Some(Opening::Lens { .. }) => unreachable!("it has returned"),
             Some(Opening::Viewplane {
                 width,
                 height,
@@ -190,6 +229,7 @@ impl Description {
                         None => RayStart::Eye,
                     },
                     parallel,
+                    ..Viewplane::default()
                 }
             }
         };
@@ -197,6 +237,40 @@ impl Description {
             parallel,
             ..viewplane
         }))
+    }
+
+    /// A panorama or a fisheye; a calibrated lens is not known without its numbers.
+    fn lens_without_viewplane(
+        &self,
+        projection: Projection,
+        [rows, columns]: [usize; 2],
+    ) -> Result<Lens> {
+        match self.opening {
+            Some(Opening::Fov(degrees)) => Lens::with_fov(projection, degrees, rows, columns),
+            Some(_) => {
+                let expected = "left out of a camera without one";
+                Err(Error::argument("viewplane", expected, projection.name()))
+            }
+            None => match projection {
+                Projection::Equidistant
+                | Projection::Equisolid
+                | Projection::Stereographic
+                | Projection::OrthographicFisheye => {
+                    Lens::with_fov(projection, 180.0, rows, columns)
+                }
+                _ => {
+                    let lens = Lens::named(projection, &[])?;
+                    let expected = "given with a calibrated lens";
+                    require(
+                        "intrinsics",
+                        expected,
+                        lens.is_panorama(),
+                        projection.name(),
+                    )?;
+                    Ok(lens)
+                }
+            },
+        }
     }
 
     /// The camera at a position that is given.
@@ -265,10 +339,26 @@ impl Description {
             Some(Aim::View(standard)) => view.standard(standard),
             Some(Aim::Centre) | None => view.standard(StandardView::default()),
         };
-        let camera = Camera::framing(view, support)?;
+        // A lens without a viewplane is placed as a pinhole would be that sees about as much.
+        let seen_by = match Camera::new(view)?.pixel_matrix() {
+            Some(matrix) if view.lens.viewplane().is_none() => View {
+                lens: Lens::Flat(Viewplane::from_pixel_matrix(
+                    &matrix,
+                    view.rows,
+                    view.columns,
+                )?),
+                ..view
+            },
+            _ => view,
+        };
+        let camera = Camera::framing(seen_by, support)?;
         match self.opening {
-            // A viewplane that was asked for stays as it was asked for.
-            Some(Opening::Viewplane { .. }) => Camera::new(View {
+            // What was asked for stays as it was asked for.
+            Some(Opening::Viewplane { .. } | Opening::Lens { .. }) => Camera::new(View {
+                lens: view.lens,
+                ..*camera.view()
+            }),
+            _ if view.lens.viewplane().is_none() => Camera::new(View {
                 lens: view.lens,
                 ..*camera.view()
             }),

@@ -1,40 +1,67 @@
-//! A panorama of the whole sphere, where longitude and latitude are linear in the picture.
+//! A panorama in which longitude and latitude are linear in the picture.
 //!
-//! The middle of the picture is the aim. Longitude runs from -180 degrees at the left edge to 180 at the right one, latitude
-//! from 90 degrees at the top, which is upwards, to -90 at the bottom.
+//! The middle of the picture is the aim. Longitude grows to the right, latitude upwards. The whole sphere has 360 by 180 degrees.
 
-use std::f64::consts::PI;
+use std::f64::consts::TAU;
 
-use super::lens::{Model, Reach};
-use super::pose::Pose;
-use crate::geometry::{DVec2, PixelGrid, Ray, unit};
+use super::central::Central;
+use super::parameters::parameters;
+use crate::error::Result;
+use crate::geometry::{DVec2, DVec3, require};
 
-/// See [`Projection::Equirectangular`](super::Projection::Equirectangular). Rays start at the camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Equirectangular {}
+parameters! {
+    /// See [`Projection::Equirectangular`](super::Projection::Equirectangular). Rays start at the camera.
+    pub struct Equirectangular {
+        /// Degrees of longitude from the left edge to the right one, up to 360.
+        horizontal_fov = 360.0,
+        /// Degrees of latitude from the lower edge to the upper one, up to 180.
+        vertical_fov = 180.0,
+    }
+}
 
-impl Model for Equirectangular {
-    fn ray(
-        &self,
-        pose: &Pose,
-        [rows, columns]: [usize; 2],
-        [row, column]: [usize; 2],
-        offset: DVec2,
-    ) -> Ray {
-        let longitude = 2.0 * PI * ((column as f64 + offset.x) / columns as f64 - 0.5);
-        // Offsets run upwards, rows downwards.
-        let latitude = PI * (0.5 - (row as f64 + (1.0 - offset.y)) / rows as f64);
-        let (across, ahead) = libm::sincos(longitude);
-        let (above, level) = libm::sincos(latitude);
-        let direction = level * (ahead * pose.aim + across * pose.right) + above * pose.upwards;
-        Ray::new(pose.position, unit(direction))
+/// An angle in degrees as radians: 360 are [`TAU`] to the last digit.
+pub(super) fn radians(degrees: f64) -> f64 {
+    TAU * (degrees / 360.0)
+}
+
+/// Refuses what is no horizontal field of view of a panorama.
+pub(super) fn check_horizontal_fov(degrees: f64) -> Result<()> {
+    let fine = degrees > 0.0 && degrees <= 360.0;
+    require(
+        "horizontal_fov",
+        "above 0 and up to 360 degrees",
+        fine,
+        degrees,
+    )
+}
+
+impl Central for Equirectangular {
+    fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
+        check_horizontal_fov(self.horizontal_fov)?;
+        let fine = self.vertical_fov > 0.0 && self.vertical_fov <= 180.0;
+        let expected = "above 0 and up to 180 degrees";
+        require("vertical_fov", expected, fine, self.vertical_fov)
     }
 
-    fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach {
-        let ray = self.ray(pose, size, pixel, PixelGrid::CENTRE);
-        Reach {
-            offset: 0.0,
-            cosine: ray.direction.dot(pose.aim),
-        }
+    fn direction(&self, [rows, columns]: [usize; 2], pixel: DVec2) -> Option<DVec3> {
+        let longitude = radians(self.horizontal_fov) * (pixel.x / columns as f64 - 0.5);
+        let latitude = radians(self.vertical_fov) * (0.5 - pixel.y / rows as f64);
+        let (across, ahead) = libm::sincos(longitude);
+        let (above, level) = libm::sincos(latitude);
+        Some(DVec3::new(level * across, -above, level * ahead))
+    }
+
+    fn pixel(&self, [rows, columns]: [usize; 2], direction: DVec3) -> Option<DVec2> {
+        let DVec3 { x, y, z } = direction;
+        let longitude = libm::atan2(x, z);
+        let latitude = libm::atan2(-y, libm::hypot(x, z));
+        Some(DVec2::new(
+            columns as f64 * (0.5 + longitude / radians(self.horizontal_fov)),
+            rows as f64 * (0.5 - latitude / radians(self.vertical_fov)),
+        ))
+    }
+
+    fn scaled(&self, _: [f64; 2]) -> Self {
+        *self
     }
 }

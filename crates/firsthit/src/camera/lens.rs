@@ -1,20 +1,31 @@
 //! How a camera makes rays: a file per lens.
 
+use super::calibrated::{Calibrated, within};
+use super::central::Central;
+use super::cube_map::CubeMap;
+use super::cylindrical::Cylindrical;
+use super::distortion::{
+    DoubleSphere, Equidistant, Equisolid, Eucm, KannalaBrandt, Mei, OpenCv, OpenCvFisheye,
+    OrthographicFisheye, Stereographic, Ucm,
+};
 use super::equirectangular::Equirectangular;
-use super::named::named;
+use super::octahedral::Octahedral;
+use super::parameters::{self, Parameters};
 use super::pose::Pose;
 use super::viewplane::Viewplane;
-use crate::error::Result;
-use crate::geometry::{DVec2, PixelGrid, Ray};
+use crate::error::{Error, Result};
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, named};
 
 /// What every lens can do, for a camera of a pose and with so many rows and columns of pixels.
 pub(super) trait Model {
-    /// Checks its numbers.
-    fn check(&self) -> Result<()> {
-        Ok(())
-    }
-    /// The ray through a point of a pixel, its direction of length one. `offset` runs from 0 to 1 rightwards and upwards.
+    /// Checks its numbers, and computes what depends on them alone.
+    fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
+    /// The ray through a point of a pixel, its direction of length one; NaN where nothing is seen. `offset` runs from 0 to 1
+    /// rightwards and upwards.
     fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray;
+    /// Where in the picture a point is seen: columns from the left edge and rows from the upper one. The point counts from the
+    /// camera, x to the right, y down, z ahead.
+    fn project(&self, size: [usize; 2], point: DVec3) -> Option<DVec2>;
     /// What turns the `t` of the ray through a pixel's centre into the other two distances.
     fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach;
     /// What the rays through that point of all pixels have in common, if they all go through a flat viewplane.
@@ -30,16 +41,16 @@ pub(super) struct Reach {
     pub(super) cosine: f64,
 }
 
-/// Makes [`Lens`]: a lens is a file with a [`Model`], and a row.
+/// Makes [`Lens`] and [`Projection`]: a lens is a file with a [`Central`], and a row.
 macro_rules! lenses {
-    ($($(#[$doc:meta])* $variant:ident($model:ident);)*) => {
+    ($($(#[$doc:meta])* $name:literal => $variant:ident($model:ty);)*) => {
         /// What a camera sees through, with the numbers that go with it.
         ///
         /// ```
         /// use firsthit::camera::Equirectangular;
         /// use firsthit::{Camera, DVec3, Lens, View};
         ///
-        /// let lens = Lens::Equirectangular(Equirectangular {});
+        /// let lens = Lens::Equirectangular(Equirectangular::default());
         /// let panorama = Camera::new(View { rows: 180, columns: 360, lens, ..View::default() })?;
         /// // Half a degree right of the aim and above it.
         /// assert!(panorama.ray(89, 180).direction.abs_diff_eq(DVec3::NEG_Z, 0.02));
@@ -47,61 +58,208 @@ macro_rules! lenses {
         /// ```
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub enum Lens {
+            /// A flat viewplane.
+            Flat(Viewplane),
             $($(#[$doc])* $variant($model),)*
         }
 
         impl Lens {
             pub(super) fn model(&self) -> &dyn Model {
-                match self { $(Self::$variant(lens) => lens,)* }
+                match self {
+                    Self::Flat(lens) => lens,
+                    $(Self::$variant(lens) => lens,)*
+                }
+            }
+
+            pub(super) fn model_mut(&mut self) -> &mut dyn Model {
+                match self {
+                    Self::Flat(lens) => lens,
+                    $(Self::$variant(lens) => lens,)*
+                }
+            }
+
+            fn parameters_mut(&mut self) -> &mut dyn Parameters {
+                match self {
+                    Self::Flat(lens) => lens,
+                    $(Self::$variant(lens) => lens,)*
+                }
+            }
+
+            /// What it is called, in files and on the command line.
+            pub fn projection(&self) -> Projection {
+                match self {
+                    Self::Flat(viewplane) if viewplane.parallel => Projection::Orthographic,
+                    Self::Flat(_) => Projection::Perspective,
+                    $(Self::$variant(_) => Projection::$variant,)*
+                }
+            }
+
+            /// That of a part of the picture, which begins at a row and a column.
+            pub(super) fn cropped(&self, whole: [usize; 2], first: [usize; 2], size: [usize; 2]) -> Option<Self> {
+                Some(match self {
+                    Self::Flat(viewplane) => Self::Flat(viewplane.cropped(whole, first, size)),
+                    $(Self::$variant(lens) => Self::$variant(lens.cropped(first)?),)*
+                })
+            }
+
+            /// That of the same picture with so many times the rows and columns.
+            pub(super) fn scaled(&self, factors: [f64; 2]) -> Self {
+                match self {
+                    Self::Flat(viewplane) => Self::Flat(*viewplane),
+                    $(Self::$variant(lens) => Self::$variant(lens.scaled(factors)),)*
+                }
+            }
+        }
+
+        named! {
+            /// The projections by name, as in files and on the command line.
+            ///
+            /// ```
+            /// use firsthit::Projection;
+            ///
+            /// assert_eq!("orthographic".parse::<Projection>()?, Projection::Orthographic);
+            /// assert_eq!(Projection::default().name(), "perspective");
+            /// # Ok::<(), firsthit::Error>(())
+            /// ```
+            pub enum Projection, "projection":
+            /// All rays pass through the camera's position and a flat viewplane.
+            #[default]
+            "perspective" => Perspective;
+            /// All rays are parallel to the aim.
+            "orthographic" => Orthographic;
+            $($(#[$doc])* $name => $variant;)*
+        }
+
+        impl Projection {
+            /// A lens of this kind with the numbers that it has where nobody says.
+            fn lens(self) -> Lens {
+                match self {
+                    Self::Perspective => Lens::Flat(Viewplane::default()),
+                    Self::Orthographic => Lens::Flat(Viewplane { parallel: true, ..Viewplane::default() }),
+                    $(Self::$variant => Lens::$variant(Default::default()),)*
+                }
             }
         }
     };
 }
 
 lenses! {
-    /// A flat viewplane.
-    Flat(Viewplane);
-    /// The whole sphere around the camera.
-    Equirectangular(Equirectangular);
+    /// A panorama: columns are degrees of longitude, rows degrees of latitude. All directions, unless the fields of view are smaller.
+    "equirectangular" => Equirectangular(Equirectangular);
+    /// A panorama: columns are degrees of longitude, rows are heights on a cylinder.
+    "cylindrical" => Cylindrical(Cylindrical);
+    /// All directions, on the faces of a cube.
+    "cube_map" => CubeMap(CubeMap);
+    /// All directions, on the faces of an octahedron, in one square.
+    "octahedral" => Octahedral(Octahedral);
+    /// A calibrated camera with OpenCV's distortion.
+    "opencv" => OpenCv(Calibrated<OpenCv>);
+    /// A calibrated fisheye with OpenCV's distortion.
+    "opencv_fisheye" => OpenCvFisheye(Calibrated<OpenCvFisheye>);
+    /// A calibrated fisheye with Kannala and Brandt's polynomial.
+    "kannala_brandt" => KannalaBrandt(Calibrated<KannalaBrandt>);
+    /// A calibrated fisheye: the double sphere model.
+    "double_sphere" => DoubleSphere(Calibrated<DoubleSphere>);
+    /// A calibrated fisheye or mirror: the enhanced unified camera model.
+    "eucm" => Eucm(Calibrated<Eucm>);
+    /// A calibrated fisheye or mirror: the unified camera model.
+    "ucm" => Ucm(Calibrated<Ucm>);
+    /// A calibrated fisheye or mirror: Mei's model, that of `cv2.omnidir`.
+    "mei" => Mei(Calibrated<Mei>);
+    /// A fisheye: distances from the middle are angles.
+    "equidistant" => Equidistant(Calibrated<Equidistant>);
+    /// A fisheye: areas are solid angles.
+    "equisolid" => Equisolid(Calibrated<Equisolid>);
+    /// A fisheye: shapes are kept where they are small.
+    "stereographic" => Stereographic(Calibrated<Stereographic>);
+    /// A fisheye: distances from the middle are sines of angles.
+    "orthographic_fisheye" => OrthographicFisheye(Calibrated<OrthographicFisheye>);
 }
 
 impl Lens {
+    /// A lens by the name of its projection, and numbers by their names; those that are left out are what they are by default.
+    ///
+    /// ```
+    /// use firsthit::{Lens, Projection};
+    ///
+    /// let numbers = [("fx", 400.0), ("fy", 400.0), ("cx", 320.0), ("cy", 240.0), ("k1", -0.02)];
+    /// let lens = Lens::named(Projection::OpenCvFisheye, &numbers)?;
+    /// assert_eq!(lens.parameters()[5], ("k1", -0.02));
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a name that no number of this projection has. The numbers are checked by
+    /// [`Camera::new`](super::Camera::new).
+    pub fn named(projection: Projection, parameters: &[(&str, f64)]) -> Result<Self> {
+        let mut lens = projection.lens();
+        parameters::set(lens.parameters_mut(), parameters)?;
+        Ok(lens)
+    }
+
+    /// A fisheye whose field of view, as a circle around the middle of the picture, touches its longer edges; or a panorama of that many
+    /// degrees across.
+    ///
+    /// ```
+    /// use firsthit::{Lens, Projection};
+    ///
+    /// let lens = Lens::with_fov(Projection::Equidistant, 180.0, 480, 640)?;
+    /// // 240 rows are a right angle.
+    /// assert!((lens.parameters()[0].1 - 480.0 / std::f64::consts::PI).abs() < 1e-12);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a projection that has no such angle, and an angle that it does not reach.
+    pub fn with_fov(projection: Projection, fov: f64, rows: usize, columns: usize) -> Result<Self> {
+        let size = [rows, columns];
+        Ok(match projection {
+            Projection::Perspective => {
+                Self::Flat(Viewplane::with_vertical_fov(fov, rows, columns)?)
+            }
+            Projection::Equidistant => Self::Equidistant(within(Equidistant { fov }, size)?),
+            Projection::Equisolid => Self::Equisolid(within(Equisolid { fov }, size)?),
+            Projection::Stereographic => Self::Stereographic(within(Stereographic { fov }, size)?),
+            Projection::OrthographicFisheye => {
+                Self::OrthographicFisheye(within(OrthographicFisheye { fov }, size)?)
+            }
+            Projection::Equirectangular | Projection::Cylindrical => {
+                Self::named(projection, &[("horizontal_fov", fov)])?
+            }
+            _ => {
+                let expected = "left out: the projection's angle follows from its parameters";
+                return Err(Error::argument("fov", expected, projection.name()));
+            }
+        })
+    }
+
+    /// Whether it sees the whole sphere, or a large part of it in a picture that is none of a lens: cameras with such a lens
+    /// stand in the middle of a scene.
+    pub fn is_panorama(&self) -> bool {
+        matches!(
+            self,
+            Self::Equirectangular(_)
+                | Self::Cylindrical(_)
+                | Self::CubeMap(_)
+                | Self::Octahedral(_)
+        )
+    }
+
+    /// Its numbers by their names.
+    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+        let mut lens = *self;
+        parameters::values(lens.parameters_mut())
+    }
+
     /// Its viewplane, if it has one.
     pub fn viewplane(&self) -> Option<&Viewplane> {
         match self {
             Self::Flat(viewplane) => Some(viewplane),
-            Self::Equirectangular(_) => None,
+            _ => None,
         }
     }
-
-    /// What it is called, in files and on the command line.
-    pub fn projection(&self) -> Projection {
-        match self {
-            Self::Flat(viewplane) if viewplane.parallel => Projection::Orthographic,
-            Self::Flat(_) => Projection::Perspective,
-            Self::Equirectangular(_) => Projection::Equirectangular,
-        }
-    }
-}
-
-named! {
-    /// The projections by name, as in files and on the command line.
-    ///
-    /// ```
-    /// use firsthit::Projection;
-    ///
-    /// assert_eq!("orthographic".parse::<Projection>()?, Projection::Orthographic);
-    /// assert_eq!(Projection::default().name(), "perspective");
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    pub enum Projection, "projection":
-    /// All rays pass through the camera's position and a flat viewplane.
-    #[default]
-    "perspective" => Perspective;
-    /// All rays are parallel to the aim.
-    "orthographic" => Orthographic;
-    /// All directions: columns are degrees of longitude, rows degrees of latitude.
-    "equirectangular" => Equirectangular;
 }
 
 impl Default for Lens {

@@ -1,7 +1,7 @@
 //! A camera as the matrices that other programs take.
 
-use super::Camera;
-use crate::geometry::{DAffine3, DMat3, DVec3};
+use super::{Camera, Lens, PixelMatrix};
+use crate::geometry::{DAffine3, DMat3};
 
 impl Camera {
     /// The pose: from the camera's coordinates (right, up, backwards, as in OpenGL and glTF) to the world's.
@@ -13,24 +13,41 @@ impl Camera {
     /// The intrinsic matrix K, for camera coordinates (x right, y down, z forwards, as in OpenCV and
     /// COLMAP): `K (x, y, z) / z` is `(u, v, 1)`, u columns from the picture's left edge and v rows from its
     /// upper one. The centre of the first pixel is at (0.5, 0.5), as in COLMAP; for OpenCV, where it is at
-    /// (0, 0), subtract 0.5 from the last column. `None` where rays do not run through a viewplane's
-    /// pixels from one point.
+    /// (0, 0), subtract 0.5 from the last column. Where the lens distorts, K comes after that. `None` for parallel rays, tilted
+    /// viewplanes, and panoramas.
     pub fn intrinsic_matrix(&self) -> Option<DMat3> {
-        let viewplane = self.lens().viewplane().filter(|lens| !lens.parallel)?;
-        let focal_length = viewplane.focal_length;
-        let (across, down) = (self.columns() as f64, self.rows() as f64);
-        Some(DMat3::from_cols(
-            DVec3::new(focal_length * across / viewplane.width, 0.0, 0.0),
-            DVec3::new(0.0, focal_length * down / viewplane.height, 0.0),
-            DVec3::new(across / 2.0, down / 2.0, 1.0),
-        ))
+        self.pixel_matrix().map(|matrix| matrix.matrix())
+    }
+
+    /// The numbers of the intrinsic matrix.
+    pub fn pixel_matrix(&self) -> Option<PixelMatrix> {
+        match self.lens() {
+            Lens::Flat(viewplane) => viewplane.pixel_matrix(self.size()),
+            lens => {
+                let given = lens.parameters();
+                let of = |name| {
+                    given
+                        .iter()
+                        .find(|(own, _)| *own == name)
+                        .map(|&(_, value)| value)
+                };
+                Some(PixelMatrix {
+                    fx: of("fx")?,
+                    fy: of("fy")?,
+                    cx: of("cx")?,
+                    cy: of("cy")?,
+                    skew: of("skew")?,
+                })
+            }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Lens, View, Viewplane};
+    use crate::camera::{View, Viewplane};
+    use crate::geometry::DVec3;
 
     /// What both matrices make of the point at `t` on a pixel's ray is that pixel's centre.
     #[test]

@@ -1,23 +1,39 @@
 //! Pixel to ray: a camera is a pose and a lens, and each lens a file.
 
 mod aim_at;
+mod calibrated;
+mod central;
+mod convention;
+mod cube_map;
+mod cylindrical;
 mod description;
+pub mod distortion;
 mod equirectangular;
 mod framing;
 mod lens;
 mod matrices;
-mod named;
+mod octahedral;
+mod parameters;
+mod pixel_matrix;
 mod pose;
 mod standard;
 mod viewplane;
 
+pub use calibrated::Calibrated;
+pub use convention::{Convention, rotation};
+pub use cube_map::CubeMap;
+pub use cylindrical::Cylindrical;
 pub use description::{Aim, Description, Opening};
 pub use equirectangular::Equirectangular;
 pub use lens::{Lens, Projection};
+pub use octahedral::Octahedral;
+pub use pixel_matrix::PixelMatrix;
 pub use standard::StandardView;
 pub use viewplane::{RayStart, Viewplane};
 
-use crate::error::Result;
+use std::ops::Range;
+
+use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, require, unit};
 use pose::Pose;
 
@@ -118,13 +134,13 @@ impl Camera {
 
     fn aimed(view: View, unit_aim: impl Fn(DVec3) -> DVec3) -> Result<Self> {
         let pose = Pose::new(view.position, view.aim, view.up, unit_aim)?;
-        view.lens.model().check()?;
         require("rows", "at least 1", view.rows >= 1, view.rows)?;
         require("columns", "at least 1", view.columns >= 1, view.columns)?;
-        let view = View {
+        let mut view = View {
             aim: pose.aim,
             ..view
         };
+        view.lens.model_mut().prepare([view.rows, view.columns])?;
         Ok(Self { view, pose })
     }
 
@@ -183,6 +199,79 @@ impl Camera {
             viewplane.ray_start = ray_start;
         }
         self
+    }
+
+    /// Where in the picture a point of the world is seen: columns from the picture's left edge and rows from its upper edge, so that
+    /// the centre of the first pixel is (0.5, 0.5). Points that are seen beyond the edges have places there. `None` where the
+    /// lens sees no such direction, as behind a pinhole. Whether anything hides the point does not matter.
+    ///
+    /// ```
+    /// use firsthit::{Camera, DVec3, View};
+    ///
+    /// let camera = Camera::new(View::default())?;
+    /// let ray = camera.ray(100, 200);
+    /// let pixel = camera.project(ray.at(3.0)).unwrap();
+    /// assert!((pixel.x - 200.5).abs() < 1e-9 && (pixel.y - 100.5).abs() < 1e-9);
+    /// assert_eq!(camera.project(DVec3::Z), None);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn project(&self, point: DVec3) -> Option<DVec2> {
+        let relative = point - self.pose.position;
+        let seen = DVec3::new(
+            relative.dot(self.pose.right),
+            -relative.dot(self.pose.upwards),
+            relative.dot(self.pose.aim),
+        );
+        self.view.lens.model().project(self.size(), seen)
+    }
+
+    /// The camera of a part of the picture: `rows` and `columns` are those of this camera. Its rays are this camera's, but for
+    /// rounding.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for an empty part or one beyond the picture, and for a projection without an
+    /// intrinsic matrix, other than an orthographic one.
+    pub fn crop(&self, rows: Range<usize>, columns: Range<usize>) -> Result<Self> {
+        let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
+        let is_part = fits(&rows, self.rows()) && fits(&columns, self.columns());
+        let got = format!("rows {rows:?} and columns {columns:?}");
+        require(
+            "crop",
+            "a part of the picture that is not empty",
+            is_part,
+            got,
+        )?;
+        let (first, size) = ([rows.start, columns.start], [rows.len(), columns.len()]);
+        let Some(lens) = self.view.lens.cropped(self.size(), first, size) else {
+            let expected = "one with an intrinsic matrix, to be cropped; or render a region";
+            let name = self.view.lens.projection().name();
+            return Err(Error::argument("projection", expected, name));
+        };
+        Self::again(View {
+            rows: size[0],
+            columns: size[1],
+            lens,
+            ..self.view
+        })
+    }
+
+    /// The camera of the same picture with other numbers of pixels, as by binning them. An intrinsic matrix follows.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for no rows or columns.
+    pub fn resize(&self, rows: usize, columns: usize) -> Result<Self> {
+        let factors = [
+            rows as f64 / self.rows() as f64,
+            columns as f64 / self.columns() as f64,
+        ];
+        Self::again(View {
+            rows,
+            columns,
+            lens: self.view.lens.scaled(factors),
+            ..self.view
+        })
     }
 
     /// The ray through the centre of the pixel in array row `row` (0 is the top) and `column`, its

@@ -1,7 +1,6 @@
 //! The standard views of a model: front, top, three-quarter, ...
 
-use super::named::named;
-use crate::geometry::{DVec3, unit};
+use crate::geometry::{DVec3, named, unit};
 
 named! {
     /// A standard view of a model, for any up direction.

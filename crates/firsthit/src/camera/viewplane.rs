@@ -1,10 +1,11 @@
 //! A flat viewplane: perspective where rays run through the camera's position, orthographic where they are parallel.
 
 use super::lens::{Model, Reach};
-use super::named::named;
+use super::parameters::Parameters;
+use super::pixel_matrix::PixelMatrix;
 use super::pose::Pose;
 use crate::error::Result;
-use crate::geometry::{DVec2, PixelGrid, Ray, require_positive};
+use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray, named, require, require_positive};
 
 /// A flat viewplane in front of the camera. Lengths are in scene units.
 ///
@@ -29,6 +30,14 @@ pub struct Viewplane {
     pub parallel: bool,
     /// Where rays start.
     pub ray_start: RayStart,
+    /// From where the aim meets the viewplane to its middle: to the right and upwards, along the viewplane.
+    pub shift: DVec2,
+    /// How the viewplane is turned out of the right angle to the aim, in degrees, as a camera's back is by Scheimpflug's rule: first
+    /// about `upwards`, by `tilt.x`, which brings its right edge nearer; then about its own horizontal, by `tilt.y`, which brings its
+    /// upper edge nearer.
+    pub tilt: DVec2,
+    /// How far to the right a column leans for each unit upwards.
+    pub skew: f64,
 }
 
 impl Default for Viewplane {
@@ -40,7 +49,23 @@ impl Default for Viewplane {
             height: 1.0,
             parallel: false,
             ray_start: RayStart::Viewplane,
+            shift: DVec2::ZERO,
+            tilt: DVec2::ZERO,
+            skew: 0.0,
         }
+    }
+}
+
+impl Parameters for Viewplane {
+    fn each(&mut self, visit: &mut dyn FnMut(&'static str, &mut f64)) {
+        visit("focal_length", &mut self.focal_length);
+        visit("width", &mut self.width);
+        visit("height", &mut self.height);
+        visit("shift_x", &mut self.shift.x);
+        visit("shift_y", &mut self.shift.y);
+        visit("tilt_x", &mut self.tilt.x);
+        visit("tilt_y", &mut self.tilt.y);
+        visit("skew", &mut self.skew);
     }
 }
 
@@ -64,17 +89,139 @@ named! {
     "eye" => Eye;
 }
 
+/// A viewplane in space: from the camera to its middle, and its axes.
+struct Placed {
+    middle: DVec3,
+    right: DVec3,
+    upwards: DVec3,
+}
+
 impl Viewplane {
+    /// The viewplane of a pinhole camera whose intrinsic matrix is known, at distance one. Rays start at the eye.
+    ///
+    /// ```
+    /// use firsthit::camera::PixelMatrix;
+    /// use firsthit::{Camera, DVec3, Lens, View, Viewplane};
+    ///
+    /// let matrix = PixelMatrix { fx: 500.0, fy: 500.0, cx: 300.0, cy: 250.0, skew: 0.0 };
+    /// let lens = Lens::Flat(Viewplane::from_pixel_matrix(&matrix, 480, 640)?);
+    /// let camera = Camera::new(View { lens, ..View::default() })?;
+    /// let ahead = camera.project(DVec3::new(0.0, 0.0, -7.0)).unwrap();
+    /// assert!((ahead.x - 300.0).abs() < 1e-9 && (ahead.y - 250.0).abs() < 1e-9);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for focal lengths that are not positive, and numbers that are not finite.
+    pub fn from_pixel_matrix(matrix: &PixelMatrix, rows: usize, columns: usize) -> Result<Self> {
+        matrix.check()?;
+        let PixelMatrix {
+            fx,
+            fy,
+            cx,
+            cy,
+            skew,
+        } = *matrix;
+        let (across, down) = (columns.max(1) as f64, rows.max(1) as f64);
+        let (skew, up) = (skew / fx, (cy - 0.5 * down) / fy);
+        Ok(Self {
+            focal_length: 1.0,
+            width: across / fx,
+            height: down / fy,
+            ray_start: RayStart::Eye,
+            shift: DVec2::new((0.5 * across - cx) / fx + skew * up, up),
+            skew,
+            ..Self::default()
+        })
+    }
+
+    /// Whether the aim meets its middle at a right angle, and its columns are at right angles to its rows.
+    pub(super) fn is_centred(&self) -> bool {
+        (self.shift, self.tilt, self.skew) == (DVec2::ZERO, DVec2::ZERO, 0.0)
+    }
+
+    /// The intrinsic matrix with so many rows and columns; `None` where rays are parallel or the viewplane is tilted.
+    pub(super) fn pixel_matrix(&self, [rows, columns]: [usize; 2]) -> Option<PixelMatrix> {
+        if self.parallel || self.tilt != DVec2::ZERO {
+            return None;
+        }
+        let (across, down) = (columns as f64, rows as f64);
+        let (fx, fy) = (
+            self.focal_length * across / self.width,
+            self.focal_length * down / self.height,
+        );
+        let shift = self.shift / self.focal_length;
+        Some(PixelMatrix {
+            fx,
+            fy,
+            cx: 0.5 * across - fx * (shift.x - self.skew * shift.y),
+            cy: 0.5 * down + fy * shift.y,
+            skew: fx * self.skew,
+        })
+    }
+
+    /// That of a part of the picture, which begins at a row and a column.
+    pub(super) fn cropped(
+        &self,
+        [rows, columns]: [usize; 2],
+        [row, column]: [usize; 2],
+        [down, across]: [usize; 2],
+    ) -> Self {
+        let size = DVec2::new(self.width / columns as f64, self.height / rows as f64);
+        // From the middle of the whole to the middle of the part, in pixels.
+        let x = column as f64 + 0.5 * across as f64 - 0.5 * columns as f64;
+        let y = 0.5 * rows as f64 - (row as f64 + 0.5 * down as f64);
+        let up = y * size.y;
+        Self {
+            width: size.x * across as f64,
+            height: size.y * down as f64,
+            shift: self.shift + DVec2::new(x * size.x + self.skew * up, up),
+            ..*self
+        }
+    }
+
+    /// Where it is, for a camera with this frame.
+    fn placed(&self, [right, upwards, aim]: [DVec3; 3]) -> Placed {
+        let ahead = self.focal_length * aim;
+        if self.is_centred() {
+            return Placed {
+                middle: ahead,
+                right,
+                upwards,
+            };
+        }
+        let (sin_x, cos_x) = libm::sincos(self.tilt.x.to_radians());
+        let (sin_y, cos_y) = libm::sincos(self.tilt.y.to_radians());
+        // Each edge comes nearer, so each axis turns against the aim.
+        let across = cos_x * right - sin_x * aim;
+        let behind = sin_x * right + cos_x * aim;
+        let up = cos_y * upwards - sin_y * behind;
+        Placed {
+            middle: ahead + self.shift.x * across + self.shift.y * up,
+            right: across,
+            upwards: up + self.skew * across,
+        }
+    }
+
     fn pixels(&self, pose: &Pose, [rows, columns]: [usize; 2], offset: DVec2) -> PixelGrid {
+        let placed = self.placed([pose.right, pose.upwards, pose.aim]);
+        let ahead = self.focal_length * pose.aim;
+        // Parallel rays that start at the camera start on the plane through it.
+        let (position, toward) = if self.parallel {
+            (pose.position + (placed.middle - ahead), ahead)
+        } else {
+            (pose.position, placed.middle)
+        };
         PixelGrid {
             rows,
             columns,
             first: [0, 0],
             whole: [rows, columns],
-            position: pose.position,
-            toward: self.focal_length * pose.aim,
-            right: pose.right,
-            upwards: pose.upwards,
+            position,
+            toward,
+            right: placed.right,
+            upwards: placed.upwards,
             width: self.width,
             height: self.height,
             parallel: self.parallel.then_some(pose.aim),
@@ -85,15 +232,45 @@ impl Viewplane {
 }
 
 impl Model for Viewplane {
-    fn check(&self) -> Result<()> {
+    fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
         require_positive("focal_length", self.focal_length)?;
         require_positive("width", self.width)?;
         require_positive("height", self.height)?;
-        Ok(())
+        require("shift", "finite", self.shift.is_finite(), self.shift)?;
+        require("skew", "finite", self.skew.is_finite(), self.skew)?;
+        let is_flat = self.tilt.abs().max_element() < 90.0;
+        require("tilt", "between -90 and 90 degrees", is_flat, self.tilt)?;
+        let fine = !self.parallel || self.tilt == DVec2::ZERO;
+        require("tilt", "zero for parallel rays", fine, self.tilt)
     }
 
     fn ray(&self, pose: &Pose, size: [usize; 2], [row, column]: [usize; 2], offset: DVec2) -> Ray {
         self.pixels(pose, size, offset).ray(row, column)
+    }
+
+    fn project(&self, [rows, columns]: [usize; 2], point: DVec3) -> Option<DVec2> {
+        let Placed {
+            middle,
+            right,
+            upwards,
+        } = self.placed([DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+        let axes = DMat3::from_cols(right, upwards, middle);
+        let seen = if self.parallel {
+            let from_middle = point - (middle - self.focal_length * DVec3::Z);
+            DMat3::from_cols(right, upwards, DVec3::Z).inverse() * from_middle
+        } else {
+            let seen = axes.inverse() * point;
+            let is_ahead = seen.z > 0.0;
+            if !is_ahead {
+                return None;
+            }
+            seen / seen.z
+        };
+        let pixel = DVec2::new(
+            (0.5 + seen.x / self.width) * columns as f64,
+            (0.5 - seen.y / self.height) * rows as f64,
+        );
+        pixel.is_finite().then_some(pixel)
     }
 
     fn reach(&self, pose: &Pose, size: [usize; 2], [row, column]: [usize; 2]) -> Reach {
@@ -101,8 +278,14 @@ impl Model for Viewplane {
         let (distance, cosine) = if self.parallel {
             (self.focal_length, 1.0)
         } else {
-            let distance = grid.point(row, column).length();
-            (distance, self.focal_length / distance)
+            let point = grid.point(row, column);
+            let distance = point.length();
+            let ahead = if self.tilt == DVec2::ZERO {
+                self.focal_length
+            } else {
+                point.dot(pose.aim)
+            };
+            (distance, ahead / distance)
         };
         let offset = if grid.starts_on_viewplane {
             distance

@@ -3,10 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::number::{Number, Triple};
-use crate::camera::{
-    Aim, Description, Equirectangular, Lens, Opening, Projection, RayStart, StandardView, View,
-    Viewplane,
-};
+use crate::camera::{Aim, Description, Lens, Opening, Projection, RayStart, StandardView, View};
 use crate::error::{Result, escape_controls};
 use crate::world::NamedCamera;
 
@@ -20,20 +17,45 @@ pub(super) struct CameraRecord {
     up: Triple,
     rows: usize,
     columns: usize,
-    /// None of a panorama.
-    viewplane: Option<ViewplaneRecord>,
+    lens: LensRecord,
     has_size: bool,
     description: Option<DescriptionRecord>,
 }
 
+/// A lens by the name of its projection, and its numbers.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ViewplaneRecord {
-    focal_length: Number,
-    width: Number,
-    height: Number,
-    parallel: bool,
-    ray_start: String,
+struct LensRecord {
+    projection: String,
+    /// None without a viewplane.
+    ray_start: Option<String>,
+    parameters: Vec<(String, Number)>,
+}
+
+impl LensRecord {
+    fn new(lens: &Lens) -> Self {
+        let parameters = lens.parameters().into_iter();
+        Self {
+            projection: lens.projection().name().to_owned(),
+            ray_start: lens
+                .viewplane()
+                .map(|viewplane| viewplane.ray_start.name().to_owned()),
+            parameters: parameters
+                .map(|(name, value)| (name.to_owned(), Number(value)))
+                .collect(),
+        }
+    }
+
+    fn lens(&self) -> Result<Lens> {
+        let parameters = self.parameters.iter();
+        let parameters: Vec<(&str, f64)> =
+            parameters.map(|(name, value)| (&**name, value.0)).collect();
+        let mut lens = Lens::named(self.projection.parse()?, &parameters)?;
+        if let (Lens::Flat(viewplane), Some(start)) = (&mut lens, &self.ray_start) {
+            viewplane.ray_start = start.parse()?;
+        }
+        Ok(lens)
+    }
 }
 
 /// A camera as a scene file describes it, in part.
@@ -65,6 +87,8 @@ enum OpeningRecord {
     Fov(Number),
     /// Its width, height and distance.
     Viewplane(Number, Number, Option<Number>),
+    /// With the rows and columns that it is for.
+    Lens(LensRecord, [usize; 2]),
 }
 
 impl CameraRecord {
@@ -77,16 +101,6 @@ impl CameraRecord {
             columns,
             lens,
         } = camera.view;
-        let viewplane = match lens {
-            Lens::Flat(viewplane) => Some(ViewplaneRecord {
-                focal_length: Number(viewplane.focal_length),
-                width: Number(viewplane.width),
-                height: Number(viewplane.height),
-                parallel: viewplane.parallel,
-                ray_start: viewplane.ray_start.name().to_owned(),
-            }),
-            Lens::Equirectangular(Equirectangular {}) => None,
-        };
         Self {
             name: camera.name.clone(),
             own_name: camera.own_name.clone(),
@@ -95,7 +109,7 @@ impl CameraRecord {
             up: up.into(),
             rows,
             columns,
-            viewplane,
+            lens: LensRecord::new(&lens),
             has_size: camera.has_size,
             description: camera.description.as_ref().map(DescriptionRecord::new),
         }
@@ -103,23 +117,13 @@ impl CameraRecord {
 
     /// The camera. Whether its numbers make sense is checked when it is used, as with those of other files.
     pub(super) fn camera(&self) -> Result<NamedCamera> {
-        let lens = match &self.viewplane {
-            None => Lens::Equirectangular(Equirectangular {}),
-            Some(viewplane) => Lens::Flat(Viewplane {
-                focal_length: viewplane.focal_length.0,
-                width: viewplane.width.0,
-                height: viewplane.height.0,
-                parallel: viewplane.parallel,
-                ray_start: viewplane.ray_start.parse()?,
-            }),
-        };
         let view = View {
             position: self.position.into(),
             aim: self.aim.into(),
             up: self.up.into(),
             rows: self.rows,
             columns: self.columns,
-            lens,
+            lens: self.lens.lens()?,
         };
         let description = self.description.as_ref();
         Ok(NamedCamera {
@@ -165,6 +169,7 @@ impl DescriptionRecord {
                     let focal_length = focal_length.map(Number);
                     OpeningRecord::Viewplane(Number(width), Number(height), focal_length)
                 }
+                Opening::Lens { lens, size } => OpeningRecord::Lens(LensRecord::new(&lens), size),
             }),
             projection: projection.map(|projection| projection.name().to_owned()),
             ray_start: ray_start.map(|start| start.name().to_owned()),
@@ -182,15 +187,21 @@ impl DescriptionRecord {
                 AimRecord::View(name) => Aim::View(name.parse::<StandardView>()?),
             })
         });
-        let opening = self.opening.as_ref().map(|opening| match *opening {
-            OpeningRecord::Fov(Number(degrees)) => Opening::Fov(degrees),
-            OpeningRecord::Viewplane(Number(width), Number(height), focal_length) => {
-                Opening::Viewplane {
-                    width,
-                    height,
-                    focal_length: focal_length.map(|Number(length)| length),
+        let opening = self.opening.as_ref().map(|opening| {
+            Ok(match opening {
+                OpeningRecord::Fov(Number(degrees)) => Opening::Fov(*degrees),
+                OpeningRecord::Viewplane(Number(width), Number(height), focal_length) => {
+                    Opening::Viewplane {
+                        width: *width,
+                        height: *height,
+                        focal_length: focal_length.as_ref().map(|Number(length)| *length),
+                    }
                 }
-            }
+                OpeningRecord::Lens(lens, size) => Opening::Lens {
+                    lens: lens.lens()?,
+                    size: *size,
+                },
+            })
         });
         let projection = self.projection.as_deref().map(str::parse::<Projection>);
         let ray_start = self.ray_start.as_deref().map(str::parse::<RayStart>);
@@ -198,7 +209,7 @@ impl DescriptionRecord {
             position: self.position.map(Into::into),
             aim: aim.transpose()?,
             up: self.up.map(Into::into),
-            opening,
+            opening: opening.transpose()?,
             projection: projection.transpose()?,
             ray_start: ray_start.transpose()?,
             columns: self.columns,

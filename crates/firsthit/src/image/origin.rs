@@ -1,5 +1,7 @@
 //! Where a frame comes from: its scene and its camera.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::names::Names;
@@ -45,7 +47,11 @@ pub struct CameraRecord {
     pub projection: String,
     /// Where `t` counts from: `viewplane` or `eye`.
     pub ray_start: String,
-    /// As intrinsic matrix; `None` for parallel rays, which have none.
+    /// All numbers of the lens by their names, in the words of `Lens::parameters`; angles of fields of view and tilts are in degrees.
+    /// Empty in files of before version 0.2.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
+    /// As intrinsic matrix; `None` for parallel rays, which have none. Of a lens with distortion it comes after that.
     pub intrinsics: Option<Intrinsics>,
     /// Where it is and how it is turned.
     pub pose: Pose,

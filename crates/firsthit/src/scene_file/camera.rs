@@ -1,8 +1,11 @@
 //! Cameras of a scene file.
 
+use super::form::matrix;
 use super::section::Section;
-use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional};
-use crate::camera::{Aim, Description, Opening, Projection, RayStart};
+use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, required};
+use crate::camera::{
+    Aim, Convention, Description, Lens, Opening, PixelMatrix, Projection, RayStart, Viewplane,
+};
 use crate::geometry::Bounds;
 use crate::io::fault::Checked;
 use crate::world::{NamedCamera, World};
@@ -20,6 +23,28 @@ const VIEW: &[Key] = keys! {
     up: optional(Form::Direction),
 };
 
+const POSE: &[Key] = keys! {
+    /// Instead of position, aim, look_at and up: the rows of the matrix by which the convention says where the camera is.
+    pose: optional(Form::Matrix),
+    /// Whose words pose, cx and cy are in: which way the camera's axes point, which way the pose goes, where the first pixel is.
+    convention: optional(Form::OneOf(|| Convention::NAMES.to_vec())),
+};
+
+/// How a pose and what it replaces go together.
+macro_rules! view_rules {
+    ($($rule:expr),* $(,)?) => {
+        &[
+            Rule::NotBoth("aim", "look_at"),
+            Rule::Needs("look_at", "position"),
+            Rule::Needs("pose", "convention"),
+            Rule::NotBoth("pose", "position"),
+            Rule::NotBoth("pose", "aim"),
+            Rule::NotBoth("pose", "up"),
+            $($rule),*
+        ]
+    };
+}
+
 const PIXELS: &[Key] = keys! {
     /// Pixels across. Default: 1024.
     columns: optional(Form::Whole(1, MOST_PIXELS)),
@@ -34,6 +59,160 @@ const RAY_START: &[Key] = keys! {
 
 /// Neither side of a picture is longer.
 const MOST_PIXELS: i64 = 1 << 28;
+
+const BOTH_PIXELS: &[Key] = keys! {
+    /// Pixels across.
+    columns: required(Form::Whole(1, MOST_PIXELS)),
+    /// Pixels down.
+    rows: required(Form::Whole(1, MOST_PIXELS)),
+};
+
+const PINHOLE: &[Key] = keys! {
+    /// The focal length in columns: the intrinsic matrix, instead of fov, or of focal_length, width and height.
+    fx: optional(Form::Positive),
+    /// The focal length in rows.
+    fy: optional(Form::Positive),
+    /// The principal point's column, as the convention counts them.
+    cx: optional(Form::Number),
+    /// The principal point's row.
+    cy: optional(Form::Number),
+    /// The matrix' second number in the first row; of a viewplane how far columns lean to the right for each unit upwards.
+    skew: optional(Form::Number),
+};
+
+const MATRIX: &[Key] = keys! {
+    /// The focal length in columns.
+    fx: required(Form::Positive),
+    /// The focal length in rows.
+    fy: required(Form::Positive),
+    /// The principal point's column, as the convention counts them.
+    cx: required(Form::Number),
+    /// The principal point's row.
+    cy: required(Form::Number),
+    /// The matrix' second number in the first row. Default: 0.
+    skew: optional(Form::Number),
+};
+
+const SHIFT: &[Key] = keys! {
+    /// From where the aim meets the viewplane to its middle, to the right. Default: 0.
+    shift_x: optional(Form::Number),
+    /// The same, upwards. Default: 0.
+    shift_y: optional(Form::Number),
+};
+
+const TILT: &[Key] = keys! {
+    /// Degrees by which the viewplane is turned about its vertical, its right edge nearer. Default: 0.
+    tilt_x: optional(Form::Between(-90.0, 90.0)),
+    /// Degrees by which it is turned about its horizontal, its upper edge nearer. Default: 0.
+    tilt_y: optional(Form::Between(-90.0, 90.0)),
+};
+
+const PANORAMA: &[Key] = keys! {
+    /// Degrees from the left edge to the right one. Default: 360.
+    horizontal_fov: optional(Form::Positive),
+    /// Degrees from the lower edge to the upper one. Default: 180, of a cylinder 90.
+    vertical_fov: optional(Form::Positive),
+};
+
+const FISHEYE: &[Key] = keys! {
+    /// Degrees of the circle that touches the picture's longer edges; beyond it nothing is seen. Default: 180.
+    fov: optional(Form::Positive),
+};
+
+const OPENCV: &[Key] = keys! {
+    /// Radial distortion.
+    k1: optional(Form::Number),
+    /// Radial distortion.
+    k2: optional(Form::Number),
+    /// Radial distortion.
+    k3: optional(Form::Number),
+    /// Radial distortion, in the divisor.
+    k4: optional(Form::Number),
+    /// Radial distortion, in the divisor.
+    k5: optional(Form::Number),
+    /// Radial distortion, in the divisor.
+    k6: optional(Form::Number),
+    /// Tangential distortion.
+    p1: optional(Form::Number),
+    /// Tangential distortion.
+    p2: optional(Form::Number),
+    /// Thin prism distortion.
+    s1: optional(Form::Number),
+    /// Thin prism distortion.
+    s2: optional(Form::Number),
+    /// Thin prism distortion.
+    s3: optional(Form::Number),
+    /// Thin prism distortion.
+    s4: optional(Form::Number),
+    /// The sensor's tilt about x, in radians.
+    tau_x: optional(Form::Number),
+    /// The sensor's tilt about y, in radians.
+    tau_y: optional(Form::Number),
+};
+
+const ANGLE_POLYNOMIAL: &[Key] = keys! {
+    /// A coefficient of the polynomial in the angle to the axis.
+    k1: optional(Form::Number),
+    /// The next.
+    k2: optional(Form::Number),
+    /// The next.
+    k3: optional(Form::Number),
+    /// The next.
+    k4: optional(Form::Number),
+};
+
+const K5: &[Key] = keys! {
+    /// The last.
+    k5: optional(Form::Number),
+};
+
+const ALPHA: &[Key] = keys! {
+    /// From 0, a pinhole, to 1.
+    alpha: optional(Form::Number),
+};
+
+const BETA: &[Key] = keys! {
+    /// Positive. Default: 1.
+    beta: optional(Form::Number),
+};
+
+const XI: &[Key] = keys! {
+    /// The distance between the spheres' centres, or of the point of view behind the sphere's. Default: 0.
+    xi: optional(Form::Number),
+};
+
+const MEI: &[Key] = keys! {
+    /// Radial distortion.
+    k1: optional(Form::Number),
+    /// Radial distortion.
+    k2: optional(Form::Number),
+    /// Tangential distortion.
+    p1: optional(Form::Number),
+    /// Tangential distortion.
+    p2: optional(Form::Number),
+};
+
+/// A calibrated lens with its own keys.
+macro_rules! calibrated {
+    ($name:literal, $($own:expr),*) => {
+        Variant {
+            pick: Pick::Tag(PROJECTION, $name),
+            keys: &[VIEW, POSE, BOTH_PIXELS, MATRIX, $($own),*],
+            rules: view_rules![Rule::Needs("fx", "convention")],
+        }
+    };
+}
+
+/// A lens that an angle or nothing is enough for.
+macro_rules! uncalibrated {
+    ($name:literal, $($own:expr),*) => {
+        Variant {
+            pick: Pick::Tag(PROJECTION, $name),
+            keys: &[VIEW, POSE, PIXELS, $($own),*],
+            rules: view_rules![],
+        }
+    };
+}
 
 const FOV: &[Key] = keys! {
     /// Degrees from the picture's lower to its upper edge, with square pixels; instead of focal_length, width and height.
@@ -56,37 +235,61 @@ pub(super) static CAMERA: Record = Record {
     variants: &[
         Variant {
             pick: Pick::Default(PROJECTION, "perspective"),
-            keys: &[VIEW, RAY_START, PIXELS, FOV, VIEWPLANE],
-            rules: &[
-                Rule::NotBoth("aim", "look_at"),
+            keys: &[
+                VIEW, POSE, RAY_START, PIXELS, FOV, VIEWPLANE, PINHOLE, SHIFT, TILT,
+            ],
+            rules: view_rules![
                 Rule::NotBoth("fov", "focal_length"),
                 Rule::NotBoth("fov", "width"),
                 Rule::NotBoth("fov", "height"),
+                Rule::NotBoth("fov", "fx"),
+                Rule::NotBoth("focal_length", "fx"),
                 Rule::Needs("focal_length", "width"),
                 Rule::Needs("width", "height"),
                 Rule::Needs("height", "focal_length"),
-                Rule::Needs("look_at", "position"),
+                Rule::Needs("fx", "fy"),
+                Rule::Needs("fy", "cx"),
+                Rule::Needs("cx", "cy"),
+                Rule::Needs("cy", "fx"),
+                Rule::Needs("fx", "convention"),
+                Rule::Needs("fx", "columns"),
+                Rule::Needs("fx", "rows"),
+                Rule::NotBoth("fx", "shift_x"),
+                Rule::NotBoth("fx", "shift_y"),
+                Rule::NotBoth("fx", "tilt_x"),
+                Rule::NotBoth("fx", "tilt_y"),
+                Rule::Needs("shift_x", "width"),
+                Rule::Needs("shift_y", "width"),
+                Rule::Needs("tilt_x", "width"),
+                Rule::Needs("tilt_y", "width"),
             ],
         },
         Variant {
             pick: Pick::Tag(PROJECTION, "orthographic"),
-            keys: &[VIEW, RAY_START, PIXELS, VIEWPLANE],
-            rules: &[
-                Rule::NotBoth("aim", "look_at"),
+            keys: &[VIEW, POSE, RAY_START, PIXELS, VIEWPLANE, SHIFT],
+            rules: view_rules![
                 Rule::Needs("focal_length", "width"),
                 Rule::Needs("width", "height"),
                 Rule::Needs("height", "width"),
-                Rule::Needs("look_at", "position"),
+                Rule::Needs("shift_x", "width"),
+                Rule::Needs("shift_y", "width"),
             ],
         },
-        Variant {
-            pick: Pick::Tag(PROJECTION, "equirectangular"),
-            keys: &[VIEW, PIXELS],
-            rules: &[
-                Rule::NotBoth("aim", "look_at"),
-                Rule::Needs("look_at", "position"),
-            ],
-        },
+        uncalibrated!("equirectangular", PANORAMA),
+        uncalibrated!("cylindrical", PANORAMA),
+        uncalibrated!("cube_map",),
+        uncalibrated!("octahedral",),
+        uncalibrated!("equidistant", FISHEYE),
+        uncalibrated!("equisolid", FISHEYE),
+        uncalibrated!("stereographic", FISHEYE),
+        uncalibrated!("orthographic_fisheye", FISHEYE),
+        calibrated!("opencv", OPENCV),
+        calibrated!("opencv_fisheye", ANGLE_POLYNOMIAL),
+        calibrated!("kannala_brandt", ANGLE_POLYNOMIAL, K5),
+        calibrated!("double_sphere", XI, ALPHA),
+        calibrated!("eucm", ALPHA, BETA),
+        calibrated!("ucm", ALPHA),
+        calibrated!("mei", XI, MEI),
     ],
 };
 
@@ -116,29 +319,122 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
     let projection: Projection = section.checked(section.tag().unwrap_or_default().parse())?;
     let along = section.vector("aim").map(Aim::Along);
     let at = section.vector("look_at").map(Aim::At);
-    let fov = section.number("fov").map(Opening::Fov);
-    let viewplane = || {
-        Some(Opening::Viewplane {
-            width: section.number("width")?,
-            height: section.number("height")?,
-            focal_length: section.number("focal_length"),
-        })
-    };
-    let has_viewplane = projection != Projection::Equirectangular;
+    let convention = section.text("convention").map(str::parse).transpose();
+    let convention: Option<Convention> = section.checked(convention)?;
+    let has_viewplane = matches!(
+        projection,
+        Projection::Perspective | Projection::Orthographic
+    );
     let ray_start = match section.text("ray_start") {
         Some("viewplane") => Some(RayStart::Viewplane),
         _ => has_viewplane.then_some(RayStart::Eye),
     };
-    Ok(Description {
+    let described = Description {
         position: section.vector("position"),
         aim: along.or(at),
         up: section.vector("up"),
-        opening: fov.or_else(viewplane),
+        opening: opening(section, projection, convention)?,
         projection: Some(projection),
         ray_start,
         columns: section.whole("columns"),
         rows: section.whole("rows"),
+    };
+    let (Some([x, y, z]), Some(convention)) = (section.raw("pose").and_then(matrix), convention)
+    else {
+        return Ok(described);
+    };
+    let pose = section.checked(convention.pose([x, y, z, [0.0, 0.0, 0.0, 1.0]]))?;
+    Ok(Description {
+        position: Some(pose.translation),
+        aim: Some(Aim::Along(-pose.matrix3.z_axis)),
+        up: Some(pose.matrix3.y_axis),
+        ..described
     })
+}
+
+/// How much a camera sees.
+fn opening(
+    section: &Section<'_, '_>,
+    projection: Projection,
+    convention: Option<Convention>,
+) -> Checked<Option<Opening>> {
+    let size = [section.whole("rows"), section.whole("columns")];
+    let given = |name: &str| section.number(name).unwrap_or(0.0);
+    let matrix = PixelMatrix {
+        fx: given("fx"),
+        fy: given("fy"),
+        cx: given("cx"),
+        cy: given("cy"),
+        skew: given("skew"),
+    };
+    if let (true, Some(convention), [Some(rows), Some(columns)]) =
+        (section.has("fx"), convention, size)
+    {
+        let matrix = convention.pixel_matrix(matrix);
+        let lens = if projection == Projection::Perspective {
+            section.checked(Viewplane::from_pixel_matrix(&matrix, rows, columns).map(Lens::Flat))?
+        } else {
+            let known = section
+                .checked(Lens::named(projection, &[]))?
+                .parameters()
+                .into_iter();
+            let numbers = known.filter_map(|(name, _)| Some((name, section.number(name)?)));
+            let mut numbers: Vec<(&str, f64)> = numbers.collect();
+            numbers.extend([("cx", matrix.cx), ("cy", matrix.cy)]);
+            section.checked(Lens::named(projection, &numbers))?
+        };
+        let size = [rows, columns];
+        return Ok(Some(Opening::Lens { lens, size }));
+    }
+    if let Some(fov) = section.number("fov") {
+        return Ok(Some(Opening::Fov(fov)));
+    }
+    let (width, height) = (section.number("width"), section.number("height"));
+    let focal_length = section.number("focal_length");
+    let own = [
+        "shift_x",
+        "shift_y",
+        "tilt_x",
+        "tilt_y",
+        "skew",
+        "horizontal_fov",
+        "vertical_fov",
+    ];
+    let own = own
+        .into_iter()
+        .filter_map(|name| Some((name, section.number(name)?)));
+    let own: Vec<(&str, f64)> = own.collect();
+    if !own.is_empty() {
+        let lengths = [
+            ("width", width),
+            ("height", height),
+            ("focal_length", focal_length),
+        ];
+        let lengths = lengths
+            .into_iter()
+            .filter_map(|(name, length)| Some((name, length?)));
+        let numbers: Vec<(&str, f64)> = lengths.chain(own).collect();
+        let lens = section.checked(Lens::named(projection, &numbers))?;
+        let whole = Description {
+            opening: width.zip(height).map(|(width, height)| Opening::Viewplane {
+                width,
+                height,
+                focal_length,
+            }),
+            projection: Some(projection),
+            columns: size[1],
+            rows: size[0],
+            ..Description::default()
+        };
+        let (columns, rows) = whole.size();
+        let size = [rows, columns];
+        return Ok(Some(Opening::Lens { lens, size }));
+    }
+    Ok(width.zip(height).map(|(width, height)| Opening::Viewplane {
+        width,
+        height,
+        focal_length,
+    }))
 }
 
 /// The cameras with what they leave open decided by the objects.
@@ -158,7 +454,11 @@ pub(super) fn settle(cameras: Vec<Read<'_, '_>>, world: &World) -> Checked<Vec<N
             name: camera.name,
             own_name: String::new(),
             view: *settled.view(),
-            has_size: is_sized || matches!(description.opening, Some(Opening::Viewplane { .. })),
+            has_size: is_sized
+                || matches!(
+                    description.opening,
+                    Some(Opening::Viewplane { .. } | Opening::Lens { .. })
+                ),
             description: Some(description),
         })
     };

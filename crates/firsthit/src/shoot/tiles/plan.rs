@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::square::SIDE;
 use crate::accel::{TILE, TileCamera};
-use crate::geometry::{DVec3, PixelGrid, Rays};
+use crate::geometry::{DMat3, DVec3, PixelGrid, Rays};
 use crate::scene::{Object, Scene};
 
 /// What rounding in an object's transform may come to, as a share of coordinates, for its box to be of use.
@@ -137,26 +137,13 @@ fn has_digits(grid: &PixelGrid) -> bool {
     reason = "a cast of a float saturates"
 )]
 fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
-    let aim = grid.toward.normalize();
-    let focal = grid.toward.length();
-    let [low, high] = seen(grid, object, aim)?;
-    // An array's grid need not be quite at right angles.
-    let skew = [
-        grid.right.dot(aim),
-        grid.upwards.dot(aim),
-        grid.right.dot(grid.upwards),
-    ];
-    let skew = skew.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    // Far more than rounding.
-    let largest = high.abs().max(low.abs());
-    let slack =
-        1e-9 * (largest.z + grid.position.abs().max_element()) + 8.0 * skew * largest.max_element();
-    // What a skewed grid moves depths by grows with how far aside a point is, at its own depth.
-    let aside = largest.x.max(largest.y);
-    let reach = largest.z + aside.max(aside * largest.z / focal);
-    let entry = (low.z - slack - 8.0 * skew * reach) / focal;
-    let is_sharp = skew <= 1e-6 && object.slack() < MOST_ROUNDING;
-    let is_known = is_sharp && entry.is_finite();
+    let axes = Axes::of(grid);
+    let (low, high, farthest) = seen(grid, object, &axes)?;
+    // Far more than rounding, as a share of what coordinates are computed from.
+    let rounding = 1e-9 * (farthest + grid.position.abs().max_element());
+    let slack = rounding * axes.growth;
+    let entry = low.z - slack.z;
+    let is_known = axes.is_sound && object.slack() < MOST_ROUNDING && entry.is_finite();
     let whole = Placed {
         object: index,
         rows: 0..grid.rows.div_ceil(TILE),
@@ -166,22 +153,25 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     if !is_known {
         return Some(whole);
     }
-    if high.z < -slack {
+    if high.z < -slack.z {
         return None;
     }
     // Written so that a NaN leads to all of the picture.
-    let is_in_front = low.z > slack || grid.parallel.is_some();
+    let is_in_front = low.z > 2.0 * slack.z || grid.parallel.is_some();
     if !(is_in_front && low.is_finite() && high.is_finite()) {
         return Some(whole);
     }
-    let nearest = low.z;
-    // The tiles of a row or column of them, from where on the viewplane, counted from its first edge, something is seen.
-    let tiles = |low: f64, high: f64, pixel: f64, axis: usize| {
-        let blur = if grid.parallel.is_some() {
-            slack
+    // What the rounding of a point comes to on the viewplane: a wrong depth moves it by its share, as far as it is aside.
+    let nearest = low.z - slack.z;
+    let blur = |slack_across: f64, aside: f64| {
+        if grid.parallel.is_some() {
+            slack_across
         } else {
-            slack * focal / nearest.max(slack)
-        };
+            (slack_across + slack.z * aside) / nearest
+        }
+    };
+    // The tiles of a row or column of them, from where on the viewplane, counted from its first edge, something is seen.
+    let tiles = |low: f64, high: f64, blur: f64, pixel: f64, axis: usize| {
         let pad = 1.0 + blur / pixel;
         let from_first = 0.5 * grid.whole[axis] as f64 - grid.first[axis] as f64;
         let tile = |x: f64| (x / pixel + from_first) / TILE as f64;
@@ -190,8 +180,9 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
         first..((tile(high) + pad).ceil().max(0.0) as usize).min(count.div_ceil(TILE))
     };
     let [width, height] = grid.size();
-    let columns = tiles(low.x, high.x, width, 1);
-    let rows = tiles(-high.y, -low.y, height, 0);
+    let aside = low.abs().max(high.abs());
+    let columns = tiles(low.x, high.x, blur(slack.x, aside.x), width, 1);
+    let rows = tiles(-high.y, -low.y, blur(slack.y, aside.y), height, 0);
     (!columns.is_empty() && !rows.is_empty()).then_some(Placed {
         rows,
         columns,
@@ -199,35 +190,66 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     })
 }
 
-/// The box around an object as the grid sees it: to the right and upwards on the viewplane, and the depth.
-fn seen(grid: &PixelGrid, object: &Object, aim: DVec3) -> Option<[DVec3; 2]> {
+/// From points relative to a grid's position to its own coordinates: to the right and upwards along the viewplane, which need not
+/// be at right angles to anything, and along `toward`.
+struct Axes {
+    inverse: DMat3,
+    /// What a coordinate's rounding may grow by: the sum of each row of the inverse.
+    growth: DVec3,
+    is_parallel: bool,
+    is_sound: bool,
+}
+
+impl Axes {
+    fn of(grid: &PixelGrid) -> Self {
+        let toward = grid.parallel.map_or(grid.toward, |direction| {
+            grid.toward.length() * direction.normalize()
+        });
+        let axes = DMat3::from_cols(grid.right, grid.upwards, toward);
+        let inverse = axes.inverse();
+        let growth = DVec3::from_array([0, 1, 2].map(|k| inverse.row(k).abs().element_sum()));
+        let longest = axes
+            .x_axis
+            .length()
+            .max(axes.y_axis.length())
+            .max(toward.length());
+        Self {
+            inverse,
+            growth,
+            is_parallel: grid.parallel.is_some(),
+            // Axes that are nearly in a plane lose too many digits; a NaN fails.
+            is_sound: growth.max_element() * longest
+                < 1e6 * (toward.length() + 1.0 / toward.length()),
+        }
+    }
+}
+
+/// The box around an object in the grid's coordinates, and the largest coordinate of its corners relative to the grid's position. Of
+/// perspective grids the first two coordinates are those on the viewplane.
+fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> Option<(DVec3, DVec3, f64)> {
     let bounds = object.mesh()?.bounds();
-    let focal = grid.toward.length();
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut farthest: f64 = 0.0;
     for corner in bounds.corners() {
         let world = object
             .transform()
             .world_from_object()
             .transform_point3(corner);
         let relative = world - grid.position;
-        let depth = relative.dot(aim);
-        let share = if grid.parallel.is_some() {
-            1.0
-        } else {
-            focal / depth
-        };
-        let seen = DVec3::new(
-            share * relative.dot(grid.right),
-            share * relative.dot(grid.upwards),
-            depth,
-        );
-        if !depth.is_finite() {
+        let along = axes.inverse * relative;
+        if !along.is_finite() {
             // Which neither `min` nor `max` would keep.
-            return Some([DVec3::NAN; 2]);
+            return Some((DVec3::NAN, DVec3::NAN, f64::INFINITY));
         }
+        let seen = if axes.is_parallel {
+            along
+        } else {
+            DVec3::new(along.x / along.z, along.y / along.z, along.z)
+        };
         (low, high) = (low.min(seen), high.max(seen));
+        farthest = farthest.max(relative.abs().max_element());
     }
-    Some([low, high])
+    Some((low, high, farthest))
 }
 
 /// The rays of the tile from a row and a column of pixels on, in an object's space; they are off the grid by so many

@@ -1,0 +1,75 @@
+//! Mei's model: the direction, at length one, is seen from a point `xi` behind the sphere's centre, and then distorted as OpenCV does.
+//!
+//! Mei and Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", ICRA 2007. It is what `cv2.omnidir` has.
+
+use super::opencv::OpenCv;
+use super::{Distortion, Limit};
+use crate::camera::parameters::parameters;
+use crate::error::Result;
+use crate::geometry::{DVec2, DVec3, require};
+
+parameters! {
+    /// Mei's model.
+    pub struct Mei {
+        /// The distance of the point of view behind the sphere's centre; 0 is a pinhole.
+        xi = 0.0,
+        /// Radial, of the square of the radius.
+        k1 = 0.0,
+        /// Radial, of its fourth power.
+        k2 = 0.0,
+        /// Tangential.
+        p1 = 0.0,
+        /// Tangential.
+        p2 = 0.0,
+    }
+}
+
+impl Mei {
+    fn distortion(&self) -> OpenCv {
+        let Self { k1, k2, p1, p2, .. } = *self;
+        OpenCv {
+            k1,
+            k2,
+            p1,
+            p2,
+            ..OpenCv::default()
+        }
+    }
+}
+
+impl Distortion for Mei {
+    fn limit(&self) -> Result<Limit> {
+        require("xi", "not negative", self.xi >= 0.0, self.xi)?;
+        self.distortion().limit()
+    }
+
+    fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
+        let length = direction.length();
+        // Where seen from the point of view the sphere turns its back.
+        let backmost = if self.xi > 1.0 {
+            -1.0 / self.xi
+        } else {
+            -self.xi
+        };
+        // Written so that a NaN fails.
+        let is_seen = direction.z > backmost * length;
+        if !is_seen {
+            return None;
+        }
+        let seen = direction.truncate().extend(direction.z + self.xi * length);
+        self.distortion().project(limit, seen)
+    }
+
+    fn unproject(&self, limit: &Limit, point: DVec2) -> Option<DVec3> {
+        let xi = self.xi;
+        let point = self.distortion().unproject(limit, point)?;
+        let point = point.truncate() / point.z;
+        let r2 = point.length_squared();
+        let rest = 1.0 + (1.0 - xi * xi) * r2;
+        let is_seen = rest >= 0.0;
+        is_seen.then(|| {
+            let factor = (xi + rest.sqrt()) / (1.0 + r2);
+            (factor * point).extend(factor - xi)
+        })
+    }
+}

@@ -1,0 +1,272 @@
+//! OpenCV's model: radial, as a quotient of polynomials, tangential and thin prism distortion, and a tilted sensor.
+//!
+//! With q = x² + y² for a direction (x, y, 1):
+//!
+//! 1. radial: (x, y) times (1 + k1 q + k2 q² + k3 q³) / (1 + k4 q + k5 q² + k6 q³);
+//! 2. tangential: plus (2 p1 x y + p2 (q + 2 x²), p1 (q + 2 y²) + 2 p2 x y);
+//! 3. thin prism: plus (s1 q + s2 q², s3 q + s4 q²);
+//! 4. tilted sensor: the perspective map of a rotation about x by `tau_x` and then about y by `tau_y`.
+//!
+//! Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 1971; Claus and Fitzgibbon, "A Rational Function Lens
+//! Distortion Model for General Cameras", CVPR 2005; Weng, Cohen and Herniou, "Camera Calibration with Distortion Models and Accuracy
+//! Evaluation", PAMI 14(10), 1992; Louhichi and others, "Self-calibration of Scheimpflug cameras", Measurement Science and Technology
+//! 18(8), 2007.
+
+use super::newton::{Mapped, invert, invert_in_plane};
+use super::polynomial::{product, sign_changes};
+use super::{Distortion, Limit};
+use crate::camera::parameters::parameters;
+use crate::error::Result;
+use crate::geometry::{DMat3, DVec2, DVec3, require};
+
+parameters! {
+    /// See [`Projection::OpenCv`](crate::Projection::OpenCv). The defaults distort nothing.
+    pub struct OpenCv {
+        /// Radial, of q.
+        k1 = 0.0,
+        /// Radial, of q².
+        k2 = 0.0,
+        /// Tangential.
+        p1 = 0.0,
+        /// Tangential.
+        p2 = 0.0,
+        /// Radial, of q³.
+        k3 = 0.0,
+        /// Radial, of q, in the divisor.
+        k4 = 0.0,
+        /// Radial, of q², in the divisor.
+        k5 = 0.0,
+        /// Radial, of q³, in the divisor.
+        k6 = 0.0,
+        /// Thin prism, across, of q.
+        s1 = 0.0,
+        /// Thin prism, across, of q².
+        s2 = 0.0,
+        /// Thin prism, down, of q.
+        s3 = 0.0,
+        /// Thin prism, down, of q².
+        s4 = 0.0,
+        /// Tilt of the sensor about x, in radians.
+        tau_x = 0.0,
+        /// Tilt of the sensor about y, in radians.
+        tau_y = 0.0,
+    }
+}
+
+impl OpenCv {
+    fn numerator(&self) -> [f64; 4] {
+        [1.0, self.k1, self.k2, self.k3]
+    }
+
+    fn divisor(&self) -> [f64; 4] {
+        [1.0, self.k4, self.k5, self.k6]
+    }
+
+    /// The factor of the radius, and its derivative by q.
+    fn radial(&self, q: f64) -> [f64; 2] {
+        let polynomial = |[a, b, c, d]: [f64; 4]| {
+            let value = a + q * (b + q * (c + q * d));
+            [value, b + q * (2.0 * c + q * 3.0 * d)]
+        };
+        let [above, rise] = polynomial(self.numerator());
+        let [below, fall] = polynomial(self.divisor());
+        let factor = above / below;
+        [factor, (rise - factor * fall) / below]
+    }
+
+    /// Whether it is more than radial.
+    fn is_lopsided(&self) -> bool {
+        [self.p1, self.p2, self.s1, self.s2, self.s3, self.s4] != [0.0; 6]
+    }
+
+    fn is_tilted(&self) -> bool {
+        self.tau_x != 0.0 || self.tau_y != 0.0
+    }
+
+    /// The distorted point of (x, y), before the tilt; `None` past the fold.
+    fn distorted(&self, limit: &Limit, point: DVec2) -> Option<Mapped> {
+        let DVec2 { x, y } = point;
+        let q = x * x + y * y;
+        // Written so that a NaN fails.
+        let is_inside = q <= limit.outermost * limit.outermost;
+        if !is_inside {
+            return None;
+        }
+        let [factor, rate] = self.radial(q);
+        let Self {
+            p1,
+            p2,
+            s1,
+            s2,
+            s3,
+            s4,
+            ..
+        } = *self;
+        let value = DVec2::new(
+            x * factor + 2.0 * p1 * x * y + p2 * (q + 2.0 * x * x) + q * (s1 + q * s2),
+            y * factor + p1 * (q + 2.0 * y * y) + 2.0 * p2 * x * y + q * (s3 + q * s4),
+        );
+        let (across, down) = (2.0 * (s1 + 2.0 * s2 * q), 2.0 * (s3 + 2.0 * s4 * q));
+        let both = 2.0 * x * y * rate + 2.0 * p1 * x + 2.0 * p2 * y;
+        let mapped = Mapped {
+            value,
+            by_x: DVec2::new(
+                factor + 2.0 * x * x * rate + 2.0 * p1 * y + 6.0 * p2 * x + across * x,
+                both + down * x,
+            ),
+            by_y: DVec2::new(
+                both + across * y,
+                factor + 2.0 * y * y * rate + 6.0 * p1 * y + 2.0 * p2 * x + down * y,
+            ),
+        };
+        (mapped.determinant() > 0.0).then_some(mapped)
+    }
+
+    /// Takes a homogeneous point of the sensor that is not tilted to the one that is.
+    fn tilt(&self) -> DMat3 {
+        let (sin_x, cos_x) = libm::sincos(self.tau_x);
+        let (sin_y, cos_y) = libm::sincos(self.tau_y);
+        // Row by row.
+        let about_x =
+            DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cos_x, -sin_x, 0.0, sin_x, cos_x]);
+        let about_y =
+            DMat3::from_cols_array(&[cos_y, 0.0, sin_y, 0.0, 1.0, 0.0, -sin_y, 0.0, cos_y]);
+        let rotation = about_y * about_x;
+        let (x, y, z) = (rotation.z_axis.x, rotation.z_axis.y, rotation.z_axis.z);
+        let onto_plane = DMat3::from_cols_array(&[z, 0.0, 0.0, 0.0, z, 0.0, -x, -y, 1.0]);
+        onto_plane * rotation
+    }
+}
+
+/// A point through a perspective map; `None` behind it.
+fn through(map: &DMat3, point: DVec2) -> Option<DVec2> {
+    let mapped = *map * point.extend(1.0);
+    (mapped.z > 0.0).then(|| mapped.truncate() / mapped.z)
+}
+
+impl Distortion for OpenCv {
+    fn limit(&self) -> Result<Limit> {
+        const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
+        for (name, tilt) in [("tau_x", self.tau_x), ("tau_y", self.tau_y)] {
+            require(
+                name,
+                "between -pi/2 and pi/2",
+                tilt.abs() < RIGHT_ANGLE,
+                tilt,
+            )?;
+        }
+        // The radius r times the factor n / d has the slope ((n + 2 q n') d - 2 q n d') / d².
+        let slope_of = |c: [f64; 4]| [0.0, 2.0 * c[1], 4.0 * c[2], 6.0 * c[3]];
+        let (n, d) = (self.numerator(), self.divisor());
+        let (n_slope, d_slope) = (slope_of(n), slope_of(d));
+        let sum = [0, 1, 2, 3].map(|k| n[k] + n_slope[k]);
+        let rises = product(&sum, &d);
+        let falls = product(&n, &d_slope);
+        let slope: Vec<f64> = rises.iter().zip(&falls).map(|(a, b)| a - b).collect();
+        let mut folds = sign_changes(&slope);
+        let poles = sign_changes(&d);
+        let pole = poles.first().copied().unwrap_or(f64::INFINITY);
+        folds.retain(|&q| q < pole);
+        let first = folds.first().copied().unwrap_or(pole);
+        let undistorted = first.sqrt();
+        // Beyond the first fold of a radial distortion everything is upside down, until the next one.
+        let second = folds.get(1).copied().unwrap_or(pole);
+        let outermost = if !self.is_lopsided() {
+            undistorted
+        } else if second.is_finite() {
+            first.midpoint(second).sqrt()
+        } else {
+            f64::INFINITY
+        };
+        let distorted = if first < pole {
+            undistorted * self.radial(first)[0]
+        } else {
+            f64::INFINITY
+        };
+        Ok(Limit {
+            undistorted,
+            distorted,
+            outermost,
+        })
+    }
+
+    fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
+        let in_front = direction.z > 0.0;
+        let point = in_front.then(|| direction.truncate() / direction.z)?;
+        let mapped = self.distorted(limit, point)?;
+        if self.is_lopsided() {
+            // Past the fold there may be another place that is not turned over.
+            const LOOKS: u32 = 16;
+            let looks = (1..LOOKS).map(|k| f64::from(k) / f64::from(LOOKS) * point);
+            looks
+                .into_iter()
+                .try_for_each(|on_the_way| self.distorted(limit, on_the_way).map(|_| ()))?;
+        }
+        if self.is_tilted() {
+            through(&self.tilt(), mapped.value)
+        } else {
+            Some(mapped.value)
+        }
+    }
+
+    fn unproject(&self, limit: &Limit, point: DVec2) -> Option<DVec3> {
+        let point = if self.is_tilted() {
+            through(&self.tilt().inverse(), point)?
+        } else {
+            point
+        };
+        let radius = point.length();
+        let is_lopsided = self.is_lopsided();
+        if radius == 0.0 && !is_lopsided {
+            return Some(DVec3::Z);
+        }
+        let start = if radius < limit.distorted {
+            self.undistorted_radius(limit, radius)
+        } else if is_lopsided {
+            Some(0.98 * limit.undistorted)
+        } else {
+            None
+        };
+        let start = if radius == 0.0 {
+            DVec2::ZERO
+        } else {
+            start? / radius * point
+        };
+        if !is_lopsided {
+            return Some(start.extend(1.0));
+        }
+        let start = self.from_inside(limit, start)?;
+        let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
+        Some(found.extend(1.0))
+    }
+}
+
+impl OpenCv {
+    /// The radius before radial distortion of one after it, which is within the limit.
+    fn undistorted_radius(&self, limit: &Limit, radius: f64) -> Option<f64> {
+        let radial = |r: f64| {
+            let q = r * r;
+            let [factor, rate] = self.radial(q);
+            [r * factor, factor + 2.0 * q * rate]
+        };
+        let mut high = limit.undistorted;
+        if high == f64::INFINITY {
+            high = radius.max(1.0);
+            // A divisor may keep the radius below some value for ever.
+            while radial(high)[0] < radius {
+                high *= 2.0;
+                if high > 1e100 {
+                    return None;
+                }
+            }
+        }
+        Some(invert(radius, [0.0, high], radius, radial))
+    }
+
+    /// The point, or the first on the way to the middle that is on this side of the fold.
+    fn from_inside(&self, limit: &Limit, start: DVec2) -> Option<DVec2> {
+        let shares = (0..20).map(|k| 1.0 - 0.05 * f64::from(k));
+        let mut points = shares.map(|share| share * start).chain([DVec2::ZERO]);
+        points.find(|&point| self.distorted(limit, point).is_some())
+    }
+}

@@ -1,0 +1,252 @@
+//! Fisheyes: the radius in the image is a function of the angle to the axis alone.
+//!
+//! The classical projections: equidistant, equisolid angle, stereographic, orthographic (Fleck, "Perspective Projection: the Wrong
+//! Imaging Model", University of Iowa TR 95-01, 1995). Polynomials of the angle: Kannala and Brandt, "A Generic Camera Model and
+//! Calibration Method for Conventional, Wide-Angle, and Fish-Eye Lenses", PAMI 28(8), 2006, of which this is the part that is the same
+//! all around (equation 6). OpenCV's fisheye is that with a first coefficient of one.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::newton::invert;
+use super::polynomial::sign_changes;
+use super::{Distortion, Limit};
+use crate::camera::parameters::{Parameters, parameters};
+use crate::error::Result;
+use crate::geometry::{DVec2, DVec3, require};
+
+/// A radius for each angle to the axis, in radians, that rises up to the limit.
+trait RadialModel: Parameters + Copy + Send + Sync {
+    /// Checks the parameters, and says up to which angle the radius rises.
+    fn largest_angle(&self) -> Result<f64>;
+    /// The radius of an angle.
+    fn radius(&self, angle: f64) -> f64;
+    /// The angle of a radius, which is that of an angle up to `largest`.
+    fn angle(&self, radius: f64, largest: f64) -> f64;
+}
+
+impl<M: RadialModel> Distortion for M {
+    fn limit(&self) -> Result<Limit> {
+        let undistorted = self.largest_angle()?;
+        Ok(Limit {
+            undistorted,
+            distorted: self.radius(undistorted),
+            outermost: undistorted,
+        })
+    }
+
+    fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
+        let aside = direction.truncate();
+        let off = libm::hypot(aside.x, aside.y);
+        let angle = libm::atan2(off, direction.z);
+        // Written so that a NaN fails.
+        let is_seen = angle <= limit.undistorted;
+        if !is_seen {
+            return None;
+        }
+        if off == 0.0 {
+            // Straight back is seen in every direction, and straight ahead in the middle; nowhere is where there is no direction.
+            return (direction.z > 0.0).then_some(DVec2::ZERO);
+        }
+        Some(self.radius(angle) / off * aside)
+    }
+
+    fn unproject(&self, limit: &Limit, point: DVec2) -> Option<DVec3> {
+        let radius = libm::hypot(point.x, point.y);
+        if radius == 0.0 {
+            return Some(DVec3::Z);
+        }
+        let is_seen = radius <= limit.distorted;
+        if !is_seen {
+            return None;
+        }
+        let angle = self.angle(radius, limit.undistorted);
+        let (sine, cosine) = libm::sincos(angle);
+        Some((sine / radius * point).extend(cosine))
+    }
+}
+
+/// Half the field of view in radians, if it is above zero and up to `most` degrees.
+fn half_fov(fov: f64, most: f64) -> Result<f64> {
+    let expected = if most == 180.0 {
+        "above 0 and up to 180 degrees"
+    } else {
+        "above 0 and up to 360 degrees"
+    };
+    require("fov", expected, fov > 0.0 && fov <= most, fov)?;
+    Ok(PI * (fov / 360.0))
+}
+
+parameters! {
+    /// The radius is the angle.
+    pub struct Equidistant {
+        /// The field of view in degrees: what is beyond it is not seen.
+        fov = 360.0,
+    }
+}
+
+parameters! {
+    /// The radius is 2 sin(angle / 2): equal solid angles have equal areas.
+    pub struct Equisolid {
+        /// The field of view in degrees: what is beyond it is not seen.
+        fov = 360.0,
+    }
+}
+
+parameters! {
+    /// The radius is 2 tan(angle / 2): angles between curves are as they are seen.
+    pub struct Stereographic {
+        /// The field of view in degrees, below 360: what is beyond it is not seen.
+        fov = 350.0,
+    }
+}
+
+parameters! {
+    /// The radius is sin(angle).
+    pub struct OrthographicFisheye {
+        /// The field of view in degrees, up to 180: what is beyond it is not seen.
+        fov = 180.0,
+    }
+}
+
+impl RadialModel for Equidistant {
+    fn largest_angle(&self) -> Result<f64> {
+        half_fov(self.fov, 360.0)
+    }
+
+    fn radius(&self, angle: f64) -> f64 {
+        angle
+    }
+
+    fn angle(&self, radius: f64, _: f64) -> f64 {
+        radius
+    }
+}
+
+impl RadialModel for Equisolid {
+    fn largest_angle(&self) -> Result<f64> {
+        half_fov(self.fov, 360.0)
+    }
+
+    fn radius(&self, angle: f64) -> f64 {
+        2.0 * libm::sin(0.5 * angle)
+    }
+
+    fn angle(&self, radius: f64, _: f64) -> f64 {
+        2.0 * libm::asin((0.5 * radius).min(1.0))
+    }
+}
+
+impl RadialModel for Stereographic {
+    fn largest_angle(&self) -> Result<f64> {
+        let fine = self.fov < 360.0;
+        require("fov", "below 360 degrees", fine, self.fov)?;
+        half_fov(self.fov, 360.0)
+    }
+
+    fn radius(&self, angle: f64) -> f64 {
+        2.0 * libm::tan(0.5 * angle)
+    }
+
+    fn angle(&self, radius: f64, _: f64) -> f64 {
+        2.0 * libm::atan(0.5 * radius)
+    }
+}
+
+impl RadialModel for OrthographicFisheye {
+    fn largest_angle(&self) -> Result<f64> {
+        half_fov(self.fov, 180.0)
+    }
+
+    fn radius(&self, angle: f64) -> f64 {
+        libm::sin(angle)
+    }
+
+    fn angle(&self, radius: f64, _: f64) -> f64 {
+        libm::asin(radius.min(1.0))
+    }
+}
+
+parameters! {
+    /// The radius is k1 a + k2 a³ + k3 a⁵ + k4 a⁷ + k5 a⁹ for an angle a.
+    pub struct KannalaBrandt {
+        /// Of the angle; positive.
+        k1 = 1.0,
+        /// Of its third power.
+        k2 = 0.0,
+        /// Of its fifth power.
+        k3 = 0.0,
+        /// Of its seventh power.
+        k4 = 0.0,
+        /// Of its ninth power.
+        k5 = 0.0,
+    }
+}
+
+parameters! {
+    /// The radius is a (1 + k1 a² + k2 a⁴ + k3 a⁶ + k4 a⁸) for an angle a, as in `cv2.fisheye`.
+    pub struct OpenCvFisheye {
+        /// Of the angle's third power.
+        k1 = 0.0,
+        /// Of its fifth power.
+        k2 = 0.0,
+        /// Of its seventh power.
+        k3 = 0.0,
+        /// Of its ninth power.
+        k4 = 0.0,
+    }
+}
+
+/// A polynomial in odd powers of the angle.
+trait AnglePolynomial: Parameters + Copy + Send + Sync {
+    /// The coefficients of the odd powers.
+    fn odd(&self) -> [f64; 5];
+}
+
+impl AnglePolynomial for KannalaBrandt {
+    fn odd(&self) -> [f64; 5] {
+        [self.k1, self.k2, self.k3, self.k4, self.k5]
+    }
+}
+
+impl AnglePolynomial for OpenCvFisheye {
+    fn odd(&self) -> [f64; 5] {
+        [1.0, self.k1, self.k2, self.k3, self.k4]
+    }
+}
+
+/// The radius of an angle, and its slope.
+fn radius_and_slope([a, b, c, d, e]: [f64; 5], angle: f64) -> [f64; 2] {
+    let q = angle * angle;
+    [
+        angle * (a + q * (b + q * (c + q * (d + q * e)))),
+        a + q * (3.0 * b + q * (5.0 * c + q * (7.0 * d + q * 9.0 * e))),
+    ]
+}
+
+/// The angle up to which the radius rises; pi at most.
+fn largest_angle([a, b, c, d, e]: [f64; 5]) -> Result<f64> {
+    require("k1", "positive", a > 0.0, a)?;
+    let folds = sign_changes(&[a, 3.0 * b, 5.0 * c, 7.0 * d, 9.0 * e]);
+    Ok(folds.first().map_or(PI, |q| q.sqrt()).min(PI))
+}
+
+macro_rules! polynomial_models {
+    ($($model:ty),*) => {$(
+        impl RadialModel for $model {
+            fn largest_angle(&self) -> Result<f64> {
+                largest_angle(self.odd())
+            }
+
+            fn radius(&self, angle: f64) -> f64 {
+                radius_and_slope(self.odd(), angle)[0]
+            }
+
+            fn angle(&self, radius: f64, largest: f64) -> f64 {
+                let odd = self.odd();
+                let start = (radius / odd[0]).min(FRAC_PI_2);
+                invert(radius, [0.0, largest], start, |angle| radius_and_slope(odd, angle))
+            }
+        }
+    )*};
+}
+polynomial_models!(KannalaBrandt, OpenCvFisheye);

@@ -1,0 +1,107 @@
+//! From normalised image coordinates to pixels and back: the intrinsic matrix K.
+
+use super::parameters::parameters;
+use crate::error::Result;
+use crate::geometry::{DMat3, DVec2, DVec3, require, require_positive};
+
+parameters! {
+    /// The intrinsic matrix: `u = fx x + skew y + cx`, `v = fy y + cy`, where x counts to the right and y downwards.
+    ///
+    /// Pixels are counted from the picture's upper left corner, so that the centre of the first one is at (0.5, 0.5), as in COLMAP.
+    /// For OpenCV, where it is at (0, 0), subtract 0.5 from `cx` and `cy`.
+    ///
+    /// ```
+    /// use firsthit::DVec2;
+    /// use firsthit::camera::PixelMatrix;
+    ///
+    /// let matrix = PixelMatrix { fx: 500.0, fy: 510.0, cx: 320.0, cy: 240.0, skew: 0.0 };
+    /// assert_eq!(matrix.pixel(DVec2::new(0.1, -0.1)), DVec2::new(370.0, 189.0));
+    /// ```
+    pub struct PixelMatrix {
+        /// Focal length in columns.
+        fx = 0.0,
+        /// Focal length in rows.
+        fy = 0.0,
+        /// The principal point: columns from the left edge.
+        cx = 0.0,
+        /// The principal point: rows from the upper edge.
+        cy = 0.0,
+        /// Columns for each unit of y.
+        skew = 0.0,
+    }
+}
+
+impl PixelMatrix {
+    /// The pixel coordinates of a point of the normalised image.
+    pub fn pixel(&self, point: DVec2) -> DVec2 {
+        DVec2::new(
+            self.fx * point.x + self.skew * point.y + self.cx,
+            self.fy * point.y + self.cy,
+        )
+    }
+
+    /// The point of the normalised image at pixel coordinates.
+    pub fn point(&self, pixel: DVec2) -> DVec2 {
+        let y = (pixel.y - self.cy) / self.fy;
+        DVec2::new((pixel.x - self.cx - self.skew * y) / self.fx, y)
+    }
+
+    /// The matrix K.
+    pub fn matrix(&self) -> DMat3 {
+        DMat3::from_cols(
+            DVec3::new(self.fx, 0.0, 0.0),
+            DVec3::new(self.skew, self.fy, 0.0),
+            DVec3::new(self.cx, self.cy, 1.0),
+        )
+    }
+
+    /// Reads a matrix K.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a matrix that is not upper triangular with a last row of (0, 0, 1), and for
+    /// focal lengths that are not positive.
+    pub fn from_matrix(k: DMat3) -> Result<Self> {
+        let is_upper = k.x_axis.y == 0.0 && k.x_axis.z == 0.0 && k.y_axis.z == 0.0;
+        let is_affine = is_upper && k.z_axis.z == 1.0;
+        let expected = "upper triangular, with (0, 0, 1) as its last row";
+        require("K", expected, is_affine, k)?;
+        let matrix = Self {
+            fx: k.x_axis.x,
+            fy: k.y_axis.y,
+            cx: k.z_axis.x,
+            cy: k.z_axis.y,
+            skew: k.y_axis.x,
+        };
+        matrix.check()?;
+        Ok(matrix)
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        require_positive("fx", self.fx)?;
+        require_positive("fy", self.fy)?;
+        require("cx", "finite", self.cx.is_finite(), self.cx)?;
+        require("cy", "finite", self.cy.is_finite(), self.cy)?;
+        require("skew", "finite", self.skew.is_finite(), self.skew)
+    }
+
+    /// That of a part of the picture, which begins at a row and a column.
+    pub(super) fn cropped(&self, [row, column]: [usize; 2]) -> Self {
+        Self {
+            cx: self.cx - column as f64,
+            cy: self.cy - row as f64,
+            ..*self
+        }
+    }
+
+    /// That of the same picture with so many times the rows and columns.
+    pub(super) fn scaled(&self, [down, across]: [f64; 2]) -> Self {
+        Self {
+            fx: self.fx * across,
+            fy: self.fy * down,
+            cx: self.cx * across,
+            cy: self.cy * down,
+            skew: self.skew * across,
+        }
+    }
+}

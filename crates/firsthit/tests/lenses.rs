@@ -1,0 +1,413 @@
+//! Every lens: its rays and `project` are inverse to each other, and its hits are those of brute force.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+use firsthit::camera::{Calibrated, Convention, PixelMatrix, distortion};
+use firsthit::geometry::Rays;
+use firsthit::image::CameraRecord;
+use firsthit::sensor::{Sensor, camera_of};
+use firsthit::shoot::{BruteForce, Cpu, Engine, First};
+use firsthit::{
+    Camera, DVec2, DVec3, Lens, Mesh, Object, Projection, Scene, Sphere, View, Viewplane,
+};
+
+const ROWS: usize = 48;
+const COLUMNS: usize = 64;
+
+/// A view at nowhere in particular.
+fn view(lens: Lens) -> View {
+    View {
+        position: DVec3::new(0.3, -4.0, 1.7),
+        aim: DVec3::new(-0.2, 1.0, -0.3),
+        up: DVec3::new(0.1, 0.2, 1.0),
+        rows: ROWS,
+        columns: COLUMNS,
+        lens,
+    }
+}
+
+/// One of each, by the numbers of real calibrations where there are such.
+fn lenses() -> Vec<(Projection, Lens, [usize; 2])> {
+    let matrix = [
+        ("fx", 52.0),
+        ("fy", 49.0),
+        ("cx", 30.3),
+        ("cy", 25.1),
+        ("skew", 0.4),
+    ];
+    let numbers = |projection: Projection| -> (Vec<(&str, f64)>, [usize; 2]) {
+        let calibrated = |own: &[(&'static str, f64)]| [&matrix[..], own].concat();
+        let own: &[(&str, f64)] = match projection {
+            Projection::Perspective => {
+                let own = [
+                    ("shift_x", 0.2),
+                    ("shift_y", -0.1),
+                    ("tilt_x", 8.0),
+                    ("tilt_y", -5.0),
+                    ("skew", 0.02),
+                ];
+                return (own.to_vec(), [ROWS, COLUMNS]);
+            }
+            Projection::Orthographic => {
+                return (
+                    vec![("width", 4.0), ("height", 3.0), ("shift_x", 0.5)],
+                    [ROWS, COLUMNS],
+                );
+            }
+            Projection::Equirectangular => {
+                return (vec![("horizontal_fov", 300.0)], [ROWS, COLUMNS]);
+            }
+            Projection::Cylindrical | Projection::CubeMap | Projection::Octahedral => {
+                return (Vec::new(), [ROWS, COLUMNS]);
+            }
+            Projection::OpenCv => &[
+                ("k1", -0.28),
+                ("k2", 0.09),
+                ("p1", 0.001),
+                ("p2", -0.002),
+                ("k3", -0.01),
+                ("s1", 0.001),
+                ("s3", -0.0005),
+                ("tau_x", 0.02),
+                ("tau_y", -0.03),
+            ],
+            Projection::OpenCvFisheye => &[("k1", -0.03), ("k2", 0.01), ("k3", -0.004)],
+            Projection::KannalaBrandt => &[("k1", 0.98), ("k2", -0.02), ("k3", 0.001)],
+            Projection::DoubleSphere => &[("xi", -0.2), ("alpha", 0.6)],
+            Projection::Eucm => &[("alpha", 0.6), ("beta", 1.1)],
+            Projection::Ucm => &[("alpha", 0.55)],
+            Projection::Mei => &[("xi", 1.4), ("k1", -0.2), ("k2", 0.1), ("p1", 0.001)],
+            Projection::Equidistant | Projection::Equisolid => &[("fov", 210.0)],
+            Projection::Stereographic => &[("fov", 200.0)],
+            Projection::OrthographicFisheye => &[("fov", 170.0)],
+        };
+        (calibrated(own), [ROWS, COLUMNS])
+    };
+    let lens = |&projection: &Projection| {
+        let (numbers, size) = numbers(projection);
+        (projection, Lens::named(projection, &numbers).unwrap(), size)
+    };
+    Projection::ALL.iter().map(lens).collect()
+}
+
+fn camera(lens: Lens) -> Camera {
+    let view = view(lens);
+    // A cross of six faces needs four columns for three rows: 48 x 64 is one.
+    Camera::new(view).unwrap()
+}
+
+#[test]
+fn rays_and_project_are_inverse_to_each_other() {
+    for (projection, lens, _) in lenses() {
+        let camera = camera(lens);
+        let mut seen = 0;
+        for row in 0..ROWS {
+            for column in 0..COLUMNS {
+                for offset in [DVec2::splat(0.5), DVec2::new(0.1, 0.8)] {
+                    let ray = camera.ray_within(row, column, offset);
+                    if !ray.is_valid() {
+                        continue;
+                    }
+                    seen += 1;
+                    assert!((ray.direction.length() - 1.0).abs() < 1e-15);
+                    let expected =
+                        DVec2::new(column as f64 + offset.x, row as f64 + 1.0 - offset.y);
+                    let pixel = camera.project(ray.at(3.0));
+                    let off = pixel.map(|pixel| (pixel - expected).length());
+                    assert!(
+                        off.is_some_and(|off| off < 1e-9),
+                        "{projection:?} {row} {column}: {pixel:?}"
+                    );
+                }
+            }
+        }
+        assert!(2 * seen > ROWS * COLUMNS, "{projection:?}: {seen}");
+    }
+}
+
+#[test]
+fn a_record_gives_the_camera_back_to_the_bit() {
+    for (projection, lens, _) in lenses() {
+        let camera = camera(lens);
+        let text = serde_json::to_string(&camera.record()).unwrap();
+        let record: CameraRecord = serde_json::from_str(&text).unwrap();
+        let again = camera_of(&record).unwrap();
+        assert_eq!(again, camera, "{projection:?}");
+        for pixel in [0, 700, ROWS * COLUMNS - 1] {
+            let [own, other] = [&camera, &again].map(|camera| Rays::ray(camera, pixel));
+            let bits = |v: DVec3| v.to_array().map(f64::to_bits);
+            assert_eq!(bits(own.direction), bits(other.direction));
+            assert_eq!(bits(own.origin), bits(other.origin));
+        }
+    }
+}
+
+/// A bumpy ball of triangles around a smooth one, and an instance of it.
+fn scene() -> Scene {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    let (rings, sides) = (20_u32, 30_u32);
+    for i in 0..=rings {
+        for j in 0..sides {
+            let theta = std::f64::consts::PI * f64::from(i) / f64::from(rings);
+            let phi = std::f64::consts::TAU * f64::from(j) / f64::from(sides);
+            let radius = 1.5 + 0.1 * f64::from((i * 7 + j * 13) % 5);
+            let (sin, cos) = theta.sin_cos();
+            vertices.push((radius * DVec3::new(sin * phi.cos(), sin * phi.sin(), cos)).to_array());
+            if i < rings {
+                let at = |i: u32, j: u32| i * sides + j % sides;
+                triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    let mesh =
+        std::sync::Arc::new(Mesh::new(firsthit::Positions::compact(vertices), triangles).unwrap());
+    let ball = Object::new(mesh.clone());
+    let aside = firsthit::Transform::new(firsthit::geometry::DAffine3::from_translation(
+        DVec3::new(3.0, 1.0, 0.5),
+    ));
+    let other = Object::new(mesh).placed(aside.unwrap());
+    let smooth = Object::new(Sphere::new(DVec3::new(-3.0, 0.0, 1.0), 1.0).unwrap());
+    Scene::new(vec![ball, other, smooth]).unwrap()
+}
+
+#[test]
+fn every_lens_meets_what_brute_force_meets() {
+    let scene = scene();
+    for (projection, lens, _) in lenses() {
+        let camera = camera(lens);
+        let by_cpu = Cpu::default();
+        let [fast, slow] = [&by_cpu as &dyn Engine, &BruteForce].map(|engine| {
+            firsthit::shoot::trace_with(engine, &scene, &camera, First, &()).unwrap()
+        });
+        let hits = fast.object.iter().filter(|&&object| object >= 0).count();
+        assert!(hits > 40, "{projection:?}: {hits}");
+        assert_eq!(fast.object, slow.object, "{projection:?}");
+        assert_eq!(fast.primitive, slow.primitive, "{projection:?}");
+        let bits = |t: &[f64]| t.iter().map(|t| t.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&fast.t), bits(&slow.t), "{projection:?}");
+    }
+}
+
+#[test]
+fn z_and_range_are_those_of_the_true_ray() {
+    for (projection, lens, _) in lenses() {
+        let camera = camera(lens);
+        for (row, column) in [(24, 32), (20, 40), (30, 20)] {
+            let ray = camera.ray(row, column);
+            assert!(ray.is_valid(), "{projection:?}");
+            let from_camera = ray.at(2.5) - camera.position();
+            let z = from_camera.dot(camera.aim());
+            assert!(
+                (camera.z(row, column, 2.5) - z).abs() < 1e-12,
+                "{projection:?}"
+            );
+            if projection != Projection::Orthographic {
+                let range = from_camera.length();
+                assert!(
+                    (camera.range(row, column, 2.5) - range).abs() < 1e-12,
+                    "{projection:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_part_of_a_picture_has_the_rays_of_the_whole() {
+    for (projection, lens, _) in lenses() {
+        let camera = camera(lens);
+        let Ok(part) = camera.crop(7..31, 12..52) else {
+            assert!(lens.is_panorama(), "{projection:?}");
+            continue;
+        };
+        assert_eq!((part.rows(), part.columns()), (24, 40));
+        for (row, column) in [(0, 0), (5, 39), (23, 20)] {
+            let (own, whole) = (part.ray(row, column), camera.ray(row + 7, column + 12));
+            if !whole.is_valid() {
+                assert!(!own.is_valid());
+                continue;
+            }
+            let off =
+                (own.direction - whole.direction).length() + (own.origin - whole.origin).length();
+            assert!(off < 1e-13, "{projection:?}: {off}");
+        }
+        let (own, whole) = (part.pixel_matrix(), camera.pixel_matrix());
+        if let (Some(own), Some(whole)) = (own, whole) {
+            assert!((own.cx - whole.cx + 12.0).abs() < 1e-12, "{projection:?}");
+            assert!((own.cy - whole.cy + 7.0).abs() < 1e-12);
+        }
+    }
+    assert!(camera(Lens::default()).crop(3..3, 0..4).is_err());
+    assert!(camera(Lens::default()).crop(0..49, 0..4).is_err());
+}
+
+#[test]
+fn a_binned_picture_sees_the_same() {
+    for (projection, lens, _) in lenses() {
+        let camera = camera(lens);
+        let half = camera.resize(ROWS / 2, COLUMNS / 2).unwrap();
+        // The middle of four pixels is that of the one that they become.
+        let (own, whole) = (
+            half.ray(11, 17),
+            camera.ray_within(23, 35, DVec2::new(0.0, 1.0)),
+        );
+        let corner = camera.ray_within(22, 34, DVec2::new(1.0, 0.0));
+        assert!((corner.direction - whole.direction).length() < 2e-2);
+        let off = (own.direction - corner.direction).length();
+        assert!(off < 1e-13, "{projection:?}: {off}");
+    }
+}
+
+/// A K that is not centred goes in and comes out.
+#[test]
+fn an_intrinsic_matrix_survives_the_viewplane() {
+    let k = PixelMatrix {
+        fx: 812.0,
+        fy: 790.5,
+        cx: 301.25,
+        cy: 260.75,
+        skew: 1.5,
+    };
+    let view = View::default();
+    let lens = Lens::Flat(Viewplane::from_pixel_matrix(&k, view.rows, view.columns).unwrap());
+    let camera = Camera::new(View { lens, ..view }).unwrap();
+    let own = camera.pixel_matrix().unwrap();
+    let pairs = [
+        (own.fx, k.fx),
+        (own.fy, k.fy),
+        (own.cx, k.cx),
+        (own.cy, k.cy),
+        (own.skew, k.skew),
+    ];
+    for (own, given) in pairs {
+        assert!(
+            (own - given).abs() < 1e-12 * given.abs().max(1.0),
+            "{own} {given}"
+        );
+    }
+    // By the definition of K.
+    let point = DVec3::new(0.3, -0.2, -2.0);
+    let (x, y) = (point.x / 2.0, -point.y / 2.0);
+    let expected = DVec2::new(k.fx * x + k.skew * y + k.cx, k.fy * y + k.cy);
+    assert!((camera.project(point).unwrap() - expected).length() < 1e-11);
+    for &convention in Convention::ALL {
+        let there = convention.own_pixel_matrix(convention.pixel_matrix(k));
+        assert_eq!(there, k);
+    }
+}
+
+#[test]
+fn beyond_the_fold_there_is_no_ray() {
+    // r (1 - 0.5 r²) is largest at r² = 2/3, where it is (2/3)^1.5.
+    let matrix = PixelMatrix {
+        fx: 100.0,
+        fy: 100.0,
+        cx: 100.0,
+        cy: 100.0,
+        skew: 0.0,
+    };
+    let barrel = distortion::OpenCv {
+        k1: -0.5,
+        ..distortion::OpenCv::default()
+    };
+    let lens = Lens::OpenCv(Calibrated::new(matrix, barrel));
+    let camera = Camera::new(View {
+        rows: 200,
+        columns: 200,
+        lens,
+        ..View::default()
+    })
+    .unwrap();
+    let fold = 100.0 * (2.0_f64 / 3.0).powf(1.5);
+    for row in 0..200 {
+        for column in 0..200 {
+            let off = DVec2::new(column as f64 - 99.5, row as f64 - 99.5).length();
+            assert_eq!(
+                camera.ray(row, column).is_valid(),
+                off < fold,
+                "{row} {column}"
+            );
+        }
+    }
+    let radius = (2.0_f64 / 3.0).sqrt();
+    let aside = |r: f64| camera.project(DVec3::new(r, 0.0, -1.0));
+    assert!(aside(0.999 * radius).is_some());
+    assert!(aside(1.001 * radius).is_none());
+    // Where the polynomial has come back.
+    assert!(aside(1.5).is_none());
+}
+
+#[test]
+fn numbers_that_make_no_lens_are_refused() {
+    let bad: &[(Projection, &[(&str, f64)])] = &[
+        (Projection::OpenCv, &[("fx", 0.0)]),
+        (
+            Projection::OpenCv,
+            &[("fx", 1.0), ("fy", 1.0), ("k1", f64::NAN)],
+        ),
+        (
+            Projection::DoubleSphere,
+            &[("fx", 1.0), ("fy", 1.0), ("alpha", 1.5)],
+        ),
+        (
+            Projection::KannalaBrandt,
+            &[("fx", 1.0), ("fy", 1.0), ("k1", -1.0)],
+        ),
+        (Projection::Equirectangular, &[("horizontal_fov", 400.0)]),
+        (Projection::Cylindrical, &[("vertical_fov", 180.0)]),
+        (Projection::Perspective, &[("tilt_x", 90.0)]),
+        (Projection::Orthographic, &[("tilt_x", 10.0)]),
+    ];
+    for (projection, numbers) in bad {
+        let lens = Lens::named(*projection, numbers).unwrap();
+        assert!(
+            Camera::new(view(lens)).is_err(),
+            "{projection:?} {numbers:?}"
+        );
+    }
+    let error = Lens::named(Projection::Eucm, &[("k1", 0.1)])
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("alpha, beta"), "{error}");
+    let cube = Lens::named(Projection::CubeMap, &[]).unwrap();
+    assert!(
+        Camera::new(View {
+            rows: 50,
+            columns: 64,
+            lens: cube,
+            ..View::default()
+        })
+        .is_err()
+    );
+}
+
+/// Solid angles of pixels from their corners add up to the whole sphere.
+#[test]
+fn a_cube_map_sees_every_direction_once() {
+    let lens = Lens::named(Projection::CubeMap, &[]).unwrap();
+    for [rows, columns] in [[8, 48], [48, 8], [16, 24], [24, 32]] {
+        let camera = Camera::new(View {
+            rows,
+            columns,
+            lens,
+            ..View::default()
+        })
+        .unwrap();
+        let mut sum = DVec3::ZERO;
+        let mut count = 0;
+        for k in 0..rows * columns {
+            let ray = Rays::ray(&camera, k);
+            if ray.is_valid() {
+                sum += ray.direction;
+                count += 1;
+            }
+        }
+        assert_eq!(count, 6 * 64);
+        assert!(sum.length() < 1e-12, "{sum}");
+    }
+}
