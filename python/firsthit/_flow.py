@@ -198,7 +198,7 @@ def _check(scenes: Sequence[Scene], cameras: Sequence[Camera]) -> None:
 
 def _check_pair(left: Camera, right: Camera) -> None:
     """Refuse cameras whose rows do not show the same points."""
-    for name in ("projection", "rows", "columns", "focal_length", "width", "height", "ray_start"):
+    for name in ("projection", "rows", "columns", "parameters", "ray_start"):
         a, b = getattr(left, name), getattr(right, name)
         if a != b:
             raise ValueError(f"left and right must have the same {name}, got {a} and {b}")

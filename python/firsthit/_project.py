@@ -5,7 +5,6 @@ All that annotations and flow know of projections is here.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -79,15 +78,21 @@ def plane(camera: Camera) -> Plane | None:
     k = intrinsic_matrix(camera)
     if k is not None:
         return Plane(k[0, 0], k[1, 1], k[0, 2], k[1, 2], k[0, 1])
-    if camera.projection != "orthographic":
+    given = camera.parameters
+    if camera.projection != "orthographic" or given["skew"] != 0.0:
         return None
-    across, down = _pixels_per_length(camera)
-    return Plane(across, down, 0.5 * camera.columns, 0.5 * camera.rows, 0.0)
+    across, down = camera.columns / given["width"], camera.rows / given["height"]
+    middle = 0.5 * camera.columns, 0.5 * camera.rows
+    left, up = given["shift_x"] * across, given["shift_y"] * down
+    return Plane(across, down, middle[0] - left, middle[1] + up, 0.0)
 
 
 def sees_everything(camera: Camera) -> bool:
     """Tell whether all directions are in the picture, which then has no border."""
-    return camera.projection == "equirectangular"
+    if camera.projection == "equirectangular":
+        given = camera.parameters
+        return given["horizontal_fov"] >= 360.0 and given["vertical_fov"] >= 180.0
+    return camera.projection in ("cube_map", "octahedral")
 
 
 def world_from_camera(camera: Camera) -> Floats:
@@ -114,50 +119,14 @@ def in_camera(camera: Camera, points: Floats) -> Floats:
 
 
 def intrinsic_matrix(camera: Camera) -> Floats | None:
-    """Return K, (3, 3), with the first pixel's centre at (0.5, 0.5); ``None`` if there is none."""
-    if camera.projection != "perspective":
-        return None
-    across, down = _pixels_per_length(camera)
-    focal = _focal_length(camera)
-    middle = 0.5 * camera.columns, 0.5 * camera.rows
-    return np.array([[focal * across, 0, middle[0]], [0, focal * down, middle[1]], [0, 0, 1]])
+    """Return K, (3, 3), with the first pixel's centre at (0.5, 0.5); ``None`` if it is not all."""
+    # Other projections have one, too, but a distortion comes before it.
+    return camera.intrinsic_matrix if camera.projection == "perspective" else None
 
 
-def project(camera: Camera, points: npt.ArrayLike) -> Floats:
-    """Return where in the picture points of the world are seen.
-
-    Parameters
-    ----------
-    camera : Camera
-        The camera.
-    points : (..., 3) array_like
-        Points in world space.
-
-    Returns
-    -------
-    (..., 2) array of float64
-        Pixels: columns from the left edge and rows from the upper edge of the picture, also of
-        points that are seen beyond them. The centre of the first pixel is (0.5, 0.5). NaN where the
-        projection sees no such direction, as behind a pinhole.
-    """
-    x, y, z = np.moveaxis(in_camera(camera, np.asarray(points, np.float64)), -1, 0)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        if camera.projection == "equirectangular":
-            longitude, latitude = np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))
-            u = (longitude / (2.0 * math.pi) + 0.5) * camera.columns
-            v = (0.5 - latitude / math.pi) * camera.rows
-            is_seen = (x != 0.0) | (y != 0.0) | (z != 0.0)
-        else:
-            across, down = _pixels_per_length(camera)
-            is_seen = np.ones(x.shape, np.bool_)
-            if camera.projection == "perspective":
-                is_seen = z > 0.0
-                x, y = _focal_length(camera) * x / z, _focal_length(camera) * y / z
-            u, v = 0.5 * camera.columns + across * x, 0.5 * camera.rows + down * y
-    pixels = np.stack((u, v), axis=-1)
-    is_seen = is_seen & np.isfinite(pixels).all(axis=-1)
-    seen: Floats = np.where(is_seen[..., None], pixels, np.nan)
-    return seen
+def project(camera: Camera, points: Floats) -> Floats:
+    """Return where in the picture points of the world are seen, as `Camera.project`."""
+    return camera.project(points)
 
 
 def starts_towards(camera: Camera, points: Floats) -> Floats:
@@ -167,6 +136,8 @@ def starts_towards(camera: Camera, points: Floats) -> Floats:
     """
     if camera.ray_start == "eye" and camera.projection != "orthographic":
         return np.broadcast_to(camera.position, points.shape)
+    if _is_tilted(camera):
+        return _starts_on_tilted(camera, points)
     z = in_camera(camera, points)[..., 2:]
     near = _nearest_z(camera)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -240,11 +211,23 @@ def _focal_length(camera: Camera) -> float:
     return camera.focal_length
 
 
-def _pixels_per_length(camera: Camera) -> tuple[float, float]:
-    """Return columns and rows for each unit of length on the viewplane."""
-    assert camera.width is not None
-    assert camera.height is not None
-    return camera.columns / camera.width, camera.rows / camera.height
+def _is_tilted(camera: Camera) -> bool:
+    given = camera.parameters
+    return given.get("tilt_x", 0.0) != 0.0 or given.get("tilt_y", 0.0) != 0.0
+
+
+def _starts_on_tilted(camera: Camera, points: Floats) -> Floats:
+    """Return where rays to points pass a viewplane that is not at a right angle to the aim."""
+    # Three points of it, by the rays of a camera of 2 x 2 pixels.
+    corners, _ = camera.resize(2, 2).rays()
+    normal = np.cross(corners[0, 1] - corners[0, 0], corners[1, 0] - corners[0, 0])
+    ways = points - camera.position
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = ((corners[0, 0] - camera.position) @ normal) / (ways @ normal)[..., None]
+        starts: Floats = np.where(
+            (share > 0.0) & (share < 1.0), camera.position + share * ways, np.nan
+        )
+    return starts
 
 
 def _nearest_z(camera: Camera) -> float:
