@@ -16,6 +16,14 @@ pub trait Sensor: Rays + Debug {
     /// upwards; [`Rays::ray`] is the one at (0.5, 0.5).
     fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray;
 
+    /// Fills `rays` with those through a point of pixels that lie in one row, from `first` on: what [`ray_within`](Self::ray_within)
+    /// gives, sooner than one by one.
+    fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
+        for (pixel, ray) in (first..).zip(rays) {
+            *ray = self.ray_within(pixel, offset);
+        }
+    }
+
     /// What [`ray_within`](Self::ray_within) gives for one offset has in common, as [`Rays::grid`] says.
     fn grid_within(&self, offset: DVec2) -> Option<PixelGrid>;
 
@@ -73,6 +81,11 @@ impl Sensor for Camera {
     fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray {
         let (row, column) = (pixel / self.columns(), pixel % self.columns());
         Camera::ray_within(self, row, column, offset)
+    }
+
+    fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
+        let (row, column) = (first / self.columns(), first % self.columns());
+        Camera::row_within(self, row, column, offset, rays);
     }
 
     fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {

@@ -204,6 +204,10 @@ impl<R: Rays + ?Sized> Rays for Filtered<'_, R> {
         self.rays.grid()
     }
 
+    fn picture(&self) -> Option<[usize; 2]> {
+        self.rays.picture()
+    }
+
     fn is_filtered(&self) -> bool {
         !self.common.is_none() || !self.each.is_empty()
     }

@@ -16,7 +16,9 @@ use super::newton::{Mapped, invert, invert_in_plane};
 use super::polynomial::{product, sign_changes};
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
+use crate::camera::quick::{Start, polynomial};
 use crate::error::Result;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DMat3, DVec2, DVec3, require};
 
 parameters! {
@@ -92,32 +94,11 @@ impl OpenCv {
         if !is_inside {
             return None;
         }
-        let [factor, rate] = self.radial(q);
-        let Self {
-            p1,
-            p2,
-            s1,
-            s2,
-            s3,
-            s4,
-            ..
-        } = *self;
-        let value = DVec2::new(
-            x * factor + 2.0 * p1 * x * y + p2 * (q + 2.0 * x * x) + q * (s1 + q * s2),
-            y * factor + p1 * (q + 2.0 * y * y) + 2.0 * p2 * x * y + q * (s3 + q * s4),
-        );
-        let (across, down) = (2.0 * (s1 + 2.0 * s2 * q), 2.0 * (s3 + 2.0 * s4 * q));
-        let both = 2.0 * x * y * rate + 2.0 * p1 * x + 2.0 * p2 * y;
+        let (value, [by_xx, by_xy, by_yx, by_yy]) = self.mapped(Scalar, [x, y]);
         let mapped = Mapped {
-            value,
-            by_x: DVec2::new(
-                factor + 2.0 * x * x * rate + 2.0 * p1 * y + 6.0 * p2 * x + across * x,
-                both + down * x,
-            ),
-            by_y: DVec2::new(
-                both + across * y,
-                factor + 2.0 * y * y * rate + 6.0 * p1 * y + 2.0 * p2 * x + down * y,
-            ),
+            value: value.into(),
+            by_x: DVec2::new(by_xx, by_yx),
+            by_y: DVec2::new(by_xy, by_yy),
         };
         (mapped.determinant() > 0.0).then_some(mapped)
     }
@@ -145,7 +126,7 @@ fn through(map: &DMat3, point: DVec2) -> Option<DVec2> {
 }
 
 impl Distortion for OpenCv {
-    fn limit(&self) -> Result<Limit> {
+    fn limit(&self, farthest: f64) -> Result<Limit> {
         const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
         for (name, tilt) in [("tau_x", self.tau_x), ("tau_y", self.tau_y)] {
             require(
@@ -183,11 +164,70 @@ impl Distortion for OpenCv {
         } else {
             f64::INFINITY
         };
-        Ok(Limit {
+        let limit = Limit {
             undistorted,
             distorted,
             outermost,
+            ..Limit::default()
+        };
+        let end = farthest.min(0.999 * distorted);
+        let factor = |q: f64| {
+            let radius = q.sqrt();
+            Some(self.undistorted_radius(&limit, radius)? / radius)
+        };
+        Ok(Limit {
+            start: Start::through(end * end, factor),
+            ..limit
         })
+    }
+
+    /// Newton's method from the prepared start; known where it has settled on this side of the fold.
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        limit: &Limit,
+        [u, v]: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        /// From a start as near as usual, three lead to the last digit.
+        const MOST_STEPS: usize = 8;
+        /// A step of this share leaves less than rounding.
+        const SETTLED: f64 = 1e-10;
+        let number = |x: f64| of.number(x);
+        if self.is_tilted() {
+            return ([number(0.0); 3], of.lt(u, u));
+        }
+        let square = |x, y| of.add(of.mul(x, x), of.mul(y, y));
+        let factor = limit.start.at(of, square(u, v));
+        let (mut x, mut y) = (of.mul(factor, u), of.mul(factor, v));
+        let most = number(limit.outermost * limit.outermost);
+        let mut settled = of.lt(x, x);
+        for _ in 0..MOST_STEPS {
+            let (there, jacobian) = self.mapped(of, [x, y]);
+            let residual = [of.sub(there[0], u), of.sub(there[1], v)];
+            let [xx, xy, yx, yy] = jacobian;
+            let determinant = of.sub(of.mul(xx, yy), of.mul(xy, yx));
+            let inverse = of.div(number(1.0), determinant);
+            let across = of.sub(of.mul(residual[0], yy), of.mul(xy, residual[1]));
+            let down = of.sub(of.mul(xx, residual[1]), of.mul(yx, residual[0]));
+            let step = [of.mul(across, inverse), of.mul(down, inverse)];
+            let (next_x, next_y) = (of.sub(x, step[0]), of.sub(y, step[1]));
+            let allowed = of.add(
+                number(f64::MIN_POSITIVE),
+                of.mul(number(SETTLED * SETTLED), square(next_x, next_y)),
+            );
+            let settles = of.lt(square(step[0], step[1]), allowed)
+                & of.lt(number(0.0), determinant)
+                & of.lt(square(next_x, next_y), most);
+            // What has settled stays, whatever its neighbours do.
+            x = of.select(settled, x, next_x);
+            y = of.select(settled, y, next_y);
+            settled = settled | settles;
+            if of.is_everywhere(settled) {
+                break;
+            }
+        }
+        ([x, y, number(1.0)], settled)
     }
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
@@ -242,6 +282,71 @@ impl Distortion for OpenCv {
 }
 
 impl OpenCv {
+    /// The distorted point of (x, y), before the tilt, and its derivative: of x by x and y, of y by x and y.
+    #[inline(always)]
+    fn mapped<A: Arithmetic>(
+        &self,
+        of: A,
+        [x, y]: [A::Number; 2],
+    ) -> ([A::Number; 2], [A::Number; 4]) {
+        let number = |x: f64| of.number(x);
+        let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
+        let q = of.add(xx, yy);
+        let cubic = |[a, b, c, d]: [f64; 4]| {
+            let value = polynomial(of, &[a, b, c, d], q);
+            [value, polynomial(of, &[b, 2.0 * c, 3.0 * d], q)]
+        };
+        let [mut factor, mut rate] = cubic(self.numerator());
+        if [self.k4, self.k5, self.k6] != [0.0; 3] {
+            let [below, fall] = cubic(self.divisor());
+            let inverse = of.div(number(1.0), below);
+            factor = of.mul(factor, inverse);
+            rate = of.mul(of.sub(rate, of.mul(factor, fall)), inverse);
+        }
+        let double_rate = of.add(rate, rate);
+        let (mut there_x, mut there_y) = (of.mul(x, factor), of.mul(y, factor));
+        let mut by_xx = of.add(factor, of.mul(xx, double_rate));
+        let mut by_yy = of.add(factor, of.mul(yy, double_rate));
+        let mut by_xy = of.mul(xy, double_rate);
+        let mut by_yx = by_xy;
+        if (self.p1, self.p2) != (0.0, 0.0) {
+            let (p1, p2) = (number(self.p1), number(self.p2));
+            let two = |a| of.add(a, a);
+            let (p1x, p1y) = (of.mul(p1, x), of.mul(p1, y));
+            let (p2x, p2y) = (of.mul(p2, x), of.mul(p2, y));
+            there_x = of.add(
+                there_x,
+                of.add(of.mul(two(p1), xy), of.mul(p2, of.add(q, two(xx)))),
+            );
+            there_y = of.add(
+                there_y,
+                of.add(of.mul(two(p2), xy), of.mul(p1, of.add(q, two(yy)))),
+            );
+            let six = |a| of.mul(number(6.0), a);
+            by_xx = of.add(by_xx, of.add(two(p1y), six(p2x)));
+            by_yy = of.add(by_yy, of.add(two(p2x), six(p1y)));
+            let both = two(of.add(p1x, p2y));
+            by_xy = of.add(by_xy, both);
+            by_yx = of.add(by_yx, both);
+        }
+        let Self { s1, s2, s3, s4, .. } = *self;
+        if [s1, s2, s3, s4] != [0.0; 4] {
+            let prism = |a: f64, b: f64| {
+                let value = of.mul(q, of.add(number(a), of.mul(number(b), q)));
+                let rate = of.add(number(2.0 * a), of.mul(number(4.0 * b), q));
+                [value, rate]
+            };
+            let ([across, across_rate], [down, down_rate]) = (prism(s1, s2), prism(s3, s4));
+            there_x = of.add(there_x, across);
+            there_y = of.add(there_y, down);
+            by_xx = of.add(by_xx, of.mul(across_rate, x));
+            by_xy = of.add(by_xy, of.mul(across_rate, y));
+            by_yx = of.add(by_yx, of.mul(down_rate, x));
+            by_yy = of.add(by_yy, of.mul(down_rate, y));
+        }
+        ([there_x, there_y], [by_xx, by_xy, by_yx, by_yy])
+    }
+
     /// The radius before radial distortion of one after it, which is within the limit.
     fn undistorted_radius(&self, limit: &Limit, radius: f64) -> Option<f64> {
         let radial = |r: f64| {
