@@ -112,10 +112,9 @@ impl<D: Distortion> Central for Calibrated<D> {
             cy,
             skew,
         } = self.matrix;
-        let number = |x: f64| of.number(x);
-        let y = of.div(of.sub(v, number(cy)), number(fy));
-        let across = of.sub(of.sub(u, number(cx)), of.mul(number(skew), y));
-        let x = of.div(across, number(fx));
+        let y = of.div(of.sub(v, of.number(cy)), of.number(fy));
+        let across = of.sub(of.sub(u, of.number(cx)), of.mul(of.number(skew), y));
+        let x = of.div(across, of.number(fx));
         self.distortion.directions(of, &self.limit, [x, y])
     }
 

@@ -8,6 +8,7 @@
 use super::lens::{Model, Reach};
 use super::parameters::Parameters;
 use super::pose::Pose;
+use super::quick::square;
 use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray};
@@ -53,17 +54,19 @@ pub(super) trait Central: Parameters + Send + Sync {
 /// A direction in the camera's coordinates to one in the world's, of length one.
 #[inline(always)]
 fn in_world<A: Arithmetic>(of: A, pose: &Pose, [x, y, z]: [A::Number; 3]) -> [A::Number; 3] {
-    let along = |axis: usize| {
-        let across = of.mul(x, of.number(pose.right[axis]));
-        let down = of.mul(y, of.number(pose.upwards[axis]));
-        let ahead = of.mul(z, of.number(pose.aim[axis]));
-        of.add(of.sub(across, down), ahead)
-    };
-    let world = [along(0), along(1), along(2)];
-    let [x, y, z] = world.map(|part| of.mul(part, part));
-    let length = of.sqrt(of.add(of.add(x, y), z));
+    // A closure would not be compiled for the instruction set.
+    macro_rules! along {
+        ($axis:ident) => {{
+            let across = of.mul(x, of.number(pose.right.$axis));
+            let down = of.mul(y, of.number(pose.upwards.$axis));
+            let ahead = of.mul(z, of.number(pose.aim.$axis));
+            of.add(of.sub(across, down), ahead)
+        }};
+    }
+    let [x, y, z] = [along!(x), along!(y), along!(z)];
+    let length = of.sqrt(of.add(square(of, x, y), of.mul(z, z)));
     let inverse = of.div(of.number(1.0), length);
-    world.map(|part| of.mul(part, inverse))
+    [of.mul(x, inverse), of.mul(y, inverse), of.mul(z, inverse)]
 }
 
 /// The ray through a point of the picture.

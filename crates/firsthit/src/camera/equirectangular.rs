@@ -65,15 +65,14 @@ impl Central for Equirectangular {
         [rows, columns]: [usize; 2],
         [u, v]: [A::Number; 2],
     ) -> ([A::Number; 3], A::Mask) {
-        let number = |x: f64| of.number(x);
-        let longitude = of.sub(of.div(u, number(columns as f64)), number(0.5));
-        let longitude = of.mul(number(radians(self.horizontal_fov)), longitude);
-        let latitude = of.sub(of.div(v, number(rows as f64)), number(0.5));
-        let latitude = of.mul(number(radians(self.vertical_fov)), latitude);
+        let longitude = of.sub(of.div(u, of.number(columns as f64)), of.number(0.5));
+        let longitude = of.mul(of.number(radians(self.horizontal_fov)), longitude);
+        let latitude = of.sub(of.div(v, of.number(rows as f64)), of.number(0.5));
+        let latitude = of.mul(of.number(radians(self.vertical_fov)), latitude);
         let [across, ahead] = sincos(of, longitude);
         let [below, level] = sincos(of, latitude);
         let direction = [of.mul(level, across), below, of.mul(level, ahead)];
-        (direction, of.lt(number(0.0), number(1.0)))
+        (direction, of.lt(of.number(0.0), of.number(1.0)))
     }
 
     fn pixel(&self, [rows, columns]: [usize; 2], direction: DVec3) -> Option<DVec2> {

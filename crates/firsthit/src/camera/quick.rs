@@ -19,6 +19,24 @@ pub(super) fn polynomial<A: Arithmetic>(of: A, coefficients: &[f64], x: A::Numbe
     sum
 }
 
+/// `-x`.
+#[inline(always)]
+pub(super) fn negative<A: Arithmetic>(of: A, x: A::Number) -> A::Number {
+    of.sub(of.number(0.0), x)
+}
+
+/// `x² + y²`.
+#[inline(always)]
+pub(super) fn square<A: Arithmetic>(of: A, x: A::Number, y: A::Number) -> A::Number {
+    of.add(of.mul(x, x), of.mul(y, y))
+}
+
+/// `2 x`.
+#[inline(always)]
+pub(super) fn twice<A: Arithmetic>(of: A, x: A::Number) -> A::Number {
+    of.add(x, x)
+}
+
 /// Sine and cosine of an angle from -pi to pi, to about a unit in the last place.
 ///
 /// The angle is brought to pi / 4 by a multiple of pi / 2, whose first part has 33 bits, so that the product is exact; then Taylor's
@@ -51,30 +69,28 @@ pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> [A::Number; 2] {
         -1.0 / 87_178_291_200.0,
         1.0 / 20_922_789_888_000.0,
     ];
-    let number = |x: f64| of.number(x);
-    let quarters = of.mul(angle, number(std::f64::consts::FRAC_2_PI));
-    let quarters = of.sub(of.add(quarters, number(ROUND)), number(ROUND));
-    let rest = of.sub(angle, of.mul(quarters, number(PARTS[0])));
-    let rest = of.sub(rest, of.mul(quarters, number(PARTS[1])));
+    let quarters = of.mul(angle, of.number(std::f64::consts::FRAC_2_PI));
+    let quarters = of.sub(of.add(quarters, of.number(ROUND)), of.number(ROUND));
+    let rest = of.sub(angle, of.mul(quarters, of.number(PARTS[0])));
+    let rest = of.sub(rest, of.mul(quarters, of.number(PARTS[1])));
     let square = of.mul(rest, rest);
     let cube = of.mul(rest, square);
     let sine = of.add(rest, of.mul(cube, polynomial(of, &SINE, square)));
     let fourth = of.mul(square, square);
-    let half = of.mul(number(0.5), square);
+    let half = of.mul(of.number(0.5), square);
     let cosine = of.add(
-        of.sub(number(1.0), half),
+        of.sub(of.number(1.0), half),
         of.mul(fourth, polynomial(of, &COSINE, square)),
     );
     // Of -2 to 2 quarters.
-    let minus = |x: A::Number| of.sub(number(0.0), x);
-    let is_first = of.lt(number(0.5), quarters) & of.lt(quarters, number(1.5));
-    let is_minus_first = of.lt(quarters, number(-0.5)) & of.lt(number(-1.5), quarters);
-    let is_second = of.lt(number(1.5), quarters) | of.lt(quarters, number(-1.5));
-    let of_sine = of.select(is_second, minus(sine), sine);
+    let is_first = of.lt(of.number(0.5), quarters) & of.lt(quarters, of.number(1.5));
+    let is_minus_first = of.lt(quarters, of.number(-0.5)) & of.lt(of.number(-1.5), quarters);
+    let is_second = of.lt(of.number(1.5), quarters) | of.lt(quarters, of.number(-1.5));
+    let of_sine = of.select(is_second, negative(of, sine), sine);
     let of_sine = of.select(is_first, cosine, of_sine);
-    let of_sine = of.select(is_minus_first, minus(cosine), of_sine);
-    let of_cosine = of.select(is_second, minus(cosine), cosine);
-    let of_cosine = of.select(is_first, minus(sine), of_cosine);
+    let of_sine = of.select(is_minus_first, negative(of, cosine), of_sine);
+    let of_cosine = of.select(is_second, negative(of, cosine), cosine);
+    let of_cosine = of.select(is_first, negative(of, sine), of_cosine);
     let of_cosine = of.select(is_minus_first, sine, of_cosine);
     [of_sine, of_cosine]
 }

@@ -5,6 +5,7 @@
 use super::unified::{backmost, check_alpha};
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
+use crate::camera::quick::square;
 use crate::error::Result;
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, require};
@@ -44,24 +45,25 @@ impl Distortion for DoubleSphere {
     ) -> ([A::Number; 3], A::Mask) {
         // Operation for operation what `unproject` does.
         let Self { xi, alpha } = *self;
-        let number = |x: f64| of.number(x);
         let r2 = of.add(of.mul(x, x), of.mul(y, y));
-        let rest = of.sub(number(1.0), of.mul(number(2.0 * alpha - 1.0), r2));
-        let above = of.sub(number(1.0), of.mul(number(alpha * alpha), r2));
-        let below = of.add(of.mul(number(alpha), of.sqrt(rest)), number(1.0 - alpha));
+        let rest = of.sub(of.number(1.0), of.mul(of.number(2.0 * alpha - 1.0), r2));
+        let above = of.sub(of.number(1.0), of.mul(of.number(alpha * alpha), r2));
+        let below = of.add(
+            of.mul(of.number(alpha), of.sqrt(rest)),
+            of.number(1.0 - alpha),
+        );
         let mz = of.div(above, below);
         let mz2 = of.mul(mz, mz);
-        let square = of.add(mz2, of.mul(number(1.0 - xi * xi), r2));
+        let under = of.add(mz2, of.mul(of.number(1.0 - xi * xi), r2));
         let factor = of.div(
-            of.add(of.mul(mz, number(xi)), of.sqrt(square)),
+            of.add(of.mul(mz, of.number(xi)), of.sqrt(under)),
             of.add(mz2, r2),
         );
-        let z = of.sub(of.mul(factor, mz), number(xi));
+        let z = of.sub(of.mul(factor, mz), of.number(xi));
         let direction = [of.mul(factor, x), of.mul(factor, y), z];
-        let [a, b, c] = direction.map(|part| of.mul(part, part));
-        let length = of.sqrt(of.add(of.add(a, b), c));
+        let length = of.sqrt(of.add(square(of, direction[0], direction[1]), of.mul(z, z)));
         // A NaN is nowhere below.
-        let known = of.lt(of.mul(number(-self.backmost()), length), z);
+        let known = of.lt(of.mul(of.number(-self.backmost()), length), z);
         (direction, known)
     }
 

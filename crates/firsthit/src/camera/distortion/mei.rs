@@ -51,13 +51,15 @@ impl Distortion for Mei {
         limit: &Limit,
         point: [A::Number; 2],
     ) -> ([A::Number; 3], A::Mask) {
-        let number = |x: f64| of.number(x);
         let ([x, y, _], known) = self.distortion().directions(of, limit, point);
-        let xi = number(self.xi);
+        let xi = of.number(self.xi);
         let r2 = of.add(of.mul(x, x), of.mul(y, y));
-        let rest = of.add(number(1.0), of.mul(number(1.0 - self.xi * self.xi), r2));
-        let factor = of.div(of.add(xi, of.sqrt(rest)), of.add(number(1.0), r2));
-        let known = known & of.lt(number(0.0), rest);
+        let rest = of.add(
+            of.number(1.0),
+            of.mul(of.number(1.0 - self.xi * self.xi), r2),
+        );
+        let factor = of.div(of.add(xi, of.sqrt(rest)), of.add(of.number(1.0), r2));
+        let known = known & of.lt(of.number(0.0), rest);
         (
             [of.mul(factor, x), of.mul(factor, y), of.sub(factor, xi)],
             known,

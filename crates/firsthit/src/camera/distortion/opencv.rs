@@ -16,7 +16,7 @@ use super::newton::{Mapped, invert, invert_in_plane};
 use super::polynomial::{product, sign_changes};
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
-use crate::camera::quick::{Start, polynomial};
+use crate::camera::quick::{Start, polynomial, square, twice};
 use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DMat3, DVec2, DVec3, require};
@@ -119,6 +119,24 @@ impl OpenCv {
     }
 }
 
+/// A polynomial's value and slope.
+#[inline(always)]
+fn cubic<A: Arithmetic>(of: A, [a, b, c, d]: [f64; 4], q: A::Number) -> [A::Number; 2] {
+    [
+        polynomial(of, &[a, b, c, d], q),
+        polynomial(of, &[b, 2.0 * c, 3.0 * d], q),
+    ]
+}
+
+/// What a thin prism moves a point by, and the derivative of that by x, divided by x.
+#[inline(always)]
+fn prism<A: Arithmetic>(of: A, first: f64, second: f64, q: A::Number) -> [A::Number; 2] {
+    [
+        of.mul(q, of.add(of.number(first), of.mul(of.number(second), q))),
+        of.add(of.number(2.0 * first), of.mul(of.number(4.0 * second), q)),
+    ]
+}
+
 /// A point through a perspective map; `None` behind it.
 fn through(map: &DMat3, point: DVec2) -> Option<DVec2> {
     let mapped = *map * point.extend(1.0);
@@ -193,32 +211,30 @@ impl Distortion for OpenCv {
         const MOST_STEPS: usize = 8;
         /// A step of this share leaves less than rounding.
         const SETTLED: f64 = 1e-10;
-        let number = |x: f64| of.number(x);
         if self.is_tilted() {
-            return ([number(0.0); 3], of.lt(u, u));
+            return ([of.number(0.0); 3], of.lt(u, u));
         }
-        let square = |x, y| of.add(of.mul(x, x), of.mul(y, y));
-        let factor = limit.start.at(of, square(u, v));
+        let factor = limit.start.at(of, square(of, u, v));
         let (mut x, mut y) = (of.mul(factor, u), of.mul(factor, v));
-        let most = number(limit.outermost * limit.outermost);
+        let most = of.number(limit.outermost * limit.outermost);
         let mut settled = of.lt(x, x);
         for _ in 0..MOST_STEPS {
             let (there, jacobian) = self.mapped(of, [x, y]);
             let residual = [of.sub(there[0], u), of.sub(there[1], v)];
             let [xx, xy, yx, yy] = jacobian;
             let determinant = of.sub(of.mul(xx, yy), of.mul(xy, yx));
-            let inverse = of.div(number(1.0), determinant);
+            let inverse = of.div(of.number(1.0), determinant);
             let across = of.sub(of.mul(residual[0], yy), of.mul(xy, residual[1]));
             let down = of.sub(of.mul(xx, residual[1]), of.mul(yx, residual[0]));
             let step = [of.mul(across, inverse), of.mul(down, inverse)];
             let (next_x, next_y) = (of.sub(x, step[0]), of.sub(y, step[1]));
             let allowed = of.add(
-                number(f64::MIN_POSITIVE),
-                of.mul(number(SETTLED * SETTLED), square(next_x, next_y)),
+                of.number(f64::MIN_POSITIVE),
+                of.mul(of.number(SETTLED * SETTLED), square(of, next_x, next_y)),
             );
-            let settles = of.lt(square(step[0], step[1]), allowed)
-                & of.lt(number(0.0), determinant)
-                & of.lt(square(next_x, next_y), most);
+            let settles = of.lt(square(of, step[0], step[1]), allowed)
+                & of.lt(of.number(0.0), determinant)
+                & of.lt(square(of, next_x, next_y), most);
             // What has settled stays, whatever its neighbours do.
             x = of.select(settled, x, next_x);
             y = of.select(settled, y, next_y);
@@ -227,7 +243,7 @@ impl Distortion for OpenCv {
                 break;
             }
         }
-        ([x, y, number(1.0)], settled)
+        ([x, y, of.number(1.0)], settled)
     }
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
@@ -289,17 +305,12 @@ impl OpenCv {
         of: A,
         [x, y]: [A::Number; 2],
     ) -> ([A::Number; 2], [A::Number; 4]) {
-        let number = |x: f64| of.number(x);
         let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
         let q = of.add(xx, yy);
-        let cubic = |[a, b, c, d]: [f64; 4]| {
-            let value = polynomial(of, &[a, b, c, d], q);
-            [value, polynomial(of, &[b, 2.0 * c, 3.0 * d], q)]
-        };
-        let [mut factor, mut rate] = cubic(self.numerator());
+        let [mut factor, mut rate] = cubic(of, self.numerator(), q);
         if [self.k4, self.k5, self.k6] != [0.0; 3] {
-            let [below, fall] = cubic(self.divisor());
-            let inverse = of.div(number(1.0), below);
+            let [below, fall] = cubic(of, self.divisor(), q);
+            let inverse = of.div(of.number(1.0), below);
             factor = of.mul(factor, inverse);
             rate = of.mul(of.sub(rate, of.mul(factor, fall)), inverse);
         }
@@ -310,33 +321,33 @@ impl OpenCv {
         let mut by_xy = of.mul(xy, double_rate);
         let mut by_yx = by_xy;
         if (self.p1, self.p2) != (0.0, 0.0) {
-            let (p1, p2) = (number(self.p1), number(self.p2));
-            let two = |a| of.add(a, a);
+            let (p1, p2) = (of.number(self.p1), of.number(self.p2));
             let (p1x, p1y) = (of.mul(p1, x), of.mul(p1, y));
             let (p2x, p2y) = (of.mul(p2, x), of.mul(p2, y));
             there_x = of.add(
                 there_x,
-                of.add(of.mul(two(p1), xy), of.mul(p2, of.add(q, two(xx)))),
+                of.add(
+                    of.mul(twice(of, p1), xy),
+                    of.mul(p2, of.add(q, twice(of, xx))),
+                ),
             );
             there_y = of.add(
                 there_y,
-                of.add(of.mul(two(p2), xy), of.mul(p1, of.add(q, two(yy)))),
+                of.add(
+                    of.mul(twice(of, p2), xy),
+                    of.mul(p1, of.add(q, twice(of, yy))),
+                ),
             );
-            let six = |a| of.mul(number(6.0), a);
-            by_xx = of.add(by_xx, of.add(two(p1y), six(p2x)));
-            by_yy = of.add(by_yy, of.add(two(p2x), six(p1y)));
-            let both = two(of.add(p1x, p2y));
+            by_xx = of.add(by_xx, of.add(twice(of, p1y), of.mul(of.number(6.0), p2x)));
+            by_yy = of.add(by_yy, of.add(twice(of, p2x), of.mul(of.number(6.0), p1y)));
+            let both = twice(of, of.add(p1x, p2y));
             by_xy = of.add(by_xy, both);
             by_yx = of.add(by_yx, both);
         }
         let Self { s1, s2, s3, s4, .. } = *self;
         if [s1, s2, s3, s4] != [0.0; 4] {
-            let prism = |a: f64, b: f64| {
-                let value = of.mul(q, of.add(number(a), of.mul(number(b), q)));
-                let rate = of.add(number(2.0 * a), of.mul(number(4.0 * b), q));
-                [value, rate]
-            };
-            let ([across, across_rate], [down, down_rate]) = (prism(s1, s2), prism(s3, s4));
+            let ([across, across_rate], [down, down_rate]) =
+                (prism(of, s1, s2, q), prism(of, s3, s4, q));
             there_x = of.add(there_x, across);
             there_y = of.add(there_y, down);
             by_xx = of.add(by_xx, of.mul(across_rate, x));

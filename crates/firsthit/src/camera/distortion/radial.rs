@@ -11,7 +11,7 @@ use super::newton::invert;
 use super::polynomial::sign_changes;
 use super::{Distortion, Limit};
 use crate::camera::parameters::{Parameters, parameters};
-use crate::camera::quick::{Start, polynomial, sincos};
+use crate::camera::quick::{Start, negative, polynomial, sincos};
 use crate::error::Result;
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, require};
@@ -63,12 +63,12 @@ impl<M: RadialModel> Distortion for M {
         limit: &Limit,
         [x, y]: [A::Number; 2],
     ) -> ([A::Number; 3], A::Mask) {
-        let number = |x: f64| of.number(x);
         let radius = of.sqrt(of.add(of.mul(x, x), of.mul(y, y)));
         let ([sine, cosine], known) = self.sine_and_cosine(of, limit, radius);
         let share = of.div(sine, radius);
         // The middle and what is beyond the limit are for `unproject`.
-        let known = known & of.lt(number(0.0), radius) & of.lt(radius, number(limit.distorted));
+        let known =
+            known & of.lt(of.number(0.0), radius) & of.lt(radius, of.number(limit.distorted));
         ([of.mul(share, x), of.mul(share, y), cosine], known)
     }
 
@@ -334,7 +334,6 @@ fn angle_by_newton<A: Arithmetic>(
     const MOST_STEPS: usize = 8;
     /// A step of this share leaves less than rounding.
     const SETTLED: f64 = 1e-10;
-    let number = |x: f64| of.number(x);
     let mut angle = of.mul(radius, limit.start.at(of, of.mul(radius, radius)));
     let mut settled = of.lt(angle, angle);
     for _ in 0..MOST_STEPS {
@@ -343,10 +342,10 @@ fn angle_by_newton<A: Arithmetic>(
         let slope = polynomial(of, &[a, 3.0 * b, 5.0 * c, 7.0 * d, 9.0 * e], q);
         let step = of.div(of.sub(there, radius), slope);
         let next = of.sub(angle, step);
-        let allowed = of.mul(number(SETTLED), next);
-        let settles = of.lt(of.max(step, of.sub(number(0.0), step)), allowed)
-            & of.lt(number(0.0), slope)
-            & of.lt(next, number(limit.undistorted));
+        let allowed = of.mul(of.number(SETTLED), next);
+        let settles = of.lt(of.max(step, negative(of, step)), allowed)
+            & of.lt(of.number(0.0), slope)
+            & of.lt(next, of.number(limit.undistorted));
         // What has settled stays, whatever its neighbours do.
         angle = of.select(settled, angle, next);
         settled = settled | settles;

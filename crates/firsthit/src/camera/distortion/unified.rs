@@ -60,12 +60,14 @@ impl Distortion for Eucm {
     ) -> ([A::Number; 3], A::Mask) {
         // Operation for operation what `unproject` does.
         let Self { alpha, beta } = *self;
-        let number = |x: f64| of.number(x);
-        let r2 = of.mul(number(beta), of.add(of.mul(x, x), of.mul(y, y)));
-        let rest = of.sub(number(1.0), of.mul(number(2.0 * alpha - 1.0), r2));
-        let above = of.sub(number(1.0), of.mul(number(alpha * alpha), r2));
-        let below = of.add(of.mul(number(alpha), of.sqrt(rest)), number(1.0 - alpha));
-        ([x, y, of.div(above, below)], of.lt(number(0.0), rest))
+        let r2 = of.mul(of.number(beta), of.add(of.mul(x, x), of.mul(y, y)));
+        let rest = of.sub(of.number(1.0), of.mul(of.number(2.0 * alpha - 1.0), r2));
+        let above = of.sub(of.number(1.0), of.mul(of.number(alpha * alpha), r2));
+        let below = of.add(
+            of.mul(of.number(alpha), of.sqrt(rest)),
+            of.number(1.0 - alpha),
+        );
+        ([x, y, of.div(above, below)], of.lt(of.number(0.0), rest))
     }
 
     fn project(&self, _: &Limit, direction: DVec3) -> Option<DVec2> {

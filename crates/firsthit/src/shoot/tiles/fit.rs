@@ -309,12 +309,7 @@ impl TileRays<'_> {
         if bottom <= top || right <= left {
             return None;
         }
-        let direction = |row: usize, column: usize| {
-            let (block, lane) = block_and_lane(row, column);
-            let half = self.first + 2 * block + lane / WIDE;
-            let direction = &self.square.direction[half];
-            DVec3::from_array([0, 1, 2].map(|axis| direction[axis][lane % WIDE]))
-        };
+        let direction = |row: usize, column: usize| self.ray(row, column).direction;
         let [p, q, r] = viewplane([
             direction(top, left),
             direction(top, right),
@@ -396,6 +391,19 @@ impl TileRays<'_> {
         let longest = l.max64(l.max64(l.abs64(d[0]), l.abs64(d[1])), l.abs64(d[2]));
         is_plain &= l.lt64(number(1e-80), longest) & l.lt64(squares, number(1e160));
         (is_plain, squares)
+    }
+
+    /// A ray, of those without ends.
+    pub(super) fn ray(&self, row: usize, column: usize) -> Ray {
+        let (block, lane) = block_and_lane(row, column);
+        let half = self.first + 2 * block + lane / WIDE;
+        let vector = |parts: &[[f64; WIDE]; 3]| {
+            DVec3::from_array([0, 1, 2].map(|axis| parts[axis][lane % WIDE]))
+        };
+        let SquareRays {
+            origin, direction, ..
+        } = self.square;
+        Ray::new(vector(&origin[half]), vector(&direction[half]))
     }
 
     /// Where eight rays start, half a block, along an axis.

@@ -193,6 +193,10 @@ impl<'a> TileTask<'a> {
 
     /// The ray of a pixel of the tile.
     fn ray(&self, row: usize, column: usize) -> Ray {
+        // A lens may take long to make it once more.
+        if let (Some(rays), Some(_)) = (&self.rays, self.off) {
+            return rays.ray(row, column);
+        }
         let columns = self.plan.grid.columns;
         let pixel = (self.first_row + row) * columns + self.first_column + column;
         self.plan.rays.ray(pixel)
