@@ -56,10 +56,19 @@ impl Look {
         self.through(Lens::OpenCv(Calibrated::new(matrix, barrel)), side)
     }
 
-    /// A fisheye that sees half of the sphere.
+    /// A fisheye that sees half of the sphere in a circle that touches the edges, and more in the corners: Embree takes a pixel
+    /// without a ray for one that may meet everything.
     pub(crate) fn fisheye(&self, side: usize) -> Result<Camera, String> {
-        let lens = Lens::with_fov(Projection::Equidistant, 180.0, side, side);
-        self.through(lens.map_err(|error| error.to_string())?, side)
+        let said = |error: firsthit::Error| error.to_string();
+        let half = Lens::with_fov(Projection::Equidistant, 180.0, side, side).map_err(said)?;
+        let mut numbers = half.parameters();
+        for (name, value) in &mut numbers {
+            if *name == "fov" {
+                *value = 360.0;
+            }
+        }
+        let lens = Lens::named(Projection::Equidistant, &numbers).map_err(said)?;
+        self.through(lens, side)
     }
 
     fn through(&self, lens: Lens, side: usize) -> Result<Camera, String> {
