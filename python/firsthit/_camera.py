@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 
 from . import _colmap, _conventions, _firsthit
 from ._arrays import count, index, number, numbers, text, vector, vectors
 from ._conventions import OpenCvCamera
+from ._types import Projection
 
 if TYPE_CHECKING:
     import os
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from ._colmap import ColmapCamera
     from ._traceable import Traceable
-    from ._types import Convention, FisheyeName, Projection, RayStart, Vector, ViewName
+    from ._types import Convention, FisheyeName, RayStart, Vector, ViewName
 
 #: The projections with a viewplane.
 _FLAT = ("perspective", "orthographic")
@@ -125,7 +126,10 @@ class Camera:
         parameters: Mapping[str, float] | None = None,
     ) -> None:
         lengths = {"focal_length": focal_length, "width": width, "height": height}
-        has_viewplane = text("projection", projection) in _FLAT
+        if text("projection", projection) not in get_args(Projection):
+            names = " ".join(get_args(Projection))
+            raise ValueError(f"projection must be one of {names}, got {projection}")
+        has_viewplane = projection in _FLAT
         for name, length in lengths.items():
             if has_viewplane != (length is not None):
                 how = "given with" if has_viewplane else "None with"
@@ -167,9 +171,10 @@ class Camera:
 
     def _take(self, native: _firsthit.Camera, aim: Vector | None = None) -> None:
         """Become the camera that the native half made."""
-        (where, own_aim, up), pixels, words, parameters = native.view()
+        (where, own_aim, up), (rows, columns), (kind, start), parameters = native.view()
         aimed = vector("aim", own_aim) if aim is None else aim
         position, upwards = vector("position", where), vector("up", up)
+        pixels, words = (rows, columns), (kind, start)
         self._arguments = (position, aimed, upwards, pixels, words, tuple(parameters))
         self._native, self._is_taken = native, aim is None
 

@@ -48,7 +48,7 @@ _LETTERS = {"barycentric": "012", "uv": "uv", "base_color": "rgb"}
 
 #: What can be asked about a camera's hits, and about those of other rays.
 _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
-    name for name in get_args(ChannelName) if name != "color"
+    name for name in get_args(ChannelName) if name not in ("color", "valid")
 )
 _OF_RAYS = tuple(name for name in _OF_A_CAMERA if name not in ("range", "z"))
 

@@ -463,6 +463,9 @@ fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Opening>, Fai
         (Some(_), _) if is_parallel => Err(Failure::usage(
             "--fov is for perspective cameras, and the file's is orthographic; use --viewplane",
         )),
+        (Some(fov), _) if fov >= 180.0 => Err(Failure::usage(format!(
+            "--fov {fov}: of a perspective camera expected degrees between 0 and 180"
+        ))),
         (Some(fov), _) => Ok(Some(Opening::Fov(fov))),
         // Of an angle parallel rays know nothing.
         (None, Some(Opening::Fov(_))) if is_parallel => Ok(None),

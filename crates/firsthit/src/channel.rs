@@ -112,7 +112,7 @@ pub fn kind(name: &str) -> Result<&'static Kind> {
 impl Kind {
     /// Whether it takes a sensor: rays from elsewhere do not have it.
     pub fn needs_sensor(&self) -> bool {
-        matches!(self.make, Make::Distance(_))
+        matches!(self.make, Make::Distance(_) | Make::Valid)
     }
 
     /// Whether metadata have a table of what its identifiers stand for.

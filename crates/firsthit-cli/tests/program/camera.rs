@@ -285,11 +285,10 @@ fn a_panorama_sees_all_around_from_the_middle() {
 fn a_panorama_has_no_viewplane() {
     let lab = Lab::with_square();
     let render = "render square.ply -o x.png --projection equirectangular";
-    lab.fails(&format!("{render} --fov 90"), 2, "sees all directions");
     lab.fails(
         &format!("{render} --viewplane 1x1 --focal-length 1"),
         2,
-        "sees all directions",
+        "--viewplane is for perspective and orthographic cameras",
     );
     lab.fails(
         &format!("{render} --ray-start viewplane"),
@@ -299,6 +298,130 @@ fn a_panorama_has_no_viewplane() {
     lab.fails(
         "render square.ply -o x.png --projection fisheye",
         2,
-        "[possible values: perspective, orthographic, equirectangular]",
+        "[possible values: perspective, orthographic, equirectangular, cylindrical",
     );
+}
+
+/// A camera 5 above the square, looking down with x to the right and y down, as OpenCV writes it.
+const ABOVE_IN_OPENCV: &str = "1 0 0 0\n0 -1 0 0\n0, 0, -1, 5\n";
+
+#[test]
+fn an_intrinsic_matrix_and_a_pose_make_the_camera() {
+    let lab = Lab::with_square();
+    lab.write("pose.txt", ABOVE_IN_OPENCV);
+    // The principal point is the centre of the middle pixel.
+    let given = "--intrinsics 4,4,2,1 --pose pose.txt --convention opencv";
+    assert_eq!(middle(&lab, "z", given), 5.0);
+    assert_eq!(middle(&lab, "range", given), 5.0);
+    // With COLMAP's pixel coordinates it is half a pixel off.
+    let range = middle(&lab, "range", &given.replace("opencv", "colmap"));
+    let expected = 5.0 * (1.0 + 2.0 * (0.5_f64 / 4.0).powi(2)).sqrt();
+    assert!((range - expected).abs() < 1e-14, "{range}");
+    // The inverse pose, as ROS has it.
+    lab.write(
+        "pose.txt",
+        "[[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 5], [0, 0, 0, 1]]",
+    );
+    assert_eq!(middle(&lab, "z", &given.replace("opencv", "ros")), 5.0);
+    // A lens with distortion.
+    let distorted = "--intrinsics 4,4,2.5,1.5 --pose pose.txt --convention gltf --projection opencv --parameters k1=-0.1";
+    lab.write("pose.txt", "1 0 0 0 0 1 0 0 0 0 1 5");
+    assert_eq!(middle(&lab, "z", distorted), 5.0);
+}
+
+#[test]
+fn what_makes_no_camera_is_told() {
+    let lab = Lab::with_square();
+    lab.write("pose.txt", ABOVE_IN_OPENCV);
+    let render = "render square.ply -o x.png --size 5x3";
+    for (options, words) in [
+        ("--intrinsics 4,4,2,1", "--convention"),
+        ("--intrinsics 4,4,2 --convention ros", "fx,fy,cx,cy"),
+        (
+            "--pose pose.txt --convention ros --aim 1,0,0",
+            "cannot be used with",
+        ),
+        (
+            "--projection opencv",
+            "intrinsics must be given with a calibrated lens",
+        ),
+        (
+            "--projection eucm --intrinsics 4,4,2,1 --convention ros --parameters k1=1",
+            "there are fx, fy, cx, cy, skew, alpha, beta",
+        ),
+        ("--projection equidistant --fov 361", "up to 360"),
+        ("--projection cube_map --size 5x3", "6 faces wide"),
+    ] {
+        let arguments = format!("{render} {options}")
+            .replace("--size 5x3 --projection cube_map", "--projection cube_map");
+        lab.fails(&arguments, 2, words);
+    }
+    lab.write("pose.txt", "1 2 3");
+    let pose = format!("{render} --pose pose.txt --convention ros");
+    lab.fails(&pose, 3, "expected the 12 or 16 numbers");
+    lab.write("pose.txt", "2 0 0 0 0 2 0 0 0 0 2 0");
+    lab.fails(&pose, 3, "without a scale or a mirror");
+}
+
+#[test]
+fn an_output_is_a_camera() {
+    let lab = Lab::with("cube_binary.stl", "part.stl");
+    let first =
+        "render part.stl --projection equidistant --fov 100 --size 40x30 --channels range,valid";
+    lab.ok(&format!("{first} -o first.npz -q"));
+    lab.ok("render part.stl --camera first.npz --channels range,valid -o second.npz -q");
+    let (first, second) = (lab.npz("first.npz"), lab.npz("second.npz"));
+    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&first["range"].values), bits(&second["range"].values));
+    let seen = first["valid"].values.iter().filter(|&&x| x == 1.0).count();
+    assert!(seen > 400 && seen < 1200, "{seen}");
+    // Half the size: a matrix of half the numbers.
+    lab.ok("render part.stl --camera first.npz --size 20x15 --channels range -o third.npz -q");
+    assert_eq!(lab.npz("third.npz")["range"].shape, [15, 20]);
+    lab.write(
+        "none.npy",
+        crate::support::npy("<f8", false, "(2, 2)", &[0; 32]),
+    );
+    lab.fails(
+        "render part.stl --camera none.npy -o x.png",
+        3,
+        "does not say which camera",
+    );
+}
+
+#[test]
+fn a_scene_file_has_calibrated_cameras() {
+    let lab = Lab::with_square();
+    lab.write("pose.txt", "1 0 0 0 0 1 0 0 0 0 1 5");
+    for (options, keys) in [
+        ("--intrinsics 4,4,2,1 --convention ros --pose pose.txt", ""),
+        (
+            "--intrinsics 4,4,2,1 --convention ros --pose pose.txt --projection opencv --parameters k1=-0.1,p1=0.01",
+            "projection = \"opencv\"\nk1 = -0.1\np1 = 0.01\n",
+        ),
+        (
+            "--intrinsics 4,4,2,1 --convention ros --pose pose.txt --projection mei --parameters xi=1.1",
+            "projection = \"mei\"\nxi = 1.1\n",
+        ),
+    ] {
+        let toml = format!(
+            "[camera]\n{keys}columns = 5\nrows = 3\nfx = 4\nfy = 4\ncx = 2\ncy = 1\nconvention = \"ros\"\n\
+             pose = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5]]\n[[objects]]\nfile = \"square.ply\"\n"
+        );
+        lab.write("scene.toml", &toml);
+        lab.ok("render scene.toml --channels range -o file.npz -q");
+        lab.ok(&format!(
+            "render square.ply --size 5x3 --channels range -o words.npz -q {options}"
+        ));
+        let (file, words) = (lab.npz("file.npz"), lab.npz("words.npz"));
+        assert_eq!(file["range"].values, words["range"].values, "{options}");
+        // It stands in a built scene too.
+        lab.ok("build scene.toml -o built.fhs -q");
+        lab.ok("render built.fhs --channels range -o built.npz -q");
+        assert_eq!(
+            file["range"].values,
+            lab.npz("built.npz")["range"].values,
+            "{options}"
+        );
+    }
 }

@@ -127,15 +127,6 @@ pub const KINDS: &[Kind] = &[
         make: Make::Distance(1),
     },
     Kind {
-        name: Cow::Borrowed("valid"),
-        about: "whether the pixel sees anything at all: false where a lens has no ray, as beyond a fisheye's circle",
-        components: 1,
-        display: Display::Mask,
-        unit: Unit::None,
-        frame: None,
-        make: Make::Valid,
-    },
-    Kind {
         name: Cow::Borrowed("object"),
         about: "identifier of the object; -1 for a miss",
         components: 1,
@@ -255,6 +246,15 @@ pub const KINDS: &[Kind] = &[
         unit: Unit::None,
         frame: None,
         make: Make::Flag(is_front),
+    },
+    Kind {
+        name: Cow::Borrowed("valid"),
+        about: "whether the pixel sees anything at all: false where a lens has no ray, as beyond a fisheye's circle",
+        components: 1,
+        display: Display::Mask,
+        unit: Unit::None,
+        frame: None,
+        make: Make::Valid,
     },
 ];
 

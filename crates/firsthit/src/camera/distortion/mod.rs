@@ -40,6 +40,8 @@ pub struct Limit {
     pub(super) distorted: f64,
     /// Where a model is not the same all around: the undistorted radius beyond which every point is past the fold.
     outermost: f64,
+    /// Up to this undistorted radius there is no fold for certain, and every solution is the one.
+    certain: f64,
     /// What the radius is multiplied by to be undistorted, or to be an angle, about, by its square.
     start: Start,
 }
@@ -50,6 +52,7 @@ impl Default for Limit {
             undistorted: f64::INFINITY,
             distorted: f64::INFINITY,
             outermost: f64::INFINITY,
+            certain: f64::INFINITY,
             start: Start::default(),
         }
     }

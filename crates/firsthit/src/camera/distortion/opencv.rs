@@ -170,12 +170,21 @@ impl Distortion for OpenCv {
         let undistorted = first.sqrt();
         // Beyond the first fold of a radial distortion everything is upside down, until the next one.
         let second = folds.get(1).copied().unwrap_or(pole);
-        let outermost = if !self.is_lopsided() {
+        let is_lopsided = self.is_lopsided();
+        let outermost = if !is_lopsided {
             undistorted
         } else if second.is_finite() {
             first.midpoint(second).sqrt()
         } else {
             f64::INFINITY
+        };
+        // What is not radial moves the fold; alone it folds where it has grown to a large part of the radius.
+        let uneven = [self.p1, self.p2, self.s1, self.s2, self.s3, self.s4];
+        let uneven = uneven.iter().map(|x| x.abs()).sum::<f64>();
+        let certain = if is_lopsided {
+            (0.9 * undistorted).min(0.05 / uneven).min(3.0)
+        } else {
+            undistorted
         };
         let distorted = if first < pole {
             undistorted * self.radial(first)[0]
@@ -186,6 +195,7 @@ impl Distortion for OpenCv {
             undistorted,
             distorted,
             outermost,
+            certain,
             ..Limit::default()
         };
         let end = farthest.min(0.999 * distorted);
@@ -216,7 +226,7 @@ impl Distortion for OpenCv {
         }
         let factor = limit.start.at(of, square(of, u, v));
         let (mut x, mut y) = (of.mul(factor, u), of.mul(factor, v));
-        let most = of.number(limit.outermost * limit.outermost);
+        let most = of.number(limit.certain * limit.certain);
         let mut settled = of.lt(x, x);
         for _ in 0..MOST_STEPS {
             let (there, jacobian) = self.mapped(of, [x, y]);
@@ -250,13 +260,8 @@ impl Distortion for OpenCv {
         let in_front = direction.z > 0.0;
         let point = in_front.then(|| direction.truncate() / direction.z)?;
         let mapped = self.distorted(limit, point)?;
-        if self.is_lopsided() {
-            // Past the fold there may be another place that is not turned over.
-            const LOOKS: u32 = 16;
-            let looks = (1..LOOKS).map(|k| f64::from(k) / f64::from(LOOKS) * point);
-            looks
-                .into_iter()
-                .try_for_each(|on_the_way| self.distorted(limit, on_the_way).map(|_| ()))?;
+        if !self.is_before_fold(limit, point) {
+            return None;
         }
         if self.is_tilted() {
             through(&self.tilt(), mapped.value)
@@ -293,7 +298,7 @@ impl Distortion for OpenCv {
         }
         let start = self.from_inside(limit, start)?;
         let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
-        Some(found.extend(1.0))
+        self.is_before_fold(limit, found).then(|| found.extend(1.0))
     }
 }
 
@@ -377,6 +382,18 @@ impl OpenCv {
             }
         }
         Some(invert(radius, [0.0, high], radius, radial))
+    }
+
+    /// Whether there is no fold on the way from the middle to a point: past it there may be other places that are not turned over.
+    fn is_before_fold(&self, limit: &Limit, point: DVec2) -> bool {
+        const LOOKS: u32 = 16;
+        // Written so that a NaN is looked at.
+        let is_certain = point.length() <= limit.certain;
+        is_certain
+            || (1..=LOOKS).all(|k| {
+                let on_the_way = f64::from(k) / f64::from(LOOKS) * point;
+                self.distorted(limit, on_the_way).is_some()
+            })
     }
 
     /// The point, or the first on the way to the middle that is on this side of the fold.

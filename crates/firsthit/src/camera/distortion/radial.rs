@@ -52,6 +52,7 @@ impl<M: RadialModel> Distortion for M {
             undistorted,
             distorted,
             outermost: undistorted,
+            certain: undistorted,
             start: Start::through(end * end, factor),
         })
     }
