@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use crate::error::Result;
 use crate::geometry::{DVec2, PixelGrid, Ray, Rays, require};
-use crate::image::CameraRecord;
-use crate::sensor::Sensor;
+use crate::sensor::{Record, Sensor};
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -113,7 +112,15 @@ impl Sensor for Part<'_> {
         self.sensor.range_and_z(self.pixel(pixel), t)
     }
 
-    fn record(&self) -> CameraRecord {
+    fn has_aim(&self) -> bool {
+        self.sensor.has_aim()
+    }
+
+    fn time(&self, pixel: usize) -> Option<f64> {
+        self.sensor.time(self.pixel(pixel))
+    }
+
+    fn record(&self) -> Record {
         self.sensor.record()
     }
 }
