@@ -88,6 +88,9 @@ fn the_ray_of_every_pixel_is_the_one_at_its_centre_and_distances_are_from_its_st
             assert!((range - 3.0).abs() < 1e-14, "{sensor:?}");
             assert_eq!(sensor.range_and_z(pixel, f64::INFINITY)[0], f64::INFINITY);
             assert_eq!(z.is_nan(), !sensor.has_aim());
+            let (position, aim) = sensor.place(pixel);
+            assert!((range - (ray.at(3.0) - position).length()).abs() < 1e-14);
+            assert!(aim.is_none_or(|aim| (z - (ray.at(3.0) - position).dot(aim)).abs() < 1e-14));
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::error::Result;
-use crate::geometry::{DVec2, PixelGrid, Ray, Rays, require};
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, require};
 use crate::sensor::{Record, Sensor};
 
 /// A rectangle of pixels.
@@ -114,6 +114,10 @@ impl Sensor for Part<'_> {
 
     fn has_aim(&self) -> bool {
         self.sensor.has_aim()
+    }
+
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
+        self.sensor.place(self.pixel(pixel))
     }
 
     fn time(&self, pixel: usize) -> Option<f64> {

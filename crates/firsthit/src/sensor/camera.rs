@@ -3,7 +3,7 @@
 use super::{Record, Sensor};
 use crate::camera::{Camera, Lens, Projection, View};
 use crate::error::Result;
-use crate::geometry::{DMat3, DVec2, PixelGrid, Ray};
+use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray};
 use crate::image::{CameraRecord, Intrinsics, Pose};
 
 /// The camera that made an output, bit for bit, from what the output's metadata say.
@@ -65,6 +65,10 @@ impl Sensor for Camera {
 
     fn camera(&self) -> Option<&Camera> {
         Some(self)
+    }
+
+    fn place(&self, _pixel: usize) -> (DVec3, Option<DVec3>) {
+        (self.position(), Some(self.aim()))
     }
 
     fn record(&self) -> Record {

@@ -16,7 +16,7 @@ pub use rolling_shutter::{Readout, RollingShutter};
 use std::fmt::Debug;
 
 use crate::camera::Camera;
-use crate::geometry::{DVec2, PixelGrid, Ray, Rays};
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays};
 use crate::image::{CameraRecord, SensorRecord};
 
 /// A ray for every pixel, row by row from the top, and for every point of a pixel. A [`Camera`] is one.
@@ -42,6 +42,9 @@ pub trait Sensor: Rays + Debug {
     fn has_aim(&self) -> bool {
         true
     }
+
+    /// Where the sensor is at the time of a pixel's ray, and its aim then, if it has one.
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>);
 
     /// The time of a pixel's ray in seconds, where the sensor knows of time.
     fn time(&self, _pixel: usize) -> Option<f64> {

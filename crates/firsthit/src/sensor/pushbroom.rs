@@ -5,7 +5,7 @@ use super::{Record, Sensor};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::summary::summary;
-use crate::geometry::{DVec2, Ray, Rays, require};
+use crate::geometry::{DVec2, DVec3, Ray, Rays, require};
 use crate::trajectory::Trajectory;
 
 /// A camera of one row of pixels that moves, and sees a row of the picture at each of some times: a line scanner, or the camera of a
@@ -90,6 +90,11 @@ impl Sensor for Pushbroom {
 
     fn camera(&self) -> Option<&Camera> {
         self.lines.middle()
+    }
+
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
+        let camera = &self.lines.cameras[pixel / self.columns()];
+        (camera.position(), Some(camera.aim()))
     }
 
     fn record(&self) -> Record {

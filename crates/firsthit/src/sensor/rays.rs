@@ -142,6 +142,10 @@ impl Sensor for RaySensor {
         self.aim.is_some()
     }
 
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
+        (of(&self.origins, pixel), self.aim)
+    }
+
     fn record(&self) -> Record {
         let mut digest = Digest::default();
         for vectors in [&self.origins, &self.directions] {

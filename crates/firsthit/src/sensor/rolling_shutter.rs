@@ -5,7 +5,7 @@ use super::{Record, Sensor};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::summary::summary;
-use crate::geometry::{DVec2, Ray, Rays, named, require};
+use crate::geometry::{DVec2, DVec3, Ray, Rays, named, require};
 use crate::memory;
 use crate::trajectory::Trajectory;
 
@@ -121,7 +121,7 @@ impl RollingShutter {
     }
 
     /// The line, the row and the column of a pixel.
-    fn place(&self, pixel: usize) -> (usize, usize, usize) {
+    fn place_of(&self, pixel: usize) -> (usize, usize, usize) {
         let columns = self.lines.mounted.columns();
         let (row, column) = (pixel / columns, pixel % columns);
         let line = if self.direction.is_by_rows() {
@@ -139,7 +139,7 @@ impl Rays for RollingShutter {
     }
 
     fn ray(&self, index: usize) -> Ray {
-        let (line, row, column) = self.place(index);
+        let (line, row, column) = self.place_of(index);
         self.lines.cameras[line].ray(row, column)
     }
 }
@@ -150,23 +150,29 @@ impl Sensor for RollingShutter {
     }
 
     fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray {
-        let (line, row, column) = self.place(pixel);
+        let (line, row, column) = self.place_of(pixel);
         self.lines.cameras[line].ray_within(row, column, offset)
     }
 
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
-        let (line, row, column) = self.place(pixel);
+        let (line, row, column) = self.place_of(pixel);
         let camera = &self.lines.cameras[line];
         [camera.range(row, column, t), camera.z(row, column, t)]
     }
 
     fn time(&self, pixel: usize) -> Option<f64> {
-        let (line, ..) = self.place(pixel);
+        let (line, ..) = self.place_of(pixel);
         self.lines.times.get(line).copied()
     }
 
     fn camera(&self) -> Option<&Camera> {
         self.lines.middle()
+    }
+
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
+        let (line, ..) = self.place_of(pixel);
+        let camera = &self.lines.cameras[line];
+        (camera.position(), Some(camera.aim()))
     }
 
     fn record(&self) -> Record {

@@ -21,6 +21,9 @@ use crate::memory;
 /// The columns by their names; the first two must be there.
 const NAMES: [&str; 4] = ["azimuth", "elevation", "time", "ring"];
 
+/// The number of each column, where there is one, in the order of the names.
+type Places = [Option<usize>; 4];
+
 /// See [`Pattern::read_csv`].
 pub(super) fn read(text: &[u8], path: &Path) -> Result<Pattern> {
     let wrong = |line: Option<u64>, what: String| Error::Parse {
@@ -35,50 +38,13 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Pattern> {
         let line = line.trim();
         !line.is_empty() && !line.starts_with('#')
     });
-    let Some((number, header)) = lines.next() else {
-        return Err(wrong(None, "there are no beams in it".to_owned()));
-    };
-    let mut places: [Option<usize>; 4] = [None; 4];
-    for (column, field) in header.split(',').enumerate() {
-        let field = field.trim().trim_end_matches("_deg");
-        let of_name = NAMES.iter().zip(&mut places);
-        for (name, place) in of_name.filter(|(name, _)| field.eq_ignore_ascii_case(name)) {
-            if place.replace(column).is_some() {
-                return Err(wrong(
-                    Some(number),
-                    format!("two columns are called {name}"),
-                ));
-            }
-        }
-    }
-    for (name, place) in NAMES.iter().zip(&places).take(2) {
-        if place.is_none() {
-            let what = format!("expected a column {name}, in degrees");
-            return Err(wrong(Some(number), what));
-        }
-    }
+    let empty = || wrong(None, "there are no beams in it".to_owned());
+    let (number, header) = lines.next().ok_or_else(empty)?;
+    let places = places_in(header).map_err(|what| wrong(Some(number), what))?;
     let (mut azimuths, mut elevations) = (Vec::new(), Vec::new());
     let (mut times, mut rings) = (Vec::new(), Vec::new());
     for (number, line) in lines {
-        let mut values = [0.0; 4];
-        let named = NAMES.iter().zip(&places).zip(&mut values);
-        for ((name, place), value) in named {
-            let Some(column) = *place else {
-                continue;
-            };
-            let field = line.split(',').nth(column).map(str::trim);
-            let parsed = field.and_then(|field| field.parse::<f64>().ok());
-            let Some(parsed) = parsed.filter(|value| value.is_finite()) else {
-                let got = field.map_or("nothing".to_owned(), |field| {
-                    format!("{:?}", field.chars().take(40).collect::<String>())
-                });
-                return Err(wrong(
-                    Some(number),
-                    format!("{name} must be a number, got {got}"),
-                ));
-            };
-            *value = parsed;
-        }
+        let values = values_in(line, &places).map_err(|what| wrong(Some(number), what))?;
         let [azimuth, elevation, time, ring] = values;
         let full = |_| memory::no_room_for("beams");
         for (list, value) in [
@@ -89,17 +55,54 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Pattern> {
             list.try_reserve(1).map_err(full)?;
             list.push(value);
         }
-        let Some(ring) = whole(ring) else {
+        let ring = whole(ring).ok_or_else(|| {
             let what = format!("ring must be a whole number from 0 on, got {ring}");
-            return Err(wrong(Some(number), what));
-        };
+            wrong(Some(number), what)
+        })?;
         rings.try_reserve(1).map_err(full)?;
         rings.push(ring);
     }
     if azimuths.is_empty() {
-        return Err(wrong(None, "there are no beams in it".to_owned()));
+        return Err(empty());
     }
     Pattern::table(&azimuths, &elevations, &times, &rings)
+}
+
+/// Where the columns are.
+fn places_in(header: &str) -> std::result::Result<Places, String> {
+    let mut places: Places = [None; 4];
+    for (column, field) in header.split(',').enumerate() {
+        let field = field.trim().trim_end_matches("_deg");
+        let of_name = NAMES.iter().zip(&mut places);
+        for (name, place) in of_name.filter(|(name, _)| field.eq_ignore_ascii_case(name)) {
+            if place.replace(column).is_some() {
+                return Err(format!("two columns are called {name}"));
+            }
+        }
+    }
+    let mut needed = NAMES.iter().zip(&places).take(2);
+    match needed.find(|(_, place)| place.is_none()) {
+        Some((name, _)) => Err(format!("expected a column {name}, in degrees")),
+        None => Ok(places),
+    }
+}
+
+/// The numbers of a line, in the order of the names; zero for a column that there is not.
+fn values_in(line: &str, places: &Places) -> std::result::Result<[f64; 4], String> {
+    let mut values = [0.0; 4];
+    for ((name, place), value) in NAMES.iter().zip(places).zip(&mut values) {
+        let Some(column) = *place else {
+            continue;
+        };
+        let field = line.split(',').nth(column).map(str::trim);
+        let parsed = field.and_then(|field| field.parse::<f64>().ok());
+        *value = parsed.filter(|value| value.is_finite()).ok_or_else(|| {
+            let shown = |field: &str| format!("{:?}", field.chars().take(40).collect::<String>());
+            let got = field.map_or("nothing".to_owned(), shown);
+            format!("{name} must be a number, got {got}")
+        })?;
+    }
+    Ok(values)
 }
 
 /// A whole number that an int32 holds, from 0 on.

@@ -165,6 +165,10 @@ impl Sensor for Lidar {
         self.pattern.times().get(pixel).copied()
     }
 
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
+        (self.pose(pixel).position, None)
+    }
+
     fn record(&self) -> Record {
         let [rows, columns] = self.shape();
         let name = ("pattern".to_owned(), self.pattern.name().to_owned());
