@@ -91,6 +91,13 @@ def test_a_lidar_that_drives_measures_from_where_it_is():
     camera = fh.Trajectory([0, 1], [(0, 0, 0)] * 2, body="right-down-forwards")
     forwards = fh.Lidar([0], [0], trajectory=camera).rays()[1][0, 0]
     np.testing.assert_array_equal(forwards, (0, 0, 1))
+    # A scanner that is turned to the left has its own frame.
+    pose = [[0, -1, 0, 1], [1, 0, 0, 0], [0, 0, 1, 0]]
+    turned = fh.Lidar.spinning([0, 5], columns=9, pose=pose)
+    scan = turned.scan(room())
+    own = scan.sensor_point @ np.array(pose)[:, :3].T + (1, 0, 0)
+    np.testing.assert_allclose(own, scan.point, atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(scan.sensor_point, axis=1), scan.range, rtol=1e-15)
     mounted = fh.Lidar([0], [0], trajectory=body, pose=np.eye(4)[:3] + [[0, 0, 0, 5]] * 3)
     np.testing.assert_array_equal(mounted.rays()[0][0, 0], (3, 5, 5))
 
@@ -286,6 +293,8 @@ def test_a_scan_of_nothing_is_empty_and_can_be_saved(tmp_path):
         scan = fh.Lidar([0, 1], [0, 0]).scan(fh.Scene(), **how)
         assert len(scan) == 0
         assert np.isinf(scan.to_image()).all()
+        assert (scan.to_image("object") == -1).all()
+        assert np.isnan(scan.to_image("point")).all()
     for name in ("a.npz", "a.ply", "a.pcd", "a.las"):
         scan.save(tmp_path / name)
 

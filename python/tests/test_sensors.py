@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+import re
 from pathlib import Path
 
 import firsthit as fh
@@ -310,7 +311,7 @@ def test_a_stereo_pair_has_the_disparity_of_its_baseline():
 
 def test_a_rig_moves_all_its_sensors_together():
     lidar = fh.Lidar.named("vlp-16", columns=20, position=(0, 0, 1))
-    table = fh.RaySensor([(0, 0, 0), (1, 0, 0)], (0, 0, 2), aim=(0, 0, 1))
+    table = fh.RaySensor([(0, 0, 0), (1, 0, 0)], (0, 0, 2), aim=(1, 0, 0))
     rig = fh.Rig({"eye": camera(), "lidar": lidar, "table": table})
     turn = [[0, -1, 0, 3], [1, 0, 0, -2], [0, 0, 1, 0.5], [0, 0, 0, 1]]
     moved = rig.at(turn)
@@ -319,7 +320,7 @@ def test_a_rig_moves_all_its_sensors_together():
         for k, (before, after) in enumerate(zip(still.rays(), moved[name].rays(), strict=True)):
             expected = before @ matrix[:3, :3].T + (matrix[:3, 3] if k == 0 else 0)
             np.testing.assert_allclose(after, expected, atol=1e-14)
-    np.testing.assert_array_equal(moved["table"].aim, (0, 0, 1))
+    np.testing.assert_array_equal(moved["table"].aim, (0, 1, 0))
     # Poses are those in the world, not steps.
     np.testing.assert_array_equal(moved.at(np.eye(4))["eye"].rays(), camera().rays())
     frames = moved.render(scene(), channels="range")
@@ -379,3 +380,16 @@ def test_the_points_of_a_frame_are_the_pixels_that_hit_something():
     np.testing.assert_array_equal(np.stack(np.nonzero(met)), [points["row"], points["column"]])
     with pytest.raises(ValueError, match="the channel position"):
         fh.render(scene(), camera(), channels="z").to_points()
+
+
+def test_the_lines_of_the_page_on_sensors_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs" / "sensors.md").read_text(), re.DOTALL
+    )
+    told = {}
+    for block in blocks:
+        exec(block, told)
+    assert told["image"].shape == (16, 1808)
+    assert told["depth"].shape == (90, 120)
+    assert {path.name for path in tmp_path.iterdir()} == {"drive.csv", "scan.las", "edges.npz"}
