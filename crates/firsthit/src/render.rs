@@ -278,7 +278,7 @@ pub fn origin(
 ) -> Origin {
     let has_names = channels.iter().any(|kind| kind.has_names());
     let (camera, sensor) = match sensor.map(Sensor::record) {
-        Some(Record::Camera(camera)) => (Some(camera), None),
+        Some(Record::Camera(camera)) => (Some(*camera), None),
         Some(Record::Other(sensor)) => (None, Some(*sensor)),
         None => (None, None),
     };

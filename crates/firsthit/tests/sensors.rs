@@ -256,11 +256,9 @@ fn a_spinning_lidar_in_a_room_has_the_ranges_of_the_closed_form() {
         let elevation = elevations[39 - row].to_radians();
         for column in 0..360 {
             let azimuth = (30.0 - column as f64).to_radians();
-            let direction = DVec3::new(
-                elevation.cos() * azimuth.cos(),
-                elevation.cos() * azimuth.sin(),
-                elevation.sin(),
-            );
+            let (up, level) = libm::sincos(elevation);
+            let (sine, cosine) = libm::sincos(azimuth);
+            let direction = DVec3::new(level * cosine, level * sine, up);
             // From inside, the nearest of the planes ahead.
             let wall = DVec3::select(direction.cmpgt(DVec3::ZERO), half, -half);
             let ahead = (wall - at) / direction;

@@ -72,7 +72,7 @@ impl Sensor for Camera {
     }
 
     fn record(&self) -> Record {
-        Record::Camera(camera_record(self))
+        Record::Camera(Box::new(camera_record(self)))
     }
 }
 

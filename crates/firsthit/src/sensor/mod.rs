@@ -64,7 +64,7 @@ pub trait Sensor: Rays + Debug {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Record {
     /// A camera.
-    Camera(CameraRecord),
+    Camera(Box<CameraRecord>),
     /// Any other sensor.
     Other(Box<SensorRecord>),
 }

@@ -150,7 +150,9 @@ impl Sensor for RaySensor {
         let mut digest = Digest::default();
         for vectors in [&self.origins, &self.directions] {
             digest.count(vectors.len());
-            vectors.iter().for_each(|&vector| digest.vector(vector));
+            for &vector in vectors {
+                digest.vector(vector);
+            }
         }
         let named = |aim: DVec3| ["aim_x", "aim_y", "aim_z"].into_iter().zip(aim.to_array());
         let parameters = self.aim.into_iter().flat_map(named);

@@ -44,7 +44,7 @@ impl Readout {
 ///
 /// ```
 /// use firsthit::sensor::{Readout, RollingShutter, Sensor};
-/// use firsthit::{Camera, DVec3, Pose, Rays, Trajectory, View};
+/// use firsthit::{Camera, DVec3, Pose, Trajectory, View};
 ///
 /// // To the right, at one unit in a second.
 /// let [from, to] = [0.0, 1.0].map(|x| Pose { position: DVec3::new(x, 0.0, 0.0), ..Pose::IDENTITY });
@@ -52,7 +52,7 @@ impl Readout {
 /// let camera = Camera::new(View { rows: 10, columns: 10, ..View::default() })?;
 /// let sensor = RollingShutter::new(&camera, &drive, 0.0, 1.0, Readout::TopDown)?;
 /// assert_eq!(sensor.time(25), Some(0.25));
-/// assert_eq!(sensor.ray(25).origin.x, 0.25);
+/// assert_eq!(sensor.line(2).position().x, 0.25);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 #[derive(Clone, PartialEq)]
