@@ -210,6 +210,16 @@ def test_intensity_is_the_luminance_times_the_cosine():
     assert fh.Lidar([0], [0]).scan(room()).intensity is None
 
 
+@pytest.mark.parametrize("how", [{}, {"returns": "all"}, {"divergence": 0.01, "subrays": 3}])
+def test_a_scan_tells_how_far_it_is(how):
+    told = []
+    lidar = fh.Lidar.named("vlp-16", columns=60)
+    lidar.scan(room(), progress=lambda done, total: told.append((done, total)), **how)
+    lines = 960 * how.get("subrays", 1)
+    assert told[-1] == (lines, lines)
+    assert told == sorted(told)
+
+
 def test_solid_state_patterns_follow_their_formulas():
     raster = fh.Lidar.raster(40, 20, 10, 20, rate=5)
     assert raster.azimuth[0].tolist() == [40 * (0.5 - (c + 0.5) / 20) for c in range(20)]
@@ -279,6 +289,7 @@ def test_scans_that_make_no_sense_are_refused(how, message):
         (lambda: fh.Lidar.spinning([1], direction="up"), "direction must be one of"),
         (lambda: fh.Lidar.named("vlp-16", rate=0), "rate must be positive"),
         (lambda: fh.Lidar.named("vlp-16", rate=1e9), "columns must be at least 1"),
+        (lambda: fh.Lidar.spinning([1], columns=2**40), "beams must be at most 2"),
         (lambda: fh.Lidar.raster(0, 10, 1, 1), "horizontal_fov must be above 0"),
         (lambda: fh.Lidar.rosette(10, (1, 2), 0, 10), "points must be 1 or more"),
     ],

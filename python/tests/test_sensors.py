@@ -1,12 +1,15 @@
 """Sensors other than cameras: tables of rays, moving cameras, rigs, and trajectories."""
 
+import contextlib
 import copy
 import json
 import pickle
 import re
 from pathlib import Path
+from typing import get_args
 
 import firsthit as fh
+import firsthit.typing
 import numpy as np
 import pytest
 
@@ -224,6 +227,34 @@ def test_a_rolling_shutter_shears_a_vertical_edge_exactly():
 def test_what_makes_no_sense_is_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    ("words", "make"),
+    [
+        (fh.typing.Interpolation, lambda word: fh.Trajectory([0], [(0, 0, 0)], interpolation=word)),
+        (fh.typing.Extrapolation, lambda word: fh.Trajectory([0], [(0, 0, 0)], extrapolation=word)),
+        (fh.typing.BodyName, lambda word: drive().in_axes(word)),
+        (
+            fh.typing.Readout,
+            lambda word: fh.RollingShutter(camera(), drive(), start=0, readout=1, direction=word),
+        ),
+        (fh.typing.Turn, lambda word: fh.Lidar.spinning([0], direction=word)),
+        (
+            fh.typing.TrajectoryFormat,
+            lambda word: fh.Trajectory.load("/dev/null", word, body="forwards-left-up"),
+        ),
+    ],
+)
+def test_words_that_are_typed_are_those_that_there_are(words, make):
+    known = get_args(words)
+    for word in known:
+        with contextlib.suppress(fh.FileReadError):
+            make(word)
+    with pytest.raises(ValueError, match="must be one of") as error:
+        make("other")
+    told = str(error.value).split("must be one of ")[1].split(", got")[0]
+    assert told.replace(",", "").split() == list(known)
 
 
 def test_trajectories_come_from_files_and_go_back_bit_for_bit(tmp_path):

@@ -36,8 +36,8 @@ pub(super) struct Beam {
     pub(super) ring: i32,
 }
 
-/// How many beams a pattern may have: more are a mistake, or memory's.
-const MOST: usize = 1 << 30;
+/// How many beams a pattern may have, whose tables then are 3.5 GB: more are a mistake.
+const MOST: usize = 1 << 26;
 
 impl Pattern {
     /// The beams of so many `[rows, columns]`, one after the other, row by row from the top.
@@ -50,7 +50,7 @@ impl Pattern {
         require("rows", "at least 1", rows >= 1, rows)?;
         require("columns", "at least 1", columns >= 1, columns)?;
         let count = rows.saturating_mul(columns);
-        require("beams", "at most 2^30", count <= MOST, count)?;
+        require("beams", "at most 2^26", count <= MOST, count)?;
         let mut made = Self {
             name: name.to_owned(),
             parameters: parameters
