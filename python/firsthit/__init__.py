@@ -24,18 +24,25 @@ from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
 from ._leaving import LeavingRays
+from ._lidar import Lidar
+from ._lidar_scan import LidarScan
 from ._lights import DirectionalLight, PointLight, Sky, SpotLight
 from ._lint import Finding, LintReport, Place
 from ._load import lint, load
 from ._load import open as open  # noqa: A004 - fh.open
 from ._material import Material, Texture
+from ._moving import Pushbroom, RollingShutter
 from ._nearest import ClosestPoints
 from ._object import Object
+from ._ray_sensor import RaySensor
 from ._render import render
+from ._rig import Rig
 from ._scene import Scene
 from ._section import Polyline, Section
+from ._sensor import Sensor
 from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
+from ._trajectory import Trajectory
 from .annotations import annotate
 
 # Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
@@ -65,6 +72,8 @@ __all__ = [
     "Frame",
     "Hits",
     "LeavingRays",
+    "Lidar",
+    "LidarScan",
     "LintReport",
     "Material",
     "Mesh",
@@ -74,13 +83,19 @@ __all__ = [
     "Plane",
     "PointLight",
     "Polyline",
+    "Pushbroom",
+    "RaySensor",
+    "Rig",
+    "RollingShutter",
     "Scene",
     "Section",
+    "Sensor",
     "Shading",
     "Sky",
     "Sphere",
     "SpotLight",
     "Texture",
+    "Trajectory",
     "annotate",
     "annotations",
     "disparity",

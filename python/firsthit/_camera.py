@@ -10,6 +10,7 @@ import numpy as np
 from . import _colmap, _conventions, _firsthit
 from ._arrays import count, index, number, numbers, text, vector, vectors
 from ._conventions import OpenCvCamera
+from ._sensor import Sensor
 from ._types import Projection
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ _FLAT = ("perspective", "orthographic")
 _LENGTHS = ("focal_length", "width", "height")
 
 
-class Camera:
+class Camera(Sensor):
     """A camera at any position, with any aim: it makes a ray for every pixel. Immutable.
 
     All vectors are in world space, all lengths in scene units. The camera's own frame is
@@ -1023,17 +1024,34 @@ class Camera:
         """
         return self._of(self._native.resize(count("rows", rows, 1), count("columns", columns, 1)))
 
-    def rays(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """Make the rays through the pixels' centres.
+    def moved(self, pose: npt.ArrayLike) -> Camera:
+        """Return the same camera, carried by a body.
+
+        Parameters
+        ----------
+        pose : (4, 4) or (3, 4) array_like
+            The matrix that takes the coordinates in which this camera's position, aim and up are to
+            others, such as those of the world; a rotation and a translation.
 
         Returns
         -------
-        origins, directions : (rows, columns, 3) array of float64
-            In world space; directions of length one. Row 0 is the top row.
+        Camera
+            One that is not turned keeps its bits, but for the position.
+
+        Raises
+        ------
+        ValueError
+            For a matrix that is no rigid motion.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.look_at((0, 0, 1), (1, 0, 1), (0, 0, 1), 60, rows=4, columns=6)
+        >>> moved = camera.moved([[0, -1, 0, 5], [1, 0, 0, 0], [0, 0, 1, 0]])
+        >>> moved.position.tolist(), moved.aim.tolist()
+        ([5.0, 0.0, 1.0], [0.0, 1.0, 0.0])
         """
-        origins, directions = self._native.rays((0, self.rows), 0)
-        shape = (self.rows, self.columns, 3)
-        return origins.reshape(shape), directions.reshape(shape)
+        return self._of(self._native.moved(_conventions.pose4(pose)))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Camera):

@@ -5,19 +5,23 @@ from typing import Any, TypedDict, final
 import numpy as np
 import numpy.typing as npt
 
-from ._types import AlphaMode, Projection, RayStart, ShaderName, Side
+from ._types import AlphaMode, Extrapolation, Interpolation, Projection, RayStart, ShaderName, Side
 
 __all__ = [
     "Camera",
     "Lint",
     "Mesh",
+    "Pattern",
     "Scene",
     "Section",
+    "Sensor",
     "Shape",
     "Texels",
+    "Trajectory",
     "all_threads",
     "attribute",
     "attribute_names",
+    "axes_from",
     "channel",
     "channel_names",
     "check_material",
@@ -28,6 +32,7 @@ __all__ = [
     "explain",
     "inside",
     "instruction_set",
+    "lidar_models",
     "lint_kinds",
     "load",
     "meant_as_levels",
@@ -52,6 +57,7 @@ __all__ = [
     "version",
     "visible",
     "write",
+    "write_bytes",
 ]
 
 _Vector = tuple[float, float, float]
@@ -188,6 +194,127 @@ class Camera:
     def distances(
         self, is_range: bool, pixels: npt.NDArray[np.int64], t: npt.NDArray[np.float64]
     ) -> npt.NDArray[np.float64]: ...
+    def moved(self, world_from_body: _Matrix4) -> Camera: ...
+
+@final
+class Sensor:
+    @staticmethod
+    def table(
+        origins: npt.NDArray[np.float64],
+        directions: npt.NDArray[np.float64],
+        shape: tuple[int, int],
+        aim: _Vector | None,
+    ) -> Sensor: ...
+    @staticmethod
+    def rolling_shutter(
+        camera: Camera, body: Trajectory, start: float, readout: float, direction: str
+    ) -> Sensor: ...
+    @staticmethod
+    def pushbroom(camera: Camera, body: Trajectory, times: npt.NDArray[np.float64]) -> Sensor: ...
+    @staticmethod
+    def lidar(pattern: Pattern, pose: _Matrix4, body: Trajectory | None) -> Sensor: ...
+    def shape(self) -> tuple[int, int]: ...
+    def has_aim(self) -> bool: ...
+    def times(self, pixels: npt.NDArray[np.int64]) -> npt.NDArray[np.float64] | None: ...
+    def rays(
+        self, rows: tuple[int, int], sample: int
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+    def rays_of(
+        self, pixels: npt.NDArray[np.int64]
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+    def distances(
+        self, is_range: bool, pixels: npt.NDArray[np.int64], t: npt.NDArray[np.float64]
+    ) -> npt.NDArray[np.float64]: ...
+    def places(self, pixels: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]: ...
+    def spread(
+        self, pixels: npt.NDArray[np.int64], divergence: float, count: int
+    ) -> npt.NDArray[np.float64]: ...
+    def poses(self, pixels: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]: ...
+
+@final
+class Pattern:
+    @staticmethod
+    def spinning(
+        elevations: Sequence[float],
+        columns: int,
+        azimuths: tuple[float, float],
+        direction: str,
+        time: tuple[float, float],
+        offsets: tuple[Sequence[float], Sequence[float]],
+    ) -> Pattern: ...
+    @staticmethod
+    def named(name: str, rate: float, columns: int | None, start: float) -> Pattern: ...
+    @staticmethod
+    def raster(
+        fov: tuple[float, float],
+        size: tuple[int, int],
+        is_serpentine: bool,
+        time: tuple[float, float],
+    ) -> Pattern: ...
+    @staticmethod
+    def rosette(
+        fov: float,
+        frequencies: tuple[float, float],
+        share: float,
+        points: int,
+        time: tuple[float, float],
+    ) -> Pattern: ...
+    @staticmethod
+    def lissajous(
+        fov: tuple[float, float],
+        frequencies: tuple[float, float],
+        phase: float,
+        points: int,
+        time: tuple[float, float],
+    ) -> Pattern: ...
+    @staticmethod
+    def table(
+        azimuths: npt.NDArray[np.float64],
+        elevations: npt.NDArray[np.float64],
+        times: npt.NDArray[np.float64],
+        rings: npt.NDArray[np.int32],
+    ) -> Pattern: ...
+    @staticmethod
+    def read_csv(path: Path) -> Pattern: ...
+    def name(self) -> str: ...
+    def shape(self) -> tuple[int, int]: ...
+    def beams(
+        self,
+    ) -> tuple[
+        npt.NDArray[np.float64],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.int32],
+    ]: ...
+
+@final
+class Trajectory:
+    def __new__(
+        cls,
+        times: npt.NDArray[np.float64],
+        positions: npt.NDArray[np.float64],
+        rotations: npt.NDArray[np.float64],
+        interpolation: str,
+        extrapolation: str,
+    ) -> Trajectory: ...
+    @staticmethod
+    def rotations(matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...
+    @staticmethod
+    def read(
+        path: Path, kind: str, times: Path | None, interpolation: str, extrapolation: str
+    ) -> Trajectory: ...
+    def write(self, path: Path, kind: str) -> None: ...
+    def parts(
+        self,
+    ) -> tuple[
+        npt.NDArray[np.float64],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.float64],
+        tuple[Interpolation, Extrapolation],
+    ]: ...
+    def at(self, times: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...
+    def in_axes(self, given: str, wanted: str) -> Trajectory: ...
 
 @final
 class Mesh:
@@ -269,6 +396,8 @@ class Lint:
     def marked(self, identifier: int) -> npt.NDArray[np.bool_] | None: ...
     def save(self, scene: Scene, path: Path) -> None: ...
 
+def lidar_models() -> list[str]: ...
+def axes_from(wanted: str, given: str) -> _Matrix4: ...
 def lint_kinds() -> list[tuple[str, str]]: ...
 def check_transform(rows: list[list[float]]) -> None: ...
 def check_material(candidate: _Material) -> None: ...
@@ -311,7 +440,7 @@ def shoot_all(
     npt.NDArray[np.float64],
 ]: ...
 def shoot_camera(
-    scene: Scene, camera: Camera, threads: int, out: _Hits, report: _Report | None
+    scene: Scene, camera: Camera | Sensor, threads: int, out: _Hits, report: _Report | None
 ) -> None: ...
 def occluded(
     scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.bool_], report: _Report | None
@@ -376,7 +505,7 @@ def channel(
     scene: Scene,
     name: str,
     rays: _Rays | None,
-    camera: Camera | None,
+    camera: Camera | Sensor | None,
     hits: Any,
     threads: int,
     report: _Report | None,
@@ -384,7 +513,7 @@ def channel(
 def channel_names() -> list[tuple[str, str]]: ...
 def render(
     scene: Scene,
-    camera: Camera,
+    camera: Camera | Sensor,
     channels: Sequence[str],
     shading: tuple[str, list[_Vector] | None, _Vector | None, bool],
     samples: int,
@@ -398,7 +527,7 @@ def render_work(pixels: int, channels: Sequence[str], samples: int) -> int: ...
 def metadata(
     shape: Sequence[int], channels: Sequence[tuple[str, npt.NDArray[Any]]], origin: str
 ) -> str: ...
-def origin(scene: Scene, camera: Camera | None, channels: Sequence[str]) -> str: ...
+def origin(scene: Scene, camera: Camera | Sensor | None, channels: Sequence[str]) -> str: ...
 def write(
     path: Path,
     shape: Sequence[int],
@@ -410,3 +539,4 @@ def read(
     path: Path,
 ) -> tuple[list[tuple[str | None, list[int], npt.NDArray[Any], str]], str | None, list[str]]: ...
 def png(shape: Sequence[int], name: str, values: npt.NDArray[Any]) -> bytes: ...
+def write_bytes(path: Path, content: bytes) -> None: ...

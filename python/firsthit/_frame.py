@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import ItemsView, Iterator, KeysView, ValuesView
 
     import numpy.typing as npt
+    import xarray
 
     from ._types import DistanceName, IdentifierName, VectorName
 
@@ -263,6 +264,80 @@ class Frame:
             names = ["color"]
         for file, held in files(path, names):
             self._write(file, held, png_scale)
+
+    def to_points(self) -> dict[str, npt.NDArray[Any]]:
+        """Return the point cloud of the pixels that hit something.
+
+        Returns
+        -------
+        dict of str to (n,) or (n, k) array
+            All channels, of which ``position`` must be one, and ``row`` and ``column``, int64: an
+            element for each pixel that has a position, row by row. Copies.
+
+        Raises
+        ------
+        ValueError
+            Without the channel ``position``.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=3, columns=3)
+        >>> fh.render(scene, camera, channels=("position", "object")).to_points()["position"]
+        array([[0., 0., 1.]])
+        """
+        if "position" not in self._channels:
+            there = ", ".join(self._channels)
+            raise ValueError(f"to_points takes a frame with the channel position, got {there}")
+        row, column = np.nonzero(~np.isnan(self._channels["position"]).any(axis=-1))
+        return {
+            **{name: array[row, column] for name, array in self._channels.items()},
+            "row": row,
+            "column": column,
+        }
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the frame as a Dataset of xarray, which shares the arrays' memory.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable for each channel, of the dimensions ``row``, ``column`` and, where a pixel
+            has several numbers, ``NAME_component``. The coordinates of ``row`` and ``column`` are
+            those of the pixels' centres, from the upper left corner of the camera's whole picture:
+            0.5 is the first. A variable's attributes are ``long_name``, ``units``, ``frame`` and
+            ``miss``, as far as the metadata have them; those of the Dataset are ``camera`` and
+            ``sensor`` as JSON, ``scene`` and ``firsthit``.
+
+        Raises
+        ------
+        ImportError
+            Where xarray is missing.
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise ImportError("to_xarray takes the package xarray: pip install xarray") from None
+        said = self.metadata
+        records = {record["name"]: record for record in said.get("channels", [])}
+        x, y = (said.get("pixels") or {}).get("first_center", (0.5, 0.5))
+        words = {"about": "long_name", "unit": "units", "frame": "frame", "miss": "miss"}
+        variables = {}
+        for name, array in self._channels.items():
+            sides = ("row", "column") if array.ndim == 2 else ("row", "column", f"{name}_component")
+            known = records.get(name, {})
+            kept = {key: known[word] for word, key in words.items() if known.get(word) is not None}
+            variables[name] = (sides, array, kept)
+        about = {name: said[name] for name in ("scene", "firsthit") if said.get(name) is not None}
+        for name in ("camera", "sensor"):
+            if said.get(name) is not None:
+                about[name] = json.dumps(said[name])
+        rows, columns = self._shape
+        places = {"row": np.arange(rows) + y, "column": np.arange(columns) + x}
+        return xarray.Dataset(variables, places, about)
 
     def _write(self, path: Path, names: list[str], png_scale: float | None) -> None:
         channels = [(name, _in_file(name, self._channels[name])) for name in names]

@@ -242,7 +242,8 @@ class Hits(Attributed):
     def range(self) -> npt.NDArray[np.floating[Any]]:
         """The distance from the camera's position along the ray, (...) float64, in scene units.
 
-        It is float32 if `t` is. An ``AttributeError`` for rays that no camera made.
+        Of a sensor that moves, from where it is at the time of the ray. It is float32 if `t` is. An
+        ``AttributeError`` for rays that no camera or other sensor made.
         """
         return self.channel("range")
 
@@ -251,7 +252,7 @@ class Hits(Attributed):
         """The distance from the camera's position along its aim, (...) float64, in scene units.
 
         It is negative behind the camera, which only a panorama sees. It is float32 if `t` is. An
-        ``AttributeError`` for rays that no camera made.
+        ``AttributeError`` for rays that no camera made, and for a sensor without an aim.
         """
         return self.channel("z")
 
@@ -314,8 +315,17 @@ class Hits(Attributed):
 
     @property
     def channels(self) -> tuple[ChannelName, ...]:
-        """The names of the channels of these hits; ``range`` and ``z`` only for a camera's."""
-        return _OF_RAYS if self._source.camera is None else _OF_A_CAMERA
+        """The names of the channels of these hits.
+
+        ``range`` is among them for those of a camera or another sensor, ``z`` where that has an
+        aim.
+        """
+        sensor = self._source.camera
+        if sensor is None:
+            return _OF_RAYS
+        if sensor.has_aim:
+            return _OF_A_CAMERA
+        return tuple(name for name in _OF_A_CAMERA if name != "z")
 
     @overload
     def channel(

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._arrays import vectors
-from ._camera import Camera
 from ._filters import Filters
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
+from ._sensor import Sensor
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -89,7 +89,7 @@ def rays_of(
     skip: Any = None,
 ) -> Rays:
     """Check what a user gave: arrays, a camera, or rays that leave surfaces."""
-    if isinstance(origins, Camera):
+    if isinstance(origins, Sensor):
         if directions is not None:
             raise ValueError("directions must be left out with a camera, which has its own")
         filters = Filters.of(masks, cull, skip)

@@ -16,7 +16,7 @@ from ._traceable import Traceable
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._camera import Camera
+    from ._sensor import Sensor
     from ._types import Progress, Rule, Selection
 
 
@@ -136,7 +136,7 @@ class Measures(Traceable):
 
     def path_length(
         self,
-        origins: npt.ArrayLike | Camera,
+        origins: npt.ArrayLike | Sensor,
         directions: npt.ArrayLike | None = None,
         by: Literal["object"] | None = "object",
         *,

@@ -10,11 +10,11 @@ import numpy as np
 from . import _firsthit
 from ._all_hits import shoot_all, shoot_nearest
 from ._arrays import count, fits, numbers, threads_or_all
-from ._camera import Camera
 from ._hits import Hits
 from ._leaving import rays_of
 from ._progress import following, later
 from ._rounding import is_single
+from ._sensor import Sensor
 from ._source import Source, hits_arrays
 from ._traceable import Traceable
 
@@ -38,7 +38,7 @@ class Queries(Traceable):
 
     def shoot(
         self,
-        origins: npt.ArrayLike | Camera | LeavingRays,
+        origins: npt.ArrayLike | Sensor | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
@@ -58,9 +58,9 @@ class Queries(Traceable):
         origins, directions : (..., 3) array_like
             The rays, in world space, of any real type; they broadcast against each other.
             Directions have any length but zero, and ``t`` is in units of that length. Instead of
-            both, a `Camera` alone stands for the rays of its pixels, and `LeavingRays`
-            (`Hits.leave`) for rays that start on surfaces. The hits keep copies, so that arrays may
-            be changed afterwards.
+            both, a `Camera` or another sensor alone stands for the rays of its pixels, and
+            `LeavingRays` (`Hits.leave`) for rays that start on surfaces. The hits keep copies, so
+            that arrays may be changed afterwards.
         t_min, t_max : (...) array_like
             Limits of the rays: hits have ``t_min < t <= t_max``. With a ``t_min`` of zero, a ray
             does not meet a surface on which its origin lies exactly; a rounded origin is to one
@@ -128,7 +128,7 @@ class Queries(Traceable):
         single = dtype is not None and is_single(dtype)
         masks = mask if mask is None or np.ndim(mask) else None
         built = self._seen(self._ready(), mask, objects)
-        if isinstance(origins, Camera):
+        if isinstance(origins, Sensor):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
             limits = [numbers("t_min", t_min), numbers("t_max", t_max)]
@@ -157,7 +157,7 @@ class Queries(Traceable):
 
     def occluded(
         self,
-        origins: npt.ArrayLike | Camera | LeavingRays,
+        origins: npt.ArrayLike | Sensor | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
@@ -206,7 +206,7 @@ class Queries(Traceable):
 
     def count(
         self,
-        origins: npt.ArrayLike | Camera | LeavingRays,
+        origins: npt.ArrayLike | Sensor | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         t_min: npt.ArrayLike = 0.0,
@@ -262,7 +262,7 @@ class Queries(Traceable):
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike | Camera | LeavingRays,
+        origins: npt.ArrayLike | Sensor | LeavingRays,
         directions: npt.ArrayLike | None = None,
         k: None = None,
         *,
@@ -279,7 +279,7 @@ class Queries(Traceable):
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike | Camera | LeavingRays,
+        origins: npt.ArrayLike | Sensor | LeavingRays,
         directions: npt.ArrayLike | None,
         k: int,
         *,
@@ -296,7 +296,7 @@ class Queries(Traceable):
     @overload
     def shoot_all(
         self,
-        origins: npt.ArrayLike | Camera | LeavingRays,
+        origins: npt.ArrayLike | Sensor | LeavingRays,
         directions: npt.ArrayLike | None = None,
         *,
         k: int,
@@ -312,7 +312,7 @@ class Queries(Traceable):
 
     def shoot_all(
         self,
-        origins: npt.ArrayLike | Camera | LeavingRays,
+        origins: npt.ArrayLike | Sensor | LeavingRays,
         directions: npt.ArrayLike | None = None,
         k: int | None = None,
         *,
@@ -405,8 +405,8 @@ def _answers(
     return answers.reshape(rays.shape)
 
 
-def shoot_camera(built: Built, camera: Camera, threads: int, report: Report | None) -> Hits:
-    """Shoot a camera's rays at what was built."""
+def shoot_camera(built: Built, camera: Sensor, threads: int, report: Report | None) -> Hits:
+    """Shoot a sensor's rays at what was built."""
     out = hits_arrays(camera.rows * camera.columns)
     _firsthit.shoot_camera(built.native, camera._native, threads, out, report)
     return Hits._of(built, out, Source(camera), (camera.rows, camera.columns), threads)

@@ -9,7 +9,6 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import threads_or_all
-from ._camera import Camera
 from ._files import distinct
 from ._filters import Filters
 from ._frame import Frame
@@ -18,6 +17,7 @@ from ._progress import following, later
 from ._queries import shoot_camera, shoot_rays
 from ._rays import Rays
 from ._scene import Scene
+from ._sensor import Sensor
 from ._shading import Shading
 from ._source import Source
 
@@ -38,7 +38,7 @@ _BATCH = 1 << 18
 
 def render(
     scene: Scene,
-    camera: Camera | None = None,
+    camera: Sensor | None = None,
     *,
     channels: Asked | Sequence[Asked] = ("color",),
     background: Sky | npt.ArrayLike | None = None,
@@ -61,9 +61,11 @@ def render(
     ----------
     scene : Scene
         The scene.
-    camera : Camera, optional
-        The camera. If left out, it is the first camera of a scene file (TOML); of other scenes it
-        is `Camera.framing`.
+    camera : Camera or another sensor, optional
+        The camera, or any `Sensor`. If left out, it is the first camera of a scene file (TOML); of
+        other scenes it is `Camera.framing`. A scene without lights is lit over the shoulder of a
+        camera, of one that moves in the middle of the picture; with a `RaySensor` or a `Lidar` it
+        has ambient light alone.
     channels : str or sequence of str
         Any of those that the table below lists, and ``"attribute:NAME"`` for an attribute of the
         meshes, as `Hits.attribute` gives it.
@@ -144,7 +146,8 @@ def render(
     has `Hits.names`.
 
     Lengths are in scene units. ``t`` counts from the ray's start; ``range`` from the camera's
-    position along the ray; ``z`` from the camera's position along its aim. With a transparent
+    position along the ray; ``z`` from the camera's position along its aim, which a `Lidar` and a
+    `RaySensor` without an aim do not have. With a transparent
     background ``color`` has four numbers: the last is alpha, the pixel's coverage, and the others
     are premultiplied by it.
 
@@ -159,8 +162,8 @@ def render(
     >>> float(frame["z"][1, 1])
     4.0
     """
-    if not isinstance(scene, Scene) or not isinstance(camera, Camera | None):
-        raise TypeError("render takes a Scene and a Camera")
+    if not isinstance(scene, Scene) or not isinstance(camera, Sensor | None):
+        raise TypeError("render takes a Scene and a Camera or another sensor")
     names, said = _names(channels), scene.shading
     own = None if shade is None or isinstance(shade, str) else shade
     if own is not None and not callable(own):
@@ -248,7 +251,7 @@ class _OwnShading(NamedTuple):
 
     built: Built
     filters: Filters | None
-    camera: Camera
+    camera: Sensor
     region: _Region
     shade: OwnShade
     threads: int

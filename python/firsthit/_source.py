@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import chunks
+from ._camera import Camera
 from ._memory import SMALL, empty
 from ._progress import later
 from ._rays import Rays
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from ._camera import Camera
     from ._progress import Report
+    from ._sensor import Sensor
     from ._traceable import Built
 
     #: Distances, objects, primitives and two barycentric weights, as the native half fills them.
@@ -57,8 +58,8 @@ class Source:
 
     Attributes
     ----------
-    camera : Camera or None
-        The camera whose pixels they are, or for which the rays were made.
+    camera : Sensor or None
+        The camera, or another sensor, whose pixels they are, or for which the rays were made.
     pixels : (n,) array of int64, or None
         The camera's pixels, counted row by row, where these are not all.
     rays : Rays or None
@@ -69,7 +70,7 @@ class Source:
 
     def __init__(
         self,
-        camera: Camera | None = None,
+        camera: Sensor | None = None,
         pixels: npt.NDArray[np.int64] | None = None,
         rays: Rays | None = None,
     ) -> None:
@@ -126,9 +127,12 @@ class Source:
             return distances
         return self._compute_of_rays(name, built, arrays, threads, report)
 
-    def _camera_of(self, name: str) -> Camera:
+    def _camera_of(self, name: str) -> Sensor:
         if self.camera is None:
             raise AttributeError(f"{name} is for hits of a camera: rays alone do not know of one")
+        if name == "z" and not self.camera.has_aim:
+            kind = type(self.camera).__name__
+            raise AttributeError(f"z is along the aim of a camera, and this {kind} has none")
         return self.camera
 
     def _distances(
@@ -137,6 +141,8 @@ class Source:
         camera, (t, identifiers, *_) = self._camera_of(name), arrays
         if self.rays is None and self.pixels is not None:
             return camera._native.distances(name == "range", self.pixels, t)
+        if not isinstance(camera, Camera):
+            return self._distances_of_places(name, camera, t)
         if name == "z" or camera.projection == "orthographic":
             flat = self._compute_of_rays("position", built, arrays, threads, None)
             along = (flat.reshape(-1, 3) - camera.position) @ camera.aim
@@ -144,6 +150,23 @@ class Source:
         start = self.both()[0].reshape(-1, 3)
         behind = np.linalg.norm(start - camera.position, axis=-1)
         distances: npt.NDArray[np.float64] = t + behind
+        return distances
+
+    def _distances_of_places(
+        self, name: str, sensor: Sensor, t: npt.NDArray[np.float64]
+    ) -> npt.NDArray[np.float64]:
+        """Return distances from where a sensor is at the time of each pixel's ray."""
+        starts, ways = (array.reshape(-1, 3) for array in self.both())
+        pixels = np.arange(len(t)) if self.pixels is None else self.pixels
+        places = sensor._native.places(pixels).reshape(-1, 6)  # type: ignore[union-attr]
+        length = np.linalg.norm(ways, axis=-1)
+        with np.errstate(all="ignore"):
+            along = ways / length[:, None]
+            behind = ((starts - places[:, :3]) * along).sum(axis=-1)
+            far = t * length + behind
+            if name == "z":
+                far = far * (along * places[:, 3:]).sum(axis=-1)
+        distances: npt.NDArray[np.float64] = np.where(np.isinf(t), np.inf, far)
         return distances
 
     def _compute_of_rays(

@@ -76,6 +76,19 @@ Convention = Literal[
     "opencv", "opengl", "colmap", "blender", "ros", "pytorch3d", "nerfstudio", "gltf"
 ]
 RayStart = Literal["viewplane", "eye"]
+#: Which ways the axes of a body point, see `Trajectory`.
+BodyName = Literal["right-up-backwards", "right-down-forwards", "forwards-left-up"]
+#: What is between the poses of a `Trajectory`, and beyond them.
+Interpolation = Literal["linear", "spline", "se3"]
+Extrapolation = Literal["refuse", "hold"]
+#: Texts that trajectories are read from.
+TrajectoryFormat = Literal["csv", "tum", "kitti", "ros"]
+#: Which line of a picture is read out first, and which way it goes on.
+Readout = Literal["top_down", "bottom_up", "left_right", "right_left"]
+#: Which way the head of a `Lidar` turns, seen from above.
+Turn = Literal["clockwise", "counterclockwise"]
+#: Which of a beam's returns are kept, see `Lidar.scan`.
+Returns = Literal["first", "last", "strongest", "all"]
 #: The sides from which `Camera.framing` looks.
 ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]
 #: How it is known whether a point is inside an object, see `Scene.inside`.

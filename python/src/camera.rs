@@ -4,7 +4,7 @@ use firsthit::camera::{Convention, Description, PixelMatrix, Projection};
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
 use firsthit::render::{framing_camera, sample_ray};
-use firsthit::sensor::camera_of;
+use firsthit::sensor::{Sensor, camera_of};
 use firsthit::watch::Watch;
 use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
@@ -234,31 +234,22 @@ impl Camera {
 
     /// Origins and directions of the rays of some rows, through the point that a sample of each pixel is at; the first is the
     /// centre.
-    #[expect(clippy::type_complexity, reason = "two arrays")]
     fn rays<'py>(
         &self,
         py: Python<'py>,
         rows: (usize, usize),
         sample: u32,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let columns = self.0.columns();
-        let last_row = rows.1.min(self.0.rows());
-        let (first, last) = (
-            rows.0.saturating_mul(columns),
-            last_row.saturating_mul(columns),
-        );
-        let ray = |index| sample_ray(&self.0, first + index, sample);
-        ray_arrays(py, last.saturating_sub(first), ray)
+    ) -> PyResult<RayArraysOut<'py>> {
+        rays_of_rows(py, &self.0, rows, sample)
     }
 
     /// Origins and directions of the rays through the centres of some pixels, counted row by row.
-    #[expect(clippy::type_complexity, reason = "two arrays")]
     fn rays_of<'py>(
         &self,
         py: Python<'py>,
         pixels: PyReadonlyArray1<'py, i64>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let pixels: Vec<usize> = self.checked(&pixels)?.collect();
+    ) -> PyResult<RayArraysOut<'py>> {
+        let pixels: Vec<usize> = checked_pixels(&pixels, self.0.pixels())?.collect();
         ray_arrays(py, pixels.len(), |k| Rays::ray(&self.0, pixels[k]))
     }
 
@@ -270,46 +261,79 @@ impl Camera {
         pixels: PyReadonlyArray1<'py, i64>,
         t: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let camera = &self.0;
-        let distance = |(pixel, &t): (usize, &f64)| {
-            let (row, column) = (pixel / camera.columns(), pixel % camera.columns());
-            if is_range {
-                camera.range(row, column, t)
-            } else {
-                camera.z(row, column, t)
-            }
-        };
-        let t = t.as_slice().map_err(not_contiguous)?;
-        let distances = self.checked(&pixels)?.zip(t).map(distance).collect();
-        Ok(PyArray1::from_vec(py, distances))
+        distances_of(py, &self.0, is_range, &pixels, &t)
+    }
+
+    /// The same camera carried by a body, by the matrix of its pose.
+    fn moved(&self, py: Python<'_>, world_from_body: [[f64; 4]; 4]) -> PyResult<Self> {
+        let pose = Convention::OpenGl.pose(world_from_body);
+        let moved = pose.and_then(|pose| self.0.moved(&pose));
+        moved.map(Self).map_err(|error| raise(py, &error))
     }
 }
 
-impl Camera {
-    /// Pixels, all of which the camera has.
-    fn checked(
-        &self,
-        pixels: &PyReadonlyArray1<'_, i64>,
-    ) -> PyResult<impl ExactSizeIterator<Item = usize>> {
-        let pixels = pixels.as_slice().map_err(not_contiguous)?;
-        let checked = pixels.iter().map(|&pixel| usize::try_from(pixel));
-        let checked: Result<Vec<usize>, _> = checked.collect();
-        let checked = checked.ok().filter(|pixels| {
-            let largest = pixels.iter().max();
-            largest.is_none_or(|&largest| largest < self.0.pixels())
-        });
-        let outside = || PyValueError::new_err("expected pixels of the camera");
-        Ok(checked.ok_or_else(outside)?.into_iter())
-    }
+/// Origins and directions.
+pub(crate) type RayArraysOut<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// The rays of some rows of a sensor, through the point that a sample of each pixel is at.
+pub(crate) fn rays_of_rows<'py>(
+    py: Python<'py>,
+    sensor: &(dyn Sensor + Send + Sync),
+    rows: (usize, usize),
+    sample: u32,
+) -> PyResult<RayArraysOut<'py>> {
+    let [all_rows, columns] = sensor.shape();
+    let last_row = rows.1.min(all_rows);
+    let (first, last) = (
+        rows.0.saturating_mul(columns),
+        last_row.saturating_mul(columns),
+    );
+    let ray = |index| sample_ray(sensor, first + index, sample);
+    ray_arrays(py, last.saturating_sub(first), ray)
+}
+
+/// `range` or `z` of the hits at `t` of some pixels of a sensor.
+pub(crate) fn distances_of<'py>(
+    py: Python<'py>,
+    sensor: &(dyn Sensor + Send + Sync),
+    is_range: bool,
+    pixels: &PyReadonlyArray1<'py, i64>,
+    t: &PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let t = t.as_slice().map_err(not_contiguous)?;
+    let pixels = checked_pixels(pixels, sensor.len())?;
+    let distance = |(pixel, &t): (usize, &f64)| {
+        let [range, z] = sensor.range_and_z(pixel, t);
+        if is_range { range } else { z }
+    };
+    Ok(PyArray1::from_vec(
+        py,
+        pixels.zip(t).map(distance).collect(),
+    ))
+}
+
+/// Pixels, all of which a sensor of so many has.
+pub(crate) fn checked_pixels(
+    pixels: &PyReadonlyArray1<'_, i64>,
+    count: usize,
+) -> PyResult<impl ExactSizeIterator<Item = usize>> {
+    let pixels = pixels.as_slice().map_err(not_contiguous)?;
+    let checked = pixels.iter().map(|&pixel| usize::try_from(pixel));
+    let checked: Result<Vec<usize>, _> = checked.collect();
+    let checked = checked.ok().filter(|pixels| {
+        let largest = pixels.iter().max();
+        largest.is_none_or(|&largest| largest < count)
+    });
+    let outside = || PyValueError::new_err("expected pixels of the camera");
+    Ok(checked.ok_or_else(outside)?.into_iter())
 }
 
 /// The two arrays of so many rays, which are made in pieces by all threads; few by the calling thread alone.
-#[expect(clippy::type_complexity, reason = "two arrays")]
-fn ray_arrays(
+pub(crate) fn ray_arrays(
     py: Python<'_>,
     count: usize,
     ray: impl Fn(usize) -> Ray + Sync,
-) -> PyResult<(Bound<'_, PyArray2<f64>>, Bound<'_, PyArray2<f64>>)> {
+) -> PyResult<RayArraysOut<'_>> {
     /// Rays that are made between two looks at whether to stop.
     const PIECE: usize = 1 << 14;
     let zeros = || collected(count, std::iter::repeat_n([0.0; 3], count));

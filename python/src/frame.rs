@@ -17,11 +17,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{copied, not_contiguous};
-use crate::camera::Camera;
 use crate::errors::raise;
 use crate::load::background_out;
 use crate::run::{run, run_reported};
 use crate::scene::Scene;
+use crate::sensor::SensorIn;
 
 /// How to shade: the shader's name, the background (nothing: transparent; a colour; or horizon, zenith and up) and the ambient
 /// light if not the usual ones, shadows.
@@ -67,7 +67,7 @@ pub(crate) fn defaults() -> (u32, Vec<[f64; 3]>) {
 pub(crate) fn render<'py>(
     py: Python<'py>,
     scene: &Scene,
-    camera: &Camera,
+    camera: SensorIn<'py>,
     channels: Vec<String>,
     shading: ShadingIn,
     samples: u32,
@@ -83,13 +83,16 @@ pub(crate) fn render<'py>(
     let mut shader = shader.map_err(|error| raise(py, &error))?;
     // Kept by the scene, of which the next picture may be.
     run(py, threads, |_| Ok(scene.0.fingerprint().len()))?;
-    let scene = if scene.0.lights().is_empty() {
-        if let Shader::Lambert(lambert) = &mut shader {
-            lambert.shadows &= has_shoulder_shadows(&camera.0);
+    let sensor = camera.sensor();
+    // Without lights of its own a scene is lit over the shoulder of the camera; of other sensors there is ambient light alone.
+    let scene = match sensor.camera() {
+        Some(camera) if scene.0.lights().is_empty() => {
+            if let Shader::Lambert(lambert) = &mut shader {
+                lambert.shadows &= has_shoulder_shadows(camera);
+            }
+            (scene.0.clone()).with_borrowed_lights(vec![shoulder_light(camera)])
         }
-        (scene.0.clone()).with_borrowed_lights(vec![shoulder_light(&camera.0)])
-    } else {
-        scene.0.clone()
+        _ => scene.0.clone(),
     };
     let background = background.as_deref().map_or(BACKGROUND, background_in);
     let shade = Shading {
@@ -105,7 +108,7 @@ pub(crate) fn render<'py>(
             rows: top..bottom,
             columns: left..right,
         }),
-        ..Picture::new(&scene, &camera.0, &shade, &kinds)
+        ..Picture::new(&scene, sensor, &shade, &kinds)
     };
     let frame = run_reported(py, threads, report.as_ref(), |stop| picture.render(stop))?;
     let origin = serde_json::to_string(frame.origin());
@@ -170,12 +173,12 @@ pub(crate) fn metadata(
 pub(crate) fn origin(
     py: Python<'_>,
     scene: &Scene,
-    camera: Option<&Camera>,
+    camera: Option<SensorIn<'_>>,
     channels: Vec<String>,
 ) -> PyResult<String> {
     let kinds = kinds(py, &channels)?;
     let kinds = references(&kinds);
-    let sensor = camera.map(|camera| &camera.0 as &dyn Sensor);
+    let sensor = camera.as_ref().map(|camera| camera.sensor() as &dyn Sensor);
     // The fingerprint takes long the first time.
     let origin = run(py, 0, |_| {
         Ok(firsthit::render::origin(&scene.0, sensor, None, &kinds))
@@ -257,6 +260,14 @@ pub(crate) fn write(
     let settings = WriteSettings { png_scale };
     run(py, 0, |stop| {
         image::format_of(&path)?.write(&frame, None, settings, &path, stop)
+    })
+}
+
+/// Writes bytes to a file, whole or not at all.
+#[pyfunction]
+pub(crate) fn write_bytes(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyResult<()> {
+    run(py, 1, |stop| {
+        image::write_whole(&path, stop, |out| out.write_all(content))
     })
 }
 

@@ -21,6 +21,7 @@ mod nearest;
 mod run;
 mod scene;
 mod section;
+mod sensor;
 mod shape;
 mod shoot;
 
@@ -40,7 +41,9 @@ mod _firsthit {
     #[pymodule_export]
     use crate::filters::visible;
     #[pymodule_export]
-    use crate::frame::{defaults, metadata, origin, png, read, render, render_work, write};
+    use crate::frame::{
+        defaults, metadata, origin, png, read, render, render_work, write, write_bytes,
+    };
     #[pymodule_export]
     use crate::lint::{Lint, lint_kinds};
     #[pymodule_export]
@@ -57,6 +60,8 @@ mod _firsthit {
     use crate::scene::{Scene, check_transform};
     #[pymodule_export]
     use crate::section::Section;
+    #[pymodule_export]
+    use crate::sensor::{Pattern, Sensor, Trajectory, axes_from, lidar_models};
     #[pymodule_export]
     use crate::shape::{Mesh, Shape};
     #[pymodule_export]

@@ -9,11 +9,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, RaySlices, collected, not_contiguous};
-use crate::camera::Camera;
 use crate::errors::raise;
 use crate::frame::array;
 use crate::run::{guarded, report_done, run_reported};
 use crate::scene::Scene;
+use crate::sensor::SensorIn;
 
 /// Fewer rays than this are done at once: making threads would take longer.
 pub(crate) const FEW: usize = 512;
@@ -50,34 +50,34 @@ pub(crate) fn shoot<'py>(
 }
 
 /// By the calling thread alone.
-fn shoot_few<R: Rays>(scene: &Scene, rays: &R, out: &mut HitSlices<'_>) {
+fn shoot_few<R: Rays + ?Sized>(scene: &Scene, rays: &R, out: &mut HitSlices<'_>) {
     for k in 0..rays.len() {
         out.put(k, &Cpu::default().first_hit(&scene.0, &rays.ray(k)));
     }
 }
 
-/// The first hits of a camera's rays through its pixels' centres, written to `out`.
+/// The first hits of a sensor's rays through its pixels' centres, written to `out`.
 #[pyfunction]
 pub(crate) fn shoot_camera<'py>(
     py: Python<'py>,
     scene: &Scene,
-    camera: &Camera,
+    camera: SensorIn<'py>,
     threads: usize,
     mut out: HitsOut<'py>,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<()> {
     let (mut out, count) = out.slices()?;
-    let camera = &camera.0;
-    if count != camera.len() {
+    let sensor = camera.sensor();
+    if count != sensor.len() {
         return Err(PyValueError::new_err("expected an element for each pixel"));
     }
     let report = report.as_ref();
     if count < FEW {
-        guarded(|| shoot_few(scene, camera, &mut out))?;
+        guarded(|| shoot_few(scene, sensor, &mut out))?;
         return report_done(report, count);
     }
     run_reported(py, threads, report, |stop| {
-        Cpu::default().trace(&scene.0, camera, Answers::First(out), stop)
+        Cpu::default().trace(&scene.0, sensor, Answers::First(out), stop)
     })
 }
 
@@ -189,7 +189,7 @@ pub(crate) fn channel<'py>(
     scene: &Scene,
     name: &str,
     rays: Option<RayArrays<'py>>,
-    camera: Option<&Camera>,
+    camera: Option<SensorIn<'py>>,
     hits: HitsIn<'py>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
@@ -198,10 +198,10 @@ pub(crate) fn channel<'py>(
     let hits = hits.hits()?;
     let slices = rays.as_ref().map(|rays| rays.slices(hits.len()));
     let slices = slices.transpose()?;
-    let camera = camera.map(|camera| &camera.0);
-    let rays: &dyn Rays = match (&slices, camera) {
+    let sensor = camera.as_ref().map(SensorIn::sensor);
+    let rays: &dyn Rays = match (&slices, sensor) {
         (Some(slices), _) => slices,
-        (None, Some(camera)) => camera,
+        (None, Some(sensor)) => sensor,
         (None, None) => return Err(PyValueError::new_err("expected rays or a camera")),
     };
     if rays.len() != hits.len() || kind.needs_shade() {
@@ -213,7 +213,7 @@ pub(crate) fn channel<'py>(
         scene: &scene.0,
         rays,
         hits: &hits,
-        sensor: camera.map(|camera| camera as &dyn Sensor),
+        sensor: sensor.map(|sensor| sensor as &dyn Sensor),
     };
     let report = report.as_ref();
     let made = if hits.len() < FEW {

@@ -115,6 +115,19 @@ impl Kind {
         matches!(self.make, Make::Distance(_) | Make::Valid)
     }
 
+    /// Fails for a distance along the aim of a sensor that has none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`].
+    pub fn check_sensor(&self, sensor: &dyn Sensor) -> Result<()> {
+        if matches!(self.make, Make::Distance(1)) && !sensor.has_aim() {
+            let expected = "one that a sensor without an aim has, such as range";
+            return Err(Error::argument("channel", expected, &*self.name));
+        }
+        Ok(())
+    }
+
     /// Whether metadata have a table of what its identifiers stand for.
     pub fn has_names(&self) -> bool {
         matches!(self.make, Make::Origin(_)) || self.name == "object"
@@ -189,6 +202,9 @@ fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result
         if is_made_elsewhere || (kind.needs_sensor() && shots.sensor.is_none()) {
             let expected = "one that rays without a camera have";
             return Err(Error::argument("channel", expected, &*kind.name));
+        }
+        if let Some(sensor) = shots.sensor {
+            kind.check_sensor(sensor)?;
         }
     }
     let count = shots.rays.len();

@@ -16,7 +16,7 @@ use crate::image::{Channel, Frame, Names, Origin};
 use crate::memory;
 use crate::sampling::offset;
 use crate::scene::{Background, Light, Scene};
-use crate::sensor::Sensor;
+use crate::sensor::{Record, Sensor};
 use crate::shade::Shade;
 use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
@@ -197,9 +197,10 @@ impl<'a> Picture<'a> {
         let shape = self.sensor.shape();
         let region = self.region.clone().unwrap_or_else(|| Region::all(shape));
         region.check(shape)?;
-        self.channels
-            .iter()
-            .try_for_each(|kind| kind.check(self.scene))?;
+        for kind in self.channels {
+            kind.check(self.scene)?;
+            kind.check_sensor(self.sensor)?;
+        }
         let [rows, columns] = region.shape();
         let bytes = |kind: &&Kind| kind.components * size_of::<f32>();
         let each: usize = self.channels.iter().map(bytes).sum();
@@ -276,9 +277,15 @@ pub fn origin(
     channels: &[&Kind],
 ) -> Origin {
     let has_names = channels.iter().any(|kind| kind.has_names());
+    let (camera, sensor) = match sensor.map(Sensor::record) {
+        Some(Record::Camera(camera)) => (Some(*camera), None),
+        Some(Record::Other(sensor)) => (None, Some(*sensor)),
+        None => (None, None),
+    };
     Origin {
         scene: Some(scene.fingerprint().to_owned()),
-        camera: sensor.map(Sensor::record),
+        camera,
+        sensor,
         samples,
         first_pixel: [0, 0],
         names: has_names.then(|| names(scene)),

@@ -1,7 +1,9 @@
 //! What an output says of itself.
 
 use firsthit::error::escape_controls;
-use firsthit::image::{Array, CameraRecord, ChannelRecord, Format, Metadata, Output, Stored, read};
+use firsthit::image::{
+    Array, CameraRecord, ChannelRecord, Format, Metadata, Output, SensorRecord, Stored, read,
+};
 use serde_json::{Value, json};
 
 use super::listing::{listed, most_listed};
@@ -87,6 +89,9 @@ fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>) {
     if let Some(camera) = &metadata.camera {
         describe_camera(camera, &mut say);
     }
+    if let Some(sensor) = &metadata.sensor {
+        describe_sensor(sensor, &mut say);
+    }
     if let Some(samples) = metadata.samples {
         say("samples", format!("{samples} for each pixel's colour"));
     }
@@ -94,6 +99,28 @@ fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>) {
     let channels = metadata.channels.iter().map(channel);
     let channels = channels.map(|line| escape_controls(&line));
     lines.extend(listed(most, "  ", channels));
+}
+
+fn describe_sensor(sensor: &SensorRecord, say: &mut impl FnMut(&str, String)) {
+    let (columns, rows) = (sensor.columns, sensor.rows);
+    say(
+        "sensor",
+        format!("{}, {columns} x {rows} rays", sensor.kind),
+    );
+    for (name, word) in &sensor.words {
+        say(&format!("  {name}"), word.clone());
+    }
+    for (name, &value) in &sensor.parameters {
+        say(&format!("  {name}"), number(value));
+    }
+    if let Some(body) = &sensor.trajectory {
+        let (poses, start, end) = (body.poses, number(body.start), number(body.end));
+        let between = &body.interpolation;
+        say(
+            "  trajectory",
+            format!("{poses} poses from {start} to {end} s, {between}"),
+        );
+    }
 }
 
 fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {

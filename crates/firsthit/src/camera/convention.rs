@@ -97,11 +97,13 @@ impl Convention {
         require("pose", expected, fine, format!("{matrix:?}"))?;
         let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
         let rotation = DMat3::from_cols(column(0), column(1), column(2));
-        let off = (rotation.transpose() * rotation - DMat3::IDENTITY).to_cols_array();
-        let off = off.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let is_rotation = off < 1e-4 && rotation.determinant() > 0.0;
         let expected = "a rotation and a translation, without a scale or a mirror";
-        require("pose", expected, is_rotation, format!("{matrix:?}"))?;
+        require(
+            "pose",
+            expected,
+            is_rotation(&rotation),
+            format!("{matrix:?}"),
+        )?;
         let given = DAffine3::from_mat3_translation(rotation, column(3));
         let world_from_camera = match self.way() {
             Way::WorldFromCamera => given,
@@ -160,6 +162,12 @@ impl Convention {
             ..matrix
         }
     }
+}
+
+/// Whether a matrix is a rotation to 1e-4: neither scaled nor sheared nor mirrored. One with a NaN is none.
+pub(super) fn is_rotation(matrix: &DMat3) -> bool {
+    let off = (matrix.transpose() * *matrix - DMat3::IDENTITY).to_cols_array();
+    off.iter().all(|x| x.abs() < 1e-4) && matrix.determinant() > 0.0
 }
 
 /// The rotation about `vector` by its length in radians, as `cv2.Rodrigues` has it.

@@ -35,7 +35,7 @@ pub use viewplane::{RayStart, Viewplane};
 use std::ops::Range;
 
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, require, unit};
+use crate::geometry::{DAffine3, DVec2, DVec3, PixelGrid, Ray, Rays, require, unit};
 use crate::simd::InstructionSet;
 use pose::Pose;
 
@@ -274,6 +274,42 @@ impl Camera {
             lens: self.view.lens.scaled(factors),
             ..self.view
         })
+    }
+
+    /// The same camera, moved with the body that carries it: `world_from_body` takes the coordinates in which this camera's position,
+    /// aim and up are to others. A camera that is not turned keeps its bits, but for the position.
+    ///
+    /// ```
+    /// use firsthit::{Camera, DAffine3, DVec3, View};
+    ///
+    /// let camera = Camera::new(View::default())?;
+    /// let moved = camera.moved(&DAffine3::from_translation(DVec3::X))?;
+    /// assert_eq!(moved.position(), DVec3::X);
+    /// assert_eq!(moved.aim(), camera.aim());
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a matrix that is no rigid motion to 1e-4, and for a position that is then
+    /// not finite.
+    pub fn moved(&self, world_from_body: &DAffine3) -> Result<Self> {
+        let turn = &world_from_body.matrix3;
+        let expected = "a rotation and a translation, without a scale or a mirror";
+        let fine = convention::is_rotation(turn);
+        require("pose", expected, fine, format!("{turn:?}"))?;
+        let aim = *turn * self.view.aim;
+        let view = View {
+            position: world_from_body.transform_point3(self.view.position),
+            aim,
+            up: *turn * self.view.up,
+            ..self.view
+        };
+        if (aim.length() - 1.0).abs() < 1e-12 {
+            Self::again(view)
+        } else {
+            Self::new(view)
+        }
     }
 
     /// The ray through the centre of the pixel in array row `row` (0 is the top) and `column`, its

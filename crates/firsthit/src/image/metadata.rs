@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::frame::{Channel, Display, Frame};
 use super::names::Names;
-use super::origin::{CameraRecord, Origin};
+use super::origin::{CameraRecord, Origin, SensorRecord};
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
 pub(super) const KEY: &str = "firsthit";
@@ -30,6 +30,9 @@ pub struct Metadata {
     pub pixels: Option<Pixels>,
     /// The camera that made the rays, if one did.
     pub camera: Option<CameraRecord>,
+    /// What made the rays, if it is no camera.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<SensorRecord>,
     /// The number of samples whose mean is a pixel's colour; other channels are sampled at the pixel's centre.
     pub samples: Option<u32>,
     /// The channels in this file.
@@ -139,6 +142,7 @@ impl Metadata {
         let Origin {
             scene,
             camera,
+            sensor,
             samples,
             first_pixel,
             names,
@@ -146,6 +150,9 @@ impl Metadata {
         let has_colors = channels
             .iter()
             .any(|channel| channel.display == Display::Color);
+        // A table of rays has directions of any length, all other sensors have those of length one.
+        let has_units =
+            camera.is_some() || sensor.as_ref().is_some_and(|sensor| sensor.kind != "rays");
         let has = |name: &str| channels.iter().any(|channel| channel.name == name);
         Self {
             metadata_version: METADATA_VERSION,
@@ -155,9 +162,10 @@ impl Metadata {
             pixels: (frame.shape.len() == 2).then(|| Pixels::from(first_pixel)),
             samples: samples.filter(|_| has_colors),
             channels: (channels.iter())
-                .map(|channel| ChannelRecord::of(channel, camera.is_some(), stored(channel)))
+                .map(|channel| ChannelRecord::of(channel, has_units, stored(channel)))
                 .collect(),
             camera,
+            sensor,
             names: names.and_then(|names| names.of_channels(has)),
         }
     }

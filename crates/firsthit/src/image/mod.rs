@@ -50,7 +50,9 @@ pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_c
 pub use frame::{Channel, Data, Description, Display, Frame, Unit};
 pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
 pub use names::{Names, ObjectNames};
-pub use origin::{CameraRecord, Intrinsics, Origin, Pose};
+pub use origin::{
+    CameraRecord, Intrinsics, Origin, Pose, SensorRecord, TimedPose, TrajectoryRecord,
+};
 #[cfg(feature = "cloud")]
 pub use points::is_point_cloud;
-pub use read::{read, read_bytes};
+pub use read::{read, read_bytes, read_regular};

@@ -1,4 +1,4 @@
-//! Where a frame comes from: its scene and its camera.
+//! Where a frame comes from: its scene and what made its rays.
 
 use std::collections::BTreeMap;
 
@@ -14,6 +14,9 @@ pub struct Origin {
     pub scene: Option<String>,
     /// The camera that made the rays, if one did.
     pub camera: Option<CameraRecord>,
+    /// What made the rays, if it is no camera.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<SensorRecord>,
     /// The number of samples whose mean is a pixel's colour, if there are colours.
     pub samples: Option<u32>,
     /// Which row and column of the camera's pixels the first ones of the frame are: `[0, 0]` but for a region.
@@ -76,4 +79,60 @@ pub struct Pose {
     pub world_from_camera: [[f64; 4]; 4],
     /// What the camera's x, y, z are: right, up and backwards, as in OpenGL, glTF and Blender.
     pub axes: String,
+}
+
+/// A sensor that is no camera. Lengths are scene units, times seconds, angles degrees.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SensorRecord {
+    /// `rays`, `rolling_shutter`, `pushbroom` or `lidar`.
+    pub kind: String,
+    /// Pixels down.
+    pub rows: u64,
+    /// Pixels across.
+    pub columns: u64,
+    /// A digest of the origins and directions of all rays.
+    pub digest: String,
+    /// Its numbers, by their names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
+    /// Its words, by their names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub words: BTreeMap<String, String>,
+    /// What the x, y, z of its own coordinates are, if it has some.
+    pub axes: Option<String>,
+    /// Row by row: the matrix that takes its coordinates to the world's, or to those of the body that carries it.
+    pub pose: Option<[[f64; 4]; 4]>,
+    /// The camera that is moved, in the coordinates of the body that carries it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraRecord>,
+    /// How the body moves that carries it, if one does.
+    pub trajectory: Option<TrajectoryRecord>,
+}
+
+/// A trajectory, in short.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrajectoryRecord {
+    /// A digest of all times and poses.
+    pub digest: String,
+    /// How many poses it has.
+    pub poses: u64,
+    /// The time of the first.
+    pub start: f64,
+    /// The time of the last.
+    pub end: f64,
+    /// What is between poses.
+    pub interpolation: String,
+    /// What is beyond them.
+    pub extrapolation: String,
+    /// Some of the poses between the first ray and the last.
+    pub sampled: Vec<TimedPose>,
+}
+
+/// Where a body is at a time.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TimedPose {
+    /// The time.
+    pub time: f64,
+    /// Row by row: the matrix that takes the body's coordinates to the world's.
+    pub world_from_body: [[f64; 4]; 4],
 }

@@ -43,7 +43,7 @@ pub fn read(path: &Path) -> Result<Output> {
         });
     }
     let format = format_of(path)?;
-    let bytes = regular_file(path, MOST_BYTES)?;
+    let bytes = read_regular(path, MOST_BYTES)?;
     let mut output = (format.decode)(&bytes, MOST_BYTES).map_err(|what| wrong(path, what))?;
     if format.has_sidecar {
         read_sidecar(path, &mut output)?;
@@ -75,7 +75,7 @@ fn read_sidecar(path: &Path, output: &mut Output) -> Result<()> {
     if !beside.exists() {
         return Ok(());
     }
-    let bytes = regular_file(&beside, LONGEST_METADATA)?;
+    let bytes = read_regular(&beside, LONGEST_METADATA)?;
     let text = String::from_utf8(bytes).map_err(|_| wrong(&beside, "not UTF-8".to_owned()))?;
     let metadata = Metadata::from_json(&text).map_err(|what| wrong(&beside, what))?;
     let [array] = output.arrays.as_mut_slice() else {
@@ -106,8 +106,12 @@ fn fits(array: &Array, shape: &[u64], components: u64, dtype: &str) -> bool {
     array.dtype == dtype && shape.eq(expected)
 }
 
-/// The whole content of a regular file. Devices and pipes, which may never end, are refused.
-fn regular_file(path: &Path, limit: u64) -> Result<Vec<u8>> {
+/// The whole content of a regular file of at most `limit` bytes. Devices and pipes, which may never end, are refused.
+///
+/// # Errors
+///
+/// [`Error::Read`] if the system refuses or it is no regular file, [`Error::Parse`] for a longer one.
+pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let refuse = |source| Error::Read {
         path: path.to_owned(),
         source,

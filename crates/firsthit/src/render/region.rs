@@ -3,9 +3,8 @@
 use std::ops::Range;
 
 use crate::error::Result;
-use crate::geometry::{DVec2, PixelGrid, Ray, Rays, require};
-use crate::image::CameraRecord;
-use crate::sensor::Sensor;
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, require};
+use crate::sensor::{Record, Sensor};
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -136,7 +135,19 @@ impl Sensor for Part<'_> {
         self.sensor.range_and_z(self.pixel(pixel), t)
     }
 
-    fn record(&self) -> CameraRecord {
+    fn has_aim(&self) -> bool {
+        self.sensor.has_aim()
+    }
+
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
+        self.sensor.place(self.pixel(pixel))
+    }
+
+    fn time(&self, pixel: usize) -> Option<f64> {
+        self.sensor.time(self.pixel(pixel))
+    }
+
+    fn record(&self) -> Record {
         self.sensor.record()
     }
 }

@@ -133,6 +133,33 @@ impl Trajectory {
         self
     }
 
+    /// The same motion of a body whose axes are called otherwise: `from` says what they are, `to` what they are to be.
+    ///
+    /// ```
+    /// use firsthit::trajectory::BodyAxes;
+    /// use firsthit::{DVec3, Pose, Trajectory};
+    ///
+    /// let camera = Trajectory::new(vec![0.0], vec![Pose::IDENTITY])?;
+    /// let car = camera.in_axes(BodyAxes::RightUpBackwards, BodyAxes::ForwardsLeftUp);
+    /// assert_eq!(car.at(0.0)?.rotation * DVec3::X, DVec3::NEG_Z);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn in_axes(mut self, from: BodyAxes, to: BodyAxes) -> Self {
+        if from == to {
+            return self;
+        }
+        let turn = from.body_from_camera() * to.body_from_camera().conjugate();
+        for pose in &mut self.poses {
+            let rotation = pose.rotation * turn;
+            pose.rotation = unit_rotation(rotation).unwrap_or(rotation);
+        }
+        // Angular velocities are in the body's axes.
+        for [_, turning] in &mut self.rates {
+            *turning = turn.conjugate() * *turning;
+        }
+        self
+    }
+
     /// The times of the poses in seconds, strictly increasing.
     pub fn times(&self) -> &[f64] {
         &self.times

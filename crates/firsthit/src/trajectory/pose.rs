@@ -1,8 +1,8 @@
 //! Where a body is, and how it is turned.
 
 use super::axes::BodyAxes;
-use super::rotation::unit_rotation;
-use crate::error::Result;
+use super::rotation::{nearest_rotation, unit_rotation};
+use crate::error::{Error, Result};
 use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, require};
 
 /// The largest coordinate: beyond it squares leave float64, and rays meet nothing.
@@ -51,6 +51,20 @@ impl Pose {
         require("rotation", expected, unit.is_some(), rotation)?;
         let rotation = unit.unwrap_or(rotation);
         Ok(Self { position, rotation })
+    }
+
+    /// The pose of a matrix that takes the body's coordinates to the world's. The rotation that is nearest to it is taken.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a matrix that is no rigid motion within 0.0001, and for coordinates that
+    /// are not finite or beyond 10^150.
+    pub fn from_matrix(world_from_body: &DAffine3) -> Result<Self> {
+        let rotation = nearest_rotation(world_from_body.matrix3);
+        let rotation = rotation.map_err(|what| {
+            Error::argument("pose", "a rotation and a translation, within 0.0001", what)
+        })?;
+        Self::new(world_from_body.translation, rotation)
     }
 
     /// The map from the body's coordinates to the world's.

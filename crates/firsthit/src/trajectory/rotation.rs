@@ -1,6 +1,6 @@
 //! Rotations as unit quaternions, and as rotation vectors: axis times angle, in radians.
 
-use crate::geometry::{DQuat, DVec3};
+use crate::geometry::{DMat3, DQuat, DVec3};
 
 /// `q` at length one. `None` where its length is further from one than 0.001, or no number.
 ///
@@ -12,6 +12,38 @@ pub(super) fn unit_rotation(q: DQuat) -> Option<DQuat> {
     let is_near = (length - 1.0).abs() <= 1e-3;
     let is_unit = (square - 1.0).abs() <= ROUNDING;
     is_near.then(|| if is_unit { q } else { q / length })
+}
+
+/// How far a matrix's columns may be from being at right angles and of length one.
+const SKEW: f64 = 1e-4;
+
+/// The rotation that is nearest to a matrix that is nearly one.
+///
+/// # Errors
+///
+/// For others, in words.
+pub(super) fn nearest_rotation(matrix: DMat3) -> Result<DQuat, String> {
+    let skew = matrix.transpose() * matrix - DMat3::IDENTITY;
+    let skew = skew.to_cols_array().map(f64::abs);
+    // So that a NaN fails.
+    if !skew.iter().all(|&x| x <= SKEW) {
+        let worst = skew.into_iter().fold(0.0, f64::max);
+        return Err(format!(
+            "the matrix is not a rotation: the products of its columns are off by {worst:.2e}, at most {SKEW} is expected"
+        ));
+    }
+    if matrix.determinant() < 0.0 {
+        return Err("the matrix is not a rotation: it mirrors".to_owned());
+    }
+    // The polar decomposition by Newton's iteration (Higham, "Computing the Polar Decomposition - with Applications", SIAM
+    // Journal on Scientific and Statistical Computing 7(4), 1986). Each step squares what it is off: three are enough from 1e-4
+    // on.
+    let mut nearest = matrix;
+    for _ in 0..3 {
+        nearest = 0.5 * (nearest + nearest.inverse().transpose());
+    }
+    let rotation = DQuat::from_mat3(&nearest);
+    unit_rotation(rotation).ok_or_else(|| "the matrix is not a rotation".to_owned())
 }
 
 /// The rotation vector of a unit quaternion, the short way: its length is at most pi.

@@ -3,18 +3,15 @@
 use std::path::Path;
 
 use super::super::Trajectory;
-use super::super::rotation::unit_rotation;
+use super::super::rotation::nearest_rotation;
 use super::rows::Rows;
-use super::text::{Line, Lines};
+use super::text::Lines;
 use crate::error::{Error, Result};
-use crate::geometry::{DMat3, DQuat, DVec3};
+use crate::geometry::{DMat3, DVec3};
 use crate::memory;
 
 /// Poses in a second.
 const RATE: f64 = 10.0;
-
-/// How far the columns may be from being at right angles and of length one.
-const SKEW: f64 = 1e-4;
 
 /// Reads KITTI's odometry poses: in each line the twelve numbers of a 3 x 4 matrix, row by row, which takes coordinates of the
 /// left camera to those of the world. `path` is what errors call the text.
@@ -39,7 +36,7 @@ pub fn read_kitti(text: &[u8], path: &Path, times: Option<&[f64]>) -> Result<Tra
         }
         let [a, b, c, x, d, e, f, y, g, h, i, z] = numbers;
         let matrix = DMat3::from_cols_array(&[a, d, g, b, e, h, c, f, i]);
-        let rotation = rotation_of(matrix, line)?;
+        let rotation = nearest_rotation(matrix).map_err(|what| line.error(what))?;
         let time = rows.len() as f64 / RATE;
         rows.push(time, DVec3::new(x, y, z), rotation)?;
     }
@@ -76,33 +73,4 @@ pub fn read_kitti_times(text: &[u8], path: &Path) -> Result<Vec<f64>> {
         times.push(time);
     }
     Ok(times)
-}
-
-/// The rotation that is nearest to a matrix that is nearly one.
-///
-/// # Errors
-///
-/// For others, at their line.
-fn rotation_of(matrix: DMat3, line: Line<'_>) -> Result<DQuat> {
-    let skew = matrix.transpose() * matrix - DMat3::IDENTITY;
-    let skew = skew.to_cols_array().map(f64::abs);
-    // So that a NaN fails.
-    if !skew.iter().all(|&x| x <= SKEW) {
-        let worst = skew.into_iter().fold(0.0, f64::max);
-        return Err(line.error(format!(
-            "the matrix is not a rotation: the products of its columns are off by {worst:.2e}, at most {SKEW} is expected"
-        )));
-    }
-    if matrix.determinant() < 0.0 {
-        return Err(line.error("the matrix is not a rotation: it mirrors"));
-    }
-    // The polar decomposition by Newton's iteration (Higham, "Computing the Polar Decomposition - with Applications", SIAM
-    // Journal on Scientific and Statistical Computing 7(4), 1986). Each step squares what it is off: three are enough from 1e-4
-    // on.
-    let mut nearest = matrix;
-    for _ in 0..3 {
-        nearest = 0.5 * (nearest + nearest.inverse().transpose());
-    }
-    let rotation = DQuat::from_mat3(&nearest);
-    unit_rotation(rotation).ok_or_else(|| line.error("the matrix is not a rotation"))
 }

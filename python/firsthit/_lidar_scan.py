@@ -1,0 +1,317 @@
+"""The returns of laser scanners, and files of them."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _firsthit, _las
+from ._arrays import lock
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+#: What the columns of vectors are called in tables.
+_VECTORS = {"point": ("x", "y", "z"), "sensor_point": ("sensor_x", "sensor_y", "sensor_z")}
+
+#: What each is, for metadata.
+_UNITS = {
+    "point": "scene length, world",
+    "sensor_point": "scene length, sensor: forwards, left, up",
+    "range": "scene length",
+    "incidence": "radians",
+    "time": "seconds",
+}
+
+#: What columns are called in a PCD, for PCL and ROS, and as which type.
+_SINGLES = ("x", "y", "z", "intensity", "range", "incidence", "sensor_x", "sensor_y", "sensor_z")
+
+
+class LidarScan:
+    """The returns of a laser scanner, as arrays over n returns. Read-only.
+
+    They are beam by beam in the order of the picture's rows, and each beam's by range. A beam that
+    met nothing has none.
+
+    ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans.
+    """
+
+    def __init__(self) -> None:
+        raise TypeError("LidarScans are made by Lidar.scan")
+
+    _arrays: dict[str, npt.NDArray[Any]]
+    _shape: tuple[int, int]
+    #: The JSON of what was scanned, and how.
+    _origin: str
+
+    @classmethod
+    def _of(
+        cls, arrays: dict[str, npt.NDArray[Any]], shape: tuple[int, int], origin: str
+    ) -> LidarScan:
+        scan = cls.__new__(cls)
+        for array in arrays.values():
+            lock(array)
+        scan._arrays, scan._shape, scan._origin = arrays, shape, origin
+        return scan
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns) of the scanner's beams."""
+        return self._shape
+
+    @property
+    def point(self) -> npt.NDArray[np.float64]:
+        """The points in world space, (n, 3) float64: along the middle of the beam, at its range."""
+        return self._arrays["point"]
+
+    @property
+    def sensor_point(self) -> npt.NDArray[np.float64]:
+        """The points in the scanner's frame at the time of the beam, (n, 3) float64."""
+        return self._arrays["sensor_point"]
+
+    @property
+    def range(self) -> npt.NDArray[np.float64]:
+        """The distances along the beams, (n,) float64, in scene units."""
+        return self._arrays["range"]
+
+    @property
+    def object(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the objects, of the nearest hit of the return, (n,) int32."""
+        return self._arrays["object"]
+
+    @property
+    def primitive(self) -> npt.NDArray[np.int32]:
+        """The identifiers of the objects' parts, such as triangles, (n,) int32."""
+        return self._arrays["primitive"]
+
+    @property
+    def incidence(self) -> npt.NDArray[np.float64]:
+        """The angles between beam and surface normal, (n,) float64, radians: 0 for head on."""
+        return self._arrays["incidence"]
+
+    @property
+    def ring(self) -> npt.NDArray[np.int32]:
+        """The numbers of the lasers, (n,) int32."""
+        return self._arrays["ring"]
+
+    @property
+    def row(self) -> npt.NDArray[np.int32]:
+        """The rows of the beams in the scanner's picture, (n,) int32."""
+        return self._arrays["row"]
+
+    @property
+    def column(self) -> npt.NDArray[np.int32]:
+        """The columns of the beams in the scanner's picture, (n,) int32."""
+        return self._arrays["column"]
+
+    @property
+    def time(self) -> npt.NDArray[np.float64]:
+        """The times of the beams, (n,) float64, in seconds."""
+        return self._arrays["time"]
+
+    @property
+    def return_number(self) -> npt.NDArray[np.int32]:
+        """Which return of its beam each is, by range, (n,) int32 from 1 on."""
+        return self._arrays["return_number"]
+
+    @property
+    def number_of_returns(self) -> npt.NDArray[np.int32]:
+        """How many returns its beam has, (n,) int32.
+
+        With ``returns="first"``, no divergence and no range gate the scan knows of no others, and
+        says 1.
+        """
+        return self._arrays["number_of_returns"]
+
+    @property
+    def intensity(self) -> npt.NDArray[np.float64] | None:
+        """The intensities, (n,) float64 from 0 on; ``None`` unless they were asked for."""
+        return self._arrays.get("intensity")
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """What files of it say: the scanner, the scene's fingerprint, and the units."""
+        said: dict[str, Any] = json.loads(self._origin)
+        kept = {name: said[name] for name in ("scene", "sensor") if said.get(name) is not None}
+        return {"firsthit": _firsthit.version(), **kept, "units": _UNITS}
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        """Return an array by its name; a ``KeyError`` where there is none."""
+        if name not in self._arrays:
+            raise KeyError(f"no array {name!r}; there are {', '.join(self._arrays)}")
+        return self._arrays[name]
+
+    def keys(self) -> tuple[str, ...]:
+        """Return the names of the arrays."""
+        return tuple(self._arrays)
+
+    def to_dict(self) -> dict[str, npt.NDArray[Any]]:
+        """Return the returns as a table: columns by name, with a row for each.
+
+        Returns
+        -------
+        dict of str to (n,) array
+            Points are ``x``, ``y``, ``z`` and ``sensor_x`` and so on.
+        """
+        table: dict[str, npt.NDArray[Any]] = {}
+        for name, array in self._arrays.items():
+            if name in _VECTORS:
+                table.update(zip(_VECTORS[name], np.moveaxis(array, 1, 0), strict=True))
+            else:
+                table[name] = array
+        return table
+
+    def to_image(self, name: str = "range") -> npt.NDArray[Any]:
+        """Return an array as the scanner's picture, of the first return of each beam.
+
+        Parameters
+        ----------
+        name : str
+            One of `keys`.
+
+        Returns
+        -------
+        (rows, columns) or (rows, columns, k) array
+            ``inf`` for ranges, -1 for integers and NaN for others where there is no return.
+
+        Raises
+        ------
+        KeyError
+            For another name.
+        """
+        values = self[name]
+        miss = -1 if values.dtype.kind == "i" else np.inf if name == "range" else np.nan
+        image = np.full((*self._shape, *values.shape[1:]), miss, values.dtype)
+        beams = self.row.astype(np.int64) * self._shape[1] + self.column
+        _, firsts = np.unique(beams, return_index=True)
+        image[self.row[firsts], self.column[firsts]] = values[firsts]
+        return image
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the returns to a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.npz`` and ``.ply`` are exact; a ``.pcd`` has lengths and angles as float32, for PCL
+            and ROS. ``.las`` is LAS 1.4 with point format 6: coordinates are rounded to steps of
+            1e-4 scene units, of 1e-3 where these do not reach, and so on; what the format has no
+            place for is in extra bytes. ``.laz`` is the same compressed, and takes the package
+            ``laspy`` with ``lazrs``; ``.parquet`` takes ``pyarrow``.
+
+        Raises
+        ------
+        ValueError
+            For an unknown extension, and for numbers that the format cannot hold.
+        ImportError
+            Where the package is missing that the format takes.
+        FileWriteError
+            If the system refuses to write it; an old file is as it was. Also an `OSError`.
+        """
+        suffix = Path(path).suffix.lower()
+        makers = {
+            ".npz": self._npz,
+            ".ply": self._ply,
+            ".pcd": self._pcd,
+            ".las": self._las,
+            ".laz": self._laz,
+            ".parquet": self._parquet,
+        }
+        if suffix not in makers:
+            known = ", ".join(makers)
+            raise ValueError(f"path must end in one of {known}, got {os.fspath(path)}")
+        _firsthit.write_bytes(Path(path), makers[suffix]())
+
+    def _npz(self) -> bytes:
+        out = io.BytesIO()
+        said = np.array(json.dumps(self.metadata))
+        arrays: dict[str, Any] = {**self._arrays, "metadata": said}
+        np.savez(out, **arrays)
+        return out.getvalue()
+
+    def _ply(self) -> bytes:
+        table = self.to_dict()
+        names = {"f8": "double", "i4": "int"}
+        lines = ["ply", "format binary_little_endian 1.0"]
+        lines += [f"comment firsthit {part}" for part in _split(json.dumps(self.metadata))]
+        lines.append(f"element vertex {len(self)}")
+        lines += [f"property {names[array.dtype.str[1:]]} {name}" for name, array in table.items()]
+        return "\n".join([*lines, "end_header", ""]).encode() + _records(table)
+
+    def _pcd(self) -> bytes:
+        table = {
+            name: _as_single(name, array) if name in _SINGLES else array
+            for name, array in self.to_dict().items()
+        }
+        kinds = [array.dtype.str[1:] for array in table.values()]
+        lines = ["# .PCD v0.7 - Point Cloud Data file format", "VERSION 0.7"]
+        lines.append("FIELDS " + " ".join(table))
+        lines.append("SIZE " + " ".join(kind[1:] for kind in kinds))
+        lines.append("TYPE " + " ".join(kind[0].upper() for kind in kinds))
+        lines.append("COUNT " + " ".join("1" for _ in kinds))
+        lines += [f"WIDTH {len(self)}", "HEIGHT 1", "VIEWPOINT 0 0 0 1 0 0 0"]
+        lines += [f"POINTS {len(self)}", "DATA binary", ""]
+        return "\n".join(lines).encode() + _records(table)
+
+    def _las(self) -> bytes:
+        return _las.encode(self)
+
+    def _laz(self) -> bytes:
+        return _las.compress(_las.encode(self))
+
+    def _parquet(self) -> bytes:
+        try:
+            pyarrow: Any = importlib.import_module("pyarrow")
+            parquet: Any = importlib.import_module("pyarrow.parquet")
+        except ImportError:
+            raise ImportError("a .parquet takes the package pyarrow: pip install pyarrow") from None
+        table = pyarrow.table(dict(self.to_dict()))
+        table = table.replace_schema_metadata({"firsthit": json.dumps(self.metadata)})
+        out = io.BytesIO()
+        parquet.write_table(table, out)
+        return out.getvalue()
+
+    def __len__(self) -> int:
+        """Return the number of returns."""
+        return len(self.range)
+
+    def __bool__(self) -> bool:
+        """Return True, also if there are no returns: the length must not decide."""
+        return True
+
+    def __repr__(self) -> str:
+        rows, columns = self._shape
+        return f"LidarScan({len(self)} returns of {rows} x {columns} beams)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as it is."""
+        return LidarScan._of, (self._arrays, self._shape, self._origin)
+
+
+def _split(line: str, most: int = 1000) -> list[str]:
+    """Cut a text into parts: some readers keep no long lines."""
+    return [line[first : first + most] for first in range(0, len(line), most)]
+
+
+def _records(table: dict[str, npt.NDArray[Any]]) -> bytes:
+    """Return rows of a table, little-endian, one after the other."""
+    kinds = [(name, array.dtype.newbyteorder("<")) for name, array in table.items()]
+    records = np.empty(len(next(iter(table.values()))), kinds)
+    for name, array in table.items():
+        records[name] = array
+    return records.tobytes()
+
+
+def _as_single(name: str, array: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return the nearest float32; what it cannot hold is an error, not an infinity."""
+    with np.errstate(over="ignore"):
+        single = array.astype(np.float32)
+    if not np.isfinite(single).all():
+        raise ValueError(f"{name} must be within float32 for a .pcd; a .ply or an .npz holds it")
+    return single

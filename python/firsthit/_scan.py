@@ -1,0 +1,364 @@
+"""What a laser scanner measures."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+import numpy as np
+
+from . import _firsthit
+from ._arrays import count, flag, number, numbers
+from ._lidar_scan import LidarScan
+from ._progress import following, later
+from ._types import Returns
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import numpy.typing as npt
+
+    from ._hits import Hits
+    from ._lidar import Lidar
+    from ._scene import Scene
+    from ._types import Progress
+
+#: About how many lines of cones are shot at a time.
+_BATCH = 1 << 20
+
+#: How bright linear red, green and blue are (Rec. 709).
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+#: The two streams of random numbers of a seed.
+_NOISE, _DROPOUT = 0, 1
+
+
+class ScanSettings(NamedTuple):
+    """How to scan, checked; see `Lidar.scan`."""
+
+    returns: Returns
+    divergence: float | None
+    subrays: int
+    range_gate: float
+    max_returns: int | None
+    limits: tuple[float, float]
+    intensity: bool
+    noise: tuple[float, float] | None
+    dropout: float | None
+    seed: int | None
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        returns: Returns,
+        divergence: float | None,
+        subrays: int,
+        range_gate: float,
+        max_returns: int | None,
+        limits: tuple[float, float],
+        intensity: bool,
+        noise: float | tuple[float, float] | None,
+        dropout: float | None,
+        seed: int | None,
+    ) -> ScanSettings:
+        """Check what a user gave."""
+        if returns not in get_args(Returns):
+            known = ", ".join(get_args(Returns))
+            raise ValueError(f"returns must be one of {known}, got {returns!r}")
+        angle = None if divergence is None else _within("divergence", divergence, 0.0, math.pi)
+        gate = _within("range_gate", range_gate, 0.0, math.inf)
+        near, far = number("min_range", limits[0]), number("max_range", limits[1])
+        if not 0.0 <= near < far:
+            raise ValueError(
+                f"min_range and max_range must be from 0 on and increase, got {near} and {far}"
+            )
+        spread = None
+        if noise is not None:
+            given = numbers("noise", noise)
+            if given.shape not in ((), (2,)):
+                raise ValueError(f"noise must be one number or two, got shape {given.shape}")
+            first, second = float(given.flat[0]), float(given[1]) if given.ndim else 0.0
+            spread = (
+                _within("noise", first, 0.0, math.inf),
+                _within("noise", second, 0.0, math.inf),
+            )
+        lost = None
+        if dropout is not None:
+            lost = number("dropout", dropout)
+            if not 0.0 <= lost <= 1.0:
+                raise ValueError(f"dropout must be from 0 to 1, got {lost}")
+        key = None if seed is None else count("seed", seed)
+        if key is None and (spread is not None or lost is not None):
+            raise ValueError("seed must be given with noise or dropout, which are random")
+        most = None if max_returns is None else count("max_returns", max_returns, 1)
+        return cls(
+            returns,
+            angle,
+            count("subrays", subrays, 1),
+            gate,
+            most,
+            (near, far),
+            flag("intensity", intensity),
+            spread,
+            lost,
+            key,
+        )
+
+    @property
+    def needs_surfaces(self) -> bool:
+        """Whether it matters how bright each hit is."""
+        return self.intensity or self.returns == "strongest"
+
+
+class _Found(NamedTuple):
+    """Hits of beams, by beam and then by range, and what they are worth.
+
+    ``at`` is the index of the hit among those from which channels are computed.
+    """
+
+    beam: npt.NDArray[np.int64]
+    range: npt.NDArray[Any]
+    at: npt.NDArray[np.int64]
+    echo: npt.NDArray[np.float64]
+
+
+class _Returned(NamedTuple):
+    """Returns of beams, by beam and then by range."""
+
+    beam: npt.NDArray[Any]
+    range: npt.NDArray[Any]
+    object: npt.NDArray[Any]
+    primitive: npt.NDArray[Any]
+    incidence: npt.NDArray[Any]
+    number: npt.NDArray[Any]
+    total: npt.NDArray[Any]
+    intensity: npt.NDArray[Any]
+
+
+def scanned(
+    lidar: Lidar,
+    scene: Scene,
+    settings: ScanSettings,
+    threads: int | None,
+    progress: Progress | None,
+) -> LidarScan:
+    """Scan a scene."""
+    # Imported here: scenes import cameras, which know of sensors.
+    from ._scene import Scene as KindOfScene
+
+    if not isinstance(scene, KindOfScene):
+        raise TypeError(f"scan takes a Scene, got {scene!r}")
+    beams = lidar.rows * lidar.columns
+    if settings.divergence is None:
+        parts = [_of_lines(lidar, scene, settings, threads, progress)]
+    else:
+        cones = _of_cones(lidar, scene, settings, settings.divergence, threads, progress)
+        parts = list(cones)
+    returned = _Returned(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    made = _with_noise(returned, settings, beams)
+    origin = _firsthit.origin(scene._native(), lidar._native, [])
+    origins, directions = (array.reshape(-1, 3) for array in lidar.rays())
+    own = lidar.direction.reshape(-1, 3)
+    beam, far = made.beam, made.range[:, None]
+    row, column = np.divmod(beam, lidar.columns)
+    return LidarScan._of(
+        {
+            "point": origins[beam] + far * directions[beam],
+            "sensor_point": far * own[beam],
+            "range": made.range,
+            "object": made.object,
+            "primitive": made.primitive,
+            "incidence": made.incidence,
+            "ring": lidar.ring.reshape(-1)[beam],
+            "row": row.astype(np.int32),
+            "column": column.astype(np.int32),
+            "time": lidar.time.reshape(-1)[beam],
+            "return_number": made.number.astype(np.int32),
+            "number_of_returns": made.total.astype(np.int32),
+            **({"intensity": made.intensity} if settings.intensity else {}),
+        },
+        lidar.shape,
+        origin,
+    )
+
+
+def _of_lines(
+    lidar: Lidar,
+    scene: Scene,
+    settings: ScanSettings,
+    threads: int | None,
+    progress: Progress | None,
+) -> _Returned:
+    """Return the returns of beams that are lines."""
+    near, far = settings.limits
+    how: dict[str, Any] = {"t_min": near, "t_max": far, "threads": threads, "progress": progress}
+    if settings.returns == "first" and settings.range_gate == 0.0:
+        shot = scene.shoot(lidar, **how)
+        beam = np.flatnonzero(shot.object.reshape(-1) >= 0)
+        hits = shot[np.divmod(beam, lidar.columns)]
+    else:
+        met = scene.shoot_all(lidar, **how)
+        hits, beam = met.hits, met.ray
+    index = np.arange(len(beam))
+    found = _Found(beam, hits.t[index], index, _echoes(hits, index, settings, 1))
+    return _clustered(found, hits, settings)
+
+
+def _of_cones(
+    lidar: Lidar,
+    scene: Scene,
+    settings: ScanSettings,
+    divergence: float,
+    threads: int | None,
+    progress: Progress | None,
+) -> Iterator[_Returned]:
+    """Yield the returns of beams that are cones, some beams at a time."""
+    lines, beams = settings.subrays, lidar.rows * lidar.columns
+    origins = lidar.rays()[0].reshape(-1, 3)
+    near, far = settings.limits
+    step = max(1, _BATCH // lines)
+    with following(progress, beams * lines) as report:
+        for first in range(0, beams, step):
+            some = np.arange(first, min(first + step, beams))
+            ways = lidar._native.spread(some, divergence, lines)
+            told = later(report, first * lines)
+            hits = scene.shoot(
+                np.repeat(origins[some], lines, axis=0),
+                ways.reshape(-1, 3),
+                t_min=near,
+                t_max=far,
+                threads=threads,
+            )
+            if told is not None:
+                told(len(some) * lines)
+            index = np.flatnonzero(hits.object >= 0)
+            beam, t = index // lines, hits.t[index]
+            order = np.lexsort((t, beam))
+            index = index[order]
+            found = _Found(
+                some[beam[order]], t[order], index, _echoes(hits, index, settings, lines)
+            )
+            yield _clustered(found, hits, settings)
+
+
+def _echoes(
+    hits: Hits, index: npt.NDArray[np.int64], settings: ScanSettings, lines: int
+) -> npt.NDArray[np.float64]:
+    """Return the share of the light that each hit sends back, without the fall-off by range."""
+    if not settings.needs_surfaces:
+        return np.full(len(index), 1.0 / lines)
+    some = hits[index]
+    echoes: npt.NDArray[np.float64] = some.base_color @ _LUMINANCE * _cosines(some) / lines
+    return echoes
+
+
+def _cosines(hits: Hits) -> npt.NDArray[np.float64]:
+    length = np.linalg.norm(hits.direction, axis=-1)
+    cosine: npt.NDArray[np.float64] = np.abs((hits.normal * hits.direction).sum(axis=-1)) / length
+    return np.minimum(cosine, 1.0)
+
+
+def _clustered(found: _Found, hits: Hits, settings: ScanSettings) -> _Returned:
+    """Make returns of hits that lie close behind one another, and keep those that are wanted."""
+    begins = _begins(found, settings)
+    firsts = np.flatnonzero(begins)
+    if len(firsts) == 0:
+        empty = np.empty(0, np.int64)
+        return _Returned(
+            empty, np.empty(0), empty.astype(np.int32), empty.astype(np.int32), np.empty(0),
+            empty, empty, np.empty(0),
+        )  # fmt: skip
+    beam = found.beam[firsts]
+    size = np.diff(np.append(firsts, len(begins)))
+    far = np.add.reduceat(found.range, firsts) / size
+    # Of one hit the mean is itself, bit for bit.
+    far = np.where(size == 1, found.range[firsts], far)
+    echo = np.add.reduceat(found.echo, firsts)
+    power = np.add.reduceat(found.echo / np.maximum(found.range, 1e-150) ** 2, firsts)
+    is_new = np.append(True, beam[1:] != beam[:-1])
+    starts = np.flatnonzero(is_new)
+    each = np.diff(np.append(starts, len(beam)))
+    number_ = np.arange(len(beam)) - np.repeat(starts, each) + 1
+    total = np.repeat(each, each)
+    if settings.returns == "first":
+        kept = starts
+    elif settings.returns == "last":
+        kept = starts + each - 1
+    elif settings.returns == "strongest":
+        # Of equal ones the nearest.
+        kept = np.sort(np.lexsort((number_, -power, beam))[starts])
+    else:
+        most = settings.max_returns
+        kept = np.arange(len(beam)) if most is None else np.flatnonzero(number_ <= most)
+    some = hits[found.at[firsts[kept]]]
+    return _Returned(
+        beam[kept],
+        far[kept],
+        some.object.copy(),
+        some.primitive.copy(),
+        np.arccos(_cosines(some)),
+        number_[kept],
+        total[kept],
+        echo[kept],
+    )
+
+
+def _begins(found: _Found, settings: ScanSettings) -> npt.NDArray[np.bool_]:
+    """Tell which hits are the nearest of a return."""
+    begins = np.ones(len(found.beam), np.bool_)
+    gate = settings.range_gate
+    is_line = settings.divergence is None
+    if gate == 0.0 and is_line:
+        return begins
+    same_beam = np.append(False, found.beam[1:] == found.beam[:-1])
+    # Each pass settles the next return of every beam: what is within the gate of its nearest hit.
+    nearest = found.range.copy()
+    pending = same_beam.copy()
+    while pending.any():
+        at = np.flatnonzero(pending)
+        before = at - 1
+        # A hit is settled once the one before is.
+        ready = ~pending[before]
+        at = at[ready]
+        start = nearest[at - 1]
+        joins = found.range[at] - start <= gate
+        begins[at] = ~joins
+        nearest[at] = np.where(joins, start, found.range[at])
+        pending[at] = False
+    return begins
+
+
+def _with_noise(returned: _Returned, settings: ScanSettings, beams: int) -> _Returned:
+    """Add noise to ranges, and lose some returns."""
+    if settings.seed is None or len(returned.beam) == 0:
+        return returned
+    if settings.noise is not None:
+        constant, relative = settings.noise
+        normal = _drawn(returned, settings.seed, _NOISE, beams)
+        spread = constant + relative * returned.range
+        returned = returned._replace(range=np.maximum(returned.range + spread * normal, 0.0))
+    if settings.dropout is not None:
+        kept = _drawn(returned, settings.seed, _DROPOUT, beams) >= settings.dropout
+        returned = _Returned(*(array[kept] for array in returned))
+    return returned
+
+
+def _drawn(returned: _Returned, seed: int, stream: int, beams: int) -> npt.NDArray[np.float64]:
+    """Return a random number for each return, which depends on its beam and number alone."""
+    drawn = np.empty(len(returned.beam))
+    for number_ in np.unique(returned.number):
+        # A key of 128 bits: the seed, and which return and stream it is.
+        key = np.array([seed % 2**64, 2 * int(number_) + stream], np.uint64)
+        generator = np.random.Generator(np.random.Philox(key=key))
+        make = generator.standard_normal if stream == _NOISE else generator.random
+        chosen = returned.number == number_
+        drawn[chosen] = make(beams)[returned.beam[chosen]]
+    return drawn
+
+
+def _within(name: str, given: float, least: float, below: float) -> float:
+    value = number(name, given)
+    if not least <= value < below:
+        raise ValueError(f"{name} must be from {least:g} to below {below:g}, got {value}")
+    return value

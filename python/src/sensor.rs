@@ -1,0 +1,605 @@
+//! Sensors other than cameras, and the trajectories that carry them.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use firsthit::camera::Convention;
+use firsthit::image::{read_regular, write_whole};
+use firsthit::sensor::{
+    Lidar, LidarModel, Lissajous, Pushbroom, Raster, RaySensor, RollingShutter, Rosette,
+    Sensor as AnySensor, Spinning,
+};
+use firsthit::trajectory::{BodyAxes, TrajectoryFormat, read_kitti, read_kitti_times};
+use firsthit::{DQuat, DVec3, Error, Pose};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::arrays::{collected, copied, not_contiguous};
+use crate::camera::{Camera, RayArraysOut, checked_pixels, distances_of, ray_arrays, rays_of_rows};
+use crate::errors::raise;
+use crate::run::run;
+
+/// The largest trajectory or table that is read, in bytes.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// A checked sensor that is no camera.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Sensor {
+    any: Arc<dyn AnySensor + Send + Sync>,
+    lidar: Option<Arc<Lidar>>,
+}
+
+/// What makes the rays of a picture.
+#[derive(FromPyObject)]
+pub(crate) enum SensorIn<'py> {
+    Camera(Bound<'py, Camera>),
+    Sensor(Bound<'py, Sensor>),
+}
+
+impl SensorIn<'_> {
+    pub(crate) fn sensor(&self) -> &(dyn AnySensor + Send + Sync) {
+        match self {
+            Self::Camera(camera) => &camera.get().0,
+            Self::Sensor(sensor) => &*sensor.get().any,
+        }
+    }
+}
+
+impl Sensor {
+    fn made(
+        py: Python<'_>,
+        made: firsthit::Result<impl AnySensor + Send + Sync + 'static>,
+    ) -> PyResult<Self> {
+        let any = made.map_err(|error| raise(py, &error))?;
+        Ok(Self {
+            any: Arc::new(any),
+            lidar: None,
+        })
+    }
+
+    fn lidar_of(&self) -> PyResult<&Lidar> {
+        let no_lidar = || PyValueError::new_err("expected a lidar");
+        self.lidar.as_deref().ok_or_else(no_lidar)
+    }
+}
+
+/// A pose from the rows of its matrix.
+fn pose_of(rows: [[f64; 4]; 4]) -> firsthit::Result<Pose> {
+    Pose::from_matrix(&Convention::OpenGl.pose(rows)?)
+}
+
+fn vectors(flat: &[f64]) -> PyResult<Vec<DVec3>> {
+    let (vectors, _) = flat.as_chunks::<3>();
+    collected(vectors.len(), vectors.iter().map(|&v| DVec3::from(v)))
+}
+
+#[pymethods]
+impl Sensor {
+    /// A table of rays: of origins and directions one for all, or one for each.
+    #[staticmethod]
+    fn table(
+        py: Python<'_>,
+        origins: PyReadonlyArray1<'_, f64>,
+        directions: PyReadonlyArray1<'_, f64>,
+        shape: [usize; 2],
+        aim: Option<[f64; 3]>,
+    ) -> PyResult<Self> {
+        let origins = vectors(origins.as_slice().map_err(not_contiguous)?)?;
+        let directions = vectors(directions.as_slice().map_err(not_contiguous)?)?;
+        let sensor = RaySensor::new(origins, directions, shape);
+        Self::made(
+            py,
+            sensor.and_then(|sensor| match aim {
+                Some(aim) => sensor.aimed(DVec3::from(aim)),
+                None => Ok(sensor),
+            }),
+        )
+    }
+
+    /// A camera whose lines are read out one after the other.
+    #[staticmethod]
+    fn rolling_shutter(
+        py: Python<'_>,
+        camera: &Camera,
+        body: &Trajectory,
+        start: f64,
+        readout: f64,
+        direction: &str,
+    ) -> PyResult<Self> {
+        let direction = direction.parse();
+        let sensor = direction.and_then(|direction| {
+            RollingShutter::new(&camera.0, &body.0, start, readout, direction)
+        });
+        Self::made(py, sensor)
+    }
+
+    /// A camera of one row, at a time for each row of the picture.
+    #[staticmethod]
+    fn pushbroom(
+        py: Python<'_>,
+        camera: &Camera,
+        body: &Trajectory,
+        times: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Self> {
+        let times = copied(times.as_slice().map_err(not_contiguous)?)?;
+        Self::made(py, Pushbroom::new(&camera.0, &body.0, times))
+    }
+
+    /// A laser scanner at a pose in the world, or in the coordinates of the body that carries it.
+    #[staticmethod]
+    fn lidar(
+        py: Python<'_>,
+        pattern: &Pattern,
+        pose: [[f64; 4]; 4],
+        body: Option<&Trajectory>,
+    ) -> PyResult<Self> {
+        let lidar = run(py, 1, |_| {
+            let (pattern, pose) = (pattern.0.clone(), pose_of(pose)?);
+            match body {
+                Some(body) => Lidar::carried(pattern, pose, &body.0),
+                None => Lidar::new(pattern, pose),
+            }
+        })?;
+        let lidar = Arc::new(lidar);
+        Ok(Self {
+            any: lidar.clone(),
+            lidar: Some(lidar),
+        })
+    }
+
+    /// Rows and columns.
+    fn shape(&self) -> [usize; 2] {
+        self.any.shape()
+    }
+
+    /// Whether there is an aim, along which `z` is measured.
+    fn has_aim(&self) -> bool {
+        self.any.has_aim()
+    }
+
+    /// The times of some pixels in seconds, if there are times.
+    fn times<'py>(
+        &self,
+        py: Python<'py>,
+        pixels: PyReadonlyArray1<'py, i64>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let times = checked_pixels(&pixels, self.any.len())?.map(|pixel| self.any.time(pixel));
+        let times: Option<Vec<f64>> = times.collect();
+        Ok(times.map(|times| PyArray1::from_vec(py, times)))
+    }
+
+    /// See `Camera.rays`.
+    fn rays<'py>(
+        &self,
+        py: Python<'py>,
+        rows: (usize, usize),
+        sample: u32,
+    ) -> PyResult<RayArraysOut<'py>> {
+        rays_of_rows(py, &*self.any, rows, sample)
+    }
+
+    /// See `Camera.rays_of`.
+    fn rays_of<'py>(
+        &self,
+        py: Python<'py>,
+        pixels: PyReadonlyArray1<'py, i64>,
+    ) -> PyResult<RayArraysOut<'py>> {
+        let pixels: Vec<usize> = checked_pixels(&pixels, self.any.len())?.collect();
+        ray_arrays(py, pixels.len(), |k| self.any.ray(pixels[k]))
+    }
+
+    /// See `Camera.distances`.
+    fn distances<'py>(
+        &self,
+        py: Python<'py>,
+        is_range: bool,
+        pixels: PyReadonlyArray1<'py, i64>,
+        t: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        distances_of(py, &*self.any, is_range, &pixels, &t)
+    }
+
+    /// Where the sensor is at the times of some pixels' rays and its aim then, NaN where it has none: six numbers for each.
+    fn places<'py>(
+        &self,
+        py: Python<'py>,
+        pixels: PyReadonlyArray1<'py, i64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let places = checked_pixels(&pixels, self.any.len())?.flat_map(|pixel| {
+            let (position, aim) = self.any.place(pixel);
+            [position, aim.unwrap_or(DVec3::NAN)].map(|v| v.to_array())
+        });
+        let places: Vec<[f64; 3]> = places.collect();
+        Ok(PyArray1::from_vec(py, places.into_flattened()))
+    }
+
+    /// Directions that fill the cones of the beams of some pixels of a lidar: so many for each, one after the other.
+    fn spread<'py>(
+        &self,
+        py: Python<'py>,
+        pixels: PyReadonlyArray1<'py, i64>,
+        divergence: f64,
+        count: usize,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let lidar = self.lidar_of()?;
+        let pixels: Vec<usize> = checked_pixels(&pixels, self.any.len())?.collect();
+        let all = pixels.len().saturating_mul(count);
+        let mut directions = collected(all, std::iter::repeat_n(DVec3::ZERO, all))?;
+        run(py, 0, |_| {
+            let cones = directions.par_chunks_exact_mut(count.max(1));
+            cones
+                .zip(&pixels)
+                .try_for_each(|(cone, &pixel)| lidar.spread(pixel, divergence, cone))
+        })?;
+        let flat = directions.iter().flat_map(DVec3::to_array);
+        Ok(PyArray1::from_vec(py, collected(3 * all, flat)?))
+    }
+
+    /// The matrices of a lidar's poses at the times of some pixels, row by row.
+    fn poses<'py>(
+        &self,
+        py: Python<'py>,
+        pixels: PyReadonlyArray1<'py, i64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let lidar = self.lidar_of()?;
+        let pixels = checked_pixels(&pixels, self.any.len())?;
+        let poses = pixels.map(|pixel| matrix_of(&lidar.pose(pixel)));
+        let poses: Vec<[[f64; 4]; 4]> = poses.collect();
+        let flat = poses.into_flattened().into_flattened();
+        Ok(PyArray1::from_vec(py, flat))
+    }
+}
+
+/// The matrix of a pose, row by row.
+fn matrix_of(pose: &Pose) -> [[f64; 4]; 4] {
+    Convention::OpenGl.matrix(&pose.world_from_body())
+}
+
+/// The beams of a laser scanner.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Pattern(firsthit::sensor::Pattern);
+
+/// Azimuths and elevations, directions, times, and the numbers of lasers.
+type BeamsOut<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i32>>,
+);
+
+impl Pattern {
+    fn made(py: Python<'_>, made: firsthit::Result<firsthit::sensor::Pattern>) -> PyResult<Self> {
+        made.map(Self).map_err(|error| raise(py, &error))
+    }
+}
+
+#[pymethods]
+impl Pattern {
+    /// A head that turns. `azimuths` are those of the start and the end, `time` the rate and the start; `offsets` those of azimuths
+    /// and firings.
+    #[staticmethod]
+    fn spinning(
+        py: Python<'_>,
+        elevations: Vec<f64>,
+        columns: usize,
+        azimuths: [f64; 2],
+        direction: &str,
+        time: [f64; 2],
+        offsets: (Vec<f64>, Vec<f64>),
+    ) -> PyResult<Self> {
+        let direction = direction.parse().map_err(|error| raise(py, &error))?;
+        let made = firsthit::sensor::Pattern::spinning(&Spinning {
+            elevations,
+            columns,
+            azimuth_start: azimuths[0],
+            azimuth_end: azimuths[1],
+            direction,
+            rate: time[0],
+            start: time[1],
+            azimuth_offsets: offsets.0,
+            firing_offsets: offsets.1,
+        });
+        Self::made(py, made)
+    }
+
+    /// A model by its name.
+    #[staticmethod]
+    fn named(
+        py: Python<'_>,
+        name: &str,
+        rate: f64,
+        columns: Option<usize>,
+        start: f64,
+    ) -> PyResult<Self> {
+        let model = name.parse();
+        Self::made(
+            py,
+            model.and_then(|model: LidarModel| model.pattern(rate, columns, start)),
+        )
+    }
+
+    /// Rows and columns of equal angles.
+    #[staticmethod]
+    fn raster(
+        py: Python<'_>,
+        fov: [f64; 2],
+        size: [usize; 2],
+        is_serpentine: bool,
+        time: [f64; 2],
+    ) -> PyResult<Self> {
+        let made = firsthit::sensor::Pattern::raster(&Raster {
+            horizontal_fov: fov[0],
+            vertical_fov: fov[1],
+            rows: size[0],
+            columns: size[1],
+            rate: time[0],
+            is_serpentine,
+            start: time[1],
+        });
+        Self::made(py, made)
+    }
+
+    /// The rose of two prisms.
+    #[staticmethod]
+    fn rosette(
+        py: Python<'_>,
+        fov: f64,
+        frequencies: [f64; 2],
+        share: f64,
+        points: usize,
+        time: [f64; 2],
+    ) -> PyResult<Self> {
+        let made = firsthit::sensor::Pattern::rosette(&Rosette {
+            fov,
+            frequencies,
+            share,
+            points,
+            point_rate: time[0],
+            start: time[1],
+        });
+        Self::made(py, made)
+    }
+
+    /// The figure of a mirror that swings.
+    #[staticmethod]
+    fn lissajous(
+        py: Python<'_>,
+        fov: [f64; 2],
+        frequencies: [f64; 2],
+        phase: f64,
+        points: usize,
+        time: [f64; 2],
+    ) -> PyResult<Self> {
+        let made = firsthit::sensor::Pattern::lissajous(&Lissajous {
+            horizontal_fov: fov[0],
+            vertical_fov: fov[1],
+            frequencies,
+            phase,
+            points,
+            point_rate: time[0],
+            start: time[1],
+        });
+        Self::made(py, made)
+    }
+
+    /// Beams in arrays; those of times and rings may be empty.
+    #[staticmethod]
+    fn table(
+        py: Python<'_>,
+        azimuths: PyReadonlyArray1<'_, f64>,
+        elevations: PyReadonlyArray1<'_, f64>,
+        times: PyReadonlyArray1<'_, f64>,
+        rings: PyReadonlyArray1<'_, i32>,
+    ) -> PyResult<Self> {
+        let made = firsthit::sensor::Pattern::table(
+            azimuths.as_slice().map_err(not_contiguous)?,
+            elevations.as_slice().map_err(not_contiguous)?,
+            times.as_slice().map_err(not_contiguous)?,
+            rings.as_slice().map_err(not_contiguous)?,
+        );
+        Self::made(py, made)
+    }
+
+    /// Beams in a CSV file.
+    #[staticmethod]
+    fn read_csv(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let made = py.detach(|| {
+            let text = read_regular(&path, MOST_BYTES)?;
+            firsthit::sensor::Pattern::read_csv(&text, &path)
+        });
+        Self::made(py, made)
+    }
+
+    /// What made it.
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    /// Rows and columns.
+    fn shape(&self) -> [usize; 2] {
+        self.0.shape()
+    }
+
+    /// All beams, row by row.
+    fn beams<'py>(&self, py: Python<'py>) -> PyResult<BeamsOut<'py>> {
+        let directions = self.0.directions();
+        let flat = directions.iter().flat_map(DVec3::to_array);
+        Ok((
+            PyArray1::from_slice(py, self.0.azimuths()),
+            PyArray1::from_slice(py, self.0.elevations()),
+            PyArray1::from_vec(py, collected(3 * directions.len(), flat)?),
+            PyArray1::from_slice(py, self.0.times()),
+            PyArray1::from_slice(py, self.0.rings()),
+        ))
+    }
+}
+
+/// The names of the models of laser scanners.
+#[pyfunction]
+pub(crate) fn lidar_models() -> &'static [&'static str] {
+    LidarModel::NAMES
+}
+
+/// A trajectory.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Trajectory(firsthit::Trajectory);
+
+/// Times, positions and rotations, flat, and what is between and beyond poses.
+type TrajectoryOut<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    [&'static str; 2],
+);
+
+#[pymethods]
+impl Trajectory {
+    /// Poses at times: positions, and quaternions (x, y, z, w), flat.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        times: PyReadonlyArray1<'_, f64>,
+        positions: PyReadonlyArray1<'_, f64>,
+        rotations: PyReadonlyArray1<'_, f64>,
+        interpolation: &str,
+        extrapolation: &str,
+    ) -> PyResult<Self> {
+        let times = copied(times.as_slice().map_err(not_contiguous)?)?;
+        let positions = vectors(positions.as_slice().map_err(not_contiguous)?)?;
+        let (rotations, _) = rotations
+            .as_slice()
+            .map_err(not_contiguous)?
+            .as_chunks::<4>();
+        if rotations.len() != positions.len() {
+            return Err(PyValueError::new_err(
+                "expected a rotation for each position",
+            ));
+        }
+        let poses = positions
+            .iter()
+            .zip(rotations)
+            .map(|(&position, &turn)| Pose {
+                position,
+                rotation: DQuat::from_array(turn),
+            });
+        let poses = collected(rotations.len(), poses)?;
+        let made = py.detach(|| {
+            let trajectory = firsthit::Trajectory::new(times, poses)?;
+            let trajectory = trajectory.interpolated(interpolation.parse()?)?;
+            Ok(trajectory.extrapolated(extrapolation.parse()?))
+        });
+        made.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// The quaternions (x, y, z, w) of rigid matrices of 3 rows of 4, flat.
+    #[staticmethod]
+    fn rotations<'py>(
+        py: Python<'py>,
+        matrices: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (matrices, _) = matrices
+            .as_slice()
+            .map_err(not_contiguous)?
+            .as_chunks::<12>();
+        let mut rotations = Vec::with_capacity(4 * matrices.len());
+        for (index, m) in matrices.iter().enumerate() {
+            let row = |k: usize| [m[4 * k], m[4 * k + 1], m[4 * k + 2], m[4 * k + 3]];
+            let pose = pose_of([row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]);
+            let pose = pose.map_err(|error| {
+                PyValueError::new_err(format!("matrices: at index {index}: {error}"))
+            })?;
+            rotations.extend(pose.rotation.to_array());
+        }
+        Ok(PyArray1::from_vec(py, rotations))
+    }
+
+    /// A trajectory from a file; `times` is KITTI's file of them.
+    #[staticmethod]
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        kind: &str,
+        times: Option<PathBuf>,
+        interpolation: &str,
+        extrapolation: &str,
+    ) -> PyResult<Self> {
+        let made = py.detach(|| {
+            let format: TrajectoryFormat = kind.parse()?;
+            let text = read_regular(&path, MOST_BYTES)?;
+            let trajectory = match times {
+                Some(times) if format == TrajectoryFormat::Kitti => {
+                    let seconds = read_kitti_times(&read_regular(&times, MOST_BYTES)?, &times)?;
+                    read_kitti(&text, &path, Some(&seconds))?
+                }
+                Some(_) => {
+                    let expected = "left out: only KITTI has them in a file of their own";
+                    return Err(Error::argument("times", expected, format.name()));
+                }
+                None => format.read(&text, &path)?,
+            };
+            let trajectory = trajectory.interpolated(interpolation.parse()?)?;
+            Ok(trajectory.extrapolated(extrapolation.parse()?))
+        });
+        made.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// Writes it as CSV or as TUM does.
+    fn write(&self, py: Python<'_>, path: PathBuf, kind: &str) -> PyResult<()> {
+        let written = py.detach(|| {
+            let format: TrajectoryFormat = kind.parse()?;
+            match format {
+                TrajectoryFormat::Csv => write_whole(&path, &(), |out| self.0.write_csv(out)),
+                TrajectoryFormat::Tum => write_whole(&path, &(), |out| self.0.write_tum(out)),
+                _ => Err(Error::argument("format", "csv or tum", format.name())),
+            }
+        });
+        written.map_err(|error| raise(py, &error))
+    }
+
+    /// What it is made from.
+    fn parts<'py>(&self, py: Python<'py>) -> TrajectoryOut<'py> {
+        let poses = self.0.poses();
+        let positions = poses.iter().flat_map(|pose| pose.position.to_array());
+        let rotations = poses.iter().flat_map(|pose| pose.rotation.to_array());
+        (
+            PyArray1::from_slice(py, self.0.times()),
+            PyArray1::from_iter(py, positions),
+            PyArray1::from_iter(py, rotations),
+            [self.0.interpolation().name(), self.0.extrapolation().name()],
+        )
+    }
+
+    /// The matrices at some times, row by row.
+    fn at<'py>(
+        &self,
+        py: Python<'py>,
+        times: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let times = times.as_slice().map_err(not_contiguous)?;
+        let matrices = times.iter().map(|&time| Ok(matrix_of(&self.0.at(time)?)));
+        let matrices: firsthit::Result<Vec<[[f64; 4]; 4]>> = matrices.collect();
+        let matrices = matrices.map_err(|error| raise(py, &error))?;
+        let flat = matrices.into_flattened().into_flattened();
+        Ok(PyArray1::from_vec(py, flat))
+    }
+
+    /// The same motion with other axes of the body.
+    fn in_axes(&self, py: Python<'_>, given: &str, wanted: &str) -> PyResult<Self> {
+        let axes = |name: &str| name.parse::<BodyAxes>().map_err(|error| raise(py, &error));
+        let (given, wanted) = (axes(given)?, axes(wanted)?);
+        Ok(Self(self.0.clone().in_axes(given, wanted)))
+    }
+}
+
+/// The matrix that takes coordinates of one kind of axes to those of another, row by row.
+#[pyfunction]
+pub(crate) fn axes_from(py: Python<'_>, wanted: &str, given: &str) -> PyResult<[[f64; 4]; 4]> {
+    let axes = |name: &str| name.parse::<BodyAxes>().map_err(|error| raise(py, &error));
+    let turn = axes(wanted)?.body_from_camera() * axes(given)?.body_from_camera().conjugate();
+    let pose = Pose::new(DVec3::ZERO, turn).map_err(|error| raise(py, &error))?;
+    // Axes go to axes: what is not -1, 0 or 1 is rounding.
+    Ok(matrix_of(&pose).map(|row| row.map(f64::round)))
+}

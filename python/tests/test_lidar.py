@@ -1,0 +1,422 @@
+"""Laser scanners against closed forms, and their files in independent readers."""
+
+import io
+import json
+import pickle
+import sys
+
+import firsthit as fh
+import numpy as np
+import pytest
+
+
+def room():
+    made = fh.Scene()
+    made.add(fh.Box((-4, -3, -1), (4, 3, 2)), material=fh.Material(color=(0.5, 0.5, 0.5)))
+    return made
+
+
+def in_room(at, directions):
+    """Return the distances from inside to the walls, floor and ceiling."""
+    low, high = np.array([-4, -3, -1]), np.array([4, 3, 2])
+    ahead = np.where(directions > 0, high - at, low - at)
+    far = np.full(ahead.shape, np.inf)
+    return np.divide(ahead, directions, out=far, where=directions != 0).min(axis=-1)
+
+
+def pointing(azimuth, elevation):
+    a, e = np.broadcast_arrays(np.radians(azimuth), np.radians(elevation))
+    return np.stack([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)], axis=-1)
+
+
+def test_a_spinning_lidar_in_a_room_has_the_ranges_of_the_closed_form():
+    at = np.array([1, -0.5, 0.25])
+    elevations = np.linspace(-60, 70, 27)
+    lidar = fh.Lidar.spinning(elevations, columns=180, position=at)
+    scan = lidar.scan(room())
+    assert len(scan) == 27 * 180
+    azimuth = 180 - 2 * np.arange(180.0)
+    directions = pointing(azimuth, elevations[::-1, None]).reshape(-1, 3)
+    np.testing.assert_allclose(scan.range, in_room(at, directions), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(scan.point, at + scan.range[:, None] * directions, atol=1e-12)
+    np.testing.assert_allclose(scan.sensor_point, scan.point - at, atol=1e-12)
+    np.testing.assert_array_equal(scan.ring, np.repeat(np.arange(27)[::-1], 180))
+    np.testing.assert_allclose(scan.time, np.tile(np.arange(180) / 1800, 27), atol=1e-15)
+    # Walls are axes: the cosine of incidence is the component along that of the one that is met.
+    wall = np.abs(directions)
+    cosine = np.cos(scan.incidence)
+    assert np.abs(wall - cosine[:, None]).min(axis=1).max() < 1e-12
+    np.testing.assert_array_equal(scan.to_image(), room().shoot(lidar).range)
+    assert scan.return_number.tolist() == [1] * len(scan)
+
+
+def test_the_vlp_16_has_the_angles_and_times_of_its_manual():
+    lidar = fh.Lidar.named("vlp-16", rate=10)
+    assert lidar.shape == (16, 1808)
+    assert lidar.elevation[:, 0].tolist() == list(range(15, -16, -2))
+    # Laser 0 is the lowest, laser 1 the first above level.
+    assert lidar.ring[15, 0] == 0
+    assert lidar.ring[7, 0] == 1
+    after = lidar.time[:, 1] - lidar.time[:, 0]
+    np.testing.assert_allclose(after, 55.296e-6, rtol=1e-9)
+    np.testing.assert_allclose(lidar.time[:, 0], 2.304e-6 * lidar.ring[:, 0], atol=1e-18)
+    np.testing.assert_allclose(
+        lidar.azimuth[:, 0], 180 - 3600 * 2.304e-6 * lidar.ring[:, 0], rtol=1e-12
+    )
+
+
+def test_other_models_have_their_makers_angles():
+    assert fh.Lidar.named("hdl-32e").elevation[[0, -1], 0].tolist() == [10.67, -30.67]
+    ultra = fh.Lidar.named("vlp-32c", columns=8)
+    assert ultra.elevation[[0, -1], 0].tolist() == [15, -25]
+    # Laser 0 points 1.4 degrees clockwise.
+    assert ultra.azimuth[31, 0] == pytest.approx(178.6, abs=1e-12)
+    ouster = fh.Lidar.named("os1-64")
+    assert ouster.shape == (64, 1024)
+    np.testing.assert_allclose(np.diff(ouster.elevation[:, 0]), -45 / 63)
+    with pytest.raises(ValueError, match="lidar model must be one of vlp-16 "):
+        fh.Lidar.named("vlp-17")
+
+
+def test_a_lidar_that_drives_measures_from_where_it_is():
+    body = fh.Trajectory([0, 1], [(-2, 0, 0), (2, 0, 0)], body="forwards-left-up")
+    lidar = fh.Lidar.spinning([0], columns=100, rate=1, trajectory=body)
+    scan = lidar.scan(room())
+    at = np.stack([-2 + 4 * scan.time, 0 * scan.time, 0 * scan.time], axis=-1)
+    directions = lidar.direction.reshape(-1, 3)
+    np.testing.assert_allclose(scan.range, in_room(at, directions), atol=1e-12)
+    np.testing.assert_allclose(scan.point, at + scan.sensor_point, atol=1e-12)
+    np.testing.assert_allclose(lidar.poses()[0, :, 0, 3], at[:, 0], atol=1e-15)
+    # On a body with a camera's axes it looks where the camera does.
+    camera = fh.Trajectory([0, 1], [(0, 0, 0)] * 2, body="right-down-forwards")
+    forwards = fh.Lidar([0], [0], trajectory=camera).rays()[1][0, 0]
+    np.testing.assert_array_equal(forwards, (0, 0, 1))
+    # A scanner that is turned to the left has its own frame.
+    pose = [[0, -1, 0, 1], [1, 0, 0, 0], [0, 0, 1, 0]]
+    turned = fh.Lidar.spinning([0, 5], columns=9, pose=pose)
+    scan = turned.scan(room())
+    own = scan.sensor_point @ np.array(pose)[:, :3].T + (1, 0, 0)
+    np.testing.assert_allclose(own, scan.point, atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(scan.sensor_point, axis=1), scan.range, rtol=1e-15)
+    mounted = fh.Lidar([0], [0], trajectory=body, pose=np.eye(4)[:3] + [[0, 0, 0, 5]] * 3)
+    np.testing.assert_array_equal(mounted.rays()[0][0, 0], (3, 5, 5))
+
+
+def layers():
+    """Sheets across the beam, at 4 and 6, and a wall at 10."""
+    made = fh.Scene()
+    for x, half in ((4, 1.0), (6, 2.0), (10, 50.0)):
+        low, high = (x, -half, -half), (x + 0.001, half, half)
+        made.add(fh.Box(low, high), material=fh.Material(color=(x / 20,) * 3))
+    return made
+
+
+def test_returns_of_a_line_are_what_it_crosses():
+    lidar = fh.Lidar([0, 15], [0, 0])
+    every = lidar.scan(layers(), returns="all", range_gate=0.01)
+    # The mean of the sheet's front and back.
+    np.testing.assert_allclose(every.range[:3], [4.0005, 6.0005, 10.0005], rtol=1e-15)
+    assert every.return_number.tolist() == [1, 2, 3, 1, 2]
+    assert every.number_of_returns.tolist() == [3, 3, 3, 2, 2]
+    assert every.column.tolist() == [0, 0, 0, 1, 1]
+    last = lidar.scan(layers(), returns="last", range_gate=0.01)
+    assert last.object.tolist() == [2, 2]
+    assert last.return_number.tolist() == [3, 2]
+    strongest = lidar.scan(layers(), returns="strongest", range_gate=0.01)
+    # 0.2 / 16, 0.3 / 36, 0.5 / 100.
+    assert strongest.object.tolist() == [0, 1]
+    assert lidar.scan(layers()).range.tolist()[0] == 4
+    few = lidar.scan(layers(), returns="all", max_returns=1, range_gate=0.01)
+    assert few.return_number.tolist() == [1, 1]
+    within = lidar.scan(layers(), returns="all", min_range=5, max_range=7, range_gate=0.01)
+    assert within.object.tolist() == [1, 1]
+
+
+def test_a_cone_at_an_edge_has_two_returns_and_one_on_a_wall_has_one():
+    # The edge of the sheet at 4 is at atan(1 / 4) = 14.036 degrees.
+    edge = np.degrees(np.arctan2(1, 4))
+    lidar = fh.Lidar([0, edge], [0, 0])
+    how = {"divergence": 0.02, "subrays": 200, "range_gate": 0.5}
+    every = lidar.scan(layers(), returns="all", intensity=True, **how)
+    assert every.column.tolist() == [0, 1, 1]
+    assert every.object.tolist() == [0, 0, 1]
+    # Half of the lines are on each side; they see luminances of 0.2 and 0.3.
+    shares = every.intensity / np.cos(every.incidence) / [0.2, 0.2, 0.3]
+    np.testing.assert_allclose(shares, [1, 0.5, 0.5], atol=0.04)
+    first = lidar.scan(layers(), returns="first", **how)
+    last = lidar.scan(layers(), returns="last", **how)
+    np.testing.assert_array_equal(first.range, every.range[[0, 1]])
+    np.testing.assert_array_equal(last.range, every.range[[0, 2]])
+    assert last.number_of_returns.tolist() == [1, 2]
+    # A wide gate does not tell them apart.
+    blurred = lidar.scan(layers(), returns="all", **{**how, "range_gate": 5})
+    assert blurred.number_of_returns.tolist() == [1, 1]
+    assert every.range[1] < blurred.range[1] < every.range[2]
+    one = lidar.scan(layers(), divergence=0.02, subrays=1)
+    np.testing.assert_array_equal(one.range, lidar.scan(layers()).range)
+
+
+def test_returns_are_clustered_as_a_loop_does_it():
+    made, rng = fh.Scene(), np.random.default_rng(7)
+    for center in rng.uniform(-6, 6, (60, 3)):
+        made.add(fh.Sphere(center, 0.6))
+    lidar = fh.Lidar.raster(60, 40, 12, 16)
+    scan = lidar.scan(made, returns="all", range_gate=0.7)
+    expected = []
+    for beam in lidar.rays()[1].reshape(-1, 3):
+        t = made.shoot_all((0, 0, 0), beam).t
+        groups = []
+        for far in t:
+            if groups and far - groups[-1][0] <= 0.7:
+                groups[-1].append(far)
+            else:
+                groups.append([far])
+        expected += [np.mean(group) for group in groups]
+    np.testing.assert_allclose(scan.range, expected, rtol=1e-14)
+
+
+def test_noise_and_dropout_are_those_of_the_seed_and_of_each_return_alone():
+    lidar = fh.Lidar.named("vlp-16", columns=360)
+    plain = lidar.scan(room())
+    noisy = lidar.scan(room(), noise=0.02, seed=1)
+    again = lidar.scan(room(), noise=0.02, seed=1, threads=1)
+    np.testing.assert_array_equal(noisy.range, again.range)
+    off = noisy.range - plain.range
+    assert abs(off.mean()) < 0.002
+    assert off.std() == pytest.approx(0.02, rel=0.05)
+    # As the documentation has it.
+    generator = np.random.Generator(np.random.Philox(key=np.array([1, 2], np.uint64)))
+    np.testing.assert_array_equal(
+        noisy.range, plain.range + 0.02 * generator.standard_normal(len(plain))
+    )
+    relative = lidar.scan(room(), noise=(0, 0.01), seed=1)
+    np.testing.assert_allclose(relative.range, plain.range * (1 + off / 2), rtol=1e-12)
+    lost = lidar.scan(room(), noise=0.02, dropout=0.25, seed=1)
+    assert len(lost) == pytest.approx(0.75 * len(plain), rel=0.05)
+    at = lost.row * 360 + lost.column
+    np.testing.assert_array_equal(lost.range, noisy.range[at])
+    assert not np.array_equal(lidar.scan(room(), noise=0.02, seed=2).range, noisy.range)
+    beams = lidar.rays()[1][lost.row, lost.column]
+    np.testing.assert_allclose(lost.point, lost.range[:, None] * beams)
+    # Another beam's miss changes nothing.
+    part = lidar.scan(room(), noise=0.02, seed=1, max_range=4)
+    near = plain.range <= 4
+    np.testing.assert_array_equal(part.range, noisy.range[near])
+
+
+def test_intensity_is_the_luminance_times_the_cosine():
+    scan = fh.Lidar.named("vlp-16", columns=90).scan(room(), intensity=True)
+    np.testing.assert_allclose(scan.intensity, 0.5 * np.cos(scan.incidence), rtol=1e-12)
+    assert fh.Lidar([0], [0]).scan(room()).intensity is None
+
+
+@pytest.mark.parametrize("how", [{}, {"returns": "all"}, {"divergence": 0.01, "subrays": 3}])
+def test_a_scan_tells_how_far_it_is(how):
+    told = []
+    lidar = fh.Lidar.named("vlp-16", columns=60)
+    lidar.scan(room(), progress=lambda done, total: told.append((done, total)), **how)
+    lines = 960 * how.get("subrays", 1)
+    assert told[-1] == (lines, lines)
+    assert told == sorted(told)
+
+
+def test_solid_state_patterns_follow_their_formulas():
+    raster = fh.Lidar.raster(40, 20, 10, 20, rate=5)
+    assert raster.azimuth[0].tolist() == [40 * (0.5 - (c + 0.5) / 20) for c in range(20)]
+    assert raster.time[1, 0] == pytest.approx(20 / 200 / 5)
+    rose = fh.Lidar.rosette(38.4, (70, -40), points=1000, point_rate=1e5)
+    time = np.arange(1000) / 1e5
+    vector = sum(
+        9.6 * np.stack([np.cos(2 * np.pi * f * time), np.sin(2 * np.pi * f * time)])
+        for f in (70, -40)
+    )
+    angle = np.degrees(np.arccos(rose.direction[0, :, 0]))
+    np.testing.assert_allclose(angle, np.hypot(*vector), atol=1e-6)
+    left, up = rose.direction[0, :, 1], rose.direction[0, :, 2]
+    np.testing.assert_allclose(left * vector[1], up * vector[0], atol=1e-12)
+    figure = fh.Lidar.lissajous(60, 20, (3, 5), points=500, point_rate=1e3)
+    time = np.arange(500) / 1e3
+    np.testing.assert_allclose(figure.azimuth[0], 30 * np.sin(6 * np.pi * time), atol=1e-12)
+    np.testing.assert_allclose(
+        figure.elevation[0], 10 * np.sin(10 * np.pi * time + np.pi / 2), atol=1e-12
+    )
+
+
+def test_beams_come_from_a_csv(tmp_path):
+    (tmp_path / "beams.csv").write_text("ring,azimuth,elevation,time\n5,90,0,0.5\n6,0,90,1\n")
+    lidar = fh.Lidar.from_csv(tmp_path / "beams.csv", position=(0, 0, 1))
+    np.testing.assert_allclose(lidar.rays()[1][0], [(0, 1, 0), (0, 0, 1)], atol=1e-15)
+    assert lidar.ring.tolist() == [[5, 6]]
+    assert lidar.time.tolist() == [[0.5, 1]]
+    again = pickle.loads(pickle.dumps(lidar))
+    np.testing.assert_array_equal(again.rays(), lidar.rays())
+    (tmp_path / "bad.csv").write_text("azimuth,elevation\n1,x\n")
+    with pytest.raises(fh.FileFormatError, match=r"bad\.csv:2: elevation must be a number"):
+        fh.Lidar.from_csv(tmp_path / "bad.csv")
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"noise": 0.1}, "seed must be given"),
+        ({"dropout": 0.1}, "seed must be given"),
+        ({"dropout": 1.5, "seed": 1}, "dropout must be from 0 to 1"),
+        ({"noise": -1, "seed": 1}, "noise must be from 0"),
+        ({"noise": (1, 2, 3), "seed": 1}, "noise must be one number or two"),
+        ({"returns": "second"}, "returns must be one of"),
+        ({"divergence": 4}, "divergence must be from 0"),
+        ({"divergence": 0.1, "subrays": 0}, "subrays must be 1 or more"),
+        ({"min_range": 2, "max_range": 1}, "min_range and max_range"),
+        ({"range_gate": float("nan")}, "range_gate must be from 0"),
+    ],
+)
+def test_scans_that_make_no_sense_are_refused(how, message):
+    with pytest.raises(ValueError, match=message):
+        fh.Lidar([0], [0]).scan(room(), **how)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: fh.Lidar([], []), "columns must be at least 1"),
+        (lambda: fh.Lidar([0], [0, 1]), "elevations must be as many as azimuths"),
+        (lambda: fh.Lidar([np.nan], [0]), "azimuth must be finite"),
+        (lambda: fh.Lidar([0], [0], rings=[0.5]), "rings must be whole numbers"),
+        (lambda: fh.Lidar([0], [0], position=(0, 0, 0), pose=np.eye(4)), "position must be left"),
+        (lambda: fh.Lidar.spinning([]), "elevations must be at least one"),
+        (lambda: fh.Lidar.spinning([91]), "elevations must be from -90 to 90"),
+        (lambda: fh.Lidar.spinning([1], azimuth_offsets=[1, 2]), "azimuth_offsets must be one"),
+        (lambda: fh.Lidar.spinning([1], direction="up"), "direction must be one of"),
+        (lambda: fh.Lidar.named("vlp-16", rate=0), "rate must be positive"),
+        (lambda: fh.Lidar.named("vlp-16", rate=1e9), "columns must be at least 1"),
+        (lambda: fh.Lidar.spinning([1], columns=2**40), "beams must be at most 2"),
+        (lambda: fh.Lidar.raster(0, 10, 1, 1), "horizontal_fov must be above 0"),
+        (lambda: fh.Lidar.rosette(10, (1, 2), 0, 10), "points must be 1 or more"),
+    ],
+)
+def test_patterns_that_make_no_sense_are_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_a_scan_of_nothing_is_empty_and_can_be_saved(tmp_path):
+    for how in ({}, {"returns": "all"}, {"divergence": 0.01}, {"noise": 1, "seed": 1}):
+        scan = fh.Lidar([0, 1], [0, 0]).scan(fh.Scene(), **how)
+        assert len(scan) == 0
+        assert np.isinf(scan.to_image()).all()
+        assert (scan.to_image("object") == -1).all()
+        assert np.isnan(scan.to_image("point")).all()
+    for name in ("a.npz", "a.ply", "a.pcd", "a.las"):
+        scan.save(tmp_path / name)
+
+
+@pytest.fixture
+def scan():
+    lidar = fh.Lidar.named("vlp-16", columns=50, position=(0.5, 0.25, 0.125), start=100)
+    return lidar.scan(layers(), returns="all", intensity=True, range_gate=0.01)
+
+
+def test_an_npz_is_read_by_numpy(scan, tmp_path):
+    scan.save(tmp_path / "a.npz")
+    with np.load(tmp_path / "a.npz") as read:
+        for name in list(scan.keys()):
+            np.testing.assert_array_equal(read[name], scan[name])
+        said = json.loads(str(read["metadata"]))
+    assert said["sensor"]["words"] == {"pattern": "vlp-16"}
+    assert said["units"]["time"] == "seconds"
+    assert said == scan.metadata
+
+
+def test_a_ply_is_read_by_trimesh(scan, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    scan.save(tmp_path / "a.ply")
+    cloud = trimesh.load(tmp_path / "a.ply")
+    np.testing.assert_array_equal(cloud.vertices, scan.point)
+    data = cloud.metadata["_ply_raw"]["vertex"]["data"]
+    np.testing.assert_array_equal(data["time"], scan.time)
+    np.testing.assert_array_equal(data["ring"], scan.ring)
+
+
+def test_a_pcd_is_what_its_header_says(scan, tmp_path):
+    scan.save(tmp_path / "a.pcd")
+    content = (tmp_path / "a.pcd").read_bytes()
+    header, body = content.split(b"DATA binary\n", 1)
+    said = dict(line.split(" ", 1) for line in header.decode().splitlines()[1:])
+    fields, kinds, sizes = (said[name].split() for name in ("FIELDS", "TYPE", "SIZE"))
+    columns = [
+        (field, f"<{kind.lower()}{size}")
+        for field, kind, size in zip(fields, kinds, sizes, strict=True)
+    ]
+    read = np.frombuffer(body, columns)
+    assert len(read) == len(scan) == int(said["POINTS"])
+    np.testing.assert_array_equal(read["x"], scan.point[:, 0].astype(np.float32))
+    np.testing.assert_array_equal(read["return_number"], scan.return_number)
+    np.testing.assert_array_equal(read["time"], scan.time)
+
+
+@pytest.mark.parametrize("name", ["a.las", "a.laz"])
+def test_a_las_and_a_laz_are_read_by_laspy(name, scan, tmp_path):
+    laspy = pytest.importorskip("laspy")
+    if name == "a.laz":
+        pytest.importorskip("lazrs")
+    scan.save(tmp_path / name)
+    read = laspy.read(tmp_path / name)
+    assert (str(read.header.version), read.header.point_format.id) == ("1.4", 6)
+    assert len(read) == len(scan)
+    np.testing.assert_allclose(read.xyz, scan.point, atol=0.50001e-4)
+    np.testing.assert_array_equal(read.header.mins, read.xyz.min(axis=0))
+    np.testing.assert_array_equal(read.header.maxs, read.xyz.max(axis=0))
+    np.testing.assert_array_equal(read.gps_time, scan.time)
+    np.testing.assert_array_equal(read.return_number, scan.return_number)
+    np.testing.assert_array_equal(read.number_of_returns, scan.number_of_returns)
+    np.testing.assert_allclose(read.intensity / 65535, scan.intensity, atol=0.51 / 65535)
+    np.testing.assert_array_equal(read["range"], scan.range)
+    for extra in ("ring", "object", "row", "column"):
+        np.testing.assert_array_equal(read[extra], scan[extra])
+    by_return = [np.count_nonzero(scan.return_number == k + 1) for k in range(15)]
+    assert list(read.header.number_of_points_by_return) == by_return
+
+
+def test_a_parquet_is_read_by_pyarrow(scan, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    scan.save(tmp_path / "a.parquet")
+    table = parquet.read_table(tmp_path / "a.parquet")
+    for name, column in scan.to_dict().items():
+        np.testing.assert_array_equal(table[name].to_numpy(), column)
+    assert json.loads(table.schema.metadata[b"firsthit"]) == scan.metadata
+
+
+def test_a_las_of_a_far_place_has_the_steps_that_reach(tmp_path):
+    pattern = {"azimuths": [0, 90], "elevations": [0, 0]}
+    made = fh.Scene()
+    made.add(fh.Box((-3e6, -3e6, -3e6), (3e6, 3e6, 3e6)))
+    scan = fh.Lidar(**pattern, position=(1e5, 0, 0)).scan(made)
+    laspy = pytest.importorskip("laspy")
+    scan.save(tmp_path / "a.las")
+    read = laspy.read(tmp_path / "a.las")
+    assert read.header.scales.tolist() == [0.01] * 3
+    np.testing.assert_allclose(read.xyz, scan.point, atol=0.00501)
+
+
+def test_packages_that_are_missing_are_named(scan, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "laspy", None)
+    with pytest.raises(ImportError, match=r"pip install 'laspy\[lazrs\]'"):
+        scan.save(tmp_path / "a.laz")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(ImportError, match="pip install pyarrow"):
+        scan.save(tmp_path / "a.parquet")
+    with pytest.raises(ValueError, match=r"path must end in one of \.npz"):
+        scan.save(tmp_path / "a.e57")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_same_scan_has_the_same_bytes_and_writing_is_whole(scan, tmp_path):
+    for name in ("a.ply", "a.pcd", "a.las"):
+        scan.save(tmp_path / name)
+        first = (tmp_path / name).read_bytes()
+        pickle.loads(pickle.dumps(scan)).save(tmp_path / name)
+        assert (tmp_path / name).read_bytes() == first
+    with pytest.raises(fh.FileWriteError):
+        scan.save(tmp_path / "none" / "a.las")
+    out = io.BytesIO((tmp_path / "a.las").read_bytes())
+    assert out.read(4) == b"LASF"
