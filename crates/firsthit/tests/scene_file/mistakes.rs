@@ -15,7 +15,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[camera]\n  taregt = [0, 0, 1]\n",
-        "2:3: unknown key `taregt`; projection = \"perspective\" takes position, aim, look_at, up, ray_start, columns, rows, fov, focal_length, width, height, projection",
+        "2:3: unknown key `taregt`; projection = \"perspective\" takes position, aim, look_at, up, pose, convention, ray_start, columns, rows, fov, focal_length, width, height, fx, fy, cx, cy, skew, shift_x, shift_y, tilt_x, tilt_y, projection",
     ),
     (
         "[camera]\ntarget = [0, 0, 1]\n",
@@ -79,7 +79,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[camera]\nprojection = 'orthographic'\nfov = 3\n",
-        "3:1: unknown key `fov`; projection = \"orthographic\" takes position, aim, look_at, up, ray_start, columns, rows, focal_length, width, height, projection",
+        "3:1: unknown key `fov`; projection = \"orthographic\" takes position, aim, look_at, up, pose, convention, ray_start, columns, rows, focal_length, width, height, shift_x, shift_y, projection",
     ),
     ("camera = 3\n", "1:10: `camera` must be a table, got 3"),
     (
