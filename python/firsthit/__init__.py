@@ -13,12 +13,13 @@ identifiers and ``nan`` elsewhere.
 (array([ 4., inf]), array([ 0, -1], dtype=int32))
 """
 
-from . import _firsthit
+from . import _firsthit, annotations
 from ._all_hits import AllHits
 from ._camera import Camera
 from ._cameras import NamedCamera
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
 from ._explain import Candidate, Crossing, Explanation
+from ._flow import Disparity, Flow, disparity, optical_flow
 from ._frame import Frame, read_metadata
 from ._hits import Hits
 from ._info import info
@@ -42,6 +43,7 @@ from ._sensor import Sensor
 from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 from ._trajectory import Trajectory
+from .annotations import annotate
 
 # Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
 __version__ = _firsthit.version()
@@ -58,6 +60,7 @@ __all__ = [
     "Cylinder",
     "DirectionalLight",
     "Disc",
+    "Disparity",
     "Explanation",
     "FileError",
     "FileFormatError",
@@ -65,6 +68,7 @@ __all__ = [
     "FileWriteError",
     "Finding",
     "FirsthitWarning",
+    "Flow",
     "Frame",
     "Hits",
     "LeavingRays",
@@ -92,9 +96,13 @@ __all__ = [
     "SpotLight",
     "Texture",
     "Trajectory",
+    "annotate",
+    "annotations",
+    "disparity",
     "info",
     "lint",
     "load",
+    "optical_flow",
     "read_metadata",
     "render",
 ]

@@ -9,7 +9,6 @@ import numpy as np
 
 from . import _colmap, _conventions, _firsthit
 from ._arrays import count, index, number, numbers, text, vector, vectors
-from ._colmap import ColmapCamera
 from ._conventions import OpenCvCamera
 from ._sensor import Sensor
 
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from ._colmap import ColmapCamera
     from ._traceable import Traceable
     from ._types import Convention, FisheyeName, Projection, RayStart, Vector, ViewName
 
@@ -149,7 +149,7 @@ class Camera(Sensor):
             text("projection", projection),
             text("ray_start", ray_start),
             list(given.items()),
-            False,
+            again=False,
         )
         self._take(native, vector("aim", aim))
 
@@ -184,7 +184,8 @@ class Camera(Sensor):
     def _again(cls, view: _firsthit._View) -> Camera:
         """Return the camera from which the view was taken."""
         vectors_, pixels, words, parameters = view
-        return _taken(cls, *(vector("view", each) for each in vectors_), pixels, words, parameters)
+        position, aim, up = (vector("view", each) for each in vectors_)
+        return _taken(cls, position, aim, up, pixels, words, tuple(parameters))
 
     @classmethod
     def _given(cls, view: _firsthit._View) -> Camera:
@@ -193,7 +194,7 @@ class Camera(Sensor):
         aimed = vector("view", aim)
         camera = cls.__new__(cls)
         where, upwards = vector("view", position), vector("view", up)
-        native = _firsthit.Camera(where, aimed, upwards, pixels, *words, parameters, False)
+        native = _firsthit.Camera(where, aimed, upwards, pixels, *words, parameters, again=False)
         camera._take(native, aimed)
         return camera
 
@@ -301,7 +302,8 @@ class Camera(Sensor):
         array([-0.5  ,  0.5  ,  0.707])
         """
         parameters = {"horizontal_fov": horizontal_fov, "vertical_fov": vertical_fov}
-        lengths, kind = (None, None, None), "equirectangular"
+        lengths = None, None, None
+        kind: Projection = "equirectangular"
         return cls(position, aim, up, *lengths, rows, columns, kind, "eye", parameters)
 
     @classmethod
@@ -359,7 +361,7 @@ class Camera(Sensor):
     @classmethod
     def from_intrinsics(
         cls,
-        K: npt.ArrayLike,  # noqa: N803 - what everyone calls it
+        K: npt.ArrayLike,
         *,
         rows: int,
         columns: int,
@@ -436,12 +438,12 @@ class Camera(Sensor):
     @classmethod
     def from_opencv(
         cls,
-        K: npt.ArrayLike,  # noqa: N803 - what everyone calls it
+        K: npt.ArrayLike,
         distortion: npt.ArrayLike | None = None,
         rvec: npt.ArrayLike | None = None,
         tvec: npt.ArrayLike = (0.0, 0.0, 0.0),
         *,
-        R: npt.ArrayLike | None = None,  # noqa: N803 - what everyone calls it
+        R: npt.ArrayLike | None = None,
         rows: int,
         columns: int,
         model: str = "pinhole",
@@ -561,7 +563,7 @@ class Camera(Sensor):
     @classmethod
     def from_projection_matrix(
         cls,
-        P: npt.ArrayLike,  # noqa: N803 - what everyone calls it
+        P: npt.ArrayLike,
         *,
         rows: int,
         columns: int,
@@ -918,7 +920,8 @@ class Camera(Sensor):
         if k is None or self.projection != "perspective":
             raise ValueError(f"OpenGL has no such camera: {self.projection}")
         planes = number("near", near), number("far", far)
-        return _conventions.gl_projection(k, self.rows, self.columns, *planes), np.linalg.inv(pose)
+        view = np.linalg.inv(pose).astype(np.float64, copy=False)
+        return _conventions.gl_projection(k, self.rows, self.columns, *planes), view
 
     def project(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Say where in the picture points are seen, whether or not anything hides them.
@@ -1110,7 +1113,7 @@ def _taken(
     parameters: tuple[tuple[str, float], ...],
 ) -> Camera:
     """Return the camera from which the arguments were taken."""
-    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, True)
+    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, again=True)
     return kind._of(native)
 
 
@@ -1125,5 +1128,6 @@ def _given(
 ) -> Camera:
     """Return the camera that was made from the arguments."""
     camera = kind.__new__(kind)
-    camera._take(_firsthit.Camera(position, aim, up, pixels, *words, parameters, False), aim)
+    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, again=False)
+    camera._take(native, aim)
     return camera

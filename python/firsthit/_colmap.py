@@ -7,7 +7,7 @@ import os
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -206,9 +206,7 @@ def _intrinsics(
         raise _wrong(path, f"{where}parameters must be finite, got {values}")
     numbers = dict(zip(names, values, strict=True))
     both = numbers.pop("f", None)
-    fx, fy = (
-        (numbers.pop("fx"), numbers.pop("fy")) if both is None else (both, both)
-    )
+    fx, fy = (numbers.pop("fx"), numbers.pop("fy")) if both is None else (both, both)
     matrix = fx, fy, numbers.pop("cx"), numbers.pop("cy")
     return Intrinsics(projection, matrix, tuple(numbers.items()), height, width)
 
@@ -266,7 +264,7 @@ class _Binary:
     def __init__(self, path: str | os.PathLike[str], data: bytes) -> None:
         self._path, self._data, self._at = path, data, 0
 
-    def take(self, layout: str) -> tuple[int, ...]:
+    def take(self, layout: str) -> tuple[Any, ...]:
         size = struct.calcsize(layout)
         if self._at + size > len(self._data):
             raise self.wrong("the file is cut off")
@@ -275,6 +273,7 @@ class _Binary:
         return made
 
     def count(self) -> int:
+        count: int
         (count,) = self.take("<Q")
         if count > len(self._data):
             raise self.wrong(f"the file says that it has {count} entries, and is too short")

@@ -155,7 +155,8 @@ def quaternion(rotation: npt.NDArray[np.float64]) -> tuple[float, npt.NDArray[np
 def coefficients(distortion: npt.ArrayLike | None, model: str, xi: float) -> dict[str, float]:
     """Return OpenCV's coefficients by their names."""
     given = np.zeros(0) if distortion is None else numbers("distortion", distortion).ravel()
-    names, counts = OPENCV, _COUNTS
+    names: tuple[str, ...] = OPENCV
+    counts: tuple[int, ...] = _COUNTS
     if model == "fisheye":
         names, counts = FISHEYE, (0, 4)
     elif model == "omnidir":

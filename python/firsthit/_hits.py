@@ -357,7 +357,7 @@ class Hits(Attributed):
     @overload
     def channel(
         self,
-        name: Literal["front"],
+        name: Literal["front", "valid"],
         *,
         threads: int | None = None,
         progress: Progress | None = None,

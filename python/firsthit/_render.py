@@ -137,6 +137,7 @@ def render(
     ``base_color``                   3 float64          linear Rec. 709        nan
     ``attribute:NAME``               any float64        the attribute's        nan
     ``front``                        bool               the front was met      False
+    ``valid``                        bool               the pixel has a ray    either
     ===============================  =================  =====================  ================
 
     A node is one of the file's tree, a mesh one of the file, whose parts may be several objects,

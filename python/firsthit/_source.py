@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 #: What is neither float64 nor one of the arrays.
 _DTYPES: dict[str, type[np.generic]] = {
     "front": np.bool_,
+    "valid": np.bool_,
     **dict.fromkeys(("face", "node", "mesh", "material"), np.int32),
 }
 

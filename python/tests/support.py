@@ -1,5 +1,6 @@
 """What several tests share."""
 
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,9 @@ ROOT = Path(__file__).parents[2]
 TESTDATA = ROOT / "testdata"
 
 needs_refdata = pytest.mark.skipif(not REFDATA.is_dir(), reason="../shared/refdata is not here")
+
+#: pycocotools hands NumPy an array that cannot be asked whether it is copied.
+of_pycocotools = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")
 
 #: What scripts of tests begin with.
 PRELUDE = f"""
@@ -59,4 +63,32 @@ def ball() -> fh.Scene:
     """A unit sphere at the origin."""
     scene = fh.Scene()
     scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    return scene
+
+
+def turned(axis, angle, place=(0, 0, 0), scale=1.0):
+    """A rotation about an axis, a place, and a scale along the object's axes."""
+    x, y, z = np.array(axis, float) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turn = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = turn * scale, place
+    return matrix
+
+
+def things(count: int, low: tuple[float, ...], high: tuple[float, ...]) -> fh.Scene:
+    """Shapes of all kinds within a box, turned and scaled: ``thing 0`` and so on."""
+    scene, rng = fh.Scene(), np.random.default_rng(12)
+    shapes = [
+        fh.Mesh(*bumpy_sphere(8, 3)),
+        fh.Sphere((0, 0, 0), 0.9),
+        fh.Box((-0.8, -0.5, -0.6), (0.7, 0.9, 0.4)),
+        fh.Cylinder((0, 0, -1), (0.3, 0.2, 1), 0.5),
+        fh.Cone((0, 0, -1), (0, 0.2, 1), 0.8, 0.2),
+        fh.Disc((0, 0, 0), (1, 2, 3), 0.9),
+    ]
+    for k in range(count):
+        place = rng.uniform(low, high)
+        matrix = turned(rng.normal(size=3), rng.uniform(0, 6), place, rng.uniform(0.4, 1.2, 3))
+        scene.add(shapes[k % len(shapes)], name=f"thing {k}", transform=matrix)
     return scene

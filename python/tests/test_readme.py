@@ -1,4 +1,4 @@
-"""README.md's example in Python and the lines of docs/guide.md run as they stand."""
+"""README.md's example in Python and the lines of docs/guide.md and others run as they stand."""
 
 import re
 import shutil
@@ -50,6 +50,23 @@ def test_the_guide_s_lines_run_and_write_its_pictures(tmp_path, monkeypatch):
         ours, kept = (fh.Frame.load(path / name) for path in (tmp_path, ROOT / "docs" / "images"))
         for channel, array in ours.items():
             np.testing.assert_array_equal(array, kept[channel])
+
+
+def test_the_lines_about_annotations_run_and_write_their_files(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
+    text = (ROOT / "docs" / "annotations.md").read_text()
+    blocks, told = re.findall(r"```python\n(.*?)```", text, re.DOTALL), {}
+    for block in blocks:
+        exec(block, told)
+    assert told["cone"].visible_pixels > 0
+    assert [point.visibility for point in told["marked"].by_name("cone").keypoints] == [2, 2]
+    assert told["moved"].occluded.any()
+    assert told["pair"].occluded.any()
+    names = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
+    assert {"coco.json", "bop/000000/scene_gt.json", "yolo/labels/train/000000.txt"} < names
+    assert {"bop/000000/mask_visib/000000_000000.png", "yolo/data.yaml"} < names
+    assert "kitti/training/label_2/000000.txt" in names
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the lines are for a Unix shell")

@@ -30,7 +30,9 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
         for row in settings.rows() {
             let shot = shots.of(*row)?;
             let mut shoot = || match &shot {
-                Shot::Pixels(camera) => firsthit_side::first_hits(&built, camera, &mut hits),
+                Shot::Pixels(camera) | Shot::Curved(camera) => {
+                    firsthit_side::first_hits(&built, camera, &mut hits);
+                }
                 Shot::First(rays) => firsthit_side::first_hits(&built, &**rays, &mut hits),
                 Shot::Any(rays) => drop(black_box(firsthit_side::any_hits(&built, rays))),
                 Shot::All(rays) => firsthit_side::all_hits(&built, rays, &mut all),

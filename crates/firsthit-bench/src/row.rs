@@ -13,6 +13,10 @@ pub(crate) enum Row {
     Primary,
     /// The pixels of an orthographic camera, from its description
     Orthographic,
+    /// The pixels of the first row's camera with OpenCV's distortion, from its description; Embree gets the same rays, made before
+    Distorted,
+    /// The pixels of an equidistant fisheye of 180 degrees in the same place, likewise
+    Fisheye,
     /// The first row's as an array of rays in float32, row by row
     Array,
     /// From each hit of the first row to the light: anything in between?
@@ -36,6 +40,8 @@ impl Row {
     pub(crate) const ALL: &[Self] = &[
         Self::Primary,
         Self::Orthographic,
+        Self::Distorted,
+        Self::Fisheye,
         Self::Array,
         Self::Shadow,
         Self::Occlusion,

@@ -43,6 +43,10 @@ pub(crate) fn measure(
     for &row in settings.rows() {
         let measured = match shots.of(row)? {
             Shot::Pixels(camera) => run.first_hits(row, &camera, &Pixels::new(&camera)),
+            Shot::Curved(camera) => {
+                let rays: Vec<Ray> = (0..camera.len()).map(|k| Rays::ray(&camera, k)).collect();
+                run.first_hits(row, &camera, &Columns::new(&rays))
+            }
             Shot::First(rays) => run.first_hits(row, &*rays, &Columns::new(&rays)),
             Shot::Any(rays) => run.any_hits(row, &rays),
             Shot::All(rays) => run.all_hits(row, &rays),
@@ -57,6 +61,8 @@ pub(crate) fn measure(
 pub(crate) enum Shot {
     /// A camera's: the first hit.
     Pixels(Camera),
+    /// The same, which Embree cannot make.
+    Curved(Camera),
     /// The first hit.
     First(Vec<Ray>),
     /// Any hit.
@@ -71,7 +77,7 @@ impl Shot {
     /// How many rays there are.
     pub(crate) fn count(&self) -> usize {
         match self {
-            Self::Pixels(camera) => camera.len(),
+            Self::Pixels(camera) | Self::Curved(camera) => camera.len(),
             Self::First(rays) | Self::Any(rays) | Self::All(rays) => rays.len(),
             Self::Picture(picture) => picture.count(),
         }
@@ -105,6 +111,8 @@ impl<'a> Shots<'a> {
         Ok(match row {
             Row::Primary => Shot::Pixels(self.camera),
             Row::Orthographic => Shot::Pixels(self.look.camera(true, self.side)?),
+            Row::Distorted => Shot::Curved(self.look.distorted(self.side)?),
+            Row::Fisheye => Shot::Curved(self.look.fisheye(self.side)?),
             Row::Array => Shot::First(rays::of_pixels(&self.camera)),
             Row::Shadow => Shot::Any(self.surface.to_light(self.look.light)),
             Row::Occlusion => Shot::Any(self.surface.around(self.look.reach, count)),

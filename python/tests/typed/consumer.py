@@ -128,6 +128,29 @@ def frames(scene: fh.Scene, camera: fh.Camera) -> None:
     fh.render(scene, camera, shade=own, samples=1, progress=False)
 
 
+def truths(scene: fh.Scene, camera: fh.Camera) -> None:
+    """So have annotations and flow."""
+    tips = fh.annotations.Keypoints({"tip": [0, 0, 1]}, skeleton=[("tip", "tip")])
+    found = fh.annotate(
+        scene,
+        camera,
+        classes=lambda made: made.name or "rest",
+        by="node",
+        keypoints={"ball": tips, 0: {"tip": (0, 0, 1)}},
+    )
+    assert_type(found.instance, Integers)
+    for one in found.instances:
+        assert_type(one.visible.array, npt.NDArray[np.bool_])
+        assert_type(one.visible_box, tuple[int, int, int, int] | None)
+        if one.box3d is not None:
+            assert_type(one.box3d.corners_in_camera, Doubles)
+    fh.annotations.to_coco({"a.png": found}, form="rle", classes=["ball", "rest"])
+    fh.annotations.to_coco([found])
+    flow = fh.optical_flow(scene, camera, scene, camera)
+    assert_type(flow.flow, Doubles)
+    assert_type(flow.occluded, npt.NDArray[np.bool_])
+
+
 if TYPE_CHECKING:
 
     def mistakes(scene: fh.Scene, camera: fh.Camera) -> None:
@@ -140,6 +163,7 @@ if TYPE_CHECKING:
         scene.shoot(camera).channel("color2")  # type: ignore[call-overload]
         fh.Sphere(center=[0, 0, 0], radius="1")  # type: ignore[arg-type]
         scene.add("ball")  # type: ignore[call-overload]
+        fh.annotate(scene, camera, by="mesh")  # type: ignore[arg-type]
 
 
 def main() -> None:
@@ -148,6 +172,7 @@ def main() -> None:
     camera = cameras(scene)
     hits(scene, camera)
     frames(scene, camera)
+    truths(scene, camera)
 
 
 if __name__ == "__main__":

@@ -2,8 +2,9 @@
 
 use std::str::SplitWhitespace;
 
-use firsthit::camera::View;
-use firsthit::{Camera, DVec3, Lens, RayStart, Viewplane};
+use firsthit::camera::distortion::OpenCv;
+use firsthit::camera::{Calibrated, View};
+use firsthit::{Camera, DVec3, Lens, Projection, RayStart, Viewplane};
 
 /// Where the cameras and the light are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,18 +34,53 @@ impl Look {
         } else {
             Viewplane::with_vertical_fov(self.vertical_fov_degrees, side, side)
         };
-        let view = |viewplane| View {
+        let lens = viewplane
+            .map(Lens::Flat)
+            .map_err(|error| error.to_string())?;
+        self.through(lens, side)
+    }
+
+    /// The perspective camera with the distortion of a usual wide-angle lens: at the corners 12 % of the radius.
+    pub(crate) fn distorted(&self, side: usize) -> Result<Camera, String> {
+        let camera = self.camera(false, side)?;
+        let matrix = camera.pixel_matrix().ok_or("the camera has no matrix")?;
+        // As a share of the radius at the corners, whatever the field of view.
+        let corner = 0.5 * (side as f64 / matrix.fx).powi(2);
+        let barrel = OpenCv {
+            k1: -0.18 / corner,
+            k2: 0.06 / corner.powi(2),
+            p1: 0.001,
+            p2: -0.0005,
+            ..OpenCv::default()
+        };
+        self.through(Lens::OpenCv(Calibrated::new(matrix, barrel)), side)
+    }
+
+    /// A fisheye that sees half of the sphere in a circle that touches the edges, and more in the corners: Embree takes a pixel
+    /// without a ray for one that may meet everything.
+    pub(crate) fn fisheye(&self, side: usize) -> Result<Camera, String> {
+        let said = |error: firsthit::Error| error.to_string();
+        let half = Lens::with_fov(Projection::Equidistant, 180.0, side, side).map_err(said)?;
+        let mut numbers = half.parameters();
+        for (name, value) in &mut numbers {
+            if *name == "fov" {
+                *value = 360.0;
+            }
+        }
+        let lens = Lens::named(Projection::Equidistant, &numbers).map_err(said)?;
+        self.through(lens, side)
+    }
+
+    fn through(&self, lens: Lens, side: usize) -> Result<Camera, String> {
+        let view = View {
             position: self.eye,
             aim: self.target - self.eye,
             up: self.up,
             rows: side,
             columns: side,
-            lens: Lens::Flat(viewplane),
+            lens,
         };
-        viewplane
-            .map(view)
-            .and_then(Camera::new)
-            .map_err(|error| error.to_string())
+        Camera::new(view).map_err(|error| error.to_string())
     }
 }
 

@@ -36,7 +36,7 @@ mod traverse;
 pub use crate::simd::InstructionSet;
 pub use bvh::Bvh;
 pub(crate) use bvh::{Walk, WalkStack};
-pub(crate) use locate8::{Corners, InLanes, RayBundle, SharedTriangle, locate8};
+pub(crate) use locate8::{Corners, RayBundle, SharedTriangle, locate8};
 pub use mesh_tree::MeshTree;
 #[cfg(feature = "fhs")]
 pub(crate) use meshlet::Meshlet;

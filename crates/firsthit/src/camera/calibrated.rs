@@ -1,10 +1,16 @@
 //! Calibrated cameras: a distortion, which takes directions to a normalised image, and the matrix that takes that to pixels.
 
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it is compiled for the kernel's instruction set"
+)]
+
 use super::central::Central;
 use super::distortion::{Distortion, Limit};
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
 use crate::error::Result;
+use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3};
 
 /// A calibrated camera with one of the models of [`distortion`](super::distortion). Rays start at the camera.
@@ -47,7 +53,7 @@ pub(super) fn within<D: Distortion>(
     distortion: D,
     [rows, columns]: [usize; 2],
 ) -> Result<Calibrated<D>> {
-    let radius = distortion.limit()?.distorted;
+    let radius = distortion.limit(0.0)?.distorted;
     let focal_length = 0.5 * rows.min(columns).max(1) as f64 / radius;
     let matrix = PixelMatrix {
         fx: focal_length,
@@ -74,7 +80,7 @@ impl<D: Parameters> Parameters for Calibrated<D> {
 }
 
 impl<D: Distortion> Central for Calibrated<D> {
-    fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
+    fn prepare(&mut self, [rows, columns]: [usize; 2]) -> Result<()> {
         self.matrix.check()?;
         let mut fine = Ok(());
         self.distortion.each(&mut |name, value| {
@@ -83,8 +89,33 @@ impl<D: Distortion> Central for Calibrated<D> {
             }
         });
         fine?;
-        self.limit = self.distortion.limit()?;
+        let ends = |count: usize| [0.0, count as f64];
+        let corners = ends(columns).map(|x| ends(rows).map(|y| DVec2::new(x, y)));
+        let corners = corners.iter().flatten();
+        let radii = corners.map(|&corner| self.matrix.point(corner).length());
+        self.limit = self.distortion.limit(radii.fold(0.0, f64::max))?;
         Ok(())
+    }
+
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        _: [usize; 2],
+        [u, v]: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        // Operation for operation what `PixelMatrix::point` does.
+        let PixelMatrix {
+            fx,
+            fy,
+            cx,
+            cy,
+            skew,
+        } = self.matrix;
+        let y = of.div(of.sub(v, of.number(cy)), of.number(fy));
+        let across = of.sub(of.sub(u, of.number(cx)), of.mul(of.number(skew), y));
+        let x = of.div(across, of.number(fx));
+        self.distortion.directions(of, &self.limit, [x, y])
     }
 
     fn direction(&self, _: [usize; 2], pixel: DVec2) -> Option<DVec3> {

@@ -2,11 +2,18 @@
 //!
 //! The middle of the picture is the aim. Longitude grows to the right, latitude upwards. The whole sphere has 360 by 180 degrees.
 
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it is compiled for the kernel's instruction set"
+)]
+
 use std::f64::consts::TAU;
 
 use super::central::Central;
 use super::parameters::parameters;
+use super::quick::sincos;
 use crate::error::Result;
+use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, require};
 
 parameters! {
@@ -49,6 +56,23 @@ impl Central for Equirectangular {
         let (across, ahead) = libm::sincos(longitude);
         let (above, level) = libm::sincos(latitude);
         Some(DVec3::new(level * across, -above, level * ahead))
+    }
+
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        [rows, columns]: [usize; 2],
+        [u, v]: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        let longitude = of.sub(of.div(u, of.number(columns as f64)), of.number(0.5));
+        let longitude = of.mul(of.number(radians(self.horizontal_fov)), longitude);
+        let latitude = of.sub(of.div(v, of.number(rows as f64)), of.number(0.5));
+        let latitude = of.mul(of.number(radians(self.vertical_fov)), latitude);
+        let [across, ahead] = sincos(of, longitude);
+        let [below, level] = sincos(of, latitude);
+        let direction = [of.mul(level, across), below, of.mul(level, ahead)];
+        (direction, of.lt(of.number(0.0), of.number(1.0)))
     }
 
     fn pixel(&self, [rows, columns]: [usize; 2], direction: DVec3) -> Option<DVec2> {

@@ -15,6 +15,7 @@ use super::pose::Pose;
 use super::viewplane::Viewplane;
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, named};
+use crate::simd::InstructionSet;
 
 /// What every lens can do, for a camera of a pose and with so many rows and columns of pixels.
 pub(super) trait Model {
@@ -23,6 +24,20 @@ pub(super) trait Model {
     /// The ray through a point of a pixel, its direction of length one; NaN where nothing is seen. `offset` runs from 0 to 1
     /// rightwards and upwards.
     fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray;
+    /// Those of pixels of one row from one on: what [`ray`](Self::ray) gives, sooner than one by one.
+    fn row(
+        &self,
+        _set: InstructionSet,
+        pose: &Pose,
+        size: [usize; 2],
+        first: [usize; 2],
+        offset: DVec2,
+        rays: &mut [Ray],
+    ) {
+        for (column, ray) in (first[1]..).zip(rays) {
+            *ray = self.ray(pose, size, [first[0], column], offset);
+        }
+    }
     /// Where in the picture a point is seen: columns from the left edge and rows from the upper one. The point counts from the
     /// camera, x to the right, y down, z ahead.
     fn project(&self, size: [usize; 2], point: DVec3) -> Option<DVec2>;
@@ -266,5 +281,82 @@ impl Default for Lens {
     /// A perspective one, at a size of 4/3 by 1 and at distance one.
     fn default() -> Self {
         Self::Flat(Viewplane::default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, View};
+
+    /// Every instruction set makes the rays that one by one are made, to the bit.
+    #[test]
+    fn rows_of_rays_are_the_rays_one_by_one() {
+        let matrix = [
+            ("fx", 30.0),
+            ("fy", 29.0),
+            ("cx", 33.3),
+            ("cy", 21.1),
+            ("skew", 0.3),
+        ];
+        for &projection in Projection::ALL {
+            let own: &[(&str, f64)] = match projection {
+                Projection::OpenCv => &[
+                    ("k1", -0.3),
+                    ("k2", 0.05),
+                    ("k5", 0.01),
+                    ("p1", 0.002),
+                    ("s1", 0.001),
+                ],
+                Projection::OpenCvFisheye => &[("k1", 0.05), ("k2", -0.03)],
+                Projection::KannalaBrandt => &[("k1", 0.9), ("k2", 0.02)],
+                Projection::DoubleSphere => &[("xi", -0.2), ("alpha", 0.6)],
+                Projection::Eucm => &[("alpha", 0.6), ("beta", 1.1)],
+                Projection::Ucm => &[("alpha", 0.6)],
+                Projection::Mei => &[("xi", 1.3), ("k1", -0.1), ("p2", 0.01)],
+                _ => &[],
+            };
+            let has_matrix = projection
+                .lens()
+                .parameters()
+                .iter()
+                .any(|(name, _)| *name == "fx");
+            let numbers = [if has_matrix { &matrix[..] } else { &[] }, own].concat();
+            let view = View {
+                aim: DVec3::new(0.3, -0.5, 0.8),
+                rows: 48,
+                columns: 64,
+                lens: Lens::named(projection, &numbers).unwrap(),
+                ..View::default()
+            };
+            let camera = Camera::new(view).unwrap();
+            let offset = DVec2::new(0.3, 0.6);
+            for set in InstructionSet::ALL {
+                let (mut seen, mut ray_of_row) = (0, vec![camera.ray(0, 0); 61]);
+                for row in 0..48 {
+                    let lens = camera.lens().model();
+                    lens.row(
+                        set,
+                        &camera.pose,
+                        [48, 64],
+                        [row, 3],
+                        offset,
+                        &mut ray_of_row,
+                    );
+                    for (k, ray) in ray_of_row.iter().enumerate() {
+                        let own = camera.ray_within(row, 3 + k, offset);
+                        let bits = |v: DVec3| v.to_array().map(f64::to_bits);
+                        assert_eq!(
+                            bits(ray.direction),
+                            bits(own.direction),
+                            "{projection:?} {set:?}"
+                        );
+                        assert_eq!(ray.origin, own.origin);
+                        seen += usize::from(own.is_valid());
+                    }
+                }
+                assert!(seen > 700, "{projection:?}: {seen}");
+            }
+        }
     }
 }

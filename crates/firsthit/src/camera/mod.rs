@@ -16,6 +16,7 @@ mod octahedral;
 mod parameters;
 mod pixel_matrix;
 mod pose;
+mod quick;
 mod standard;
 mod viewplane;
 
@@ -35,6 +36,7 @@ use std::ops::Range;
 
 use crate::error::{Error, Result};
 use crate::geometry::{DAffine3, DVec2, DVec3, PixelGrid, Ray, Rays, require, unit};
+use crate::simd::InstructionSet;
 use pose::Pose;
 
 /// What a camera is made from. Directions need not be of length one.
@@ -324,6 +326,15 @@ impl Camera {
         lens.ray(&self.pose, self.size(), [row, column], offset)
     }
 
+    /// Fills `rays` with those through a point of the pixels of one row, from a column on: what [`ray_within`](Self::ray_within)
+    /// gives, sooner than one by one.
+    pub fn row_within(&self, row: usize, column: usize, offset: DVec2, rays: &mut [Ray]) {
+        let lens = self.view.lens.model();
+        // The rays are the same with any; who chooses a wrong one is told so where rays are traced.
+        let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
+        lens.row(set, &self.pose, self.size(), [row, column], offset, rays);
+    }
+
     /// What the rays through that point of every pixel have in common, if they all go through a flat viewplane.
     pub fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
         self.view.lens.model().grid(&self.pose, self.size(), offset)
@@ -364,5 +375,24 @@ impl Rays for Camera {
 
     fn grid(&self) -> Option<PixelGrid> {
         self.grid_within(PixelGrid::CENTRE)
+    }
+
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        if let Some(grid) = self.grid() {
+            return grid.read(first, rays);
+        }
+        let columns = self.columns();
+        let (mut row, mut column) = (first / columns, first % columns);
+        let mut rest = rays;
+        while !rest.is_empty() {
+            let (of_row, after) = rest.split_at_mut(rest.len().min(columns - column));
+            self.row_within(row, column, PixelGrid::CENTRE, of_row);
+            (row, column, rest) = (row + 1, 0, after);
+        }
+    }
+
+    fn picture(&self) -> Option<[usize; 2]> {
+        let is_flat = self.view.lens.viewplane().is_some();
+        (!is_flat).then(|| self.size())
     }
 }

@@ -26,6 +26,8 @@ pub(crate) trait Arithmetic: Copy {
     fn mul(self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// `a / b`.
     fn div(self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// The square root; NaN of a negative number.
+    fn sqrt(self, a: Self::Number) -> Self::Number;
     /// The larger; `b` where they are equal or either is NaN.
     fn max(self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// `a * b + c`, rounded once.
@@ -38,6 +40,8 @@ pub(crate) trait Arithmetic: Copy {
     fn lt(self, a: Self::Number, b: Self::Number) -> Self::Mask;
     /// `a` in the mask, elsewhere `b`.
     fn select(self, mask: Self::Mask, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// Whether all is in the mask.
+    fn is_everywhere(self, mask: Self::Mask) -> bool;
     /// Whether there is anything in the mask.
     fn is_anywhere(self, mask: Self::Mask) -> bool;
 }
@@ -88,6 +92,10 @@ impl Arithmetic for Scalar {
         a / b
     }
     #[inline(always)]
+    fn sqrt(self, a: f64) -> f64 {
+        a.sqrt()
+    }
+    #[inline(always)]
     fn max(self, a: f64, b: f64) -> f64 {
         if a > b { a } else { b }
     }
@@ -110,6 +118,10 @@ impl Arithmetic for Scalar {
     #[inline(always)]
     fn select(self, mask: bool, a: f64, b: f64) -> f64 {
         if mask { a } else { b }
+    }
+    #[inline(always)]
+    fn is_everywhere(self, mask: bool) -> bool {
+        mask
     }
     #[inline(always)]
     fn is_anywhere(self, mask: bool) -> bool {

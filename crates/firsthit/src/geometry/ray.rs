@@ -128,6 +128,13 @@ pub trait Rays: Sync {
         None
     }
 
+    /// Rows and columns, if the rays all start in one point and are those of a picture, row by row, whose neighbours go nearly the
+    /// same way, though through no flat grid of pixels: those of a fisheye, say. Then they are shot in tiles too. Asked for where
+    /// there is no [`Rays::grid`].
+    fn picture(&self) -> Option<[usize; 2]> {
+        None
+    }
+
     /// Whether some of the rays do not meet everything. They are traced in packets or one by one then, never in tiles.
     fn is_filtered(&self) -> bool {
         false
@@ -195,6 +202,10 @@ impl<R: Rays + ?Sized> Rays for Filtered<'_, R> {
 
     fn grid(&self) -> Option<PixelGrid> {
         self.rays.grid()
+    }
+
+    fn picture(&self) -> Option<[usize; 2]> {
+        self.rays.picture()
     }
 
     fn is_filtered(&self) -> bool {

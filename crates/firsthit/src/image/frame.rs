@@ -262,7 +262,11 @@ impl Channel {
         if self.is_transparent() {
             "transparent"
         } else {
-            self.display.miss()
+            match &*self.name {
+                // It is about pixels, whatever their rays meet.
+                "valid" => "any",
+                _ => self.display.miss(),
+            }
         }
     }
 

@@ -91,6 +91,25 @@ impl Rays for Part<'_> {
     fn grid(&self) -> Option<PixelGrid> {
         self.grid_within(self.offset)
     }
+
+    fn read(&self, first: usize, rays: &mut [Ray]) {
+        if let Some(grid) = self.grid() {
+            return grid.read(first, rays);
+        }
+        let width = self.region.columns.len();
+        let mut first = first;
+        let mut rest = rays;
+        while !rest.is_empty() {
+            let (of_row, after) = rest.split_at_mut(rest.len().min(width - first % width));
+            self.sensor
+                .row_within(self.pixel(first), self.offset, of_row);
+            (first, rest) = (first + of_row.len(), after);
+        }
+    }
+
+    fn picture(&self) -> Option<[usize; 2]> {
+        self.sensor.picture().map(|_| self.region.shape())
+    }
 }
 
 impl Sensor for Part<'_> {
@@ -106,6 +125,10 @@ impl Sensor for Part<'_> {
         let first = [self.region.rows.start, self.region.columns.start];
         let grid = self.sensor.grid_within(offset)?;
         Some(grid.part(first, self.region.shape()))
+    }
+
+    fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
+        self.sensor.row_within(self.pixel(first), offset, rays);
     }
 
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {

@@ -54,6 +54,11 @@ impl Sensor for Camera {
         Camera::ray_within(self, row, column, offset)
     }
 
+    fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
+        let (row, column) = (first / self.columns(), first % self.columns());
+        Camera::row_within(self, row, column, offset, rays);
+    }
+
     fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
         Camera::grid_within(self, offset)
     }

@@ -28,6 +28,14 @@ pub trait Sensor: Rays + Debug {
     /// upwards; [`Rays::ray`] is the one at (0.5, 0.5). A sensor whose pixels are single rays has the same one for all offsets.
     fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray;
 
+    /// Fills `rays` with those through a point of pixels that lie in one row, from `first` on: what [`ray_within`](Self::ray_within)
+    /// gives, sooner than one by one.
+    fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
+        for (pixel, ray) in (first..).zip(rays) {
+            *ray = self.ray_within(pixel, offset);
+        }
+    }
+
     /// What [`ray_within`](Self::ray_within) gives for one offset has in common, as [`Rays::grid`] says.
     fn grid_within(&self, _offset: DVec2) -> Option<PixelGrid> {
         None

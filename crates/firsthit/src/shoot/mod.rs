@@ -139,6 +139,10 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
         self.0.grid()
     }
 
+    fn picture(&self) -> Option<[usize; 2]> {
+        self.0.picture()
+    }
+
     fn is_filtered(&self) -> bool {
         self.0.is_filtered()
     }

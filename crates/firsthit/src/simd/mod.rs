@@ -20,6 +20,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod block;
+mod in_lanes;
 mod lanes;
 mod mask;
 mod pages;
@@ -31,6 +32,7 @@ mod storage;
 mod x86;
 
 pub(crate) use block::{BLOCK_ALIGNMENT, Block};
+pub(crate) use in_lanes::InLanes;
 pub(crate) use lanes::{Aligned, LANES, Lanes, WIDE};
 pub(crate) use mask::set_bits;
 pub(crate) use pages::prefer_large_pages;

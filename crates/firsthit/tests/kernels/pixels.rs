@@ -36,6 +36,7 @@ pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Ca
                 height: 0.8 * wide,
                 parallel,
                 ray_start,
+                ..Viewplane::default()
             }),
         };
         cameras.push(Camera::new(view).unwrap());
@@ -175,6 +176,7 @@ fn a_grid_looked_at_through_its_corners() {
             height: side,
             parallel: true,
             ray_start: RayStart::Eye,
+            ..Viewplane::default()
         }),
         ..View::default()
     };
@@ -235,6 +237,7 @@ fn small_triangles_of_a_large_mesh() {
                 height: wide,
                 parallel: [false, true][round as usize / 2 % 2],
                 ray_start: RayStart::Eye,
+                ..Viewplane::default()
             }),
         };
         hits += checked(&scene, &Camera::new(view).unwrap());
@@ -312,6 +315,7 @@ fn triangles_smaller_than_a_pixel() {
                 height: 16.0 * pixel * [1.0, 30.0][round as usize / 6 % 2],
                 parallel: [true, false][round as usize / 3 % 2],
                 ray_start: RayStart::Eye,
+                ..Viewplane::default()
             }),
             ..View::default()
         };

@@ -6,6 +6,7 @@ use super::opencv::OpenCv;
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
 use crate::error::Result;
+use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, require};
 
 parameters! {
@@ -38,9 +39,31 @@ impl Mei {
 }
 
 impl Distortion for Mei {
-    fn limit(&self) -> Result<Limit> {
+    fn limit(&self, farthest: f64) -> Result<Limit> {
         require("xi", "not negative", self.xi >= 0.0, self.xi)?;
-        self.distortion().limit()
+        self.distortion().limit(farthest)
+    }
+
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        limit: &Limit,
+        point: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        let ([x, y, _], known) = self.distortion().directions(of, limit, point);
+        let xi = of.number(self.xi);
+        let r2 = of.add(of.mul(x, x), of.mul(y, y));
+        let rest = of.add(
+            of.number(1.0),
+            of.mul(of.number(1.0 - self.xi * self.xi), r2),
+        );
+        let factor = of.div(of.add(xi, of.sqrt(rest)), of.add(of.number(1.0), r2));
+        let known = known & of.lt(of.number(0.0), rest);
+        (
+            [of.mul(factor, x), of.mul(factor, y), of.sub(factor, xi)],
+            known,
+        )
     }
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {

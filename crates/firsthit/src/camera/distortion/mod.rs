@@ -4,6 +4,11 @@
 //! x / z and y / z, but for the models of which the paper says otherwise. Where a model folds over, so that a point of the image would
 //! have several directions, it ends: the directions beyond are nowhere in the picture, and what is beyond in the picture sees nothing.
 
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it is compiled for the kernel's instruction set"
+)]
+
 mod double_sphere;
 mod mei;
 mod newton;
@@ -21,7 +26,9 @@ pub use radial::{
 pub use unified::{Eucm, Ucm};
 
 use super::parameters::Parameters;
+use super::quick::Start;
 use crate::error::Result;
+use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3};
 
 /// How far a model goes before it folds over.
@@ -33,6 +40,8 @@ pub struct Limit {
     pub(super) distorted: f64,
     /// Where a model is not the same all around: the undistorted radius beyond which every point is past the fold.
     outermost: f64,
+    /// What the radius is multiplied by to be undistorted, or to be an angle, about, by its square.
+    start: Start,
 }
 
 impl Default for Limit {
@@ -41,6 +50,7 @@ impl Default for Limit {
             undistorted: f64::INFINITY,
             distorted: f64::INFINITY,
             outermost: f64::INFINITY,
+            start: Start::default(),
         }
     }
 }
@@ -48,8 +58,21 @@ impl Default for Limit {
 /// A model of a lens.
 pub(super) trait Distortion: Parameters + Copy + Send + Sync {
     /// Checks its parameters, which are finite, and finds out where it folds over.
-    fn limit(&self) -> Result<Limit> {
+    ///
+    /// `farthest` is how far from the middle the image's points are that will be asked for, about: a start for these is prepared.
+    fn limit(&self, _farthest: f64) -> Result<Limit> {
         Ok(Limit::default())
+    }
+    /// [`unproject`](Self::unproject) for a single point or several at once, and where it is known.
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        _limit: &Limit,
+        _point: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        let nothing = of.number(0.0);
+        ([nothing; 3], of.lt(nothing, nothing))
     }
     /// The point of the image at which a direction is seen.
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2>;

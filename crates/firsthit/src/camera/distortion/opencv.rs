@@ -16,7 +16,9 @@ use super::newton::{Mapped, invert, invert_in_plane};
 use super::polynomial::{product, sign_changes};
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
+use crate::camera::quick::{Start, polynomial, square, twice};
 use crate::error::Result;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DMat3, DVec2, DVec3, require};
 
 parameters! {
@@ -92,32 +94,11 @@ impl OpenCv {
         if !is_inside {
             return None;
         }
-        let [factor, rate] = self.radial(q);
-        let Self {
-            p1,
-            p2,
-            s1,
-            s2,
-            s3,
-            s4,
-            ..
-        } = *self;
-        let value = DVec2::new(
-            x * factor + 2.0 * p1 * x * y + p2 * (q + 2.0 * x * x) + q * (s1 + q * s2),
-            y * factor + p1 * (q + 2.0 * y * y) + 2.0 * p2 * x * y + q * (s3 + q * s4),
-        );
-        let (across, down) = (2.0 * (s1 + 2.0 * s2 * q), 2.0 * (s3 + 2.0 * s4 * q));
-        let both = 2.0 * x * y * rate + 2.0 * p1 * x + 2.0 * p2 * y;
+        let (value, [by_xx, by_xy, by_yx, by_yy]) = self.mapped(Scalar, [x, y]);
         let mapped = Mapped {
-            value,
-            by_x: DVec2::new(
-                factor + 2.0 * x * x * rate + 2.0 * p1 * y + 6.0 * p2 * x + across * x,
-                both + down * x,
-            ),
-            by_y: DVec2::new(
-                both + across * y,
-                factor + 2.0 * y * y * rate + 6.0 * p1 * y + 2.0 * p2 * x + down * y,
-            ),
+            value: value.into(),
+            by_x: DVec2::new(by_xx, by_yx),
+            by_y: DVec2::new(by_xy, by_yy),
         };
         (mapped.determinant() > 0.0).then_some(mapped)
     }
@@ -138,6 +119,24 @@ impl OpenCv {
     }
 }
 
+/// A polynomial's value and slope.
+#[inline(always)]
+fn cubic<A: Arithmetic>(of: A, [a, b, c, d]: [f64; 4], q: A::Number) -> [A::Number; 2] {
+    [
+        polynomial(of, &[a, b, c, d], q),
+        polynomial(of, &[b, 2.0 * c, 3.0 * d], q),
+    ]
+}
+
+/// What a thin prism moves a point by, and the derivative of that by x, divided by x.
+#[inline(always)]
+fn prism<A: Arithmetic>(of: A, first: f64, second: f64, q: A::Number) -> [A::Number; 2] {
+    [
+        of.mul(q, of.add(of.number(first), of.mul(of.number(second), q))),
+        of.add(of.number(2.0 * first), of.mul(of.number(4.0 * second), q)),
+    ]
+}
+
 /// A point through a perspective map; `None` behind it.
 fn through(map: &DMat3, point: DVec2) -> Option<DVec2> {
     let mapped = *map * point.extend(1.0);
@@ -145,7 +144,7 @@ fn through(map: &DMat3, point: DVec2) -> Option<DVec2> {
 }
 
 impl Distortion for OpenCv {
-    fn limit(&self) -> Result<Limit> {
+    fn limit(&self, farthest: f64) -> Result<Limit> {
         const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
         for (name, tilt) in [("tau_x", self.tau_x), ("tau_y", self.tau_y)] {
             require(
@@ -183,11 +182,68 @@ impl Distortion for OpenCv {
         } else {
             f64::INFINITY
         };
-        Ok(Limit {
+        let limit = Limit {
             undistorted,
             distorted,
             outermost,
+            ..Limit::default()
+        };
+        let end = farthest.min(0.999 * distorted);
+        let factor = |q: f64| {
+            let radius = q.sqrt();
+            Some(self.undistorted_radius(&limit, radius)? / radius)
+        };
+        Ok(Limit {
+            start: Start::through(end * end, factor),
+            ..limit
         })
+    }
+
+    /// Newton's method from the prepared start; known where it has settled on this side of the fold.
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        limit: &Limit,
+        [u, v]: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        /// From a start as near as usual, three lead to the last digit.
+        const MOST_STEPS: usize = 8;
+        /// A step of this share leaves less than rounding.
+        const SETTLED: f64 = 1e-10;
+        if self.is_tilted() {
+            return ([of.number(0.0); 3], of.lt(u, u));
+        }
+        let factor = limit.start.at(of, square(of, u, v));
+        let (mut x, mut y) = (of.mul(factor, u), of.mul(factor, v));
+        let most = of.number(limit.outermost * limit.outermost);
+        let mut settled = of.lt(x, x);
+        for _ in 0..MOST_STEPS {
+            let (there, jacobian) = self.mapped(of, [x, y]);
+            let residual = [of.sub(there[0], u), of.sub(there[1], v)];
+            let [xx, xy, yx, yy] = jacobian;
+            let determinant = of.sub(of.mul(xx, yy), of.mul(xy, yx));
+            let inverse = of.div(of.number(1.0), determinant);
+            let across = of.sub(of.mul(residual[0], yy), of.mul(xy, residual[1]));
+            let down = of.sub(of.mul(xx, residual[1]), of.mul(yx, residual[0]));
+            let step = [of.mul(across, inverse), of.mul(down, inverse)];
+            let (next_x, next_y) = (of.sub(x, step[0]), of.sub(y, step[1]));
+            let allowed = of.add(
+                of.number(f64::MIN_POSITIVE),
+                of.mul(of.number(SETTLED * SETTLED), square(of, next_x, next_y)),
+            );
+            let settles = of.lt(square(of, step[0], step[1]), allowed)
+                & of.lt(of.number(0.0), determinant)
+                & of.lt(square(of, next_x, next_y), most);
+            // What has settled stays, whatever its neighbours do.
+            x = of.select(settled, x, next_x);
+            y = of.select(settled, y, next_y);
+            settled = settled | settles;
+            if of.is_everywhere(settled) {
+                break;
+            }
+        }
+        ([x, y, of.number(1.0)], settled)
     }
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
@@ -242,6 +298,66 @@ impl Distortion for OpenCv {
 }
 
 impl OpenCv {
+    /// The distorted point of (x, y), before the tilt, and its derivative: of x by x and y, of y by x and y.
+    #[inline(always)]
+    fn mapped<A: Arithmetic>(
+        &self,
+        of: A,
+        [x, y]: [A::Number; 2],
+    ) -> ([A::Number; 2], [A::Number; 4]) {
+        let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
+        let q = of.add(xx, yy);
+        let [mut factor, mut rate] = cubic(of, self.numerator(), q);
+        if [self.k4, self.k5, self.k6] != [0.0; 3] {
+            let [below, fall] = cubic(of, self.divisor(), q);
+            let inverse = of.div(of.number(1.0), below);
+            factor = of.mul(factor, inverse);
+            rate = of.mul(of.sub(rate, of.mul(factor, fall)), inverse);
+        }
+        let double_rate = of.add(rate, rate);
+        let (mut there_x, mut there_y) = (of.mul(x, factor), of.mul(y, factor));
+        let mut by_xx = of.add(factor, of.mul(xx, double_rate));
+        let mut by_yy = of.add(factor, of.mul(yy, double_rate));
+        let mut by_xy = of.mul(xy, double_rate);
+        let mut by_yx = by_xy;
+        if (self.p1, self.p2) != (0.0, 0.0) {
+            let (p1, p2) = (of.number(self.p1), of.number(self.p2));
+            let (p1x, p1y) = (of.mul(p1, x), of.mul(p1, y));
+            let (p2x, p2y) = (of.mul(p2, x), of.mul(p2, y));
+            there_x = of.add(
+                there_x,
+                of.add(
+                    of.mul(twice(of, p1), xy),
+                    of.mul(p2, of.add(q, twice(of, xx))),
+                ),
+            );
+            there_y = of.add(
+                there_y,
+                of.add(
+                    of.mul(twice(of, p2), xy),
+                    of.mul(p1, of.add(q, twice(of, yy))),
+                ),
+            );
+            by_xx = of.add(by_xx, of.add(twice(of, p1y), of.mul(of.number(6.0), p2x)));
+            by_yy = of.add(by_yy, of.add(twice(of, p2x), of.mul(of.number(6.0), p1y)));
+            let both = twice(of, of.add(p1x, p2y));
+            by_xy = of.add(by_xy, both);
+            by_yx = of.add(by_yx, both);
+        }
+        let Self { s1, s2, s3, s4, .. } = *self;
+        if [s1, s2, s3, s4] != [0.0; 4] {
+            let ([across, across_rate], [down, down_rate]) =
+                (prism(of, s1, s2, q), prism(of, s3, s4, q));
+            there_x = of.add(there_x, across);
+            there_y = of.add(there_y, down);
+            by_xx = of.add(by_xx, of.mul(across_rate, x));
+            by_xy = of.add(by_xy, of.mul(across_rate, y));
+            by_yx = of.add(by_yx, of.mul(down_rate, x));
+            by_yy = of.add(by_yy, of.mul(down_rate, y));
+        }
+        ([there_x, there_y], [by_xx, by_xy, by_yx, by_yy])
+    }
+
     /// The radius before radial distortion of one after it, which is within the limit.
     fn undistorted_radius(&self, limit: &Limit, radius: f64) -> Option<f64> {
         let radial = |r: f64| {

@@ -42,10 +42,12 @@ pub(super) fn sign_changes(coefficients: &[f64]) -> Vec<f64> {
     ends.extend(sign_changes(&derivative(coefficients)));
     ends.push(bound.min(f64::MAX));
     let mut roots = Vec::new();
+    let mut is_positive = coefficients.iter().find(|&&c| c != 0.0) > Some(&0.0);
     for pair in ends.windows(2) {
         let (mut low, mut high) = (pair[0], pair[1]);
-        let is_positive = value(coefficients, low) > 0.0;
-        if low >= high || is_positive == (value(coefficients, high) > 0.0) {
+        // Where it only touches zero, its sign stays.
+        let end = value(coefficients, high);
+        if low >= high || end == 0.0 || is_positive == (end > 0.0) {
             continue;
         }
         loop {
@@ -59,9 +61,8 @@ pub(super) fn sign_changes(coefficients: &[f64]) -> Vec<f64> {
                 high = middle;
             }
         }
-        if high > 0.0 {
-            roots.push(high);
-        }
+        roots.push(high);
+        is_positive = !is_positive;
     }
     roots
 }
@@ -90,6 +91,7 @@ mod tests {
         assert!(sign_changes(&squared).is_empty());
         assert!(sign_changes(&[1.0]).is_empty());
         assert!(sign_changes(&[1.0, 0.0, 0.0]).is_empty());
-        assert_eq!(sign_changes(&[-2.0, 1.0, 0.0]), [2.0]);
+        let root = sign_changes(&[-2.0, 1.0, 0.0])[0];
+        assert!((root - 2.0).abs() < 1e-15, "{root}");
     }
 }

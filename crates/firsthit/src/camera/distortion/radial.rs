@@ -11,7 +11,9 @@ use super::newton::invert;
 use super::polynomial::sign_changes;
 use super::{Distortion, Limit};
 use crate::camera::parameters::{Parameters, parameters};
+use crate::camera::quick::{Start, negative, polynomial, sincos};
 use crate::error::Result;
+use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, require};
 
 /// A radius for each angle to the axis, in radians, that rises up to the limit.
@@ -22,16 +24,52 @@ trait RadialModel: Parameters + Copy + Send + Sync {
     fn radius(&self, angle: f64) -> f64;
     /// The angle of a radius, which is that of an angle up to `largest`.
     fn angle(&self, radius: f64, largest: f64) -> f64;
+    /// Sine and cosine of a radius' angle, for one or several at once, and where they are known.
+    fn sine_and_cosine<A: Arithmetic>(
+        &self,
+        of: A,
+        limit: &Limit,
+        radius: A::Number,
+    ) -> ([A::Number; 2], A::Mask);
+}
+
+/// What is known everywhere.
+#[inline(always)]
+fn everywhere<A: Arithmetic>(of: A) -> A::Mask {
+    of.lt(of.number(0.0), of.number(1.0))
 }
 
 impl<M: RadialModel> Distortion for M {
-    fn limit(&self) -> Result<Limit> {
+    fn limit(&self, farthest: f64) -> Result<Limit> {
         let undistorted = self.largest_angle()?;
+        let distorted = self.radius(undistorted);
+        let end = farthest.min(0.999 * distorted);
+        let factor = |q: f64| {
+            let radius = q.sqrt();
+            Some(self.angle(radius, undistorted) / radius)
+        };
         Ok(Limit {
             undistorted,
-            distorted: self.radius(undistorted),
+            distorted,
             outermost: undistorted,
+            start: Start::through(end * end, factor),
         })
+    }
+
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        limit: &Limit,
+        [x, y]: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        let radius = of.sqrt(of.add(of.mul(x, x), of.mul(y, y)));
+        let ([sine, cosine], known) = self.sine_and_cosine(of, limit, radius);
+        let share = of.div(sine, radius);
+        // The middle and what is beyond the limit are for `unproject`.
+        let known =
+            known & of.lt(of.number(0.0), radius) & of.lt(radius, of.number(limit.distorted));
+        ([of.mul(share, x), of.mul(share, y), cosine], known)
     }
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
@@ -120,6 +158,16 @@ impl RadialModel for Equidistant {
     fn angle(&self, radius: f64, _: f64) -> f64 {
         radius
     }
+
+    #[inline(always)]
+    fn sine_and_cosine<A: Arithmetic>(
+        &self,
+        of: A,
+        _: &Limit,
+        radius: A::Number,
+    ) -> ([A::Number; 2], A::Mask) {
+        (sincos(of, radius), everywhere(of))
+    }
 }
 
 impl RadialModel for Equisolid {
@@ -133,6 +181,22 @@ impl RadialModel for Equisolid {
 
     fn angle(&self, radius: f64, _: f64) -> f64 {
         2.0 * libm::asin((0.5 * radius).min(1.0))
+    }
+
+    #[inline(always)]
+    fn sine_and_cosine<A: Arithmetic>(
+        &self,
+        of: A,
+        _: &Limit,
+        radius: A::Number,
+    ) -> ([A::Number; 2], A::Mask) {
+        // By the half angle, whose sine is half the radius.
+        let one = of.number(1.0);
+        let half = of.mul(of.number(0.5), radius);
+        let square = of.mul(half, half);
+        let cosine = of.sqrt(of.sub(one, square));
+        let sine = of.mul(radius, cosine);
+        ([sine, of.sub(one, of.add(square, square))], everywhere(of))
     }
 }
 
@@ -150,6 +214,22 @@ impl RadialModel for Stereographic {
     fn angle(&self, radius: f64, _: f64) -> f64 {
         2.0 * libm::atan(0.5 * radius)
     }
+
+    #[inline(always)]
+    fn sine_and_cosine<A: Arithmetic>(
+        &self,
+        of: A,
+        _: &Limit,
+        radius: A::Number,
+    ) -> ([A::Number; 2], A::Mask) {
+        // By the half angle, whose tangent is half the radius.
+        let one = of.number(1.0);
+        let half = of.mul(of.number(0.5), radius);
+        let square = of.mul(half, half);
+        let inverse = of.div(one, of.add(one, square));
+        let cosine = of.mul(of.sub(one, square), inverse);
+        ([of.mul(radius, inverse), cosine], everywhere(of))
+    }
 }
 
 impl RadialModel for OrthographicFisheye {
@@ -163,6 +243,19 @@ impl RadialModel for OrthographicFisheye {
 
     fn angle(&self, radius: f64, _: f64) -> f64 {
         libm::asin(radius.min(1.0))
+    }
+
+    #[inline(always)]
+    fn sine_and_cosine<A: Arithmetic>(
+        &self,
+        of: A,
+        _: &Limit,
+        radius: A::Number,
+    ) -> ([A::Number; 2], A::Mask) {
+        let one = of.number(1.0);
+        // (1 - r)(1 + r) keeps the digits that 1 - r² loses near the edge.
+        let square = of.mul(of.sub(one, radius), of.add(one, radius));
+        ([radius, of.sqrt(square)], everywhere(of))
     }
 }
 
@@ -230,6 +323,39 @@ fn largest_angle([a, b, c, d, e]: [f64; 5]) -> Result<f64> {
     Ok(folds.first().map_or(PI, |q| q.sqrt()).min(PI))
 }
 
+/// Newton's method from the prepared start; known where it has settled on this side of the fold.
+#[inline(always)]
+fn angle_by_newton<A: Arithmetic>(
+    of: A,
+    [a, b, c, d, e]: [f64; 5],
+    limit: &Limit,
+    radius: A::Number,
+) -> ([A::Number; 2], A::Mask) {
+    const MOST_STEPS: usize = 8;
+    /// A step of this share leaves less than rounding.
+    const SETTLED: f64 = 1e-10;
+    let mut angle = of.mul(radius, limit.start.at(of, of.mul(radius, radius)));
+    let mut settled = of.lt(angle, angle);
+    for _ in 0..MOST_STEPS {
+        let q = of.mul(angle, angle);
+        let there = of.mul(angle, polynomial(of, &[a, b, c, d, e], q));
+        let slope = polynomial(of, &[a, 3.0 * b, 5.0 * c, 7.0 * d, 9.0 * e], q);
+        let step = of.div(of.sub(there, radius), slope);
+        let next = of.sub(angle, step);
+        let allowed = of.mul(of.number(SETTLED), next);
+        let settles = of.lt(of.max(step, negative(of, step)), allowed)
+            & of.lt(of.number(0.0), slope)
+            & of.lt(next, of.number(limit.undistorted));
+        // What has settled stays, whatever its neighbours do.
+        angle = of.select(settled, angle, next);
+        settled = settled | settles;
+        if of.is_everywhere(settled) {
+            break;
+        }
+    }
+    (sincos(of, angle), settled)
+}
+
 macro_rules! polynomial_models {
     ($($model:ty),*) => {$(
         impl RadialModel for $model {
@@ -245,6 +371,16 @@ macro_rules! polynomial_models {
                 let odd = self.odd();
                 let start = (radius / odd[0]).min(FRAC_PI_2);
                 invert(radius, [0.0, largest], start, |angle| radius_and_slope(odd, angle))
+            }
+
+            #[inline(always)]
+            fn sine_and_cosine<A: Arithmetic>(
+                &self,
+                of: A,
+                limit: &Limit,
+                radius: A::Number,
+            ) -> ([A::Number; 2], A::Mask) {
+                angle_by_newton(of, self.odd(), limit, radius)
             }
         }
     )*};

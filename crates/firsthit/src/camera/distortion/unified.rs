@@ -9,6 +9,7 @@
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
 use crate::error::Result;
+use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, require};
 
 parameters! {
@@ -44,10 +45,29 @@ pub(super) fn backmost(alpha: f64) -> f64 {
 }
 
 impl Distortion for Eucm {
-    fn limit(&self) -> Result<Limit> {
+    fn limit(&self, _: f64) -> Result<Limit> {
         check_alpha(self.alpha)?;
         require("beta", "positive", self.beta > 0.0, self.beta)?;
         Ok(Limit::default())
+    }
+
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        _: &Limit,
+        [x, y]: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        // Operation for operation what `unproject` does.
+        let Self { alpha, beta } = *self;
+        let r2 = of.mul(of.number(beta), of.add(of.mul(x, x), of.mul(y, y)));
+        let rest = of.sub(of.number(1.0), of.mul(of.number(2.0 * alpha - 1.0), r2));
+        let above = of.sub(of.number(1.0), of.mul(of.number(alpha * alpha), r2));
+        let below = of.add(
+            of.mul(of.number(alpha), of.sqrt(rest)),
+            of.number(1.0 - alpha),
+        );
+        ([x, y, of.div(above, below)], of.lt(of.number(0.0), rest))
     }
 
     fn project(&self, _: &Limit, direction: DVec3) -> Option<DVec2> {
@@ -83,8 +103,18 @@ impl Ucm {
 }
 
 impl Distortion for Ucm {
-    fn limit(&self) -> Result<Limit> {
-        self.enhanced().limit()
+    fn limit(&self, farthest: f64) -> Result<Limit> {
+        self.enhanced().limit(farthest)
+    }
+
+    #[inline(always)]
+    fn directions<A: Arithmetic>(
+        &self,
+        of: A,
+        limit: &Limit,
+        point: [A::Number; 2],
+    ) -> ([A::Number; 3], A::Mask) {
+        self.enhanced().directions(of, limit, point)
     }
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {

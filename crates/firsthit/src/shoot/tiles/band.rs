@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::fit::SquareRays;
-use super::plan::{Plan, TALL};
+use super::plan::{Plan, Source, TALL};
 use super::square::Square;
 use super::tile::TileTask;
 use crate::accel::{TILE, TileScratch};
@@ -41,17 +41,23 @@ impl Kernel for Band<'_> {
         let mut near = Vec::new();
         for left in (0..across).step_by(TALL) {
             plan.list_near(first, left, &mut near);
-            if plan.is_fitted {
+            let is_array = plan.source != Source::Grid;
+            if is_array {
                 let rays = rays.get_or_insert_default();
                 let corner = [first * TILE, left * TILE];
                 let rows = plan.tiles_down * TILE;
                 rays.load(plan.rays, &plan.grid, corner, rows);
             }
+            if let Some(rays) = rays.as_ref().filter(|_| plan.source == Source::Curved)
+                && near.len() > FEW
+            {
+                plan.list_in_cone(rays.cone(plan.tiles_down), &mut near);
+            }
             // Neighbours one after the other: what one has brought into the cache the next one needs.
             for (dx, dy) in ORDER {
                 let [row, column] = [first + dy, left + dx];
                 if dy < plan.tiles_down && row < down && column < across {
-                    let rays = rays.as_ref().filter(|_| plan.is_fitted);
+                    let rays = rays.as_ref().filter(|_| is_array);
                     let rays = rays.map(|rays| rays.tile((dy, dx)));
                     let at = Square::index_of(dy * TILE, dx * TILE);
                     let mut task = TileTask::new(l, plan, [row, column], at, rays);
@@ -66,6 +72,9 @@ impl Kernel for Band<'_> {
         memory.give_back();
     }
 }
+
+/// Of so few objects it costs more to ask where they are seen than to ask their trees.
+const FEW: usize = 3;
 
 thread_local! {
     /// Made once for each thread.

@@ -55,9 +55,6 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
         starts_on_viewplane: is_parallel,
         offset: PixelGrid::CENTRE,
     };
-    // Written so that a NaN fails.
-    let is_sound = grid.right.dot(grid.upwards).abs() < 0.5
-        && grid.right.cross(grid.upwards).dot(grid.toward).abs() > 1e-3 * grid.toward.length();
     let on_grid = |k: usize| {
         let (row, column) = (k % 5 * (rows - 1) / 4, k / 5 * (columns - 1) / 4);
         is_near(
@@ -67,7 +64,36 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
             &rays.ray(start + row * columns + column),
         )
     };
-    (is_sound && (0..25).all(on_grid)).then_some((start, grid))
+    (is_sound(&grid) && (0..25).all(on_grid)).then_some((start, grid))
+}
+
+/// Whether a grid's axes are well apart.
+fn is_sound(grid: &PixelGrid) -> bool {
+    // Written so that a NaN fails.
+    grid.right.dot(grid.upwards).abs() < 0.5
+        && grid.right.cross(grid.upwards).dot(grid.toward).abs() > 1e-3 * grid.toward.length()
+}
+
+/// Rows, columns and the start of rays that all start in one point: tiles have grids of their own.
+pub(super) fn around(rays: &dyn Rays, [rows, columns]: [usize; 2]) -> Option<PixelGrid> {
+    if rows < 2 || columns < 2 {
+        return None;
+    }
+    Some(PixelGrid {
+        rows,
+        columns,
+        first: [0, 0],
+        whole: [rows, columns],
+        position: rays.ray(0).origin,
+        toward: DVec3::Z,
+        right: DVec3::X,
+        upwards: DVec3::Y,
+        width: 1.0,
+        height: 1.0,
+        parallel: None,
+        starts_on_viewplane: false,
+        offset: PixelGrid::CENTRE,
+    })
 }
 
 /// Whether a ray goes through the grid's pixel, roughly; for all of a tile see [`TileRays::distance`].
@@ -194,6 +220,21 @@ impl SquareRays {
         }
     }
 
+    /// A cone around all rays of so many rows of tiles that are a direction: its axis, and the cosine of its half angle.
+    pub(super) fn cone(&self, tiles_down: usize) -> (DVec3, f64) {
+        let halves = &self.direction[..tiles_down * TILES * HALVES];
+        let directions = || {
+            let lanes = halves
+                .iter()
+                .flat_map(|[x, y, z]| (0..WIDE).map(|lane| DVec3::new(x[lane], y[lane], z[lane])));
+            lanes.filter(|direction| direction.is_finite() && *direction != DVec3::ZERO)
+        };
+        let sum: DVec3 = directions().map(DVec3::normalize).sum();
+        let axis = sum.normalize_or(DVec3::Z);
+        let cosines = directions().map(|direction| direction.normalize().dot(axis));
+        (axis, cosines.fold(1.0, f64::min))
+    }
+
     /// Those of a tile, by its row and column in the square.
     pub(super) fn tile(&self, (row, column): (usize, usize)) -> TileRays<'_> {
         let tile = row * TILES + column;
@@ -215,7 +256,10 @@ pub(super) struct TileRays<'a> {
 }
 
 /// Rays farther from their grid than this share of a pixel are not for tiles.
-const FARTHEST: f64 = 0.01;
+pub(super) const FARTHEST: f64 = 0.01;
+
+/// The same for curved rays, which are near a grid in no more than a tile.
+pub(super) const FARTHEST_CURVED: f64 = 0.2;
 
 impl TileRays<'_> {
     /// How far the rays are off the grid at most, in pixels; `None` when not all of them are like those of a camera.
@@ -227,6 +271,7 @@ impl TileRays<'_> {
         grid: &PixelGrid,
         pixels: &Pixels,
         rows: usize,
+        most: f64,
     ) -> Option<f64> {
         if self.has_ends {
             return None;
@@ -250,7 +295,47 @@ impl TileRays<'_> {
             None => normal.length(),
         };
         let off = 1.01 * all.into_iter().fold(0.0, f64::max).sqrt() / (pixel * sine);
-        (off < FARTHEST).then_some(off)
+        (off < most).then_some(off)
+    }
+
+    /// A grid that the rays are near, if they all start at `position`: a parallelogram through four of them that are so far inside
+    /// that the others are off by as much in the middle as at the edges.
+    pub(super) fn grid(&self, position: DVec3, [rows, columns]: [usize; 2]) -> Option<PixelGrid> {
+        let ends = |count: usize| {
+            let inset = (count - 1) * 3 / 20;
+            [inset, count - 1 - inset]
+        };
+        let ([top, bottom], [left, right]) = (ends(rows), ends(columns));
+        if bottom <= top || right <= left {
+            return None;
+        }
+        let direction = |row: usize, column: usize| self.ray(row, column).direction;
+        let [p, q, r] = viewplane([
+            direction(top, left),
+            direction(top, right),
+            direction(bottom, left),
+            direction(bottom, right),
+        ])?;
+        let across = (q - p) / (right - left) as f64;
+        let down = (r - p) / (bottom - top) as f64;
+        let first = p - left as f64 * across - top as f64 * down;
+        let (width, height) = (across.length(), down.length());
+        let grid = PixelGrid {
+            rows,
+            columns,
+            first: [0, 0],
+            whole: [rows, columns],
+            position,
+            toward: first + 0.5 * (columns - 1) as f64 * across + 0.5 * (rows - 1) as f64 * down,
+            right: across / width,
+            upwards: -down / height,
+            width: width * columns as f64,
+            height: height * rows as f64,
+            parallel: None,
+            starts_on_viewplane: false,
+            offset: PixelGrid::CENTRE,
+        };
+        is_sound(&grid).then_some(grid)
     }
 
     /// Which of eight rays are like those of a camera, and the square of how far each is off the grid's points.
@@ -306,6 +391,19 @@ impl TileRays<'_> {
         let longest = l.max64(l.max64(l.abs64(d[0]), l.abs64(d[1])), l.abs64(d[2]));
         is_plain &= l.lt64(number(1e-80), longest) & l.lt64(squares, number(1e160));
         (is_plain, squares)
+    }
+
+    /// A ray, of those without ends.
+    pub(super) fn ray(&self, row: usize, column: usize) -> Ray {
+        let (block, lane) = block_and_lane(row, column);
+        let half = self.first + 2 * block + lane / WIDE;
+        let vector = |parts: &[[f64; WIDE]; 3]| {
+            DVec3::from_array([0, 1, 2].map(|axis| parts[axis][lane % WIDE]))
+        };
+        let SquareRays {
+            origin, direction, ..
+        } = self.square;
+        Ray::new(vector(&origin[half]), vector(&direction[half]))
     }
 
     /// Where eight rays start, half a block, along an axis.

@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::simd;
 use crate::watch::Watch;
 use band::Band;
-use plan::Plan;
+use plan::{Plan, Source};
 
 /// The first hits of rays: by tiles where they are those of a grid of pixels, or near one.
 pub(super) fn trace_hits(
@@ -29,13 +29,19 @@ pub(super) fn trace_hits(
 ) -> Result<()> {
     let fits = |grid: &PixelGrid| grid.rows.checked_mul(grid.columns) == Some(rays.len());
     let own = rays.grid().filter(fits);
-    let is_fitted = own.is_none();
-    let (first, grid) = match own {
-        Some(grid) => (0, Some(grid)),
-        None => fit::grid(rays).map_or((0, None), |(first, grid)| (first, Some(grid))),
+    let picture = rays
+        .picture()
+        .filter(|&[rows, columns]| own.is_none() && rows.checked_mul(columns) == Some(rays.len()));
+    let (first, grid, source) = match (own, picture) {
+        (Some(grid), _) => (0, Some(grid), Source::Grid),
+        (None, Some(size)) => (0, fit::around(rays, size), Source::Curved),
+        (None, None) => match fit::grid(rays) {
+            Some((first, grid)) => (first, Some(grid), Source::Fitted),
+            None => (0, None, Source::Fitted),
+        },
     };
     let pixels = Later { rays, first };
-    let plan = grid.and_then(|grid| Plan::new(scene, &pixels, grid, is_fitted));
+    let plan = grid.and_then(|grid| Plan::new(scene, &pixels, grid, source));
     let Some(plan) = &plan else {
         return trace_array(set, scene, rays, hits, watch);
     };

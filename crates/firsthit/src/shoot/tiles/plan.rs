@@ -21,8 +21,7 @@ pub(super) struct Plan<'a> {
     pub(super) scene: &'a Scene,
     pub(super) rays: &'a dyn Rays,
     pub(super) grid: PixelGrid,
-    /// Whether the rays are an array's, and only near the grid.
-    pub(super) is_fitted: bool,
+    pub(super) source: Source,
     /// What tiles can do, the nearest first.
     pub(super) meshes: Vec<Placed>,
     /// Whether an object is in there, and whether all are.
@@ -34,13 +33,27 @@ pub(super) struct Plan<'a> {
     pub(super) is_large: bool,
 }
 
+/// Where a tile's grid of pixels comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    /// The rays are those of one grid.
+    Grid,
+    /// The rays are an array's, and near one grid.
+    Fitted,
+    /// The rays start in one point, and each tile has a grid of its own that they are near. The plan's grid has rows, columns and
+    /// that point only.
+    Curved,
+}
+
 /// An object, and the tiles that it may be seen in.
 pub(super) struct Placed {
     pub(super) object: u32,
     pub(super) rows: Range<usize>,
     pub(super) columns: Range<usize>,
-    /// The depth from which on it may be met, in units of the viewplane's.
+    /// The depth from which on it may be met, in units of the viewplane's; of curved rays the distance.
     pub(super) entry: f64,
+    /// Of curved rays: a sphere around it, its centre relative to where they start, and its radius.
+    sphere: (DVec3, f64),
 }
 
 impl<'a> Plan<'a> {
@@ -49,9 +62,9 @@ impl<'a> Plan<'a> {
         scene: &'a Scene,
         rays: &'a dyn Rays,
         grid: PixelGrid,
-        is_fitted: bool,
+        source: Source,
     ) -> Option<Self> {
-        let has_directions = !is_fitted && grid.parallel.is_none();
+        let has_directions = source == Source::Grid && grid.parallel.is_none();
         if !is_unscaled(&grid) || (has_directions && !has_digits(&grid)) {
             return None;
         }
@@ -62,7 +75,10 @@ impl<'a> Plan<'a> {
                 is_tiled[index as usize] = true;
             } else if scene.plain_mesh(index).is_some() {
                 is_tiled[index as usize] = true;
-                meshes.extend(placed(&grid, index, object));
+                meshes.extend(match source {
+                    Source::Curved => around(&grid, index, object),
+                    Source::Grid | Source::Fitted => placed(&grid, index, object),
+                });
             }
         }
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
@@ -78,7 +94,7 @@ impl<'a> Plan<'a> {
             scene,
             rays,
             grid,
-            is_fitted,
+            source,
             meshes,
             is_tiled,
             all_tiled,
@@ -97,6 +113,22 @@ impl<'a> Plan<'a> {
                 near.push(index);
             }
         }
+    }
+
+    /// Leaves in `near` what a cone around curved rays may meet: its axis and the cosine of its half angle.
+    pub(super) fn list_in_cone(&self, (axis, cosine): (DVec3, f64), near: &mut Vec<u32>) {
+        /// Far more than rounding.
+        const SLACK: f64 = 1e-6;
+        let half = libm::acos(cosine.clamp(-1.0, 1.0));
+        near.retain(|&index| {
+            let (centre, radius) = self.meshes[index as usize].sphere;
+            let distance = centre.length();
+            let aside = libm::acos((axis.dot(centre) / distance).clamp(-1.0, 1.0));
+            let reach = libm::asin((radius / distance).min(1.0));
+            // Written so that a NaN keeps it.
+            let is_beside = distance > radius && aside > half + reach + SLACK;
+            !is_beside
+        });
     }
 
     /// How many pixels there are.
@@ -149,6 +181,7 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
         rows: 0..grid.rows.div_ceil(TILE),
         columns: 0..grid.columns.div_ceil(TILE),
         entry: if is_known { entry } else { f64::NEG_INFINITY },
+        sphere: (DVec3::ZERO, f64::INFINITY),
     };
     if !is_known {
         return Some(whole);
@@ -187,6 +220,37 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
         rows,
         columns,
         ..whole
+    })
+}
+
+/// An object as curved rays may see it: anywhere, from a distance on.
+fn around(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
+    let bounds = object.mesh()?.bounds();
+    let corners = bounds.corners().map(|corner| {
+        let world = object
+            .transform()
+            .world_from_object()
+            .transform_point3(corner);
+        world - grid.position
+    });
+    let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let radii = corners.map(|corner| (corner - centre).length());
+    let radius = radii.into_iter().fold(0.0, f64::max);
+    // Far more than rounding.
+    let largest = centre.length() + radius + grid.position.abs().max_element();
+    let radius = radius + 1e-9 * largest;
+    let is_known = object.slack() < MOST_ROUNDING && centre.is_finite() && radius.is_finite();
+    let entry = (centre.length() - radius).max(0.0);
+    Some(Placed {
+        object: index,
+        rows: 0..grid.rows.div_ceil(TILE),
+        columns: 0..grid.columns.div_ceil(TILE),
+        entry: if is_known { entry } else { f64::NEG_INFINITY },
+        sphere: if is_known {
+            (centre, radius)
+        } else {
+            (DVec3::ZERO, f64::INFINITY)
+        },
     })
 }
 

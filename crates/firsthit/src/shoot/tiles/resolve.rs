@@ -3,15 +3,15 @@
 use super::square::BlockOfHits;
 use super::tile::TileTask;
 use crate::accel::{
-    BLOCK, Corners, InLanes, MeshTree, RayBundle, SharedTriangle, TriangleId, VisibilityBuffer,
-    locate8, product_along, row_and_column,
+    BLOCK, Corners, MeshTree, RayBundle, SharedTriangle, TriangleId, VisibilityBuffer, locate8,
+    product_along, row_and_column,
 };
 use crate::geometry::Hit;
 use crate::geometry::arithmetic::quotient_by_inverse;
 use crate::scene::Object;
 use crate::shape::Mesh;
 use crate::shoot::hits::HitSlices;
-use crate::simd::{LANES, Lanes, WIDE, set_bits};
+use crate::simd::{InLanes, LANES, Lanes, WIDE, set_bits};
 
 /// An object as a tile sees it.
 #[derive(Clone, Copy)]
@@ -209,7 +209,7 @@ impl TileTask<'_> {
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn rays_in_object<L: Lanes>(&self, l: L, seen: &SeenObject<'_>, half: usize) -> RayBundle<L> {
         let object = seen.object;
-        let grid = &self.plan.grid;
+        let grid = &self.grid;
         let (x, y) = (self.pixels.x(l, half), self.pixels.y(l, half));
         // The lanes of a vector: an expression for each axis.
         macro_rules! vector {

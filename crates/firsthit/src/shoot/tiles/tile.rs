@@ -4,15 +4,15 @@
 //! 2. Compute the hits of its pixels from that, eight at a time (`resolve.rs`).
 //! 3. Shoot single rays at the objects that tiles cannot do; or at all, where float32 cannot do the tile.
 
-use super::fit::TileRays;
+use super::fit::{FARTHEST, FARTHEST_CURVED, TileRays};
 use super::pixels::Pixels;
-use super::plan::{Plan, camera_of_tile};
+use super::plan::{Plan, Source, camera_of_tile};
 use super::square::Square;
 use crate::accel::{
     ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId, VisibilityBuffer,
     fill_buffer,
 };
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{DVec3, Hit, PixelGrid, Ray};
 use crate::scene::Scene;
 use crate::shape::triangle::{EdgeRule, Shear};
 use crate::shoot::batch::{Memory, SingleRay};
@@ -28,6 +28,12 @@ pub(super) struct TileTask<'a> {
     pub(super) rays: Option<TileRays<'a>>,
     /// How far these are off the grid, in pixels; `None` where that is too far.
     off: Option<f64>,
+    /// The grid that its rays are on, or near: the picture's, or its own.
+    pub(super) grid: PixelGrid,
+    /// Its first pixel in that.
+    corner: [usize; 2],
+    /// What `Placed::entry` is divided by to be a depth.
+    unit: f64,
     /// Its row and column of tiles.
     tile: [usize; 2],
     /// Its first pixel in the picture.
@@ -53,15 +59,40 @@ impl<'a> TileTask<'a> {
         let [first_row, first_column] = tile.map(|k| k * TILE);
         let rows = (grid.rows - first_row).min(TILE);
         let columns = (grid.columns - first_column).min(TILE);
-        let pixels = Pixels::new(grid, [first_row, first_column], [rows, columns]);
+        let own = match &rays {
+            Some(rays) if plan.source == Source::Curved => {
+                Some(rays.grid(grid.position, [rows, columns]))
+            }
+            _ => None,
+        };
+        let is_unfit = own.is_some_and(|own| own.is_none());
+        let own = own.flatten();
+        let corner = if own.is_some() {
+            [0, 0]
+        } else {
+            [first_row, first_column]
+        };
+        let grid = own.unwrap_or(*grid);
+        let pixels = Pixels::new(&grid, corner, [rows, columns]);
         let off = match &rays {
-            Some(rays) => rays.distance(l, grid, &pixels, rows),
+            _ if is_unfit => None,
+            Some(rays) => {
+                let most = if own.is_some() {
+                    FARTHEST_CURVED
+                } else {
+                    FARTHEST
+                };
+                rays.distance(l, &grid, &pixels, rows, most)
+            }
             None => Some(0.0),
         };
         Self {
             plan,
             rays,
             off,
+            grid,
+            corner,
+            unit: own.map_or(1.0, |own| 1.01 * longest(&own)),
             tile,
             first_row,
             first_column,
@@ -111,15 +142,14 @@ impl<'a> TileTask<'a> {
                 continue;
             }
             // What all pixels meet already is nearer, than the objects that come later too.
-            if placed.entry > 1.000_001 * f64::from(buffer.limit(l)) {
+            if placed.entry / self.unit > 1.000_001 * f64::from(buffer.limit(l)) {
                 break;
             }
             let Some((_, tree)) = plan.scene.plain_mesh(placed.object) else {
                 continue;
             };
             let object = &plan.scene.objects()[placed.object as usize];
-            let first = [self.first_row, self.first_column];
-            let camera = camera_of_tile(&plan.grid, object, off, first);
+            let camera = camera_of_tile(&self.grid, object, off, self.corner);
             let Some(frustum) = TileFrustum::new(tree, &camera) else {
                 return false;
             };
@@ -163,6 +193,10 @@ impl<'a> TileTask<'a> {
 
     /// The ray of a pixel of the tile.
     fn ray(&self, row: usize, column: usize) -> Ray {
+        // A lens may take long to make it once more.
+        if let (Some(rays), Some(_)) = (&self.rays, self.off) {
+            return rays.ray(row, column);
+        }
         let columns = self.plan.grid.columns;
         let pixel = (self.first_row + row) * columns + self.first_column + column;
         self.plan.rays.ray(pixel)
@@ -194,7 +228,7 @@ impl<'a> TileTask<'a> {
 
     /// The depth of a hit at `t`, in units of the viewplane's.
     fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
-        let grid = &self.plan.grid;
+        let grid = &self.grid;
         if self.rays.is_some() {
             let normal = grid.right.cross(grid.upwards);
             let direction = self.ray(row, column).direction;
@@ -209,6 +243,17 @@ impl<'a> TileTask<'a> {
         };
         t / unit + f64::from(u8::from(grid.starts_on_viewplane))
     }
+}
+
+/// How far away from its position a grid's corners are.
+fn longest(grid: &PixelGrid) -> f64 {
+    let (right, up) = (
+        0.5 * grid.width * grid.right,
+        0.5 * grid.height * grid.upwards,
+    );
+    let corners = [right + up, right - up, up - right, -right - up];
+    let lengths = corners.map(|corner: DVec3| (grid.toward + corner).length());
+    lengths.into_iter().fold(0.0, f64::max)
 }
 
 /// The exact test of a ray and a triangle, as a function of its own: it is rarely called.

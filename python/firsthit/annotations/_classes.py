@@ -1,0 +1,112 @@
+"""Which objects are of which class, and which of them are one instance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from firsthit._arrays import text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from firsthit._object import Object
+
+#: A table of names or patterns to classes, or a function of an object; ``None`` for no class.
+Classes = Mapping[str, str | None] | Callable[["Object"], str | None]
+#: What the objects of one instance have in common.
+By = Literal["object", "node"] | Callable[["Object"], Hashable]
+
+
+class Group(NamedTuple):
+    """The objects of an instance."""
+
+    objects: tuple[int, ...]
+    class_name: str | None
+
+
+def grouped(
+    objects: Sequence[tuple[int, Object]], classes: Classes | None, by: By
+) -> tuple[list[Group], tuple[str, ...]]:
+    """Return the instances among objects in the order of their first ones, and all classes.
+
+    Those of a table are all classes that it names, in its order, and else those that there are.
+    """
+    named = _classify(classes)
+    key_of = _key(by)
+    groups: dict[Hashable, list[int]] = {}
+    of_group: dict[Hashable, str | None] = {}
+    for identifier, made in objects:
+        if made.removed or made.hidden:
+            continue
+        name = named(made)
+        if name is None and classes is not None:
+            continue
+        key = key_of(identifier, made)
+        if key is None:
+            continue
+        if of_group.setdefault(key, name) != name and classes is not None:
+            others = ", ".join(map(repr, groups[key]))
+            raise ValueError(
+                f"objects of one instance must have one class, got {of_group[key]!r} for object "
+                f"{others} and {name!r} for object {identifier}"
+            )
+        groups.setdefault(key, []).append(identifier)
+    found = [Group(tuple(group), of_group[key]) for key, group in groups.items()]
+    there = (group.class_name for group in found if group.class_name is not None)
+    told = [*classes.values()] if isinstance(classes, Mapping) else []
+    names = dict.fromkeys([*(name for name in told if name is not None), *there])
+    return found, tuple(names)
+
+
+def _classify(classes: Classes | None) -> Callable[[Object], str | None]:
+    if classes is None:
+        return lambda made: made.name or None
+    if isinstance(classes, Mapping):
+        table = {
+            text("a key of classes", key): None if name is None else _class_name(name)
+            for key, name in classes.items()
+        }
+        return lambda made: _look_up(table, made)
+    if not callable(classes):
+        raise TypeError(f"classes must be a dict or a function, got {classes!r}")
+    function = classes
+
+    def asked(made: Object) -> str | None:
+        name = function(made)
+        return None if name is None else _class_name(name)
+
+    return asked
+
+
+def _class_name(name: str) -> str:
+    if not text("the name of a class", name):
+        raise ValueError("the name of a class must not be empty; None is for no class")
+    return name
+
+
+def _look_up(table: Mapping[str, str | None], made: Object) -> str | None:
+    # The names themselves before patterns: a name may have brackets.
+    names = [name for name in (made.node, made.name) if name]
+    for name in reversed(names):
+        if name in table:
+            return table[name]
+    for pattern, class_name in table.items():
+        # A pattern with a slash is of paths, which names are not; a name may have one, too.
+        candidates = names if "/" in pattern else [made.name]
+        if any(fnmatchcase(name, pattern) for name in candidates):
+            return class_name
+    return None
+
+
+def _key(by: By) -> Callable[[int, Object], Hashable]:
+    if by == "object":
+        return lambda identifier, _: identifier
+    if by == "node":
+        # What no node holds is an instance by itself.
+        return lambda identifier, made: made._labels[0] or identifier
+    if not callable(by):
+        raise ValueError(f"by must be 'object', 'node' or a function, got {by!r}")
+    function = by
+    return lambda _, made: function(made)

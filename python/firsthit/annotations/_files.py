@@ -1,0 +1,146 @@
+"""What all formats share: pictures by name, classes by number, files that appear whole."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import struct
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from firsthit._arrays import number, text
+from firsthit._errors import FileWriteError
+
+from ._annotations import Annotations
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from ._annotations import Instance
+
+#: Pictures by the names of their files, or in an order that numbers them; or one.
+Pictures = Mapping[str, Annotations] | Sequence[Annotations] | Annotations
+
+#: Units by name, in metres.
+_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+
+
+def named(pictures: Pictures) -> dict[str, Annotations]:
+    """Return pictures by the names of their files: ``000000.png`` and so on if they have none."""
+    if isinstance(pictures, Annotations):
+        pictures = [pictures]
+    if isinstance(pictures, Mapping):
+        made = {text("the name of a picture", name): one for name, one in pictures.items()}
+    elif isinstance(pictures, Sequence) and not isinstance(pictures, str | bytes):
+        made = {f"{k:06d}.png": one for k, one in enumerate(pictures)}
+    else:
+        raise TypeError(f"pictures must be Annotations by file name, got {pictures!r}")
+    for name, one in made.items():
+        if not isinstance(one, Annotations):
+            raise TypeError(f"picture {name!r} must be Annotations, got {one!r}")
+    return made
+
+
+def stems(pictures: Mapping[str, Annotations]) -> dict[str, Annotations]:
+    """Return pictures by the names of the files of their labels, without extension."""
+    made: dict[str, Annotations] = {}
+    for name, one in pictures.items():
+        path = Path(name)
+        if len(path.parts) != 1 or not path.stem:
+            raise ValueError(f"the name of a picture must be that of a file, got {name!r}")
+        if path.stem in made:
+            raise ValueError(f"two pictures would have their labels in {path.stem!r}")
+        made[path.stem] = one
+    return made
+
+
+def class_numbers(
+    pictures: Mapping[str, Annotations], classes: Sequence[str] | None, first: int
+) -> dict[str, int]:
+    """Return the number of each class, from ``first`` on.
+
+    Without ``classes`` they are in the order in which the pictures have them.
+    """
+    if classes is None:
+        found = dict.fromkeys(name for one in pictures.values() for name in one.classes)
+    else:
+        found = dict.fromkeys(text("the name of a class", name) for name in classes)
+        if len(found) != len(classes):
+            raise ValueError(f"classes must be different names, got {list(classes)}")
+    for name, one in pictures.items():
+        for instance in one.instances:
+            class_of(name, instance)
+            if instance.class_name not in found:
+                there = ", ".join(found)
+                raise refused(name, instance, f"its class is {instance.class_name!r}, not {there}")
+    return {name: first + k for k, name in enumerate(found)}
+
+
+def class_of(picture: str, instance: Instance) -> str:
+    """Return the class of an instance, which every format wants."""
+    if instance.class_name is None:
+        raise refused(picture, instance, "it has no class: annotate with classes=")
+    return instance.class_name
+
+
+def refused(picture: str, instance: Instance, why: str) -> ValueError:
+    """Return the error for an instance that a format cannot hold."""
+    what = f"instance {instance.id}" + (f" ({instance.name!r})" if instance.name else "")
+    return ValueError(f"{picture}: {what} cannot be written: {why}")
+
+
+def meters(unit: float | str) -> float:
+    """Return how many metres the scene's unit is."""
+    if isinstance(unit, str):
+        if unit not in _UNITS:
+            raise ValueError(f"unit must be metres or one of {', '.join(_UNITS)}, got {unit!r}")
+        return _UNITS[unit]
+    length = number("unit", unit)
+    if not 0.0 < length < float("inf"):
+        raise ValueError(f"unit must be a length in metres, positive, got {length}")
+    return length
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write a file, whole or not at all; folders above it are made."""
+    # Until it has its name it is beside it, on the same device.
+    beside = path.with_name(f".{path.name[:100]}.{secrets.token_hex(8)}.tmp")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with beside.open("xb") as file:
+                file.write(content)
+            if path.exists():
+                # A file that is replaced leaves its permissions.
+                beside.chmod(path.stat().st_mode & 0o777)
+            beside.replace(path)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+
+
+def as_json(value: Any) -> bytes:
+    """Return a value as JSON, which has no NaN."""
+    return json.dumps(value, ensure_ascii=False, allow_nan=False).encode() + b"\n"
+
+
+def as_png(mask: npt.NDArray[np.bool_]) -> bytes:
+    """Return a mask as a PNG of one channel of 8 bits: 255 where it is true."""
+    rows, columns = mask.shape
+    # Every row begins with the number of its filter: none.
+    lines = bytearray(rows * (columns + 1))
+    for row in range(rows):
+        start = row * (columns + 1) + 1
+        lines[start : start + columns] = (mask[row].astype("u1") * 255).tobytes()
+    header = struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(bytes(lines), 6)), (b"IEND", b""))
+    made = [b"\x89PNG\r\n\x1a\n"]
+    for name, data in chunks:
+        check = zlib.crc32(name + data)
+        made.append(struct.pack(">I", len(data)) + name + data + struct.pack(">I", check))
+    return b"".join(made)
