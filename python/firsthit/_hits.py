@@ -412,7 +412,8 @@ class Hits(Attributed):
         if name in ("t", "object", "primitive"):
             made = getattr(self, name)
             return made
-        if name not in _OF_A_CAMERA:
+        # About pixels more than about hits, so not in every table of them.
+        if name not in (*_OF_A_CAMERA, "valid"):
             raise ValueError(f"channel must be among {', '.join(self.channels)}, got {name!r}")
         if name not in self._made:
             with following(progress, len(self._arrays[0])) as report:

@@ -52,7 +52,7 @@ def test_words_that_are_typed_are_those_that_there_are():
     assert list(get_args(typing.ChannelName)) == channels
     parts = (typing.DistanceName, typing.IdentifierName, typing.VectorName)
     words = [word for part in parts for word in get_args(part)]
-    assert {"color", "front", *words} == set(channels)
+    assert {"color", "front", "valid", *words} == set(channels)
     told = [
         (typing.ShaderName, natively_shaded),
         (typing.ViewName, lambda word: fh.Camera.framing(ball(), 2, 2, view=word)),
