@@ -46,6 +46,7 @@ __all__ = [
     "read",
     "render",
     "render_work",
+    "rotation",
     "rules",
     "run_program",
     "save",

@@ -122,7 +122,7 @@ def optical_flow(
     >>> right[0, 3] = 0.5
     >>> after.move(card, right)
     >>> found = fh.optical_flow(before, camera, after, camera)
-    >>> found.flow[1, 1], found.scene_flow[1, 1]
+    >>> found.flow[1, 1].round(12), found.scene_flow[1, 1]
     (array([0.25, 0.  ]), array([0.5, 0. , 0. ]))
     """
     _check((scene0, scene1), (camera0, camera1))

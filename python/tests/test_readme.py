@@ -39,13 +39,15 @@ def test_the_guide_s_lines_run_and_write_its_pictures(tmp_path, monkeypatch):
     told = {}
     for block in blocks:
         exec(block, told)
-    assert max(len(block.splitlines()) for block in blocks[1:]) <= 4
+    assert max(len(block.splitlines()) for block in blocks[1:]) <= 5
     assert told["z"].shape == told["cone"].shape == told["thick"].shape == (220, 480)
     assert told["cone"].any()
     assert told["pairs"].shape == (5, 2)
+    assert told["around"]["valid"].mean() == pytest.approx(np.pi / 4, abs=1e-3)
+    assert (tmp_path / "scan.ply").is_file()
     assert float(told["there"]) > 0.9
     pictures = re.findall(r"\(images/([a-z]+\.png)\)", guide)
-    assert len(pictures) == 5
+    assert len(pictures) == 8
     for name in pictures:
         ours, kept = (fh.Frame.load(path / name) for path in (tmp_path, ROOT / "docs" / "images"))
         for channel, array in ours.items():
@@ -74,7 +76,7 @@ def test_the_guide_s_commands_run(tmp_path):
     shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
     guide = (ROOT / "docs" / "guide.md").read_text()
     commands = re.findall(r"```sh\n(.*?)\n```", guide, re.DOTALL)
-    assert len(commands) == 5
+    assert len(commands) == 7
     answers = []
     for command in commands:
         line = command.replace("firsthit ", f"{sys.executable} -m firsthit ")
@@ -82,5 +84,5 @@ def test_the_guide_s_commands_run(tmp_path):
             line, shell=True, cwd=tmp_path, capture_output=True, text=True, check=True
         )
         answers.append(done.stdout.split())
-    assert [answer[0] for answer in answers[2:]] == ["visible", "thickness", "inside"]
-    assert [float(answer[1]) for answer in answers[2:]] == [0.0, pytest.approx(1, abs=0.1), 1.0]
+    assert [answer[0] for answer in answers[2:5]] == ["visible", "thickness", "inside"]
+    assert [float(answer[1]) for answer in answers[2:5]] == [0.0, pytest.approx(1, abs=0.1), 1.0]

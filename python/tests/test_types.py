@@ -56,7 +56,7 @@ def test_words_that_are_typed_are_those_that_there_are():
     told = [
         (typing.ShaderName, natively_shaded),
         (typing.ViewName, lambda word: fh.Camera.framing(ball(), 2, 2, view=word)),
-        (typing.Projection, lambda word: small(projection=word)),
+        (typing.Projection, projected),
         (typing.RayStart, lambda word: small(ray_start=word)),
     ]
     for kind, make in told:
@@ -74,6 +74,16 @@ def natively_shaded(shader):
     # Of the native half, which knows all shaders.
     how = (shader, None, None, True), 1, (0, 2, 0, 2), None, 0
     _firsthit.render(ball()._native(), small()._native, ["color"], *how, None)
+
+
+def projected(word):
+    if word in ("perspective", "orthographic", "toon"):
+        return small(projection=word)
+    panoramas = ("equirectangular", "cylindrical", "cube_map", "octahedral")
+    parameters = {} if word in panoramas else {"fx": 1.0, "fy": 1.0}
+    lengths = None, None, None
+    frame = (0, 0, 0), (0, 0, -1), (0, 1, 0)
+    return fh.Camera(*frame, *lengths, 2, 3, word, "eye", parameters)
 
 
 def small(**words):

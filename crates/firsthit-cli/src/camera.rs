@@ -355,7 +355,7 @@ fn posed(
     let pose = pose.map_err(|error| wrong(&error.to_string()))?;
     Ok(Description {
         position: Some(pose.translation),
-        aim: Some(Aim::Along(-pose.matrix3.z_axis)),
+        aim: Some(Aim::Along(DVec3::ZERO - pose.matrix3.z_axis)),
         up: Some(pose.matrix3.y_axis),
         ..described
     })

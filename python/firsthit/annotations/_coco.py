@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -50,7 +51,8 @@ def to_coco(
     -------
     dict
         ``info``, ``licenses``, ``images``, ``categories`` and ``annotations``. Beside what COCO
-        names, annotations have ``amodal_bbox``, ``visibility``, ``truncated``, ``instance`` and
+        names, annotations have ``amodal_bbox``, ``visibility``, ``truncated`` (null where the
+        lens leaves it open), ``instance`` and
         ``objects``.
 
     Raises
@@ -100,7 +102,8 @@ def to_coco(
                 "bbox": [float(edge) for edge in mask.box],
                 "amodal_bbox": [float(edge) for edge in instance.amodal_box or ()],
                 "visibility": instance.visibility,
-                "truncated": instance.truncated,
+                # JSON has no NaN, which a lens with distortion has here.
+                "truncated": None if math.isnan(instance.truncated) else instance.truncated,
                 "instance": instance.id,
                 "objects": [part.object for part in instance.parts],
             }

@@ -106,6 +106,11 @@ def save_kitti(
             if edges is None:
                 raise refused(name, instance, f"its {box} box has no pixels")
             state = _occluded(instance, full, partly)
+            if math.isnan(instance.truncated):
+                raise ValueError(
+                    f"{name}: KITTI says how much of an object is beyond the border, and of a lens "
+                    f"with distortion that is not known: object {instance.id}"
+                )
             words = _class(name, instance), f"{instance.truncated:.4f}", str(state)
             place, size, turn = level.place(name, instance, length)
             alpha = _wrapped(turn - math.atan2(place[0], place[2]))

@@ -110,7 +110,7 @@ impl Convention {
             // Of a rotation the inverse is the transpose.
             _ => {
                 let back = rotation.transpose();
-                DAffine3::from_mat3_translation(back, -(back * column(3)))
+                DAffine3::from_mat3_translation(back, DVec3::ZERO - back * column(3))
             }
         };
         let signs = DMat3::from_diagonal(self.signs());
@@ -129,7 +129,7 @@ impl Convention {
             Way::WorldFromCamera => (rotation, pose.translation),
             _ => {
                 let back = rotation.transpose();
-                (back, -(back * pose.translation))
+                (back, DVec3::ZERO - back * pose.translation)
             }
         };
         let row = |k: usize| {
@@ -206,7 +206,8 @@ impl Camera {
     pub fn at_pose(pose: &DAffine3, lens: Lens, rows: usize, columns: usize) -> Result<Self> {
         Self::new(View {
             position: pose.translation,
-            aim: -pose.matrix3.z_axis,
+            // Written so that no zero is negative.
+            aim: DVec3::ZERO - pose.matrix3.z_axis,
             up: pose.matrix3.y_axis,
             rows,
             columns,

@@ -34,7 +34,7 @@ impl Background {
     /// The default of pictures: a dark blue grey, which contrasts with white and with black models.
     pub const NEUTRAL: Self = Self::Uniform(Color::new(0.12, 0.17, 0.24));
 
-    /// The linear colour in a direction of any length.
+    /// The linear colour in a direction of any length; of a sky black where there is none, as beyond a fisheye's circle.
     pub fn color(&self, direction: DVec3) -> Color {
         match *self {
             Self::Uniform(color) => color,
@@ -44,8 +44,11 @@ impl Background {
                 zenith,
                 up,
             } => {
-                let height = unit(direction).dot(unit(up)).clamp(0.0, 1.0);
-                horizon.lerp(zenith, height)
+                let height = unit(direction).dot(unit(up));
+                if height.is_nan() {
+                    return Color::ZERO;
+                }
+                horizon.lerp(zenith, height.clamp(0.0, 1.0))
             }
         }
     }

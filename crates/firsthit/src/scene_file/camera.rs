@@ -6,7 +6,7 @@ use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, requi
 use crate::camera::{
     Aim, Convention, Description, Lens, Opening, PixelMatrix, Projection, RayStart, Viewplane,
 };
-use crate::geometry::Bounds;
+use crate::geometry::{Bounds, DVec3};
 use crate::io::fault::Checked;
 use crate::world::{NamedCamera, World};
 
@@ -346,7 +346,7 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
     let pose = section.checked(convention.pose([x, y, z, [0.0, 0.0, 0.0, 1.0]]))?;
     Ok(Description {
         position: Some(pose.translation),
-        aim: Some(Aim::Along(-pose.matrix3.z_axis)),
+        aim: Some(Aim::Along(DVec3::ZERO - pose.matrix3.z_axis)),
         up: Some(pose.matrix3.y_axis),
         ..described
     })
