@@ -238,6 +238,10 @@ def _unknown(number: int | None, name: str) -> str:
 
 
 def _bytes(path: str | os.PathLike[str]) -> bytes:
+    # To open a pipe would wait for its other end.
+    if Path(path).exists() and not Path(path).is_file():
+        text = os.fspath(path)
+        raise FileReadError(f"{text}: not a regular file", text)
     try:
         return Path(path).read_bytes()
     except OSError as error:

@@ -1,11 +1,12 @@
 """Annotations and flow with every projection, and with viewplanes that are not in the middle."""
 
+import json
 import math
 
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit.annotations import Keypoints, save_bop
+from firsthit.annotations import Keypoints, save_bop, save_kitti
 from support import things
 
 ROWS, COLUMNS = 48, 72
@@ -109,3 +110,14 @@ def test_bop_has_k_of_a_shifted_viewplane_and_refuses_distortions(tmp_path):
         str(view.to_convention("opencv")[0][0, 2])[:8]
         in (tmp_path / "scene_camera.json").read_text()
     )
+
+
+def test_what_a_lens_leaves_open_is_null_in_json_and_refused_by_kitti(tmp_path):
+    seen = fh.annotate(things(), camera("opencv"))
+    assert all(math.isnan(instance.truncated) for instance in seen.instances)
+    seen.save_coco(tmp_path / "coco.json")
+    said = json.loads((tmp_path / "coco.json").read_text())
+    assert said["annotations"]
+    assert all(each["truncated"] is None for each in said["annotations"])
+    with pytest.raises(ValueError, match="beyond the border"):
+        save_kitti(tmp_path / "kitti", seen, unit="m")

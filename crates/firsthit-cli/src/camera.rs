@@ -1,6 +1,5 @@
 //! From the command line's words to a camera.
 
-use std::io::Read;
 use std::path::Path;
 
 use firsthit::camera::{
@@ -334,10 +333,8 @@ fn posed(
     /// A matrix takes less than this, in bytes.
     const LARGEST: u64 = 1 << 16;
     let wrong = |what: &str| Failure::bad_input(format!("{}: {what}", escaped(path)));
-    let mut text = String::new();
-    let read =
-        std::fs::File::open(path).and_then(|file| file.take(LARGEST).read_to_string(&mut text));
-    read.map_err(|error| wrong(&error.to_string()))?;
+    let bytes = firsthit::image::read_regular(path, LARGEST)?;
+    let text = String::from_utf8_lossy(&bytes);
     let words = text.split(|c: char| c.is_whitespace() || ",;[]".contains(c));
     let numbers = words.filter(|word| !word.is_empty()).map(str::parse::<f64>);
     let numbers: Option<Vec<f64>> = numbers.map(Result::ok).collect();
