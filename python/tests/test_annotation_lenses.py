@@ -113,7 +113,7 @@ def test_bop_has_k_of_a_shifted_viewplane_and_refuses_distortions(tmp_path):
 
 
 def test_what_a_lens_leaves_open_is_null_in_json_and_refused_by_kitti(tmp_path):
-    seen = fh.annotate(things(), camera("opencv"))
+    seen = fh.annotate(things(18, (-4, -3, -6), (4, 3, 3)), camera("opencv"))
     assert all(math.isnan(instance.truncated) for instance in seen.instances)
     seen.save_coco(tmp_path / "coco.json")
     said = json.loads((tmp_path / "coco.json").read_text())
