@@ -119,5 +119,8 @@ def test_what_a_lens_leaves_open_is_null_in_json_and_refused_by_kitti(tmp_path):
     said = json.loads((tmp_path / "coco.json").read_text())
     assert said["annotations"]
     assert all(each["truncated"] is None for each in said["annotations"])
-    with pytest.raises(ValueError, match="beyond the border"):
+    with pytest.raises(ValueError, match="cameras are perspective"):
         save_kitti(tmp_path / "kitti", seen, unit="m")
+    tilted = fh.annotate(things(18, (-4, -3, -6), (4, 3, 3)), camera("tilted"))
+    with pytest.raises(ValueError, match="of a tilted viewplane that is not known"):
+        save_kitti(tmp_path / "kitti", tilted, unit="m")

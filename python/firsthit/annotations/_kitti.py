@@ -108,8 +108,8 @@ def save_kitti(
             state = _occluded(instance, full, partly)
             if math.isnan(instance.truncated):
                 raise ValueError(
-                    f"{name}: KITTI says how much of an object is beyond the border, and of a lens "
-                    f"with distortion that is not known: object {instance.id}"
+                    f"{name}: KITTI says how much of an object is beyond the border, and of a tilted "
+                    f"viewplane that is not known: object {instance.id}"
                 )
             words = _class(name, instance), f"{instance.truncated:.4f}", str(state)
             place, size, turn = level.place(name, instance, length)
