@@ -108,7 +108,7 @@ def save_kitti(
             state = _occluded(instance, full, partly)
             if math.isnan(instance.truncated):
                 raise ValueError(
-                    f"{name}: KITTI says how much of an object is beyond the border, and of a tilted "
+                    f"{name}: KITTI says how much of an object is beyond the border: of a tilted "
                     f"viewplane that is not known: object {instance.id}"
                 )
             words = _class(name, instance), f"{instance.truncated:.4f}", str(state)
