@@ -66,10 +66,6 @@ impl Camera {
     /// The camera of a matrix K and a matrix of a pose, row by row, as a convention has them; with the parameters of a projection
     /// that distorts.
     #[staticmethod]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a camera's words, sent by the Python half alone"
-    )]
     fn from_intrinsics(
         py: Python<'_>,
         k: [[f64; 3]; 3],

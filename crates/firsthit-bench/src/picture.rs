@@ -23,14 +23,14 @@ pub(crate) struct Picture {
 
 impl Picture {
     /// Each colour the mean over four points, without light.
-    pub(crate) fn antialiased(scene: &Scene, camera: Camera) -> Self {
+    pub(crate) fn antialiased(scene: &Scene, camera: &Camera) -> Self {
         let points = (0..camera.pixels()).flat_map(|pixel| (0..SAMPLES).map(move |k| (pixel, k)));
         let rays: Vec<Ray> = points
-            .map(|(pixel, k)| sample_ray(&camera, pixel, k))
+            .map(|(pixel, k)| sample_ray(camera, pixel, k))
             .collect();
         Self {
             scene: scene.clone(),
-            camera,
+            camera: *camera,
             shader: named("unlit"),
             samples: SAMPLES,
             points: Some(Columns::new(&rays)),
@@ -39,14 +39,14 @@ impl Picture {
     }
 
     /// One point to a pixel, lit from one place, with shadows.
-    pub(crate) fn shaded(scene: &Scene, camera: Camera, light: DVec3, shadows: &[Ray]) -> Self {
+    pub(crate) fn shaded(scene: &Scene, camera: &Camera, light: DVec3, shadows: &[Ray]) -> Self {
         let light = Light::Point {
             position: light,
             intensity: Color::splat((camera.position() - light).length_squared()),
         };
         Self {
             scene: scene.clone().with_lights(vec![light]),
-            camera,
+            camera: *camera,
             shader: named("lambert"),
             samples: 1,
             points: None,

@@ -120,14 +120,14 @@ impl<'a> Shots<'a> {
             Row::Random => Shot::First(rays::anywhere(self.scene.bounds(), count)),
             Row::AllHits => Shot::All(rays::anywhere(self.scene.bounds(), count)),
             Row::Antialiased => {
-                Shot::Picture(Box::new(Picture::antialiased(self.scene, self.camera)))
+                Shot::Picture(Box::new(Picture::antialiased(self.scene, &self.camera)))
             }
             Row::Shaded => {
                 let shadows = self.surface.to_light(self.look.light);
                 let light = self.look.light;
                 Shot::Picture(Box::new(Picture::shaded(
                     self.scene,
-                    self.camera,
+                    &self.camera,
                     light,
                     &shadows,
                 )))

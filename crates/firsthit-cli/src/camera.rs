@@ -302,7 +302,7 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
         rows: args.size.map_or(base.rows, |(_, rows)| Some(rows)),
     };
     let described = match &args.pose {
-        Some(path) => posed(described, path, convention(args))?,
+        Some(path) => posed(&described, path, convention(args))?,
         None => described,
     };
     check_aim(&described)?;
@@ -326,7 +326,7 @@ fn convention(args: &CameraArgs) -> Convention {
 
 /// The description with the pose of a file.
 fn posed(
-    described: Description,
+    described: &Description,
     path: &Path,
     convention: Convention,
 ) -> Result<Description, Failure> {
@@ -354,7 +354,7 @@ fn posed(
         position: Some(pose.translation),
         aim: Some(Aim::Along(DVec3::ZERO - pose.matrix3.z_axis)),
         up: Some(pose.matrix3.y_axis),
-        ..described
+        ..*described
     })
 }
 

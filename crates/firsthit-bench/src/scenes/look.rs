@@ -37,7 +37,7 @@ impl Look {
         let lens = viewplane
             .map(Lens::Flat)
             .map_err(|error| error.to_string())?;
-        self.through(lens, side)
+        self.through(&lens, side)
     }
 
     /// The perspective camera with the distortion of a usual wide-angle lens: at the corners 12 % of the radius.
@@ -45,15 +45,16 @@ impl Look {
         let camera = self.camera(false, side)?;
         let matrix = camera.pixel_matrix().ok_or("the camera has no matrix")?;
         // As a share of the radius at the corners, whatever the field of view.
-        let corner = 0.5 * (side as f64 / matrix.fx).powi(2);
+        let across = side as f64 / matrix.fx;
+        let corner = 0.5 * across * across;
         let barrel = OpenCv {
             k1: -0.18 / corner,
-            k2: 0.06 / corner.powi(2),
+            k2: 0.06 / (corner * corner),
             p1: 0.001,
             p2: -0.0005,
             ..OpenCv::default()
         };
-        self.through(Lens::OpenCv(Calibrated::new(matrix, barrel)), side)
+        self.through(&Lens::OpenCv(Calibrated::new(matrix, barrel)), side)
     }
 
     /// A fisheye that sees half of the sphere in a circle that touches the edges, and more in the corners: Embree takes a pixel
@@ -68,17 +69,17 @@ impl Look {
             }
         }
         let lens = Lens::named(Projection::Equidistant, &numbers).map_err(said)?;
-        self.through(lens, side)
+        self.through(&lens, side)
     }
 
-    fn through(&self, lens: Lens, side: usize) -> Result<Camera, String> {
+    fn through(&self, lens: &Lens, side: usize) -> Result<Camera, String> {
         let view = View {
             position: self.eye,
             aim: self.target - self.eye,
             up: self.up,
             rows: side,
             columns: side,
-            lens,
+            lens: *lens,
         };
         Camera::new(view).map_err(|error| error.to_string())
     }

@@ -28,7 +28,7 @@ named! {
     /// OpenCV: `[R | t]`, as `cv2.solvePnP` and `cv2.calibrateCamera` give them.
     #[default]
     "opencv" => OpenCv;
-    /// OpenGL: the inverse of the view matrix, as pyrender, trimesh and NeRF take poses.
+    /// OpenGL: the inverse of the view matrix, as pyrender and trimesh take poses, and radiance fields.
     "opengl" => OpenGl;
     /// COLMAP: `images.txt`.
     "colmap" => Colmap;
@@ -105,13 +105,12 @@ impl Convention {
             format!("{matrix:?}"),
         )?;
         let given = DAffine3::from_mat3_translation(rotation, column(3));
-        let world_from_camera = match self.way() {
-            Way::WorldFromCamera => given,
+        let world_from_camera = if self.way() == Way::WorldFromCamera {
+            given
+        } else {
             // Of a rotation the inverse is the transpose.
-            _ => {
-                let back = rotation.transpose();
-                DAffine3::from_mat3_translation(back, DVec3::ZERO - back * column(3))
-            }
+            let back = rotation.transpose();
+            DAffine3::from_mat3_translation(back, DVec3::ZERO - back * column(3))
         };
         let signs = DMat3::from_diagonal(self.signs());
         let rotation = world_from_camera.matrix3 * signs;
@@ -125,12 +124,11 @@ impl Convention {
     pub fn matrix(self, pose: &DAffine3) -> [[f64; 4]; 4] {
         let signs = DMat3::from_diagonal(self.signs());
         let rotation = pose.matrix3 * signs;
-        let (rotation, translation) = match self.way() {
-            Way::WorldFromCamera => (rotation, pose.translation),
-            _ => {
-                let back = rotation.transpose();
-                (back, DVec3::ZERO - back * pose.translation)
-            }
+        let (rotation, translation) = if self.way() == Way::WorldFromCamera {
+            (rotation, pose.translation)
+        } else {
+            let back = rotation.transpose();
+            (back, DVec3::ZERO - back * pose.translation)
         };
         let row = |k: usize| {
             let [x, y, z] = rotation.row(k).to_array();

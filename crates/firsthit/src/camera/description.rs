@@ -1,5 +1,10 @@
 //! Cameras as people describe them: what they leave open, the scene decides.
 
+#![allow(
+    clippy::large_types_passed_by_value,
+    reason = "a view is handed on a few times for each camera"
+)]
+
 use super::framing::{MARGIN, smallest};
 use super::{Camera, Lens, Projection, RayStart, StandardView, View, Viewplane};
 use crate::error::{Error, Result};
@@ -40,6 +45,10 @@ pub enum Aim {
 }
 
 /// How much a camera sees.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a description is made once for a camera"
+)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Opening {
     /// Degrees from the picture's lower to its upper edge, with square pixels: for perspective cameras. Of fisheyes those of a circle

@@ -291,6 +291,7 @@ mod tests {
 
     /// Every instruction set makes the rays that one by one are made, to the bit.
     #[test]
+    #[expect(clippy::too_many_lines, reason = "numbers for every lens")]
     fn rows_of_rays_are_the_rays_one_by_one() {
         let matrix = [
             ("fx", 30.0),

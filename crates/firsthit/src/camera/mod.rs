@@ -1,5 +1,10 @@
 //! Pixel to ray: a camera is a pose and a lens, and each lens a file.
 
+#![allow(
+    clippy::large_types_passed_by_value,
+    reason = "a view is handed on a few times for each camera"
+)]
+
 mod aim_at;
 mod calibrated;
 mod central;

@@ -296,7 +296,7 @@ impl Distortion for OpenCv {
         if !is_lopsided {
             return Some(start.extend(1.0));
         }
-        let start = self.from_inside(limit, start)?;
+        let start = self.before_fold(limit, start)?;
         let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
         self.is_before_fold(limit, found).then(|| found.extend(1.0))
     }
@@ -397,7 +397,7 @@ impl OpenCv {
     }
 
     /// The point, or the first on the way to the middle that is on this side of the fold.
-    fn from_inside(&self, limit: &Limit, start: DVec2) -> Option<DVec2> {
+    fn before_fold(&self, limit: &Limit, start: DVec2) -> Option<DVec2> {
         let shares = (0..20).map(|k| 1.0 - 0.05 * f64::from(k));
         let mut points = shares.map(|share| share * start).chain([DVec2::ZERO]);
         points.find(|&point| self.distorted(limit, point).is_some())

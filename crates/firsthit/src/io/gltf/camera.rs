@@ -1,5 +1,10 @@
 //! Cameras, where their nodes are.
 
+#![allow(
+    clippy::large_types_passed_by_value,
+    reason = "a view is handed on a few times for each camera"
+)]
+
 use super::super::fault::Checked;
 use super::super::report::Report;
 use super::document::{CameraEntry, Document};
