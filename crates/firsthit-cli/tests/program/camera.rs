@@ -315,7 +315,7 @@ fn an_intrinsic_matrix_and_a_pose_make_the_camera() {
     assert_eq!(middle(&lab, "range", given), 5.0);
     // With COLMAP's pixel coordinates it is half a pixel off.
     let range = middle(&lab, "range", &given.replace("opencv", "colmap"));
-    let expected = 5.0 * (1.0 + 2.0 * (0.5_f64 / 4.0).powi(2)).sqrt();
+    let expected = 5.0 * (1.0_f64 + 2.0 * 0.125 * 0.125).sqrt();
     assert!((range - expected).abs() < 1e-14, "{range}");
     // The inverse pose, as ROS has it.
     lab.write(
