@@ -3,7 +3,10 @@
 #![allow(
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
-    reason = "a test may panic, and its numbers are small"
+    clippy::large_types_passed_by_value,
+    clippy::disallowed_methods,
+    clippy::too_many_lines,
+    reason = "a test may panic, its numbers are small, and any rounding will do for its shapes"
 )]
 
 use firsthit::camera::{Calibrated, Convention, PixelMatrix, distortion};

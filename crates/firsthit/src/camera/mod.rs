@@ -121,7 +121,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for an `aim` or `up` of length zero, an `up` parallel to `aim` to working
+    /// [`Error::Argument`] for an `aim` or `up` of length zero, an `up` parallel to `aim` to working
     /// precision, a `focal_length`, `width` or `height` that is not positive, `rows` or `columns` below
     /// one, and any NaN or infinity.
     pub fn new(view: View) -> Result<Self> {
@@ -132,7 +132,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
+    /// [`Error::Argument`] for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
     pub fn again(view: View) -> Result<Self> {
         let is_unit = (view.aim.length() - 1.0).abs() < 1e-12;
         require("aim", "of length one", is_unit, view.aim)?;
@@ -237,7 +237,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for an empty part or one beyond the picture, and for a projection without an
+    /// [`Error::Argument`] for an empty part or one beyond the picture, and for a projection without an
     /// intrinsic matrix, other than an orthographic one.
     pub fn crop(&self, rows: Range<usize>, columns: Range<usize>) -> Result<Self> {
         let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
@@ -267,7 +267,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for no rows or columns.
+    /// [`Error::Argument`] for no rows or columns.
     pub fn resize(&self, rows: usize, columns: usize) -> Result<Self> {
         let factors = [
             rows as f64 / self.rows() as f64,
@@ -296,7 +296,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for a matrix that is no rigid motion to 1e-4, and for a position that is then
+    /// [`Error::Argument`] for a matrix that is no rigid motion to 1e-4, and for a position that is then
     /// not finite.
     pub fn moved(&self, world_from_body: &DAffine3) -> Result<Self> {
         let turn = &world_from_body.matrix3;
