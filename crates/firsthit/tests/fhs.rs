@@ -610,10 +610,10 @@ fn what_is_no_built_scene_is_refused_in_a_line() {
         assert!(error.contains(why), "{error}");
     }
     let mut other = small();
-    other[8] = 2;
+    other[8] = 1;
     let error = attack(&other, false).unwrap_err();
     assert!(
-        error.contains("version 2, where this firsthit reads version 1"),
+        error.contains("version 1, where this firsthit reads version 2"),
         "{error}"
     );
     assert!(fhs::open(&folder.path("missing.fhs"), false).is_err());
