@@ -85,6 +85,9 @@ fn sample(kind: &str, name: &str, form: &Value) -> Value {
         (_, "vertices") => json!([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]]),
         (_, "triangles") => json!([[0, 1, 2]]),
         (_, "rotate") => json!({"quaternion": [0, 0, 1, 1]}),
+        // A cube map has three faces across and two down.
+        (_, "columns") => json!(6),
+        (_, "rows") => json!(4),
         _ => Value::Null,
     };
     if known != Value::Null {

@@ -1,5 +1,7 @@
 //! Cameras of a scene file.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::form::matrix;
 use super::section::Section;
 use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, required};
@@ -26,8 +28,16 @@ const VIEW: &[Key] = keys! {
 const POSE: &[Key] = keys! {
     /// Instead of position, aim, look_at and up: the rows of the matrix by which the convention says where the camera is.
     pose: optional(Form::Matrix),
+};
+
+const CONVENTION: &[Key] = keys! {
     /// Whose words pose, cx and cy are in: which way the camera's axes point, which way the pose goes, where the first pixel is.
     convention: optional(Form::OneOf(|| Convention::NAMES.to_vec())),
+};
+
+const NEEDED_CONVENTION: &[Key] = keys! {
+    /// Whose words pose, cx and cy are in: which way the camera's axes point, which way the pose goes, where the first pixel is.
+    convention: required(Form::OneOf(|| Convention::NAMES.to_vec())),
 };
 
 /// How a pose and what it replaces go together.
@@ -107,17 +117,33 @@ const TILT: &[Key] = keys! {
     tilt_y: optional(Form::Between(-90.0, 90.0)),
 };
 
-const PANORAMA: &[Key] = keys! {
-    /// Degrees from the left edge to the right one. Default: 360.
-    horizontal_fov: optional(Form::Positive),
-    /// Degrees from the lower edge to the upper one. Default: 180, of a cylinder 90.
-    vertical_fov: optional(Form::Positive),
-};
+/// The fields of view of a panorama, the vertical one in this form.
+macro_rules! panorama {
+    ($form:expr) => {
+        keys! {
+            /// Degrees from the left edge to the right one. Default: 360.
+            horizontal_fov: optional(Form::UpTo(360.0)),
+            /// Degrees from the lower edge to the upper one. Default: 180, of a cylinder 90.
+            vertical_fov: optional($form),
+        }
+    };
+}
 
-const FISHEYE: &[Key] = keys! {
-    /// Degrees of the circle that touches the picture's longer edges; beyond it nothing is seen. Default: 180.
-    fov: optional(Form::Positive),
-};
+/// The field of view of a fisheye in this form.
+macro_rules! fisheye {
+    ($form:expr) => {
+        keys! {
+            /// Degrees of the circle that touches the picture's longer edges; beyond it nothing is seen. Default: 180.
+            fov: optional($form),
+        }
+    };
+}
+
+const EQUIRECTANGULAR: &[Key] = panorama!(Form::UpTo(180.0));
+const CYLINDRICAL: &[Key] = panorama!(Form::Between(0.0, 180.0));
+const WHOLE_SPHERE: &[Key] = fisheye!(Form::UpTo(360.0));
+const NEARLY_WHOLE_SPHERE: &[Key] = fisheye!(Form::Between(0.0, 360.0));
+const HALF_SPHERE: &[Key] = fisheye!(Form::UpTo(180.0));
 
 const OPENCV: &[Key] = keys! {
     /// Radial distortion.
@@ -145,9 +171,9 @@ const OPENCV: &[Key] = keys! {
     /// Thin prism distortion.
     s4: optional(Form::Number),
     /// The sensor's tilt about x, in radians.
-    tau_x: optional(Form::Number),
+    tau_x: optional(Form::Between(-FRAC_PI_2, FRAC_PI_2)),
     /// The sensor's tilt about y, in radians.
-    tau_y: optional(Form::Number),
+    tau_y: optional(Form::Between(-FRAC_PI_2, FRAC_PI_2)),
 };
 
 const ANGLE_POLYNOMIAL: &[Key] = keys! {
@@ -161,25 +187,41 @@ const ANGLE_POLYNOMIAL: &[Key] = keys! {
     k4: optional(Form::Number),
 };
 
-const K5: &[Key] = keys! {
+const KANNALA_BRANDT: &[Key] = keys! {
+    /// The slope of the radius on the axis. Default: 1.
+    k1: optional(Form::Positive),
+    /// A coefficient of the polynomial in the angle to the axis.
+    k2: optional(Form::Number),
+    /// The next.
+    k3: optional(Form::Number),
+    /// The next.
+    k4: optional(Form::Number),
     /// The last.
     k5: optional(Form::Number),
 };
 
 const ALPHA: &[Key] = keys! {
     /// From 0, a pinhole, to 1.
-    alpha: optional(Form::Number),
+    alpha: optional(Form::From(0.0, 1.0)),
 };
 
 const BETA: &[Key] = keys! {
     /// Positive. Default: 1.
-    beta: optional(Form::Number),
+    beta: optional(Form::Positive),
 };
 
-const XI: &[Key] = keys! {
-    /// The distance between the spheres' centres, or of the point of view behind the sphere's. Default: 0.
-    xi: optional(Form::Number),
-};
+/// The parameter xi in this form.
+macro_rules! xi {
+    ($form:expr) => {
+        keys! {
+            /// The distance between the spheres' centres, or of the point of view behind the sphere's. Default: 0.
+            xi: optional($form),
+        }
+    };
+}
+
+const XI: &[Key] = xi!(Form::Above(-1.0));
+const MEI_XI: &[Key] = xi!(Form::NonNegative);
 
 const MEI: &[Key] = keys! {
     /// Radial distortion.
@@ -197,8 +239,8 @@ macro_rules! calibrated {
     ($name:literal, $($own:expr),*) => {
         Variant {
             pick: Pick::Tag(PROJECTION, $name),
-            keys: &[VIEW, POSE, BOTH_PIXELS, MATRIX, $($own),*],
-            rules: view_rules![Rule::Needs("fx", "convention")],
+            keys: &[VIEW, POSE, NEEDED_CONVENTION, BOTH_PIXELS, MATRIX, $($own),*],
+            rules: view_rules![],
         }
     };
 }
@@ -208,7 +250,7 @@ macro_rules! uncalibrated {
     ($name:literal, $($own:expr),*) => {
         Variant {
             pick: Pick::Tag(PROJECTION, $name),
-            keys: &[VIEW, POSE, PIXELS, $($own),*],
+            keys: &[VIEW, POSE, CONVENTION, PIXELS, $($own),*],
             rules: view_rules![],
         }
     };
@@ -236,7 +278,7 @@ pub(super) static CAMERA: Record = Record {
         Variant {
             pick: Pick::Default(PROJECTION, "perspective"),
             keys: &[
-                VIEW, POSE, RAY_START, PIXELS, FOV, VIEWPLANE, PINHOLE, SHIFT, TILT,
+                VIEW, POSE, CONVENTION, RAY_START, PIXELS, FOV, VIEWPLANE, PINHOLE, SHIFT, TILT,
             ],
             rules: view_rules![
                 Rule::NotBoth("fov", "focal_length"),
@@ -266,7 +308,7 @@ pub(super) static CAMERA: Record = Record {
         },
         Variant {
             pick: Pick::Tag(PROJECTION, "orthographic"),
-            keys: &[VIEW, POSE, RAY_START, PIXELS, VIEWPLANE, SHIFT],
+            keys: &[VIEW, POSE, CONVENTION, RAY_START, PIXELS, VIEWPLANE, SHIFT],
             rules: view_rules![
                 Rule::Needs("focal_length", "width"),
                 Rule::Needs("width", "height"),
@@ -275,21 +317,21 @@ pub(super) static CAMERA: Record = Record {
                 Rule::Needs("shift_y", "width"),
             ],
         },
-        uncalibrated!("equirectangular", PANORAMA),
-        uncalibrated!("cylindrical", PANORAMA),
+        uncalibrated!("equirectangular", EQUIRECTANGULAR),
+        uncalibrated!("cylindrical", CYLINDRICAL),
         uncalibrated!("cube_map",),
         uncalibrated!("octahedral",),
         calibrated!("opencv", OPENCV),
         calibrated!("opencv_fisheye", ANGLE_POLYNOMIAL),
-        calibrated!("kannala_brandt", ANGLE_POLYNOMIAL, K5),
+        calibrated!("kannala_brandt", KANNALA_BRANDT),
         calibrated!("double_sphere", XI, ALPHA),
         calibrated!("eucm", ALPHA, BETA),
         calibrated!("ucm", ALPHA),
-        calibrated!("mei", XI, MEI),
-        uncalibrated!("equidistant", FISHEYE),
-        uncalibrated!("equisolid", FISHEYE),
-        uncalibrated!("stereographic", FISHEYE),
-        uncalibrated!("orthographic_fisheye", FISHEYE),
+        calibrated!("mei", MEI_XI, MEI),
+        uncalibrated!("equidistant", WHOLE_SPHERE),
+        uncalibrated!("equisolid", WHOLE_SPHERE),
+        uncalibrated!("stereographic", NEARLY_WHOLE_SPHERE),
+        uncalibrated!("orthographic_fisheye", HALF_SPHERE),
     ],
 };
 

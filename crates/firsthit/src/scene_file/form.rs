@@ -14,6 +14,9 @@ impl Form {
             Self::Positive => "a positive number".into(),
             Self::NonNegative => "zero or a positive number".into(),
             Self::Between(low, high) => format!("a number between {low} and {high}"),
+            Self::From(least, most) => format!("a number from {least} to {most}"),
+            Self::UpTo(most) => format!("above 0 and up to {most}"),
+            Self::Above(low) => format!("above {low}"),
             Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
             Self::Boolean => "true or false".into(),
             Self::Text => "a text, not empty".into(),
@@ -54,6 +57,9 @@ impl Form {
             Self::Positive => number(value).is_some_and(positive),
             Self::NonNegative => number(value).is_some_and(|number| number >= 0.0),
             Self::Between(low, high) => number(value).is_some_and(|x| low < x && x < high),
+            Self::From(least, most) => number(value).is_some_and(|x| (least..=most).contains(&x)),
+            Self::UpTo(most) => number(value).is_some_and(|x| x > 0.0 && x <= most),
+            Self::Above(low) => number(value).is_some_and(|x| x > low),
             Self::Whole(least, most) => {
                 integer(value).is_some_and(|number| (least..=most).contains(&number))
             }
@@ -133,6 +139,13 @@ impl Form {
             Self::Between(low, high) => {
                 json!({"type": "number", "exclusiveMinimum": low, "exclusiveMaximum": high})
             }
+            Self::From(least, most) => {
+                json!({"type": "number", "minimum": least, "maximum": most})
+            }
+            Self::UpTo(most) => {
+                json!({"type": "number", "exclusiveMinimum": 0, "maximum": most})
+            }
+            Self::Above(low) => json!({"type": "number", "exclusiveMinimum": low}),
             Self::Whole(least, most) => {
                 json!({"type": "integer", "minimum": least, "maximum": most})
             }

@@ -107,6 +107,12 @@ pub(super) enum Form {
     NonNegative,
     /// A number strictly between two.
     Between(f64, f64),
+    /// A number from the first to the last.
+    From(f64, f64),
+    /// A positive number, up to the given one.
+    UpTo(f64),
+    /// A number above another.
+    Above(f64),
     /// A whole number from the first to the last.
     Whole(i64, i64),
     Boolean,
