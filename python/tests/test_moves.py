@@ -196,7 +196,8 @@ signal.signal(signal.SIGALRM, handler)
 rays = [[0, 0, 1e4], [1999, 0, 1e4]], (0, 0, -1)
 scene.shoot(*rays)
 wrong, k, end = 0, 0, time.monotonic() + 4
-while time.monotonic() < end:
+# On a busy machine fewer calls are interrupted in as many seconds.
+while time.monotonic() < end or (height <= 50 and time.monotonic() < end + 40):
     k += 1
     for identifier in range(2000):
         scene.move(identifier, at(height))
