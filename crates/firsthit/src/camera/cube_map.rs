@@ -2,10 +2,12 @@
 //!
 //! The picture's shape says how the faces lie, R(ight), L(eft), U(p), D(own), F(ront), B(ack):
 //!
-//!     6:1  R L U D F B      1:6  the same, from the top to the bottom
-//!     3:2  R L U            4:3  . U . .
-//!          D F B                 L F R B
-//!                                . D . .
+//! ```text
+//! 6:1  R L U D F B      1:6  the same, from the top to the bottom
+//! 3:2  R L U            4:3  . U . .
+//!      D F B                 L F R B
+//!                            . D . .
+//! ```
 //!
 //! In rows this is the order of OpenGL's +x, -x, +y, -y, +z, -z where z is the aim. The faces around have up at their upper edge; the
 //! lower edge of U and the upper edge of D touch F. In the cross what is no face sees nothing.
