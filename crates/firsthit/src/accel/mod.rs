@@ -50,7 +50,8 @@ pub(crate) use stored::{TreeFacts, TreeParts};
 pub(crate) use tile::frustum::{TileCamera, TileFrustum};
 pub(crate) use tile::traverse::{TileScratch, fill_buffer};
 pub(crate) use tile::visibility::{
-    BLOCK, ExactTest, TILE, TriangleId, VisibilityBuffer, block_and_lane, row_and_column,
+    BLOCK, Displacements, ExactTest, TILE, TriangleId, VisibilityBuffer, block_and_lane,
+    row_and_column,
 };
 pub(crate) use traverse::all::{All, CrossingList};
 pub(crate) use traverse::any::Any;

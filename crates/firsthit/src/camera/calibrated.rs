@@ -80,6 +80,8 @@ impl<D: Parameters> Parameters for Calibrated<D> {
 }
 
 impl<D: Distortion> Central for Calibrated<D> {
+    const IS_UNIT: bool = D::IS_UNIT;
+
     fn prepare(&mut self, [rows, columns]: [usize; 2]) -> Result<()> {
         self.matrix.check()?;
         let mut fine = Ok(());
@@ -112,9 +114,9 @@ impl<D: Distortion> Central for Calibrated<D> {
             cy,
             skew,
         } = self.matrix;
-        let y = of.div(of.sub(v, of.number(cy)), of.number(fy));
+        let y = of.mul(of.sub(v, of.number(cy)), of.number(fy.recip()));
         let across = of.sub(of.sub(u, of.number(cx)), of.mul(of.number(skew), y));
-        let x = of.div(across, of.number(fx));
+        let x = of.mul(across, of.number(fx.recip()));
         self.distortion.directions(of, &self.limit, [x, y])
     }
 

@@ -10,13 +10,16 @@ use super::parameters::Parameters;
 use super::pose::Pose;
 use super::quick::square;
 use crate::error::Result;
-use crate::geometry::arithmetic::{Arithmetic, Scalar};
+use crate::geometry::arithmetic::{Arithmetic, PairOfMasks, Pairs, Scalar};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray};
 use crate::simd::{InLanes, InstructionSet, Kernel, Lanes, WIDE, run};
 
 /// What every such lens can do. Directions are in the camera's coordinates x to the right, y down, z ahead, as in OpenCV; pixel
 /// coordinates are counted from the picture's upper left corner, to the right and down. `size` is rows and columns.
 pub(super) trait Central: Parameters + Send + Sync {
+    /// Whether its directions have length one, but for rounding.
+    const IS_UNIT: bool = false;
+
     /// Checks its numbers for a picture of a size, and computes what depends on them alone.
     fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
     /// The direction that is seen at a point of the picture, of any length; `None` where nothing is.
@@ -53,7 +56,11 @@ pub(super) trait Central: Parameters + Send + Sync {
 
 /// A direction in the camera's coordinates to one in the world's, of length one.
 #[inline(always)]
-fn in_world<A: Arithmetic>(of: A, pose: &Pose, [x, y, z]: [A::Number; 3]) -> [A::Number; 3] {
+fn in_world<C: Central, A: Arithmetic>(
+    of: A,
+    pose: &Pose,
+    [x, y, z]: [A::Number; 3],
+) -> [A::Number; 3] {
     // A closure would not be compiled for the instruction set.
     macro_rules! along {
         ($axis:ident) => {{
@@ -64,14 +71,17 @@ fn in_world<A: Arithmetic>(of: A, pose: &Pose, [x, y, z]: [A::Number; 3]) -> [A:
         }};
     }
     let [x, y, z] = [along!(x), along!(y), along!(z)];
+    if C::IS_UNIT {
+        return [x, y, z];
+    }
     let length = of.sqrt(of.add(square(of, x, y), of.mul(z, z)));
     let inverse = of.div(of.number(1.0), length);
     [of.mul(x, inverse), of.mul(y, inverse), of.mul(z, inverse)]
 }
 
-/// The ray through a point of the picture.
+/// The direction of the ray through a point of the picture; NaN where nothing is seen.
 #[inline(always)]
-fn ray_at<C: Central>(lens: &C, pose: &Pose, size: [usize; 2], pixel: DVec2) -> Ray {
+fn direction_at<C: Central>(lens: &C, pose: &Pose, size: [usize; 2], pixel: DVec2) -> DVec3 {
     let (quick, is_known) = lens.directions(Scalar, size, pixel.to_array());
     let direction = if is_known {
         Some(quick)
@@ -79,8 +89,8 @@ fn ray_at<C: Central>(lens: &C, pose: &Pose, size: [usize; 2], pixel: DVec2) -> 
         lens.direction(size, pixel)
             .map(|direction| direction.to_array())
     };
-    let direction = direction.map(|direction| in_world(Scalar, pose, direction).into());
-    Ray::new(pose.position, direction.unwrap_or(DVec3::NAN))
+    let direction = direction.map(|direction| in_world::<C, _>(Scalar, pose, direction).into());
+    direction.unwrap_or(DVec3::NAN)
 }
 
 /// The coordinates of a pixel's point: offsets run upwards, rows downwards.
@@ -89,54 +99,75 @@ fn pixel_at([row, column]: [usize; 2], offset: DVec2) -> DVec2 {
     DVec2::new(column as f64 + offset.x, row as f64 + (1.0 - offset.y))
 }
 
-/// Makes the rays of some pixels of a row.
-struct RowOfRays<'a, C> {
+/// Makes the directions of some pixels of a row.
+struct RowOfDirections<'a, C> {
     lens: &'a C,
     pose: &'a Pose,
     size: [usize; 2],
     first: [usize; 2],
     offset: DVec2,
-    rays: &'a mut [Ray],
+    directions: [&'a mut [f64]; 3],
 }
 
-impl<C: Central> Kernel for RowOfRays<'_, C> {
+impl<C: Central> Kernel for RowOfDirections<'_, C> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let [row, first] = self.first;
-        for (group, rays) in self.rays.chunks_mut(WIDE).enumerate() {
-            let column = first + group * WIDE;
-            let mut across = [0.0; WIDE];
+        let [x, y, z] = self.directions;
+        let down = l.splat64(pixel_at([row, first], self.offset).y);
+        let lanes = x.chunks_mut(AT_ONCE).zip(y.chunks_mut(AT_ONCE));
+        for (group, ((x, y), z)) in lanes.zip(z.chunks_mut(AT_ONCE)).enumerate() {
+            let column = first + group * AT_ONCE;
+            let mut across = [0.0; AT_ONCE];
             for (k, x) in across.iter_mut().enumerate() {
                 *x = pixel_at([row, column + k], self.offset).x;
             }
-            let down = l.splat64(pixel_at([row, column], self.offset).y);
-            let (direction, known) =
-                self.lens
-                    .directions(InLanes(l), self.size, [l.load64(&across), down]);
-            let direction = in_world(InLanes(l), self.pose, direction);
-            let mut lanes = [[0.0; WIDE]; 3];
-            for (lanes, direction) in lanes.iter_mut().zip(direction) {
-                l.store64(direction, lanes);
-            }
-            for (k, ray) in rays.iter_mut().enumerate() {
-                *ray = if known >> k & 1 == 1 {
-                    let direction = DVec3::new(lanes[0][k], lanes[1][k], lanes[2][k]);
-                    Ray::new(self.pose.position, direction)
-                } else {
+            let (halves, _) = across.as_chunks();
+            let of = Pairs(InLanes(l));
+            let across = [l.load64(&halves[0]), l.load64(&halves[1])];
+            let (direction, known) = self.lens.directions(of, self.size, [across, [down; 2]]);
+            let direction = in_world::<C, _>(of, self.pose, direction);
+            store(l, direction[0], x);
+            store(l, direction[1], y);
+            store(l, direction[2], z);
+            let PairOfMasks([low, high]) = known;
+            let known = u16::from_le_bytes([low, high]);
+            if known != u16::MAX {
+                for k in (0..x.len()).filter(|k| known >> k & 1 == 0) {
                     let pixel = pixel_at([row, column + k], self.offset);
-                    slow(self.lens, self.pose, self.size, pixel)
-                };
+                    let direction = slow(self.lens, self.pose, self.size, pixel);
+                    (x[k], y[k], z[k]) = direction.into();
+                }
             }
         }
     }
 }
 
-/// [`ray_at`] as a function of its own: it is rarely called.
+/// Pixels that are computed together: twice as many as there are lanes, for each step waits for the one before.
+const AT_ONCE: usize = 2 * WIDE;
+
+/// Stores as many of sixteen numbers as there is room for.
+#[inline(always)]
+fn store<L: Lanes>(l: L, [low, high]: [L::Doubles; 2], to: &mut [f64]) {
+    if let (halves, []) = to.as_chunks_mut()
+        && let [first, second] = halves
+    {
+        l.store64(low, first);
+        l.store64(high, second);
+        return;
+    }
+    let mut lanes = [[0.0; WIDE]; 2];
+    l.store64(low, &mut lanes[0]);
+    l.store64(high, &mut lanes[1]);
+    to.copy_from_slice(&lanes.as_flattened()[..to.len()]);
+}
+
+/// [`direction_at`] as a function of its own: it is rarely called.
 #[inline(never)]
-fn slow<C: Central>(lens: &C, pose: &Pose, size: [usize; 2], pixel: DVec2) -> Ray {
-    ray_at(lens, pose, size, pixel)
+fn slow<C: Central>(lens: &C, pose: &Pose, size: [usize; 2], pixel: DVec2) -> DVec3 {
+    direction_at(lens, pose, size, pixel)
 }
 
 impl<C: Central> Model for C {
@@ -145,25 +176,26 @@ impl<C: Central> Model for C {
     }
 
     fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray {
-        ray_at(self, pose, size, pixel_at(pixel, offset))
+        let direction = direction_at(self, pose, size, pixel_at(pixel, offset));
+        Ray::new(pose.position, direction)
     }
 
-    fn row(
+    fn directions(
         &self,
         set: InstructionSet,
         pose: &Pose,
         size: [usize; 2],
         first: [usize; 2],
         offset: DVec2,
-        rays: &mut [Ray],
+        directions: [&mut [f64]; 3],
     ) {
-        let row = RowOfRays {
+        let row = RowOfDirections {
             lens: self,
             pose,
             size,
             first,
             offset,
-            rays,
+            directions,
         };
         run(set, row);
     }

@@ -43,6 +43,8 @@ pub(super) fn check_horizontal_fov(degrees: f64) -> Result<()> {
 }
 
 impl Central for Equirectangular {
+    const IS_UNIT: bool = true;
+
     fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
         check_horizontal_fov(self.horizontal_fov)?;
         let fine = self.vertical_fov > 0.0 && self.vertical_fov <= 180.0;

@@ -331,13 +331,47 @@ impl Camera {
         lens.ray(&self.pose, self.size(), [row, column], offset)
     }
 
+    /// Fills the slices with x, y and z of the directions of the rays through a point of the pixels of one row, from a column on:
+    /// what [`ray_within`](Self::ray_within) gives, sooner than one by one.
+    pub fn directions_within(
+        &self,
+        row: usize,
+        column: usize,
+        offset: DVec2,
+        directions: [&mut [f64]; 3],
+    ) {
+        let lens = self.view.lens.model();
+        // They are the same with any; who chooses a wrong one is told so where rays are traced.
+        let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
+        lens.directions(
+            set,
+            &self.pose,
+            self.size(),
+            [row, column],
+            offset,
+            directions,
+        );
+    }
+
     /// Fills `rays` with those through a point of the pixels of one row, from a column on: what [`ray_within`](Self::ray_within)
     /// gives, sooner than one by one.
     pub fn row_within(&self, row: usize, column: usize, offset: DVec2, rays: &mut [Ray]) {
-        let lens = self.view.lens.model();
-        // The rays are the same with any; who chooses a wrong one is told so where rays are traced.
-        let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
-        lens.row(set, &self.pose, self.size(), [row, column], offset, rays);
+        const AT_ONCE: usize = 64;
+        if self.view.lens.viewplane().is_some() {
+            for (column, ray) in (column..).zip(rays) {
+                *ray = self.ray_within(row, column, offset);
+            }
+            return;
+        }
+        let mut lanes = [[0.0; AT_ONCE]; 3];
+        for (rays, column) in rays.chunks_mut(AT_ONCE).zip((column..).step_by(AT_ONCE)) {
+            let directions = lanes.each_mut().map(|axis| &mut axis[..rays.len()]);
+            self.directions_within(row, column, offset, directions);
+            for (k, ray) in rays.iter_mut().enumerate() {
+                let direction = DVec3::from_array(lanes.map(|axis| axis[k]));
+                *ray = Ray::new(self.position(), direction);
+            }
+        }
     }
 
     /// What the rays through that point of every pixel have in common, if they all go through a flat viewplane.
@@ -394,6 +428,11 @@ impl Rays for Camera {
             self.row_within(row, column, PixelGrid::CENTRE, of_row);
             (row, column, rest) = (row + 1, 0, after);
         }
+    }
+
+    fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
+        let (row, column) = (first / self.columns(), first % self.columns());
+        self.directions_within(row, column, PixelGrid::CENTRE, directions);
     }
 
     fn picture(&self) -> Option<[usize; 2]> {

@@ -42,8 +42,9 @@ impl PixelMatrix {
 
     /// The point of the normalised image at pixel coordinates.
     pub fn point(&self, pixel: DVec2) -> DVec2 {
-        let y = (pixel.y - self.cy) / self.fy;
-        DVec2::new((pixel.x - self.cx - self.skew * y) / self.fx, y)
+        let y = (pixel.y - self.cy) * self.fy.recip();
+        let x = (pixel.x - self.cx - self.skew * y) * self.fx.recip();
+        DVec2::new(x, y)
     }
 
     /// The matrix K.

@@ -10,13 +10,18 @@
 use crate::geometry::arithmetic::Arithmetic;
 
 /// A polynomial's value; coefficients begin with the constant.
+///
+/// Even and odd powers in two sums that do not wait for each other (Estrin, "Organization of Computer Systems: the Fixed Plus Variable
+/// Structure Computer", Western Joint Computer Conference 1960, for the first step).
 #[inline(always)]
 pub(super) fn polynomial<A: Arithmetic>(of: A, coefficients: &[f64], x: A::Number) -> A::Number {
-    let mut sum = of.number(0.0);
-    for &coefficient in coefficients.iter().rev() {
-        sum = of.add(of.mul(sum, x), of.number(coefficient));
+    let square = of.mul(x, x);
+    let (mut even, mut odd) = (of.number(0.0), of.number(0.0));
+    for (k, &coefficient) in coefficients.iter().enumerate().rev() {
+        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+        *sum = of.add(of.mul(*sum, square), of.number(coefficient));
     }
-    sum
+    of.add(even, of.mul(odd, x))
 }
 
 /// `-x`.
@@ -95,11 +100,14 @@ pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> [A::Number; 2] {
     [of_sine, of_cosine]
 }
 
-/// A polynomial in Newton's form through eight points of a function: a start for Newton's method.
+/// A polynomial through eight points of a function: a start for Newton's method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Start {
-    nodes: [f64; NODES],
-    differences: [f64; NODES],
+    /// The middle of the interval, and one divided by half its length.
+    middle: f64,
+    scale: f64,
+    /// Of the place in the interval, from -1 to 1.
+    coefficients: [f64; NODES],
 }
 
 const NODES: usize = 8;
@@ -107,11 +115,12 @@ const NODES: usize = 8;
 impl Default for Start {
     /// One everywhere.
     fn default() -> Self {
-        let mut differences = [0.0; NODES];
-        differences[0] = 1.0;
+        let mut coefficients = [0.0; NODES];
+        coefficients[0] = 1.0;
         Self {
-            nodes: [0.0; NODES],
-            differences,
+            middle: 0.0,
+            scale: 0.0,
+            coefficients,
         }
     }
 }
@@ -119,34 +128,40 @@ impl Default for Start {
 impl Start {
     /// Through the values of `f` at Chebyshev's points of the interval from 0 to `end`. Where `f` has no value, one.
     pub(super) fn through(end: f64, f: impl Fn(f64) -> Option<f64>) -> Self {
-        let mut start = Self::default();
         let is_sound = end > 0.0 && end.is_finite();
         if !is_sound {
-            return start;
+            return Self::default();
         }
-        for (k, node) in start.nodes.iter_mut().enumerate() {
-            let angle = std::f64::consts::PI * (k as f64 + 0.5) / NODES as f64;
-            *node = end * (0.5 - 0.5 * libm::cos(angle));
-        }
-        let mut values = start.nodes.map(|node| f(node).unwrap_or(1.0));
-        for order in 0..NODES {
-            start.differences[order] = values[0];
-            for k in 0..NODES - order - 1 {
-                let apart = start.nodes[k + order + 1] - start.nodes[k];
-                values[k] = (values[k + 1] - values[k]) / apart;
+        let nodes: [f64; NODES] = std::array::from_fn(|k| {
+            -libm::cos(std::f64::consts::PI * (k as f64 + 0.5) / NODES as f64)
+        });
+        let mut differences = nodes.map(|node| f(end * (0.5 + 0.5 * node)).unwrap_or(1.0));
+        // Divided differences, then Newton's form multiplied out from the inside.
+        for order in 1..NODES {
+            for k in (order..NODES).rev() {
+                let apart = nodes[k] - nodes[k - order];
+                differences[k] = (differences[k] - differences[k - 1]) / apart;
             }
         }
-        start
+        let mut coefficients = [0.0; NODES];
+        for k in (0..NODES).rev() {
+            for power in (1..NODES).rev() {
+                coefficients[power] = coefficients[power - 1] - nodes[k] * coefficients[power];
+            }
+            coefficients[0] = differences[k] - nodes[k] * coefficients[0];
+        }
+        Self {
+            middle: 0.5 * end,
+            scale: 2.0 / end,
+            coefficients,
+        }
     }
 
     #[inline(always)]
     pub(super) fn at<A: Arithmetic>(&self, of: A, x: A::Number) -> A::Number {
-        let mut sum = of.number(0.0);
-        for k in (0..NODES).rev() {
-            let from_node = of.sub(x, of.number(self.nodes[k]));
-            sum = of.add(of.mul(sum, from_node), of.number(self.differences[k]));
-        }
-        sum
+        let from_middle = of.sub(x, of.number(self.middle));
+        let place = of.mul(from_middle, of.number(self.scale));
+        polynomial(of, &self.coefficients, place)
     }
 }
 

@@ -63,6 +63,85 @@ pub(crate) fn quotient_by_inverse<A: Arithmetic>(
     of.fused_neg_mul_add(beyond, inverse, first)
 }
 
+/// Two of a kind at a time: while one waits for a result, the other goes on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pairs<A>(pub(crate) A);
+
+/// Where something is so in each of the two.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PairOfMasks<M>(pub(crate) [M; 2]);
+
+impl<M: Copy + BitAnd<Output = M>> BitAnd for PairOfMasks<M> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self([self.0[0] & other.0[0], self.0[1] & other.0[1]])
+    }
+}
+
+impl<M: Copy + BitOr<Output = M>> BitOr for PairOfMasks<M> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self([self.0[0] | other.0[0], self.0[1] | other.0[1]])
+    }
+}
+
+/// Operations that are those of the two.
+macro_rules! of_two {
+    ($($name:ident($($from:ident),+);)*) => {
+        $(
+            #[inline(always)]
+            fn $name(self, $($from: Self::Number),+) -> Self::Number {
+                [self.0.$name($($from[0]),+), self.0.$name($($from[1]),+)]
+            }
+        )*
+    };
+}
+
+impl<A: Arithmetic> Arithmetic for Pairs<A> {
+    type Number = [A::Number; 2];
+    type Mask = PairOfMasks<A::Mask>;
+
+    of_two! {
+        add(a, b);
+        sub(a, b);
+        mul(a, b);
+        div(a, b);
+        sqrt(a);
+        max(a, b);
+        fused_mul_add(a, b, c);
+        fused_mul_sub(a, b, c);
+        fused_neg_mul_add(a, b, c);
+    }
+
+    #[inline(always)]
+    fn number(self, x: f64) -> Self::Number {
+        [self.0.number(x); 2]
+    }
+    #[inline(always)]
+    fn lt(self, a: Self::Number, b: Self::Number) -> Self::Mask {
+        PairOfMasks([self.0.lt(a[0], b[0]), self.0.lt(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::Mask, a: Self::Number, b: Self::Number) -> Self::Number {
+        [
+            self.0.select(mask.0[0], a[0], b[0]),
+            self.0.select(mask.0[1], a[1], b[1]),
+        ]
+    }
+    #[inline(always)]
+    fn is_everywhere(self, mask: Self::Mask) -> bool {
+        self.0.is_everywhere(mask.0[0]) && self.0.is_everywhere(mask.0[1])
+    }
+    #[inline(always)]
+    fn is_anywhere(self, mask: Self::Mask) -> bool {
+        self.0.is_anywhere(mask.0[0]) || self.0.is_anywhere(mask.0[1])
+    }
+}
+
 /// One number at a time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scalar;

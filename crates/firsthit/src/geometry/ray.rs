@@ -135,6 +135,14 @@ pub trait Rays: Sync {
         None
     }
 
+    /// Fills the slices with x, y and z of the directions from `first` on, all in one row of the [`Rays::picture`]: what
+    /// [`Rays::ray`] gives, sooner than one by one.
+    fn read_directions(&self, first: usize, [x, y, z]: [&mut [f64]; 3]) {
+        for (index, ((x, y), z)) in (first..).zip(x.iter_mut().zip(y).zip(z)) {
+            (*x, *y, *z) = self.ray(index).direction.into();
+        }
+    }
+
     /// Whether some of the rays do not meet everything. They are traced in packets or one by one then, never in tiles.
     fn is_filtered(&self) -> bool {
         false
@@ -206,6 +214,10 @@ impl<R: Rays + ?Sized> Rays for Filtered<'_, R> {
 
     fn picture(&self) -> Option<[usize; 2]> {
         self.rays.picture()
+    }
+
+    fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
+        self.rays.read_directions(first, directions);
     }
 
     fn is_filtered(&self) -> bool {

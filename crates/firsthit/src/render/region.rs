@@ -107,6 +107,10 @@ impl Rays for Part<'_> {
         }
     }
 
+    fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
+        self.directions_within(first, self.offset, directions);
+    }
+
     fn picture(&self) -> Option<[usize; 2]> {
         self.sensor.picture().map(|_| self.region.shape())
     }
@@ -129,6 +133,11 @@ impl Sensor for Part<'_> {
 
     fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
         self.sensor.row_within(self.pixel(first), offset, rays);
+    }
+
+    fn directions_within(&self, first: usize, offset: DVec2, directions: [&mut [f64]; 3]) {
+        let pixel = self.pixel(first);
+        self.sensor.directions_within(pixel, offset, directions);
     }
 
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {

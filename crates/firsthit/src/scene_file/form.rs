@@ -122,6 +122,7 @@ impl Form {
     }
 
     /// The form as JSON Schema (draft 2020-12).
+    #[expect(clippy::too_many_lines, reason = "a line or two for each form")]
     pub(super) fn schema(self) -> Json {
         let array = |items: &Json, least: usize, most: usize| json!({"type": "array", "items": items, "minItems": least, "maxItems": most});
         let number = json!({"type": "number"});

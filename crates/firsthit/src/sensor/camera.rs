@@ -59,6 +59,11 @@ impl Sensor for Camera {
         Camera::row_within(self, row, column, offset, rays);
     }
 
+    fn directions_within(&self, first: usize, offset: DVec2, directions: [&mut [f64]; 3]) {
+        let (row, column) = (first / self.columns(), first % self.columns());
+        Camera::directions_within(self, row, column, offset, directions);
+    }
+
     fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
         Camera::grid_within(self, offset)
     }

@@ -36,6 +36,13 @@ pub trait Sensor: Rays + Debug {
         }
     }
 
+    /// Fills the slices with x, y and z of the directions of such rays.
+    fn directions_within(&self, first: usize, offset: DVec2, [x, y, z]: [&mut [f64]; 3]) {
+        for (pixel, ((x, y), z)) in (first..).zip(x.iter_mut().zip(y).zip(z)) {
+            (*x, *y, *z) = self.ray_within(pixel, offset).direction.into();
+        }
+    }
+
     /// What [`ray_within`](Self::ray_within) gives for one offset has in common, as [`Rays::grid`] says.
     fn grid_within(&self, _offset: DVec2) -> Option<PixelGrid> {
         None

@@ -143,6 +143,10 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
         self.0.picture()
     }
 
+    fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
+        self.0.read_directions(first, directions);
+    }
+
     fn is_filtered(&self) -> bool {
         self.0.is_filtered()
     }

@@ -97,6 +97,8 @@ pub(crate) struct TileCamera {
     pub(crate) largest: f64,
     /// The largest error of a ray, in pixels.
     pub(crate) off: f64,
+    /// What is left of it where the error of each ray is known ([`Displacements`](super::visibility::Displacements)); else `off`.
+    pub(crate) rest: f64,
 }
 
 /// A [`TileCamera`] made ready for a tree.
@@ -179,12 +181,12 @@ impl TileFrustum {
         // The error of the rays themselves. In perspective it is largest at the tree's largest depth. Of parallel rays
         // it has any direction, so it counts along the depth too.
         let [x, y, depth] = rows.map(unsheared);
-        let (off, off_along) = if camera.is_perspective {
+        let (off, rest, off_along) = if camera.is_perspective {
             let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
-            (camera.off * farthest, 0.0)
+            (camera.off * farthest, camera.rest * farthest, 0.0)
         } else {
             let pixel = sum(columns[0]).max(sum(columns[1]));
-            (camera.off, 3.0 * camera.off * pixel)
+            (camera.off, camera.rest, 3.0 * camera.off * pixel)
         };
         let across_both = sum(rows[0]).max(sum(rows[1]));
         let units = if tree.is_exact { 0.0 } else { 2.0 };
@@ -192,7 +194,8 @@ impl TileFrustum {
         let pixels = columns[0].abs() + columns[1].abs();
         let skewness = rows[0].abs().dot(pixels).max(rows[1].abs().dot(pixels));
         let share = TILE_PIXEL * skewness;
-        let error = rounding + off + if camera.is_perspective { 0.0 } else { share };
+        let error_of_sides = rounding + rest + if camera.is_perspective { 0.0 } else { share };
+        let error = error_of_sides + (off - rest);
         let along = TILE_DEPTH * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + TILE_MOVED * slid.abs();
         // What a wrong Z comes to in X and Y, for each pixel from the tile's middle.
@@ -262,7 +265,7 @@ impl TileFrustum {
             error_per_extent: (TILE_VERTEX * (across_both + lever * sum(rows[2]))) as f32,
             depth_error: depth_error as f32,
             share: share as f32,
-            absolute: (TILE_SIDE_BY_ERROR * (error + lever * sideways)) as f32,
+            absolute: (TILE_SIDE_BY_ERROR * (error_of_sides + lever * sideways)) as f32,
             relative: (TILE_SIDE_BY_SIZE + TILE_SIDE_BY_SKEW * skew) as f32,
         })
     }

@@ -17,7 +17,7 @@ mod small;
 
 use super::edge_test::all_beside;
 use super::frustum::{HALF, TileFrustum};
-use super::visibility::{ExactTest, TriangleId, VisibilityBuffer, row_and_column};
+use super::visibility::{Displacements, ExactTest, TriangleId, VisibilityBuffer, row_and_column};
 use crate::accel::bounds::ROUNDED_DEPTH;
 use crate::accel::meshlet::Meshlet;
 use crate::simd::{LANES, Lanes, set_bits};
@@ -27,6 +27,8 @@ use small::Parts;
 /// A leaf and a tile.
 pub(super) struct LeafRaster<'a, A> {
     pub(super) frustum: &'a TileFrustum,
+    /// Where the rays are off the grid.
+    pub(super) displacements: Option<&'a Displacements>,
     pub(super) leaf: &'a Meshlet,
     /// The index of the leaf's first triangle, to be prefetched.
     pub(super) first: Option<&'a u32>,
@@ -56,6 +58,8 @@ struct Edges {
 pub(super) struct RasterScratch {
     edges: Edges,
     bound: [f32; LANES],
+    /// The same for ranges of samples, which may be off the grid.
+    bound_of_ranges: [f32; LANES],
     /// The corners' depths.
     depths: [[f32; LANES]; 3],
     nearest: [f32; LANES],
@@ -147,7 +151,8 @@ impl<A: ExactTest> LeafRaster<'_, A> {
                 l.mul(share, size)
             }};
         }
-        let bound = bound_within!(width, height);
+        let most = l.splat(self.displacements.map_or(0.0, |off| off.most));
+        let bound = bound_within!(l.add(width, most), l.add(height, most));
         let constants = [
             l.mul_sub(cx, by, l.mul(cy, bx)),
             l.mul_sub(ax, cy, l.mul(ay, cx)),
@@ -163,6 +168,14 @@ impl<A: ExactTest> LeafRaster<'_, A> {
             l.mul_sub(ah, cx, l.mul(ax, ch)),
             l.mul_sub(bh, ax, l.mul(bx, ah)),
         ];
+        // A sample that is off the grid has other sides than the grid's point.
+        macro_rules! bound_of_ranges {
+            ($bound:expr) => {{
+                let slope = |k: usize| l.add(l.abs(across[k]), l.abs(down[k]));
+                let steepest = l.max(l.max(slope(0), slope(1)), slope(2));
+                l.mul_add(most, steepest, $bound)
+            }};
+        }
         l.store(columns[0], &mut self.scratch.first_column);
         l.store(rows[0], &mut self.scratch.first_row);
         l.store(nearest, &mut self.scratch.nearest);
@@ -185,11 +198,12 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         }
         let mut large = alive & !small;
         if large != 0 {
+            let bound = bound_of_ranges!(bound);
             large &= !all_beside(l, [constants, across, down], [width, height], bound);
         }
         if large != 0 {
             // Blocks begin before the triangle and end behind it.
-            let edge = l.splat(EDGE);
+            let edge = l.add(l.splat(EDGE), most);
             let bound = bound_within!(l.add(width, edge), l.add(height, edge));
             for k in 0..3 {
                 l.store(constants[k], &mut self.scratch.edges.constant[k]);
@@ -200,6 +214,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
             l.store(bz, &mut self.scratch.depths[1]);
             l.store(cz, &mut self.scratch.depths[2]);
             l.store(bound, &mut self.scratch.bound);
+            l.store(bound_of_ranges!(bound), &mut self.scratch.bound_of_ranges);
             l.store(columns[1], &mut self.scratch.last_column);
             l.store(rows[1], &mut self.scratch.last_row);
         }

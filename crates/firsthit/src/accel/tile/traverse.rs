@@ -10,7 +10,7 @@
 
 use super::frustum::TileFrustum;
 use super::raster::{LeafRaster, RasterScratch};
-use super::visibility::{ExactTest, VisibilityBuffer};
+use super::visibility::{Displacements, ExactTest, VisibilityBuffer};
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::node::{LEAF, Node};
 use crate::accel::traverse::stack::Stack;
@@ -38,7 +38,7 @@ pub(crate) fn fill_buffer<L: Lanes>(
     l: L,
     scratch: &mut TileScratch,
     tree: &MeshTree,
-    frustum: &TileFrustum,
+    (frustum, displacements): (&TileFrustum, Option<&Displacements>),
     object: u32,
     buffer: &mut VisibilityBuffer,
     exact: &mut impl ExactTest,
@@ -56,6 +56,7 @@ pub(crate) fn fill_buffer<L: Lanes>(
             let leaf = &tree.leaves[(index & !LEAF) as usize];
             let mut leaf = LeafRaster {
                 frustum,
+                displacements,
                 leaf,
                 first: tree.order.get(leaf.first as usize),
                 object,

@@ -33,6 +33,29 @@ impl TriangleId {
     };
 }
 
+/// How far the rays of a tile's pixels are off its grid, in pixels: those of a lens whose rays go through no flat grid. Block by
+/// block.
+#[derive(Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Displacements {
+    /// To the right.
+    pub(crate) across: [[f32; LANES]; LANES],
+    pub(crate) down: [[f32; LANES]; LANES],
+    /// The largest along either axis, or more.
+    pub(crate) most: f32,
+}
+
+impl Displacements {
+    pub(crate) const NONE: Self = Self {
+        across: [[0.0; LANES]; LANES],
+        down: [[0.0; LANES]; LANES],
+        most: 0.0,
+    };
+
+    /// What rounding leaves of them, in pixels, and far more.
+    pub(crate) const REST: f64 = 1e-6;
+}
+
 /// The exact test, for pixels that float32 cannot decide.
 pub(crate) trait ExactTest {
     /// Which of `old` and `new` the ray of a pixel meets first, and at which depth; `None` when it does not meet `new`.

@@ -60,6 +60,9 @@ impl Default for Limit {
 
 /// A model of a lens.
 pub(super) trait Distortion: Parameters + Copy + Send + Sync {
+    /// Whether its directions have length one, but for rounding.
+    const IS_UNIT: bool = false;
+
     /// Checks its parameters, which are finite, and finds out where it folds over.
     ///
     /// `farthest` is how far from the middle the image's points are that will be asked for, about: a start for these is prepared.

@@ -217,15 +217,22 @@ impl Distortion for OpenCv {
         limit: &Limit,
         [u, v]: [A::Number; 2],
     ) -> ([A::Number; 3], A::Mask) {
-        /// From a start as near as usual, three lead to the last digit.
+        /// From a start as near as usual, two lead to the last digit.
         const MOST_STEPS: usize = 8;
-        /// A step of this share leaves less than rounding.
-        const SETTLED: f64 = 1e-10;
+        /// A step of this share leaves its square, which is less than rounding.
+        const SETTLED: f64 = 1e-8;
         if self.is_tilted() {
             return ([of.number(0.0); 3], of.lt(u, u));
         }
         let factor = limit.start.at(of, square(of, u, v));
         let (mut x, mut y) = (of.mul(factor, u), of.mul(factor, v));
+        if self.is_lopsided() {
+            // Once more without what is not radial, as far as it is known by now.
+            let [across, down] = self.uneven(of, [x, y]);
+            let (u, v) = (of.sub(u, across), of.sub(v, down));
+            let factor = limit.start.at(of, square(of, u, v));
+            (x, y) = (of.mul(factor, u), of.mul(factor, v));
+        }
         let most = of.number(limit.certain * limit.certain);
         let mut settled = of.lt(x, x);
         for _ in 0..MOST_STEPS {
@@ -361,6 +368,21 @@ impl OpenCv {
             by_yy = of.add(by_yy, of.mul(down_rate, y));
         }
         ([there_x, there_y], [by_xx, by_xy, by_yx, by_yy])
+    }
+
+    /// What tangential and thin prism distortion move a point by.
+    #[inline(always)]
+    fn uneven<A: Arithmetic>(&self, of: A, [x, y]: [A::Number; 2]) -> [A::Number; 2] {
+        let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
+        let q = of.add(xx, yy);
+        let (p1, p2) = (of.number(self.p1), of.number(self.p2));
+        let of_x = of.mul(p2, of.add(q, twice(of, xx)));
+        let of_y = of.mul(p1, of.add(q, twice(of, yy)));
+        let across = of.add(of.mul(twice(of, p1), xy), of_x);
+        let down = of.add(of.mul(twice(of, p2), xy), of_y);
+        let [prism_across, _] = prism(of, self.s1, self.s2, q);
+        let [prism_down, _] = prism(of, self.s3, self.s4, q);
+        [of.add(across, prism_across), of.add(down, prism_down)]
     }
 
     /// The radius before radial distortion of one after it, which is within the limit.

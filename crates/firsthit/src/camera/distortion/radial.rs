@@ -40,6 +40,8 @@ fn everywhere<A: Arithmetic>(of: A) -> A::Mask {
 }
 
 impl<M: RadialModel> Distortion for M {
+    const IS_UNIT: bool = true;
+
     fn limit(&self, farthest: f64) -> Result<Limit> {
         let undistorted = self.largest_angle()?;
         let distorted = self.radius(undistorted);

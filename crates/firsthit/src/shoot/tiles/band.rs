@@ -2,11 +2,11 @@
 
 use std::cell::Cell;
 
-use super::fit::SquareRays;
 use super::plan::{Plan, Source, TALL};
 use super::square::Square;
 use super::tile::TileTask;
-use crate::accel::{TILE, TileScratch};
+use super::tile_rays::SquareRays;
+use crate::accel::{Displacements, TILE, TileScratch};
 use crate::shoot::batch::Memory;
 use crate::shoot::hits::HitSlices;
 use crate::simd::{Kernel, Lanes};
@@ -30,11 +30,13 @@ impl Kernel for Band<'_> {
             scratch: TileScratch::new(),
             square: Square::default(),
             rays: None,
+            displacements: Displacements::NONE,
         });
         let TileMemory {
             scratch,
             square,
             rays,
+            displacements,
         } = &mut tiles;
         let first = self.index * plan.tiles_down;
         let [down, across] = [plan.grid.rows, plan.grid.columns].map(|n| n.div_ceil(TILE));
@@ -46,7 +48,11 @@ impl Kernel for Band<'_> {
                 let rays = rays.get_or_insert_default();
                 let corner = [first * TILE, left * TILE];
                 let rows = plan.tiles_down * TILE;
-                rays.load(plan.rays, &plan.grid, corner, rows);
+                if plan.source == Source::Curved {
+                    rays.load_directions(plan.rays, &plan.grid, corner, rows);
+                } else {
+                    rays.load(plan.rays, &plan.grid, corner, rows);
+                }
             }
             if let Some(rays) = rays.as_ref().filter(|_| plan.source == Source::Curved)
                 && near.len() > FEW
@@ -60,8 +66,13 @@ impl Kernel for Band<'_> {
                     let rays = rays.as_ref().filter(|_| is_array);
                     let rays = rays.map(|rays| rays.tile((dy, dx)));
                     let at = Square::index_of(dy * TILE, dx * TILE);
-                    let mut task = TileTask::new(l, plan, [row, column], at, rays);
-                    task.run(l, (&mut memory, scratch), &near, &mut square.out());
+                    let mut task = TileTask::new(l, plan, ([row, column], at), rays, displacements);
+                    task.run(
+                        l,
+                        (&mut memory, scratch, displacements),
+                        &near,
+                        &mut square.out(),
+                    );
                 }
             }
             self.out
@@ -87,6 +98,8 @@ struct TileMemory {
     square: Square,
     /// Made when rays are an array's.
     rays: Option<SquareRays>,
+    /// Of the tile that is done.
+    displacements: Displacements,
 }
 
 /// The tiles of a square of a band, columns and rows, along Morton's curve.

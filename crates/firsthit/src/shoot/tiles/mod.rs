@@ -7,6 +7,7 @@ mod plan;
 mod resolve;
 mod square;
 mod tile;
+mod tile_rays;
 
 use super::batch::{each_chunk, trace_array};
 use super::hits::HitSlices;
@@ -73,6 +74,10 @@ impl Rays for Later<'_> {
 
     fn read(&self, first: usize, rays: &mut [Ray]) {
         self.rays.read(self.first + first, rays);
+    }
+
+    fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
+        self.rays.read_directions(self.first + first, directions);
     }
 
     fn is_filtered(&self) -> bool {

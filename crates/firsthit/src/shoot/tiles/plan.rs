@@ -317,11 +317,11 @@ fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> Option<(DVec3, DVec3,
 }
 
 /// The rays of the tile from a row and a column of pixels on, in an object's space; they are off the grid by so many
-/// pixels at most.
+/// pixels at most, and by so many where that is known of each.
 pub(super) fn camera_of_tile(
     grid: &PixelGrid,
     object: &Object,
-    off: f64,
+    [off, rest]: [f64; 2],
     [row, column]: [usize; 2],
 ) -> TileCamera {
     // From the first pixel to the middle of sixteen.
@@ -350,6 +350,7 @@ pub(super) fn camera_of_tile(
         is_perspective: grid.parallel.is_none(),
         start_depth: f64::from(u8::from(grid.starts_on_viewplane)),
         off,
+        rest,
         largest: growth
             * (start.abs().max_element()
                 + translation.abs().max_element()

@@ -4,13 +4,13 @@
 //! 2. Compute the hits of its pixels from that, eight at a time (`resolve.rs`).
 //! 3. Shoot single rays at the objects that tiles cannot do; or at all, where float32 cannot do the tile.
 
-use super::fit::{FARTHEST, FARTHEST_CURVED, TileRays};
 use super::pixels::Pixels;
 use super::plan::{Plan, Source, camera_of_tile};
 use super::square::Square;
+use super::tile_rays::TileRays;
 use crate::accel::{
-    ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId, VisibilityBuffer,
-    fill_buffer,
+    Displacements, ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId,
+    VisibilityBuffer, fill_buffer,
 };
 use crate::geometry::{DVec3, Hit, PixelGrid, Ray};
 use crate::scene::Scene;
@@ -51,9 +51,9 @@ impl<'a> TileTask<'a> {
     pub(super) fn new<L: Lanes>(
         l: L,
         plan: &'a Plan<'a>,
-        tile: [usize; 2],
-        first_index: usize,
+        (tile, first_index): ([usize; 2], usize),
         rays: Option<TileRays<'a>>,
+        displacements: &mut Displacements,
     ) -> Self {
         let grid = &plan.grid;
         let [first_row, first_column] = tile.map(|k| k * TILE);
@@ -76,14 +76,10 @@ impl<'a> TileTask<'a> {
         let pixels = Pixels::new(&grid, corner, [rows, columns]);
         let off = match &rays {
             _ if is_unfit => None,
-            Some(rays) => {
-                let most = if own.is_some() {
-                    FARTHEST_CURVED
-                } else {
-                    FARTHEST
-                };
-                rays.distance(l, &grid, &pixels, rows, most)
+            Some(rays) if own.is_some() => {
+                rays.displacements(l, &grid, &pixels, rows, displacements)
             }
+            Some(rays) => rays.distance(l, &grid, &pixels, rows),
             None => Some(0.0),
         };
         Self {
@@ -107,13 +103,13 @@ impl<'a> TileTask<'a> {
     pub(super) fn run<L: Lanes>(
         &mut self,
         l: L,
-        (memory, scratch): (&mut Memory, &mut TileScratch),
+        (memory, scratch, displacements): (&mut Memory, &mut TileScratch, &Displacements),
         near: &[u32],
         out: &mut HitSlices<'_>,
     ) {
         let [rows, columns] = self.size;
         let mut buffer = VisibilityBuffer::new(rows, columns);
-        let is_filled = self.fill(l, scratch, near, &mut buffer);
+        let is_filled = self.fill(l, (scratch, displacements), near, &mut buffer);
         if is_filled {
             self.resolve(l, &buffer, self.size, out);
         }
@@ -127,7 +123,7 @@ impl<'a> TileTask<'a> {
     fn fill<L: Lanes>(
         &mut self,
         l: L,
-        scratch: &mut TileScratch,
+        (scratch, displacements): (&mut TileScratch, &Displacements),
         near: &[u32],
         buffer: &mut VisibilityBuffer,
     ) -> bool {
@@ -135,6 +131,8 @@ impl<'a> TileTask<'a> {
             return false;
         };
         let plan = self.plan;
+        let displacements = (plan.source == Source::Curved).then_some(displacements);
+        let rest = displacements.map_or(off, |_| Displacements::REST);
         let [row, column] = self.tile;
         for &index in near {
             let placed = &plan.meshes[index as usize];
@@ -149,11 +147,12 @@ impl<'a> TileTask<'a> {
                 continue;
             };
             let object = &plan.scene.objects()[placed.object as usize];
-            let camera = camera_of_tile(&self.grid, object, off, self.corner);
+            let camera = camera_of_tile(&self.grid, object, [off, rest], self.corner);
             let Some(frustum) = TileFrustum::new(tree, &camera) else {
                 return false;
             };
-            fill_buffer(l, scratch, tree, &frustum, placed.object, buffer, self);
+            let seen = (&frustum, displacements);
+            fill_buffer(l, scratch, tree, seen, placed.object, buffer, self);
         }
         true
     }

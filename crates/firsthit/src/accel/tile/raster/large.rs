@@ -69,6 +69,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         }
         let first = [first!(0), first!(1), first!(2)];
         let bound = l.splat(scratch.bound[lane]);
+        let bound_of_ranges = l.splat(scratch.bound_of_ranges[lane]);
         let most = [
             l.add(first[0], end!(0, max)),
             l.add(first[1], end!(1, max)),
@@ -79,7 +80,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
             l.add(first[1], end!(1, min)),
             l.add(first[2], end!(2, min)),
         ];
-        blocks &= !beside(l, most, least, bound);
+        blocks &= !beside(l, most, least, bound_of_ranges);
         let inside = [inside!(0), inside!(1), inside!(2)];
         let mut firsts = Aligned([[0.0; LANES]; 3]);
         l.store(first[0], &mut firsts.0[0]);
@@ -92,11 +93,19 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         ];
         let ends = [l.splat(nearest), l.splat(scratch.farthest[lane])];
         for block in set_bits(blocks) {
-            let sides = [
+            let mut sides = [
                 l.add(inside[0], l.splat(firsts.0[0][block])),
                 l.add(inside[1], l.splat(firsts.0[1][block])),
                 l.add(inside[2], l.splat(firsts.0[2][block])),
             ];
+            if let Some(off) = self.displacements {
+                let (x, y) = (l.load(&off.across[block]), l.load(&off.down[block]));
+                let edges = &self.scratch.edges;
+                for (k, side) in sides.iter_mut().enumerate() {
+                    let along = l.mul_add(l.splat(edges.down[k][lane]), y, *side);
+                    *side = l.mul_add(l.splat(edges.across[k][lane]), x, along);
+                }
+            }
             let error = self.frustum.depth_error;
             let test = EdgeTest::new(l, sides, bound, depths, ends, error, u16::MAX);
             if let Some(test) = test {

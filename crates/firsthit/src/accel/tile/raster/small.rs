@@ -3,7 +3,7 @@
 use super::LeafRaster;
 use crate::accel::tile::edge_test::EdgeTest;
 use crate::accel::tile::visibility::{ExactTest, TILE, block_and_lane};
-use crate::simd::{Aligned, LANES, Lanes};
+use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
 /// A leaf's triangles in lanes.
 pub(super) struct Parts<L: Lanes> {
@@ -29,6 +29,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
                 if here == 0 {
                     continue;
                 }
+                let [column, row] = self.samples(l, here, [column, row], [across, down]);
                 macro_rules! side {
                     ($k:literal) => {{
                         let along = l.mul_add(parts.across[$k], column, parts.constants[$k]);
@@ -55,21 +56,48 @@ impl<A: ExactTest> LeafRaster<'_, A> {
                 while possible != 0 {
                     let lane = possible.trailing_zeros() as usize;
                     possible &= possible - 1;
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "small whole numbers"
-                    )]
-                    let at = block_and_lane(
-                        (self.scratch.first_row[lane] as usize + usize::from(down)) % TILE,
-                        (self.scratch.first_column[lane] as usize + usize::from(across)) % TILE,
-                    );
+                    let at = self.pixel(lane, [across, down]);
                     let is_certain = test.certain >> lane & 1 == 1;
                     let depths = (lows.0[lane], highs.0[lane]);
                     self.meet(l, at, lane, depths, is_certain);
                 }
             }
         }
+    }
+
+    /// The columns and rows of samples where they are: off the grid, if it is known by how much.
+    #[inline(always)]
+    fn samples<L: Lanes>(
+        &self,
+        l: L,
+        here: u16,
+        [column, row]: [L::Floats; 2],
+        offset: [u8; 2],
+    ) -> [L::Floats; 2] {
+        let Some(off) = self.displacements else {
+            return [column, row];
+        };
+        let (mut x, mut y) = (Aligned([0.0; LANES]), Aligned([0.0; LANES]));
+        for lane in set_bits(here) {
+            let (block, pixel) = self.pixel(lane, offset);
+            x.0[lane] = off.across[block][pixel];
+            y.0[lane] = off.down[block][pixel];
+        }
+        [l.add(column, l.load(&x.0)), l.add(row, l.load(&y.0))]
+    }
+
+    /// The block and the lane of a sample of the triangle in a lane, so far across and down from its first.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "small whole numbers"
+    )]
+    fn pixel(&self, lane: usize, [across, down]: [u8; 2]) -> (usize, usize) {
+        block_and_lane(
+            (self.scratch.first_row[lane] as usize + usize::from(down)) % TILE,
+            (self.scratch.first_column[lane] as usize + usize::from(across)) % TILE,
+        )
     }
 
     /// Puts a triangle into the buffer where it is nearest, for the pixel of a lane in a block.
