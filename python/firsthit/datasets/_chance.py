@@ -50,7 +50,7 @@ class _Free(NamedTuple):
             table.whole("tries", 100, least=1, most=1_000_000),
         )
 
-    def first(self, frame: int, scene: Scene, draw: Callable[[], Pose]) -> Place:
+    def first(self, scene: Scene, draw: Callable[[], Pose]) -> Place:
         """Return the first of the tries that is free.
 
         Every try draws as many numbers, so that no try depends on why another was refused.
@@ -61,7 +61,7 @@ class _Free(NamedTuple):
                 return Place(pose.matrix())
         wanted = f"a clearance of {self.clearance:g}" if self.clearance else "no object around it"
         raise ValueError(
-            f"frame {frame}: none of {self.tries} places has {wanted}: allow more `tries`, a "
+            f"none of {self.tries} places has {wanted}: allow more `tries`, a "
             "smaller `clearance` or another range"
         )
 
@@ -118,7 +118,7 @@ class Sphere:
             axes = looking(position, center, ground)
             return Pose(position, rolled(axes, uniforms.between(self.roll)))
 
-        return self.free.first(frame, scene, draw)
+        return self.free.first(scene, draw)
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ class Inside:
             axes: Axes = headed(ground, yaw, *sine_between(uniforms, self.pitch))
             return Pose((x, y, z), rolled(axes, uniforms.between(self.roll)))
 
-        return self.free.first(frame, scene, draw)
+        return self.free.first(scene, draw)
 
 
 def _vector(table: Table, key: str) -> Vector | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from firsthit import _firsthit
-from firsthit._files import attribute_of
+from firsthit._files import attribute_of, in_path
 from firsthit._lights import background_native
 from firsthit._shading import Shading
 from firsthit._types import ShaderName
@@ -116,6 +116,8 @@ def _pictures(
     for name in pictures:
         if name not in channels:
             raise table.refused("pictures", f"{name!r} is not among `channels`")
+    if len({in_path(name) for name in pictures}) < len(pictures):
+        raise table.refused("pictures", "two of `pictures` would have the same file")
     unseen = [name for name in channels if name not in pictures]
     if not frames and unseen:
         raise table.refused("channels", f"nothing is written of {unseen[0]!r}: `frames` is empty")

@@ -195,9 +195,9 @@ class Numbered(NamedTuple):
     ----------
     scene : int
         The number of the scene.
-    index : int
+    pose : int
         The number of the pose in this scene.
     """
 
     scene: int
-    index: int
+    pose: int

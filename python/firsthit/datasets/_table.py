@@ -197,8 +197,9 @@ class Table:
         value = self._get(key, None)
         if value is _MISSING:
             return []
-        for pair in value if isinstance(value, list) else [None]:
-            is_pair = isinstance(pair, list) and len(pair) == 2
+        pairs = value if isinstance(value, list) else [()]
+        for pair in pairs:
+            is_pair = isinstance(pair, list | tuple) and len(pair) == 2
             if not is_pair or not all(isinstance(end, str) for end in pair):
                 raise self._wrong(key, "an array of pairs of texts", value)
         return [(first, second) for first, second in value]
