@@ -40,8 +40,11 @@ class Plan:
     Examples
     --------
     >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    >>> scene.save("ball.fhs")
     >>> plan = fh.Plan.from_dict({
-    ...     "scenes": [{"file": "docs/scenes/shapes.toml"}],
+    ...     "scenes": [{"file": "ball.fhs"}],
     ...     "sensors": [{"kind": "camera", "rows": 48, "columns": 64}],
     ...     "poses": {"kind": "sphere", "count": 5, "radius": [4, 6], "elevation": [10, 60]},
     ...     "output": {"channels": ["color", "z", "object"]},

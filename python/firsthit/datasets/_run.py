@@ -109,15 +109,16 @@ def dataset(
     Examples
     --------
     >>> import firsthit as fh
-    >>> import tempfile
+    >>> scene = fh.Scene()
+    >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    >>> scene.save("ball.fhs")
     >>> plan = fh.Plan.from_dict({
-    ...     "scenes": [{"file": "docs/scenes/shapes.toml"}],
+    ...     "scenes": [{"file": "ball.fhs"}],
     ...     "sensors": [{"kind": "camera", "rows": 12, "columns": 16}],
     ...     "poses": {"kind": "sphere", "count": 2, "radius": 5, "elevation": 30},
     ... })
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     first = fh.dataset(plan, folder, part=(1, 2))
-    ...     rest = fh.dataset(plan, folder)
+    >>> first = fh.dataset(plan, "balls", part=(1, 2))
+    >>> rest = fh.dataset(plan, "balls")
     >>> (first.made, first.missing), (rest.made, rest.kept)
     ((1, 1), (1, 1))
     """
