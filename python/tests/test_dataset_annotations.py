@@ -139,9 +139,8 @@ def test_masks_are_those_of_instances(both):
     assert [one["id"] for one in said] == [one.id for one in found[1, "eye"].instances]
     for k, instance in enumerate(found[1, "eye"].instances):
         path = folder / "frames" / "000001" / "eye.visible" / f"{k:06d}.png"
-        mask = fh.Frame.load(path)["array"]
-        np.testing.assert_array_equal(mask.reshape(instance.visible.shape[:2] + (-1,))[..., 0] > 0,
-                                      instance.visible.array)  # fmt: skip
+        mask = fh.Frame.load(path)["array"].reshape(*instance.visible.shape, -1)[..., 0]
+        np.testing.assert_array_equal(mask > 0, instance.visible.array)
 
 
 def test_what_is_put_together_can_be_made_again(both, tmp_path):

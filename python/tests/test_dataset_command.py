@@ -90,6 +90,7 @@ def test_failures_are_one_line_with_an_exit_code(
 
 def test_names_in_files_cannot_write_to_the_terminal(firsthit, tmp_path):
     path = tmp_path / "plan.toml"
+    (tmp_path / "yard.toml").write_text((PLANS / "yard.toml").read_text())
     path.write_text('"\\u001b[31m\\u202e" = 1\n' + (PLANS / "turntable.toml").read_text())
     code, _, err = firsthit("dataset", path, "--check")
     assert code == 3

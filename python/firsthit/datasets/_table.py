@@ -76,6 +76,10 @@ class Table:
         if key in self._data:
             return self._data[key]
         if default is _MISSING:
+            # One that is spelt a little differently is the more likely mistake.
+            others = [str(other) for other in self._data if other not in self._known]
+            for close in get_close_matches(key, others, 1, 0.75):
+                raise self.refused(close, f"unknown key `{close}`, did you mean `{key}`?")
             raise self.refused(None, f"missing key `{key}`")
         return _MISSING
 
