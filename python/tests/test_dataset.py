@@ -315,3 +315,40 @@ def test_a_frame_that_a_format_cannot_hold_is_named(tmp_path):
     with pytest.raises(ValueError, match=r"^frame 0: png_scale must be so large"):
         fh.dataset(fh.Plan.from_dict(made, PLANS), tmp_path)
     assert list(Path(tmp_path, "frames").iterdir()) == []
+
+
+def test_a_plan_of_a_billion_frames_begins_at_once(tmp_path):
+    made = fh.Plan.from_dict(plan(lambda made: made["poses"].update(count=10**9)), PLANS)
+
+    def stop(done, total):
+        assert total == 10**9
+        if done == 2:
+            raise RuntimeError("enough")
+
+    begun = time.monotonic()
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="enough"):
+            fh.dataset(made, tmp_path, progress=stop)
+    part = fh.dataset(made, tmp_path, part=(10**9, 10**9))
+    assert (part.made, part.missing) == (1, 10**9 - 3)
+    assert time.monotonic() - begun < 30
+    names = sorted(path.name for path in (tmp_path / "frames").iterdir())
+    assert names == ["000000000", "000000001", "999999999"]
+
+
+def test_scenes_of_a_job_are_read_once_more_only_where_they_are_needed(tmp_path, monkeypatch):
+    read = []
+    load = fh.datasets._scenes.load
+    monkeypatch.setattr(
+        "firsthit.datasets._scenes.load", lambda path: read.append(path.name) or load(path)
+    )
+
+    def three(made):
+        made["scenes"] = [{"file": "yard.toml", "name": name} for name in "abc"]
+        made["output"] = {}
+
+    made = fh.Plan.from_dict(plan(three), PLANS)
+    assert fh.dataset(made, tmp_path, part=(1, 100)).made == 0
+    assert len(read) == 3
+    assert fh.dataset(made, tmp_path, part=(2, 3)).made == 7
+    assert len(read) == 4

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from firsthit._errors import FileWriteError
+from firsthit._errors import FileError, FileWriteError
 
 from ._digest import canonical, of_file, of_json
 
@@ -61,7 +61,7 @@ def writing(path: Path) -> Iterator[Path]:
                 _sync(path.parent)
         finally:
             shutil.rmtree(beside, ignore_errors=True)
-    except FileWriteError:
+    except FileError:
         raise
     except OSError as error:
         raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
