@@ -1,6 +1,8 @@
 """``firsthit dataset``: its words, its report and its exit codes."""
 
 import json
+import re
+import shutil
 import subprocess
 import sys
 
@@ -37,6 +39,7 @@ def test_parts_say_what_is_missing(firsthit, tmp_path):
     assert (code, out) == (0, f"{tmp_path}: 2 frames made, 0 kept, 4 missing\n")
     _, out, _ = firsthit("dataset", PLAN, "-o", tmp_path, "--part", "1/1", "--json")
     said = json.loads(out)
+    assert 0 < said.pop("seconds") < 60
     assert said.pop("digest") == fh.dataset(PLAN, tmp_path).digest
     assert said == {"output": str(tmp_path), "frames": 6, "made": 4, "kept": 2, "missing": 0} | {
         "warnings": []
@@ -121,3 +124,31 @@ def test_the_other_commands_do_not_load_the_package():
     command = [sys.executable, "-c", script, "schema"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
+
+
+@pytest.mark.parametrize("name", ["robot", "turntable"])
+def test_the_plans_of_the_document_can_be_made(firsthit, tmp_path, name):
+    code, out, err = firsthit("dataset", PLANS / f"{name}.toml", "-o", tmp_path)
+    assert (code, err) == (0, "")
+    assert "frames made" in out
+
+
+def test_the_lines_of_the_document_run(tmp_path, monkeypatch):
+    text = (PLANS.parent / "datasets.md").read_text()
+    for path in PLANS.glob("*.toml"):
+        shutil.copy(path, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    (script,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    told = {}
+    exec(script, told)
+    assert told["made"].missing == 0
+    (short,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "short.toml").write_text(short)
+    assert fh.Plan.load("short.toml").frames == 1000
+    assert fh.dataset("short.toml", "short", part=(1, 500)).made == 2
+    # The line that the document shows is that of such a mistake.
+    wrong = (PLANS / "robot.toml").read_text().replace("columns = 160", "colums = 160", 1)
+    (tmp_path / "robot.toml").write_text(wrong)
+    with pytest.raises(fh.FileFormatError) as caught:
+        fh.Plan.load("robot.toml")
+    assert f"    {caught.value}\n" in text

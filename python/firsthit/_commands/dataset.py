@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+import time
 from typing import TYPE_CHECKING, Any
 
 from firsthit.datasets import Plan, dataset
@@ -79,6 +80,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         return _checked(Plan.load(arguments.plan), arguments)
     if arguments.output is None:
         raise UsageError("--output must be given; see firsthit dataset --help")
+    began = time.monotonic()
     shows = not arguments.quiet and sys.stderr.isatty()
     made = dataset(
         arguments.plan,
@@ -92,7 +94,8 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     text += f", {made.missing} missing" if made.missing else f", all {made.frames} there"
     if made.digest is not None:
         text += f"\ndigest {made.digest}"
-    report = {"output": arguments.output, **made._asdict()}
+    seconds = round(time.monotonic() - began, 3)
+    report = {"output": arguments.output, **made._asdict(), "seconds": seconds}
     return None if arguments.quiet else text, report
 
 
