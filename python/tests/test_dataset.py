@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import random
 import signal
 import subprocess
@@ -267,6 +268,37 @@ def test_what_killed_runs_left_is_removed_after_a_day(tmp_path):
         os.utime(folder, (time.time() - 90_000,) * 2)
     fh.dataset(made, tmp_path, part=(1, 7))
     assert [folder.exists() for folder in (*left, mine)] == [False, False, True, True]
+
+
+@pytest.mark.parametrize("stop", [0, 1, 9, 11])
+def test_a_run_that_ends_while_it_puts_together_is_gone_on_with(whole, tmp_path, monkeypatch, stop):
+    made, written, write = fh.Plan.from_dict(plan(), PLANS), [], fh.datasets._merge.write
+
+    def ending(path, content):
+        if len(written) == stop:
+            path.with_name(f".{path.name}.{'0' * 16}.tmp").write_bytes(content[:5])
+            raise KeyboardInterrupt
+        written.append(path)
+        write(path, content)
+
+    with monkeypatch.context() as patched:
+        patched.setattr("firsthit.datasets._merge.write", ending)
+        with pytest.raises(KeyboardInterrupt):
+            fh.dataset(made, tmp_path)
+    (left,) = tmp_path.rglob(".*.tmp")
+    os.utime(left, (time.time() - 90_000,) * 2)
+    assert fh.dataset(made, tmp_path).made == 0
+    assert tree(tmp_path) == tree(whole[0])
+    assert not left.exists()
+
+
+def test_a_plan_pickles(whole, tmp_path):
+    data = plan()
+    made = pickle.loads(pickle.dumps(fh.Plan.from_dict(data, PLANS)))
+    assert fh.dataset(made, tmp_path).digest == whole[1]
+    kept = fh.Plan.from_dict(data, PLANS)
+    data["poses"]["count"] = 1
+    assert pickle.loads(pickle.dumps(kept)).frames == 7
 
 
 def test_progress_counts_frames_and_an_exception_from_it_ends_the_run(tmp_path):

@@ -280,6 +280,20 @@ def test_hostile_and_mistaken_plans_are_refused_whole(change, words):
         fh.Plan.from_dict(plan(change), PLANS)
 
 
+@pytest.mark.parametrize("data", [3, None, [], "plan.toml"])
+def test_what_is_no_table_is_no_plan(data):
+    with pytest.raises(ValueError, match="plan: it must be a table, got"):
+        fh.Plan.from_dict(data)
+
+
+def test_plans_that_are_nested_too_deeply_are_refused():
+    deep = {}
+    for _ in range(100_000):
+        deep = {"a": deep}
+    with pytest.raises(ValueError, match="nested too deeply"):
+        fh.Plan.from_dict(deep)
+
+
 def test_a_plan_s_data_stay_as_they_are():
     data = plan()
     before = copy.deepcopy(data)

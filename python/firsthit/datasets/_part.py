@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 RECORD = "frame.json"
 
 #: What killed runs leave behind, and when it is removed: somebody else may still be at it before.
-_LEFT = re.compile(r"\.[0-9A-Za-z_.-]*\.[0-9a-f]{32}")
+_LEFT = re.compile(r"\..*\.([0-9a-f]{32}|[0-9a-f]{16}\.tmp)")
 _OLD_SECONDS = 24 * 3600
 
 

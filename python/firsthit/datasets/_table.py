@@ -31,7 +31,8 @@ class Table:
         self._data: Mapping[str, Any] = document.data if data is _MISSING else data
         self._known: dict[str, None] = {}
         if not isinstance(self._data, dict):
-            raise self._document.refused(way, f"{_said(way)} must be a table, got {_got(data)}")
+            name = _said(way) or "it"
+            raise document.refused(way, f"{name} must be a table, got {_got(self._data)}")
 
     def __contains__(self, key: str) -> bool:
         self._known[key] = None
