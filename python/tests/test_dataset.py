@@ -197,13 +197,24 @@ def test_another_version_of_the_answer_is_refused(tmp_path):
         fh.dataset(made, tmp_path)
 
 
-def test_a_scene_that_changed_since_the_job_began_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("before", "after", "what"),
+    [
+        ("radius = 0.5", "radius = 0.6", "fingerprint"),
+        ('name = "ball"', 'name = "bell"', "setting"),
+        ("[[objects]]", 'background = { color = "red" }\n[[objects]]', "setting"),
+        ("[[objects]]", "up = [0, 1, 0]\n[[objects]]", "setting"),
+        ("[[objects]]", "shading = { samples = 2 }\n[[objects]]", "setting"),
+    ],
+)
+def test_a_scene_that_changed_since_the_job_began_is_refused(tmp_path, before, after, what):
     scene = (PLANS / "yard.toml").read_text()
     (tmp_path / "yard.toml").write_text(scene)
     made = fh.Plan.from_dict(plan(), tmp_path)
     fh.dataset(made, tmp_path / "out", part=(1, 7))
-    (tmp_path / "yard.toml").write_text(scene.replace("radius = 0.5", "radius = 0.6"))
-    with pytest.raises(fh.FileFormatError, match=r"yard\.toml: not the scene that the job began"):
+    (tmp_path / "yard.toml").write_text(scene.replace(before, after, 1))
+    words = rf"yard\.toml: not what it was when the job began: its {what} is"
+    with pytest.raises(fh.FileFormatError, match=words):
         fh.dataset(made, tmp_path / "out")
     assert finished(tmp_path / "out") == 1
 

@@ -100,7 +100,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
 
 
 def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
-    fingerprints = checked(plan, arguments.threads)
+    marks = checked(plan, arguments.threads)
     cost = plan.cost()
     lines = [
         f"{_count(plan.frames, 'frame')}: {_count(len(plan.scenes), 'scene')}, "
@@ -113,8 +113,7 @@ def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dic
         "frames": plan.frames,
         "poses_per_scene": plan.poses_per_scene,
         "scenes": [
-            {"name": name, "fingerprint": mark}
-            for name, mark in zip(plan.scenes, fingerprints, strict=True)
+            {"name": name, **mark._asdict()} for name, mark in zip(plan.scenes, marks, strict=True)
         ],
         "sensors": list(plan.sensors),
         "rays": cost.rays,

@@ -12,7 +12,8 @@ from firsthit._errors import FileError, FileFormatError
 
 from ._frame import FrameMaker
 from ._frames import Frames
-from ._job import claim, fingerprint
+from ._job import claim
+from ._mark import Mark, mark_of
 from ._merge import merge
 from ._part import remove_leftovers, writing
 from ._plan import Plan
@@ -175,7 +176,7 @@ class _Run:
         wanted: range,
         kept: set[int],
         loaded: Loaded,
-        marks: list[str],
+        marks: list[Mark],
         report: Report | None,
     ) -> int:
         """Make the frames that are not there; return how many these were."""
@@ -186,7 +187,7 @@ class _Run:
             number = self._plan.scene_of(frame).scene
             scene = loaded.scene(number)
             if number != last:
-                self._check(number, fingerprint(scene), marks[number])
+                self._check(number, mark_of(scene), marks[number])
                 last = number
             with writing(self._frames.path(frame)) as folder, _of(frame):
                 maker.make(folder, frame, scene, marks[number])
@@ -195,9 +196,9 @@ class _Run:
                 report(len(kept) + made)
         return made
 
-    def _check(self, number: int, found: str, wanted: str) -> None:
-        if found != wanted:
-            planned = self._plan._scenes[number]
-            path = os.fspath(planned.path)
-            why = f"not the scene that the job began with: its fingerprint is {found}, not {wanted}"
-            raise FileFormatError(f"{path}: {why}", path)
+    def _check(self, number: int, found: Mark, wanted: Mark) -> None:
+        for name, value in found._asdict().items():
+            if value != getattr(wanted, name):
+                path = os.fspath(self._plan._scenes[number].path)
+                why = f"its {name} is {value}, not {getattr(wanted, name)}"
+                raise FileFormatError(f"{path}: not what it was when the job began: {why}", path)
