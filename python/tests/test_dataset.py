@@ -395,3 +395,52 @@ def test_scenes_of_a_job_are_read_once_more_only_where_they_are_needed(tmp_path,
     assert len(read) == 3
     assert fh.dataset(made, tmp_path, part=(2, 3)).made == 7
     assert len(read) == 4
+
+
+def test_every_format_has_the_same_bytes_again(tmp_path):
+    for package in ("laspy", "lazrs", "pyarrow"):
+        pytest.importorskip(package)
+
+    def with_all(made):
+        made["poses"]["count"] = 2
+        clouds = ["npz", "ply", "pcd", "las", "laz", "parquet"]
+        made["output"] = {"clouds": clouds, "frames": ["npz", "exr"], "pictures": ["color"]}
+
+    made = fh.Plan.from_dict(plan(with_all), PLANS)
+    for name, threads in (("one", 1), ("two", 2)):
+        fh.dataset(made, tmp_path / name, threads=threads)
+    found = tree(tmp_path / "one")
+    assert found == tree(tmp_path / "two")
+    kinds = {name.rsplit(".", 1)[1] for name in found}
+    assert kinds == {"npz", "ply", "pcd", "las", "laz", "parquet", "exr", "png", "json"}
+
+
+def test_a_missing_package_is_told_before_anything_is_made(tmp_path, monkeypatch):
+    monkeypatch.setattr("firsthit.datasets._job.find_spec", lambda name: None)
+    made = fh.Plan.from_dict(plan(lambda made: made["output"].update(clouds="laz")), PLANS)
+    with pytest.raises(ImportError, match="laz takes the package laspy"):
+        fh.dataset(made, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_each_scanner_has_noise_of_its_own_in_each_frame(tmp_path):
+    lidar = {"kind": "lidar", "pattern": "spinning", "elevations": [-9], "columns": 60}
+    pose = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1]]
+    asked = {
+        "scenes": [{"file": "yard.toml"}],
+        "sensors": [lidar | {"name": name, "noise": 0.1} for name in ("a", "b")]
+        + [lidar | {"name": "c"}],
+        "poses": {"kind": "list", "body": "forwards-left-up", "matrices": [pose, pose]},
+    }
+    fh.dataset(fh.Plan.from_dict(asked, PLANS), tmp_path)
+    ranges = {
+        (frame, name): np.load(tmp_path / "frames" / f"{frame:06d}" / f"{name}.npz")["range"]
+        for frame in (0, 1)
+        for name in "abc"
+    }
+    noisy = [ranges[frame, name] - ranges[0, "c"] for frame in (0, 1) for name in "ab"]
+    assert (ranges[0, "c"] == ranges[1, "c"]).all()
+    for k, one in enumerate(noisy):
+        assert 0.05 < one.std() < 0.2
+        for other in noisy[:k]:
+            assert abs(np.corrcoef(one, other)[0, 1]) < 0.6

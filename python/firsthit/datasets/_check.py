@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ._job import check
+from ._job import check, check_packages
 from ._scenes import Loaded
 
 if TYPE_CHECKING:
@@ -14,5 +14,6 @@ if TYPE_CHECKING:
 
 def checked(plan: Plan, threads: int | None) -> list[Mark]:
     """Read all scenes, try what the plan asks of them, and return their marks."""
+    check_packages(plan)
     loaded = Loaded(plan._scenes)
     return [check(plan, number, loaded, threads) for number in range(len(plan.scenes))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
@@ -66,6 +67,7 @@ def claim(folder: Path, plan: Plan, loaded: Loaded, threads: int | None) -> list
         if (folder / "frames").exists():
             why = f"there are frames without a {JOB}, of which nobody knows the plan"
             raise FileWriteError(f"{folder}: {why}; take another folder", os.fspath(folder))
+        check_packages(plan)
         marks = [check(plan, k, loaded, threads) for k in range(len(plan.scenes))]
         content = json.dumps(job_of(plan, marks), indent=2) + "\n"
         write(path, content.encode())
@@ -97,6 +99,13 @@ def _known(path: Path) -> dict[str, Any] | None:
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise FileFormatError(f"{name}: no job of firsthit: {error}", name) from None
     return dict(said)
+
+
+def check_packages(plan: Plan) -> None:
+    """Refuse formats whose packages are missing, as the first file of the format would."""
+    for form, package in (("laz", "laspy"), ("laz", "lazrs"), ("parquet", "pyarrow")):
+        if form in plan._output.clouds and find_spec(package) is None:
+            raise ImportError(f"a .{form} takes the package {package}: pip install {package}")
 
 
 def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> Mark:

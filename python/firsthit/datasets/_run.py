@@ -101,6 +101,8 @@ def dataset(
         format cannot hold, and a part that there is not.
     FileWriteError
         If the system refuses to write, and if the folder is another job's.
+    ImportError
+        For clouds as ``.laz`` or ``.parquet`` where the package is missing that they take.
     MemoryError
         If memory is short.
 
