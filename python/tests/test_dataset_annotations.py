@@ -22,7 +22,7 @@ LEVEL = {"kind": "inside", "count": 4, "low": [-3, -1, 0.5], "high": [-2, 1, 0.8
 def two_scenes(made):
     made["poses"] = LEVEL
     made["scenes"].append(
-        {"name": "again", "file": "yard.toml", "classes": {"box far": "crate", "ball": "ball"}}
+        {"name": "again", "file": "yard.toml", "classes": {"box far": "crat\u00e9", "ball": "ball"}}
     )
     other = {"name": "other", "columns": 32, "rows": 24, "fov": 70.0, "position": [0, 0.4, 0]}
     made["sensors"].append(other)
@@ -36,7 +36,7 @@ def both(tmp_path_factory):
     folder = tmp_path_factory.mktemp("both")
     fh.dataset(fh.Plan.from_dict(plan(two_scenes), PLANS), folder)
     scene, found = fh.load(PLANS / "yard.toml"), {}
-    tables = [(CLASSES, POINTS), ({"box far": "crate", "ball": "ball"}, None)]
+    tables = [(CLASSES, POINTS), ({"box far": "crat\u00e9", "ball": "ball"}, None)]
     for frame in range(8):
         classes, points = tables[frame // 4]
         for name in ("eye", "other"):
@@ -53,7 +53,7 @@ def test_coco_is_that_of_all_pictures_at_once(both, tmp_path):
     save_coco(tmp_path / "coco.json", named, form="rle")
     assert (folder / "coco.json").read_bytes() == (tmp_path / "coco.json").read_bytes()
     said = json.loads((folder / "coco.json").read_text())
-    assert [each["name"] for each in said["categories"]] == ["ball", "box", "post", "crate"]
+    assert [each["name"] for each in said["categories"]] == ["ball", "box", "post", "crat\u00e9"]
     assert all((folder / image["file_name"]).is_file() for image in said["images"])
 
 
@@ -78,7 +78,7 @@ def test_pycocotools_reads_the_masks_of_the_pictures(both):
 
 def test_bop_is_that_of_each_scene_and_camera(both, tmp_path):
     folder, found = both
-    numbers = {"ball": 1, "box": 2, "post": 3, "crate": 4}
+    numbers = {"ball": 1, "box": 2, "post": 3, "crat\u00e9": 4}
     for number, (scene, name) in enumerate([(0, "eye"), (0, "other"), (1, "eye"), (1, "other")]):
         pictures = {f"{k:06d}.png": found[4 * scene + k, name] for k in range(4)}
         into = tmp_path / f"{number:06d}"
@@ -123,7 +123,7 @@ def test_yolo_is_that_of_pictures_for_training_and_validation(both, tmp_path):
     assert there < named.keys()
     parts = [{key: each for key, each in named.items() if (key in there) == is_val}
              for is_val in (False, True)]  # fmt: skip
-    classes = ["ball", "box", "post", "crate"]
+    classes = ["ball", "box", "post", "crat\u00e9"]
     save_yolo(tmp_path, parts[0], validation=parts[1], task="segment", classes=classes)
     made = tree(folder / "yolo")
     pictures = {key: made.pop(key) for key in [*made] if key.startswith("images")}
