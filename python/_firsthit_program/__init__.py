@@ -1,7 +1,8 @@
 """The ``firsthit`` program, reached without the package ``firsthit`` and so without NumPy.
 
-NumPy takes a tenth of a second and more memory than the program; the native module, which holds the
-whole program, needs neither it nor the package.
+NumPy takes a tenth of a second and more memory than the program; the native module, which holds all
+commands but a few, needs neither it nor the package. Those few are written in Python, over the
+package: `_IN_PYTHON` names them.
 """
 
 import os
@@ -17,6 +18,11 @@ else:
     import _signal as signal
 
 _NATIVE = "firsthit._firsthit"
+
+#: The commands that are written in Python: `main` of the module of that name in `_COMMANDS` takes
+#: the arguments and returns the exit code. All others are in the native module.
+_IN_PYTHON = ("dataset",)
+_COMMANDS = "firsthit._commands"
 
 
 def _native() -> "Any":
@@ -35,11 +41,26 @@ def _native() -> "Any":
     return native
 
 
+def _in_python(arguments: "list[str]") -> "tuple[str, list[str]] | None":
+    """Return the command in Python that is meant, and its arguments; ``None`` if none is."""
+    if len(arguments) > 1 and arguments[0] == "help" and arguments[1] in _IN_PYTHON:
+        return arguments[1], ["--help"]
+    if arguments and arguments[0] in _IN_PYTHON:
+        return arguments[0], arguments[1:]
+    return None
+
+
 def main() -> int:
     """Run the program with the process's arguments; return its exit code."""
+    named = _in_python(sys.argv[1:])
+    if named is not None:
+        from importlib import import_module
+
+        code: int = import_module(f"{_COMMANDS}.{named[0]}").main(named[1])
+        return code
     # The program's own handler of Ctrl-C gives way to one that is there already, such as Python's.
     # Where Ctrl-C is ignored (`nohup`, a script's background job) it stays so.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    code: int = _native().run_program(["firsthit", *sys.argv[1:]])
-    return code
+    ended: int = _native().run_program(["firsthit", *sys.argv[1:]])
+    return ended

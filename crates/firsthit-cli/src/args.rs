@@ -53,6 +53,9 @@ pub(crate) enum Command {
     Section(SectionArgs),
     /// Find what may be wrong with a 3D file: holes, flipped faces, self-intersections and more.
     Lint(LintArgs),
+    /// Make the frames and annotations of a plan: scenes, sensors and poses (Python package).
+    #[command(after_help = help::DATASET_EXAMPLES)]
+    Dataset(InPythonArgs),
     /// Render the embedded example scene.
     Demo(DemoArgs),
     /// Print the JSON Schema of scene files, with which editors complete and check them.
@@ -546,6 +549,18 @@ pub(crate) struct ProbeArgs {
     pub(crate) pick: PickArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
+}
+
+/// Whatever a command takes that is written in Python, which alone understands it.
+#[derive(Debug, Args)]
+pub(crate) struct InPythonArgs {
+    /// What the command takes: its help comes with the Python package (pip install firsthit)
+    #[arg(
+        value_name = "ARGUMENTS",
+        trailing_var_arg = true,
+        allow_hyphen_values = true
+    )]
+    pub(crate) _arguments: Vec<std::ffi::OsString>,
 }
 
 #[derive(Debug, Args)]

@@ -24,8 +24,9 @@ Examples:
   firsthit section part.stl --normal 0,0,1 -o cut.svg
   firsthit lint part.stl                whether it has holes, flipped faces, ...
   firsthit probe part.stl --pixel 640,360
+  firsthit dataset plan.toml -o out/    all frames and annotations of a plan
 
-With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, dataset, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -151,6 +152,15 @@ Examples:
 The curves are closed where the meshes are. What lies exactly on the plane counts as on the side to which the normal points. \
 Drawings are in the plane's own coordinates; the JSON file has its axes u and v. Shapes that are not meshes are left out, with a \
 warning.";
+
+pub(crate) const DATASET_EXAMPLES: &str = "\
+Examples:
+  firsthit dataset plan.toml --check
+  firsthit dataset plan.toml -o out/
+  firsthit dataset plan.toml -o out/ --part 3/8
+
+This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit. \
+docs/datasets.md has the plan's keys.";
 
 pub(crate) const DEMO_EXAMPLES: &str = "\
 Examples:

@@ -6,6 +6,7 @@ pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod diff;
+pub(crate) mod in_python;
 pub(crate) mod info;
 pub(crate) mod info_looks;
 mod info_output;

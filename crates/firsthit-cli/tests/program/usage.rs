@@ -2,7 +2,7 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "render",
     "shoot",
     "nearest",
@@ -14,6 +14,7 @@ const COMMANDS: [&str; 13] = [
     "probe",
     "build",
     "info",
+    "dataset",
     "demo",
     "completions",
 ];
@@ -219,6 +220,7 @@ fn the_version_can_be_asked_of_every_command() {
         "section",
         "lint",
         "probe",
+        "dataset",
         "demo",
         "schema",
         "completions",
@@ -229,6 +231,18 @@ fn the_version_can_be_asked_of_every_command() {
             let version = concat!("firsthit ", env!("CARGO_PKG_VERSION"));
             assert_eq!(text, version, "{command}");
         }
+    }
+}
+
+#[test]
+fn a_command_of_the_python_package_says_where_it_is() {
+    let lab = Lab::new();
+    for arguments in ["dataset", "dataset plan.toml -o out --part 1/2"] {
+        lab.fails(
+            arguments,
+            2,
+            "firsthit dataset comes with the Python package: pip install firsthit",
+        );
     }
 }
 
