@@ -13,7 +13,7 @@ identifiers and ``nan`` elsewhere.
 (array([ 4., inf]), array([ 0, -1], dtype=int32))
 """
 
-from . import _firsthit, annotations
+from . import _firsthit, annotations, datasets
 from ._all_hits import AllHits
 from ._camera import Camera
 from ._cameras import NamedCamera
@@ -44,6 +44,7 @@ from ._shading import Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 from ._trajectory import Trajectory
 from .annotations import annotate
+from .datasets import Plan, dataset
 
 # Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
 __version__ = _firsthit.version()
@@ -80,6 +81,7 @@ __all__ = [
     "NamedCamera",
     "Object",
     "Place",
+    "Plan",
     "Plane",
     "PointLight",
     "Polyline",
@@ -98,6 +100,8 @@ __all__ = [
     "Trajectory",
     "annotate",
     "annotations",
+    "dataset",
+    "datasets",
     "disparity",
     "info",
     "lint",

@@ -29,7 +29,7 @@ def attribute_of(name: str) -> str | None:
     return name[len(ATTRIBUTE) :] or None if name.startswith(ATTRIBUTE) else None
 
 
-def _in_path(name: str) -> str:
+def in_path(name: str) -> str:
     """Return a channel's name as a file's name has it: an attribute's may have any characters."""
     attribute = attribute_of(name)
     if attribute is None:
@@ -67,7 +67,7 @@ def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Pa
             f"path must not contain {_EACH}: a point cloud holds all channels, "
             f"got {os.fspath(path)}"
         )
-    made = [(Path(os.fspath(path).replace(_EACH, _in_path(name))), [name]) for name in names]
+    made = [(Path(os.fspath(path).replace(_EACH, in_path(name))), [name]) for name in names]
     of_file: dict[Path, _Name] = {}
     for file, (name,) in made:
         if other := of_file.get(file):

@@ -1,8 +1,8 @@
 """What commands share: how they read arguments, what they say, and their exit codes.
 
 It is what the Rust program does, so that nobody notices in which language a command is written:
-every error is one line on standard error, ``firsthit: error: ...``, and with ``--json`` there is one
-JSON object for the run.
+every error is one line on standard error, ``firsthit: error: ...``, and with ``--json`` there is
+one JSON object for the run.
 """
 
 from __future__ import annotations

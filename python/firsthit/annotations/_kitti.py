@@ -16,10 +16,11 @@ from ._rigid import rotation_and_scale
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
     import numpy.typing as npt
 
-    from ._annotations import BoxInPicture, Instance
+    from ._annotations import Annotations, BoxInPicture, Instance
     from ._files import Pictures
 
     Floats = npt.NDArray[np.float64]
@@ -88,6 +89,34 @@ def save_kitti(
     along z: ``atan2(-z, x)`` of it. Alpha is rotation_y less the direction of the object,
     ``atan2(x, z)`` of its place. Angles are from -pi to pi.
     """
+    given = named(pictures)
+    paths = [Path(folder, "label_2", f"{stem}.txt") for stem in stems(given)]
+    texts = labels(
+        given,
+        unit=unit,
+        forward=forward,
+        up=up,
+        box=box,
+        occlusion=occlusion,
+        tilt_degrees=tilt_degrees,
+        score=score,
+    )
+    for path, text in zip(paths, texts.values(), strict=True):
+        write(path, text.encode())
+
+
+def labels(
+    pictures: Mapping[str, Annotations],
+    *,
+    unit: float | str,
+    forward: Axis,
+    up: Axis,
+    box: MaskKind,
+    occlusion: tuple[float, float],
+    tilt_degrees: float,
+    score: float | None = None,
+) -> dict[str, str]:
+    """Return the text of each picture's labels, as `save_kitti` writes them."""
     length, level = meters(unit), _Upright(forward, up, number("tilt_degrees", tilt_degrees))
     if box not in get_args(MaskKind):
         raise ValueError(f"box must be 'amodal' or 'visible', got {box!r}")
@@ -95,9 +124,8 @@ def save_kitti(
     if not 0.0 <= partly <= full <= 1.0:
         raise ValueError(f"occlusion must be two shares, the larger one first, got {occlusion!r}")
     last = "" if score is None else f" {number('score', score):.4f}"
-    given = named(pictures)
-    contents = []
-    for (stem, picture), name in zip(stems(given).items(), given, strict=True):
+    texts = {}
+    for name, picture in pictures.items():
         if picture.camera.projection != "perspective":
             raise ValueError(f"{name}: KITTI's cameras are perspective, got {picture.camera!r}")
         lines = []
@@ -116,9 +144,8 @@ def save_kitti(
             alpha = _wrapped(turn - math.atan2(place[0], place[2]))
             numbers = [alpha, *_ends(edges), *size, *place, turn]
             lines.append(" ".join((*words, *(f"{each:.6f}" for each in numbers))) + last + "\n")
-        contents.append((Path(folder, "label_2", f"{stem}.txt"), "".join(lines)))
-    for path, text in contents:
-        write(path, text.encode())
+        texts[name] = "".join(lines)
+    return texts
 
 
 class _Upright:

@@ -1,0 +1,147 @@
+"""``firsthit dataset``: the frames and annotations of a plan."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from typing import TYPE_CHECKING, Any
+
+from firsthit.datasets import Plan, dataset
+from firsthit.datasets._check import checked
+
+from ._program import Parser, UsageError, run
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_ABOUT = """\
+Make the frames and annotations of a plan: scenes, sensors and poses.
+
+Frames that are there are kept, so a run that was stopped or killed goes on
+where it was. The bytes are the same for any number of runs, parts and threads."""
+
+_EXAMPLES = """\
+Examples:
+  firsthit dataset plan.toml --check
+  firsthit dataset plan.toml -o out/
+  firsthit dataset plan.toml -o out/ --part 3/8
+
+docs/datasets.md has the plan's keys, and what is in the folder.
+
+Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the output could not be
+written, or the folder is another job's, 5 a limit was reached, 70 a bug in
+firsthit, 130 interrupted."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command with the arguments behind its name; return the exit code."""
+    return run(argv, _parser(), _work)
+
+
+def _parser() -> Parser:
+    parser = Parser("dataset", _ABOUT, _EXAMPLES)
+    add = parser.add_argument
+    add("plan", metavar="PLAN", help="the plan (TOML)")
+    add("-o", "--output", metavar="FOLDER", help="where to write; it is made if it is not there")
+    add(
+        "--check",
+        action="store_true",
+        help="make nothing: check the plan and its scenes, and say what the frames come to",
+    )
+    add(
+        "--part",
+        metavar="K/N",
+        type=_part,
+        help="make the K-th of N parts only, K from 1; parts may be made at the same time, on "
+        "machines that share the folder, and in any order",
+    )
+    add(
+        "--verify",
+        action="store_true",
+        help="compare the bytes of frames that are there with their sha256, not only their sizes",
+    )
+    add(
+        "--threads",
+        metavar="N",
+        type=_threads,
+        help="the number of threads; the result is the same for any [default: all cores]",
+    )
+    add("-q", "--quiet", action="store_true", help="print only warnings and errors")
+    return parser
+
+
+def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
+    if arguments.check:
+        for name in ("output", "part", "verify"):
+            if getattr(arguments, name):
+                raise UsageError(f"--check makes nothing: leave out --{name}")
+        return _checked(Plan.load(arguments.plan), arguments)
+    if arguments.output is None:
+        raise UsageError("--output must be given; see firsthit dataset --help")
+    shows = not arguments.quiet and sys.stderr.isatty()
+    made = dataset(
+        arguments.plan,
+        arguments.output,
+        part=arguments.part,
+        threads=arguments.threads,
+        verify=arguments.verify,
+        progress=True if shows else None,
+    )
+    text = f"{arguments.output}: {_count(made.made, 'frame')} made, {made.kept} kept"
+    text += f", {made.missing} missing" if made.missing else f", all {made.frames} there"
+    if made.digest is not None:
+        text += f"\ndigest {made.digest}"
+    report = {"output": arguments.output, **made._asdict()}
+    return None if arguments.quiet else text, report
+
+
+def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
+    fingerprints = checked(plan, arguments.threads)
+    cost = plan.cost()
+    lines = [
+        f"{_count(plan.frames, 'frame')}: {_count(len(plan.scenes), 'scene')}, "
+        f"{_count(plan.poses_per_scene, 'pose')} each",
+        f"sensors: {', '.join(plan.sensors)}",
+        f"rays: {cost.rays}",
+        f"bytes: about {_size(cost.bytes)} without annotations",
+    ]
+    report = {
+        "frames": plan.frames,
+        "poses_per_scene": plan.poses_per_scene,
+        "scenes": [
+            {"name": name, "fingerprint": mark}
+            for name, mark in zip(plan.scenes, fingerprints, strict=True)
+        ],
+        "sensors": list(plan.sensors),
+        "rays": cost.rays,
+        "bytes": cost.bytes,
+        "plan": plan.digest,
+    }
+    return None if arguments.quiet else "\n".join(lines), report
+
+
+def _part(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", text)
+    k, n = (int(each) for each in found.groups()) if found else (0, 0)
+    if not 1 <= k <= n:
+        raise argparse.ArgumentTypeError(f"{text!r} is not K/N with K from 1 to N, such as 3/8")
+    return k, n
+
+
+def _threads(text: str) -> int:
+    if not re.fullmatch(r"[0-9]{1,4}", text) or not 1 <= int(text) <= 1024:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 1 to 1024")
+    return int(text)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _size(count: int) -> str:
+    size, units = float(count), ["bytes", "KB", "MB", "GB", "TB", "PB"]
+    while size >= 1000.0 and len(units) > 1:
+        size /= 1000.0
+        del units[0]
+    return f"{size:.3g} {units[0]}"

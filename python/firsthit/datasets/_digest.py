@@ -1,0 +1,64 @@
+"""Digests of what frames hold: of arrays, never of files, whose writers change."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+
+    import numpy.typing as npt
+
+#: How much of a file is read at a time.
+_PIECE = 1 << 20
+
+
+def of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
+    """Return the sha256 of arrays in their order, as text.
+
+    Of each it takes the line ``["name", "dtype", [shape]]`` as JSON, and the elements in C order,
+    little-endian.
+    """
+    made = hashlib.sha256()
+    for name, array in arrays.items():
+        plain = np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
+        head = json.dumps([name, plain.dtype.str, list(array.shape)])
+        made.update(head.encode() + b"\n")
+        made.update(plain.tobytes())
+    return made.hexdigest()
+
+
+def of_digests(digests: Iterable[str]) -> str:
+    """Return the sha256 of digests in their order, each as text and a new line."""
+    made = hashlib.sha256()
+    for one in digests:
+        made.update(one.encode() + b"\n")
+    return made.hexdigest()
+
+
+def of_json(value: Any) -> str:
+    """Return the sha256 of a value as `canonical` has it."""
+    return hashlib.sha256(canonical(value)).hexdigest()
+
+
+def of_file(path: Path) -> str:
+    """Return the sha256 of a file's bytes."""
+    made = hashlib.sha256()
+    with path.open("rb") as file:
+        while piece := file.read(_PIECE):
+            made.update(piece)
+    return made.hexdigest()
+
+
+def canonical(value: Any) -> bytes:
+    """Return a value as JSON without blanks and NaN, its keys in their order.
+
+    What is read from it has them in the same order, and is the same text again.
+    """
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.encode()

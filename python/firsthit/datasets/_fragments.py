@@ -1,0 +1,87 @@
+"""What the annotations of one picture add to the files of all.
+
+A fragment is plain data, which the record of a frame holds. It is made by the functions that write
+the formats, from one picture; classes stand in it by their names, since their numbers depend on the
+other pictures.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from firsthit.annotations import to_coco
+from firsthit.annotations._bop import _camera, _info, _pose
+from firsthit.annotations._files import as_png, class_numbers, class_of, meters
+from firsthit.annotations._kitti import labels
+from firsthit.annotations._yolo import _labels
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from firsthit.annotations import Annotations
+
+    from ._output import Output
+
+
+def fragments(
+    name: str, picture: Annotations, output: Output, depth_scale: float
+) -> dict[str, Any]:
+    """Return what a picture adds to each format, and its classes.
+
+    ``name`` is that of the picture's file. ``depth_scale`` is the step of depth pictures in scene
+    units, 1 where there are none.
+    """
+    kinds = output.merged
+    numbers = class_numbers({name: picture}, None, 0)
+    made: dict[str, Any] = {"classes": [*numbers]}
+    if kinds.coco is not None:
+        whole = to_coco({name: picture}, **kinds.coco)
+        made["coco"] = {key: whole[key] for key in ("images", "categories", "annotations")}
+    if kinds.bop is not None:
+        made["bop"] = _bop(name, picture, 1e3 * meters(kinds.bop["unit"]), depth_scale)
+    if kinds.kitti is not None:
+        made["kitti"] = labels({name: picture}, **kinds.kitti)[name]
+    if kinds.yolo is not None:
+        task, masks = kinds.yolo["task"], kinds.yolo["masks"]
+        made["yolo"] = _labels(name, picture, numbers, task, masks)
+    return made
+
+
+def _bop(name: str, picture: Annotations, millimeters: float, depth_scale: float) -> dict[str, Any]:
+    """Return a picture's entries in BOP's three files; ``obj_id`` is the class's name."""
+    truth, sizes = [], []
+    for instance in picture.instances:
+        pose, size = _pose(name, instance, millimeters)
+        truth.append({**pose, "obj_id": class_of(name, instance)})
+        sizes.append(size)
+    return {
+        "camera": _camera(name, picture, millimeters, depth_scale),
+        "truth": truth,
+        "info": [_info(name, instance) for instance in picture.instances],
+        "sizes": sizes,
+    }
+
+
+def save_masks(folder: Path, sensor: str, picture: Annotations, output: Output) -> None:
+    """Write the masks of instances: those that were asked for, and those of BOP.
+
+    ``SENSOR.visible/000.png`` and ``SENSOR.amodal/000.png`` are named by the place of the instance
+    among those of the picture.
+    """
+    kinds = dict.fromkeys(output.masks)
+    if output.merged.bop is not None:
+        kinds |= dict.fromkeys(("visible", "amodal"))
+    for kind in kinds:
+        into = folder / f"{sensor}.{kind}"
+        into.mkdir()
+        for k, instance in enumerate(picture.instances):
+            mask = instance.visible if kind == "visible" else instance.amodal
+            (into / f"{k:06d}.png").write_bytes(as_png(mask.array))
+
+
+def instances(picture: Annotations) -> list[dict[str, Any]]:
+    """Return what the masks of a picture are of, in their order."""
+    return [
+        {"id": one.id, "class": one.class_name, "name": one.name, "object": one.object}
+        for one in picture.instances
+    ]

@@ -1,0 +1,149 @@
+"""One frame: what all sensors see from one pose, and its files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from firsthit._files import in_path
+from firsthit._render import render
+from firsthit.annotations import annotate
+from firsthit.annotations._files import meters
+
+from ._digest import canonical, of_arrays
+from ._fragments import fragments, instances, save_masks
+from ._lidars import LidarSensor
+from ._part import name_of, seal
+from ._sampling import POSES, Uniforms
+from ._sensors import CameraSensor
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy.typing as npt
+
+    from firsthit._camera import Camera
+    from firsthit._frame import Frame
+    from firsthit._scene import Scene
+
+    from ._place import Place
+    from ._plan import Plan
+    from ._sensors import PictureSensor
+
+    Arrays = dict[str, npt.NDArray[Any]]
+
+
+class FrameMaker:
+    """Makes a frame of a plan in a folder that is there.
+
+    What is made depends on the plan, the scene and the frame's number, and on nothing else.
+    """
+
+    def __init__(self, plan: Plan, threads: int | None) -> None:
+        self._plan, self._threads = plan, threads
+
+    def place(self, frame: int, scene: Scene) -> Place:
+        """Return where the rig is in a frame."""
+        plan = self._plan
+        return plan._poses.place(plan._seed, frame, plan.scene_of(frame).pose, scene)
+
+    def make(self, folder: Path, frame: int, scene: Scene, fingerprint: str) -> None:
+        """Write all files of a frame, and its record."""
+        plan = self._plan
+        number, place = plan.scene_of(frame), self.place(frame, scene)
+        pose = np.array(place.pose, np.float64)
+        arrays: Arrays = {"pose": pose, "time": np.array(place.time)}
+        annotations: dict[str, Any] = {}
+        for stream, sensor in enumerate(plan._sensors):
+            if isinstance(sensor, LidarSensor):
+                seed = Uniforms(plan._seed, frame, POSES + 1 + stream).raw() >> 1
+                scan = sensor.scan(scene, place, seed, self._threads)
+                for form in plan._output.clouds:
+                    scan.save(folder / f"{sensor.name}.{form}")
+                arrays |= {f"{sensor.name}/{name}": scan[name] for name in scan.keys()}  # noqa: SIM118
+                continue
+            picture = self._picture(folder, sensor, scene, place)
+            arrays |= {f"{sensor.name}/{name}": array for name, array in picture.items()}
+            if isinstance(sensor, CameraSensor) and plan._output.annotates:
+                made = self._annotated(folder, sensor, frame, scene, sensor.at(place), picture)
+                text = np.frombuffer(canonical(made), np.uint8)
+                arrays[f"{sensor.name}/annotations"] = text
+                annotations[sensor.name] = made
+        record = {
+            "plan": plan.digest,
+            "frame": frame,
+            "scene": plan.scenes[number.scene],
+            "pose_index": number.pose,
+            "fingerprint": fingerprint,
+            "time": place.time,
+            "world_from_rig": pose.tolist(),
+            "digest": of_arrays(arrays),
+            "annotations": annotations,
+        }
+        seal(folder, record)
+
+    def _picture(self, folder: Path, sensor: PictureSensor, scene: Scene, place: Place) -> Frame:
+        output = self._plan._output
+        made = render(
+            scene,
+            sensor.at(place),
+            channels=output.channels,  # type: ignore[arg-type] # checked by the plan
+            threads=self._threads,
+            **output.look,
+        )
+        for form in output.frames:
+            made.save(folder / f"{sensor.name}.{form}")
+        for channel in output.pictures:
+            path = folder / picture_name(sensor.name, channel)
+            scale = output.png_scale if channel in ("t", "range", "z") else None
+            made._write(path, [channel], scale)
+        return made
+
+    def _annotated(
+        self,
+        folder: Path,
+        sensor: CameraSensor,
+        frame: int,
+        scene: Scene,
+        camera: Camera,
+        picture: Frame,
+    ) -> dict[str, Any]:
+        plan = self._plan
+        output, planned = plan._output, plan._scenes[plan.scene_of(frame).scene]
+        found = annotate(
+            scene,
+            camera,
+            frame=picture if "object" in picture else None,
+            threads=self._threads,
+            **planned.annotate_options,
+        )
+        save_masks(folder, sensor.name, found, output)
+        made: dict[str, Any] = {}
+        if output.merged.kinds:
+            scale, bop = 1.0, output.merged.bop
+            if bop is not None and output.png_scale is not None and "z" in output.pictures:
+                scale = output.png_scale * 1e3 * meters(bop["unit"])
+            name = file_name(plan, sensor.name, frame)
+            made = fragments(name, found, output, scale)
+        if output.masks:
+            made["instances"] = instances(found)
+        return made
+
+
+def picture_name(sensor: str, channel: str) -> str:
+    """Return the name of a channel's PNG in a frame's folder."""
+    return f"{sensor}.{in_path(channel)}.png"
+
+
+def file_name(plan: Plan, sensor: str, frame: int) -> str:
+    """Return the path of the file that annotations of a picture name.
+
+    It is the picture of colours, or the first that there is, or the file with all channels.
+    """
+    output = plan._output
+    folder = f"frames/{name_of(frame, plan.frames)}"
+    if output.pictures:
+        channel = "color" if "color" in output.pictures else output.pictures[0]
+        return f"{folder}/{picture_name(sensor, channel)}"
+    return f"{folder}/{sensor}.{output.frames[0]}"

@@ -1,0 +1,185 @@
+"""Poses that somebody gives: along a path, or one by one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+
+from firsthit._conventions import rigid
+from firsthit._trajectory import Trajectory
+from firsthit._types import BodyName, Extrapolation, Interpolation, TrajectoryFormat
+
+from ._paths import inside
+from ._place import Place
+
+if TYPE_CHECKING:
+    from pathlib import Path as FilePath
+
+    import numpy.typing as npt
+
+    from firsthit._scene import Scene
+
+    from ._table import Table
+
+#: Which ways the rig's axes point.
+RIG: BodyName = "forwards-left-up"
+
+_MOST_FRAMES = 10**9
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """The rig follows a trajectory."""
+
+    trajectory: Trajectory
+    times: tuple[float, ...] | None
+    start: float
+    step: float
+    number: int
+    files: tuple[FilePath, ...]
+
+    @property
+    def count(self) -> int:
+        """How many there are in each scene."""
+        return self.number
+
+    @classmethod
+    def read(cls, table: Table, folder: FilePath) -> Path:
+        """Return what a table of a plan asks for."""
+        given = table.table("trajectory")
+        trajectory, files = _trajectory(given, folder)
+        given.finish()
+        trajectory = trajectory.in_axes(RIG)
+        ways = [key for key in ("rate", "times", "count") if key in table]
+        if len(ways) > 1:
+            raise table.refused(ways[1], f"`{ways[0]}` and `{ways[1]}` exclude each other")
+        if ways == ["times"]:
+            times = tuple(table.numbers("times", shape=(None,)))
+            with table.blaming("times"):
+                trajectory.at(times)
+            return cls(trajectory, times, 0.0, 0.0, len(times), files)
+        if not ways:
+            times = tuple(trajectory.times.tolist())
+            return cls(trajectory, times, 0.0, 0.0, len(times), files)
+        start = table.number("start", trajectory.start)
+        end = table.number("end", trajectory.end)
+        if end < start:
+            raise table.refused("end", f"`end` must not be before `start`, got {start} and {end}")
+        with table.blaming():
+            trajectory.at([start, end])
+        if ways == ["rate"]:
+            rate = table.number("rate", above=0.0)
+            steps = (end - start) * rate
+            if not steps < _MOST_FRAMES:
+                raise table.refused("rate", f"`rate` makes more than {_MOST_FRAMES} frames")
+            # A whole number of steps is one, however its product was rounded.
+            number = math.floor(steps * (1.0 + 2.0**-50)) + 1
+            return cls(trajectory, None, start, 1.0 / rate, number, files)
+        number = table.whole("count", least=1, most=_MOST_FRAMES)
+        step = (end - start) / (number - 1) if number > 1 else 0.0
+        return cls(trajectory, None, start, step, number, files)
+
+    def place(self, seed: int, frame: int, index: int, scene: Scene) -> Place:
+        """Return where the rig is in a frame."""
+        if self.times is not None:
+            time = self.times[index]
+        else:
+            last = max(self.trajectory.end, self.start)
+            time = self.start + index * self.step
+            if self.trajectory.extrapolation == "refuse":
+                # The last one is at the end, however its product was rounded.
+                time = min(time, last)
+        return Place(self.trajectory.at(time).tolist(), time, self.trajectory)
+
+
+def _trajectory(table: Table, folder: FilePath) -> tuple[Trajectory, tuple[FilePath, ...]]:
+    body = table.text("body", among=get_args(BodyName))
+    how: dict[str, Any] = {
+        "interpolation": table.text("interpolation", "linear", get_args(Interpolation)),
+        "extrapolation": table.text("extrapolation", "refuse", get_args(Extrapolation)),
+        "body": body,
+    }
+    if "file" in table:
+        files = []
+        with table.blaming("file"):
+            files.append(inside(folder, table.text("file")))
+        form = table.text("format", "csv", get_args(TrajectoryFormat))
+        if "times_file" in table:
+            with table.blaming("times_file"):
+                files.append(inside(folder, table.text("times_file")))
+        with table.blaming():
+            times = files[1] if len(files) > 1 else None
+            return Trajectory.load(files[0], form, times=times, **how), tuple(files)
+    times = table.numbers("times", shape=(None,))
+    positions = table.numbers("positions", shape=(None, 3))
+    rotations = table.numbers("rotations", None, shape=(None, 4))
+    with table.blaming():
+        return Trajectory(times, positions, rotations, **how), ()
+
+
+@dataclass(frozen=True, eq=False)
+class Listed:
+    """The rig is where matrices say."""
+
+    matrices: npt.NDArray[np.float64]
+    files: tuple[FilePath, ...]
+
+    @property
+    def count(self) -> int:
+        """How many there are in each scene."""
+        return len(self.matrices)
+
+    @classmethod
+    def read(cls, table: Table, folder: FilePath) -> Listed:
+        """Return what a table of a plan asks for."""
+        body = table.text("body", among=get_args(BodyName))
+        files: tuple[FilePath, ...] = ()
+        if "file" in table:
+            with table.blaming("file"):
+                files = (inside(folder, table.text("file")),)
+                given = _array(files[0])
+        else:
+            given = _matrices(table)
+        key = "file" if files else "matrices"
+        with table.blaming(key):
+            if given.ndim != 3 or given.shape[1:] not in ((4, 4), (3, 4)) or not len(given):
+                raise ValueError(f"poses must have the shape (n, 4, 4), got {given.shape}")
+            rows = np.array([_in_rig(pose, body, k) for k, pose in enumerate(given)])
+        return cls(rows, files)
+
+    def place(self, seed: int, frame: int, index: int, scene: Scene) -> Place:
+        """Return where the rig is in a frame."""
+        return Place(self.matrices[index].tolist())
+
+
+def _matrices(table: Table) -> npt.NDArray[np.float64]:
+    for side in (4, 3):
+        try:
+            return np.array(table.numbers("matrices", shape=(None, side, 4)))
+        except ValueError:
+            if side == 3:
+                raise
+    raise AssertionError
+
+
+def _array(path: FilePath) -> npt.NDArray[np.float64]:
+    try:
+        array = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise ValueError(f"not an array of NumPy (.npy): {error}") from None
+    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
+        raise ValueError("must be one array of real numbers (.npy)")
+    return array.astype(np.float64)
+
+
+def _in_rig(pose: npt.NDArray[np.float64], body: BodyName, number: int) -> npt.NDArray[np.float64]:
+    """Return a pose of the rig's axes; other axes are a permutation, which does not round."""
+    try:
+        given = rigid(pose)
+    except ValueError as error:
+        raise ValueError(f"pose {number}: {error}") from None
+    turned = Trajectory.from_matrices([0.0], np.eye(4)[None], body=body).in_axes(RIG).at(0.0)
+    return given @ np.round(turned)

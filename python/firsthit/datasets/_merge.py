@@ -1,0 +1,197 @@
+"""The files of annotations of all frames, put together from the frames' records.
+
+It reads a record at a time, as often as a format needs, and writes files that appear whole. So it
+can be stopped, and done again, and comes to the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import shutil
+from typing import TYPE_CHECKING, Any
+
+from firsthit._errors import FileWriteError
+from firsthit.annotations._files import as_json, write
+from firsthit.annotations._yolo import _yaml
+
+from ._coco_merge import save_coco
+from ._frame import picture_name
+from ._job import merged_names
+from ._part import name_of
+from ._sampling import Uniforms
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from ._plan import Plan
+
+    #: Gives the records of all frames, in their order; can be called again.
+    Records = Callable[[], Iterator[dict[str, Any]]]
+
+#: The file that says that everything is there.
+DONE = "dataset.json"
+
+#: The stream of the numbers that decide which frames are for validation: behind those of sensors.
+_VALIDATION = 1 << 20
+
+
+def merge(folder: Path, plan: Plan, records: Records, digest: str) -> None:
+    """Write what is asked for of all frames, unless it is there already."""
+    done = {"plan": plan.digest, "frames": plan.frames, "digest": digest}
+    done["merged"] = merged_names(plan)
+    if _is_done(folder, done):
+        return
+    formats = plan._output.merged
+    joined = _Joined(folder, plan, records)
+    if formats.coco is not None:
+        save_coco(folder / "coco.json", joined.pictures, joined.classes)
+    if formats.bop is not None:
+        joined.save_bop(formats.bop["object_ids"])
+    if formats.kitti is not None:
+        joined.save_kitti()
+    if formats.yolo is not None:
+        joined.save_yolo(formats.yolo["validation"])
+    write(folder / DONE, json.dumps(done, indent=2).encode() + b"\n")
+
+
+def _is_done(folder: Path, done: dict[str, Any]) -> bool:
+    try:
+        said = json.loads((folder / DONE).read_bytes())
+    except (OSError, ValueError):
+        return False
+    return said == done and all((folder / name).exists() for name in done["merged"])
+
+
+class _Joined:
+    def __init__(self, folder: Path, plan: Plan, records: Records) -> None:
+        self._folder, self._plan, self._records = folder, plan, records
+        found = (name for picture in self.pictures() for name in picture["classes"])
+        self.classes = [*dict.fromkeys(found)]
+
+    def pictures(self) -> Iterator[dict[str, Any]]:
+        """Yield the fragments of all pictures, by frame and then by sensor."""
+        for record in self._records():
+            yield from record["annotations"].values()
+
+    def save_bop(self, object_ids: dict[str, int] | None) -> None:
+        """Write a folder ``bop/NUMBER`` for each scene and camera, numbered by scene and camera."""
+        numbers = object_ids or {name: k for k, name in enumerate(self.classes, 1)}
+        for name in self.classes:
+            if name not in numbers:
+                there = ", ".join(numbers)
+                raise ValueError(
+                    f"output.bop: `object_ids` must have all classes, not only {there}"
+                )
+        sizes: dict[str, float] = {}
+        scenes: dict[int, list[dict[str, Any]]] = {}
+        last = -1
+        for record in self._records():
+            scene = self._plan.scenes.index(record["scene"])
+            if scene != last:
+                self._write_bop(scenes)
+                scenes, last = {}, scene
+            for k, (sensor, picture) in enumerate(record["annotations"].items()):
+                _same_sizes(picture["bop"], sizes)
+                number = scene * len(record["annotations"]) + k
+                kept = scenes.setdefault(number, [{}, {}, {}])
+                self._add_bop(kept, number, record, sensor, numbers)
+        self._write_bop(scenes)
+
+    def _add_bop(
+        self,
+        kept: list[dict[str, Any]],
+        number: int,
+        record: dict[str, Any],
+        sensor: str,
+        numbers: dict[str, int],
+    ) -> None:
+        held, index = record["annotations"][sensor]["bop"], record["pose_index"]
+        truth = [{**one, "obj_id": numbers[one["obj_id"]]} for one in held["truth"]]
+        parts = truth, held["info"], held["camera"]
+        for table, part in zip(kept, parts, strict=True):
+            table[str(index)] = part
+        into, frame = self._folder / "bop" / f"{number:06d}", self._frame(record)
+        for kind, name in (("amodal", "mask"), ("visible", "mask_visib")):
+            (into / name).mkdir(parents=True, exist_ok=True)
+            for k in range(len(truth)):
+                mask = frame / f"{sensor}.{kind}" / f"{k:06d}.png"
+                _link(mask, into / name / f"{index:06d}_{k:06d}.png")
+        for channel, name in (("color", "rgb"), ("z", "depth")):
+            if channel in self._plan._output.pictures:
+                picture = frame / picture_name(sensor, channel)
+                _link(picture, into / name / f"{index:06d}.png")
+
+    def _write_bop(self, scenes: dict[int, list[dict[str, Any]]]) -> None:
+        names = "scene_gt.json", "scene_gt_info.json", "scene_camera.json"
+        for number, tables in scenes.items():
+            for name, table in zip(names, tables, strict=True):
+                write(self._folder / "bop" / f"{number:06d}" / name, as_json(table))
+
+    def save_kitti(self) -> None:
+        """Write ``kitti/SENSOR/label_2`` and, where colours have pictures, ``image_2``."""
+        for record in self._records():
+            for sensor, picture in record["annotations"].items():
+                into, name = self._folder / "kitti" / sensor, self._name(record)
+                write(into / "label_2" / f"{name}.txt", picture["kitti"].encode())
+                self._link_colors(record, sensor, into / "image_2" / f"{name}.png")
+
+    def save_yolo(self, validation: float) -> None:
+        """Write ``yolo``: labels, pictures where colours have them, and ``data.yaml``."""
+        numbers = {name: k for k, name in enumerate(self.classes)}
+        into = self._folder / "yolo"
+        for record in self._records():
+            share = Uniforms(self._plan._seed, record["frame"], _VALIDATION).next()
+            part = "val" if share < validation else "train"
+            for sensor, picture in record["annotations"].items():
+                name, text = f"{self._name(record)}-{sensor}", ""
+                for line in picture["yolo"].splitlines():
+                    number, rest = line.split(" ", 1)
+                    text += f"{numbers[picture['classes'][int(number)]]} {rest}\n"
+                write(into / "labels" / part / f"{name}.txt", text.encode())
+                self._link_colors(record, sensor, into / "images" / part / f"{name}.png")
+        content = _yaml(self.classes, has_validation=validation > 0.0)
+        write(into / "data.yaml", content.encode())
+
+    def _link_colors(self, record: dict[str, Any], sensor: str, path: Path) -> None:
+        if "color" in self._plan._output.pictures:
+            _link(self._frame(record) / picture_name(sensor, "color"), path)
+
+    def _name(self, record: dict[str, Any]) -> str:
+        return name_of(record["frame"], self._plan.frames)
+
+    def _frame(self, record: dict[str, Any]) -> Path:
+        return self._folder / "frames" / self._name(record)
+
+
+def _same_sizes(held: dict[str, Any], sizes: dict[str, float]) -> None:
+    """Refuse models of one class that differ in size, as `save_bop` does."""
+    for one, size in zip(held["truth"], held["sizes"], strict=True):
+        name = one["obj_id"]
+        if abs(size - sizes.setdefault(name, size)) > 1e-6 * size:
+            why = (
+                f"a unit of the model {name!r} is {sizes[name]} mm in one frame, {size} in another"
+            )
+            raise ValueError(f"output.bop: {why}")
+
+
+def _link(source: Path, path: Path) -> None:
+    """Give a file a second name, which takes no room; a copy where that cannot be."""
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(16)}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists() and path.samefile(source):
+            return
+        try:
+            try:
+                os.link(source, beside)
+            except OSError:
+                shutil.copyfile(source, beside)
+            beside.replace(path)
+        finally:
+            # Where somebody else was faster, both are names of one file, and none is replaced.
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error

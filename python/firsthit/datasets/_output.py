@@ -1,0 +1,176 @@
+"""What a plan asks to be written."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+from firsthit import _firsthit
+from firsthit._files import attribute_of, in_path
+from firsthit._lights import background_native
+from firsthit._shading import Shading
+from firsthit._types import ShaderName
+
+from ._lidars import LidarSensor
+from ._output_formats import KINDS, Merged, merged
+from ._sensors import CameraSensor
+
+if TYPE_CHECKING:
+    from ._sensors import PlannedSensor
+    from ._table import Table
+
+#: The formats of a picture's channels, and of a scan's returns.
+FRAMES = ("npz", "exr")
+CLOUDS = ("npz", "ply", "pcd", "las", "laz", "parquet")
+
+#: Channels of distances, whose pictures need a scale.
+DISTANCES = ("t", "range", "z")
+
+
+class Output(NamedTuple):
+    """What is written of each frame, and at the end.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        The channels of pictures.
+    frames : tuple of str
+        The formats of files with all channels.
+    pictures : tuple of str
+        The channels that have a PNG each.
+    png_scale : float or None
+        The step of the numbers in PNGs of distances, in scene units.
+    look : dict
+        What `render` is told of colours.
+    clouds : tuple of str
+        The formats of scans.
+    masks : tuple of str
+        Which masks of instances have a PNG each.
+    merged : Merged
+        The formats of annotations that are put together at the end.
+    """
+
+    channels: tuple[str, ...]
+    frames: tuple[str, ...]
+    pictures: tuple[str, ...]
+    png_scale: float | None
+    look: dict[str, Any]
+    clouds: tuple[str, ...]
+    masks: tuple[str, ...]
+    merged: Merged
+
+    @property
+    def annotates(self) -> bool:
+        """Whether pictures are annotated."""
+        return bool(self.masks) or bool(self.merged.kinds)
+
+
+def output(table: Table, sensors: tuple[PlannedSensor, ...]) -> Output:
+    """Return what a table of a plan asks for."""
+    lidars = [one for one in sensors if isinstance(one, LidarSensor)]
+    of_cameras = ("channels", "frames", "pictures", "png_scale", *_LOOK)
+    if len(lidars) == len(sensors):
+        _refuse(table, of_cameras, "no sensor makes pictures")
+        channels: list[str] = []
+        frames: list[str] = []
+        pictures: list[str] = []
+        scale, look = None, {}
+    else:
+        channels, frames, pictures, scale = _pictures(table, sensors)
+        look = _look(table, channels)
+    if not lidars:
+        _refuse(table, ("clouds",), "no sensor is a lidar")
+    clouds = table.texts("clouds", ["npz"], CLOUDS) if lidars else []
+    if lidars and not clouds:
+        raise table.refused("clouds", "`clouds` must be one format or several, got none")
+    if not any(isinstance(one, CameraSensor) for one in sensors):
+        _refuse(table, ("masks", *KINDS), 'annotations are of sensors with kind = "camera"')
+    masks = table.texts("masks", [], ("visible", "amodal"))
+    joined = merged(table)
+    if joined.kinds and not (pictures or frames):
+        raise table.refused(None, "annotations need `pictures` or `frames` that they are of")
+    made = Output(
+        tuple(channels),
+        tuple(frames),
+        tuple(pictures),
+        scale,
+        look,
+        tuple(clouds),
+        tuple(masks),
+        joined,
+    )
+    table.finish()
+    return made
+
+
+def _pictures(
+    table: Table, sensors: tuple[PlannedSensor, ...]
+) -> tuple[list[str], list[str], list[str], float | None]:
+    known = [name for name, _ in _firsthit.channel_names()]
+    pictures = _channels(table, "pictures", [], known)
+    frames = table.texts("frames", ["npz"], FRAMES)
+    channels = _channels(table, "channels", pictures or ["color"], known)
+    if not frames and not pictures:
+        raise table.refused("frames", "`frames` or `pictures` must name something to write")
+    if not channels:
+        raise table.refused("channels", "`channels` must be one or more, got none")
+    for name in pictures:
+        if name not in channels:
+            raise table.refused("pictures", f"{name!r} is not among `channels`")
+    if len({in_path(name) for name in pictures}) < len(pictures):
+        raise table.refused("pictures", "two of `pictures` would have the same file")
+    unseen = [name for name in channels if name not in pictures]
+    if not frames and unseen:
+        raise table.refused("channels", f"nothing is written of {unseen[0]!r}: `frames` is empty")
+    if "z" in channels:
+        for one in sensors:
+            if isinstance(one, CameraSensor) and not one.camera.has_aim:
+                raise table.refused("channels", f"z: sensor {one.name!r} has no aim")
+    needs_scale = any(name in DISTANCES for name in pictures)
+    if needs_scale and "png_scale" not in table:
+        raise table.refused("pictures", "pictures of distances need `png_scale`, their step")
+    if not needs_scale:
+        _refuse(table, ("png_scale",), "`pictures` has no distance (t, range or z)")
+    return channels, frames, pictures, table.number("png_scale", None, above=0.0)
+
+
+def _channels(table: Table, key: str, default: list[str], known: list[str]) -> list[str]:
+    names: list[str] = table.texts(key, default)
+    for name in names:
+        if name not in known and attribute_of(name) is None:
+            there = f"{', '.join(known)}, attribute:NAME"
+            raise table.refused(key, f"`{key}` must be among {there}, got {name!r}")
+    return names
+
+
+#: How colours are made.
+_LOOK = ("samples", "shade", "background", "ambient", "shadows")
+
+
+def _look(table: Table, channels: list[str]) -> dict[str, Any]:
+    if "color" not in channels:
+        _refuse(table, _LOOK, "`channels` has no color")
+        return {}
+    made: dict[str, Any] = {
+        "samples": table.whole("samples", None, least=1, most=65_536),
+        "shade": table.text("shade", None, get_args(ShaderName)),
+        "background": _color(table, "background"),
+        "ambient": _color(table, "ambient"),
+        "shadows": table.flag("shadows", None),
+    }
+    with table.blaming():
+        if made["background"] is not None:
+            background_native(made["background"])
+        if made["ambient"] is not None:
+            Shading(ambient=made["ambient"])
+    return {name: value for name, value in made.items() if value is not None}
+
+
+def _color(table: Table, key: str) -> Any:
+    return table.text(key, None) if table.is_text(key) else table.numbers(key, None)
+
+
+def _refuse(table: Table, keys: tuple[str, ...], why: str) -> None:
+    """Refuse keys that would do nothing."""
+    for key in keys:
+        if key in table:
+            raise table.refused(key, f"`{key}` does nothing here: {why}")

@@ -1,0 +1,149 @@
+"""Parts: a folder per frame, which has its name when it is whole.
+
+A part is written to a folder beside it, ``.NUMBER.UUID``, synced to the disk and renamed. So
+whoever finds the name finds all of the part, whatever was killed, and two that make the same part
+do no harm: the second to come leaves the first one's.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import time
+import uuid
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from firsthit._errors import FileWriteError
+
+from ._digest import canonical, of_file, of_json
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: The file of a part that says what is in it.
+RECORD = "frame.json"
+
+#: What killed runs leave behind, and when it is removed: somebody else may still be at it before.
+_LEFT = re.compile(r"\.[0-9A-Za-z_.-]*\.[0-9a-f]{32}")
+_OLD_SECONDS = 24 * 3600
+
+
+def name_of(frame: int, frames: int) -> str:
+    """Return the name of a frame's folder: its number, as wide as the last one's."""
+    return f"{frame:0{max(6, len(str(frames - 1)))}d}"
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[Path]:
+    """Yield a folder to fill, which becomes ``path`` when it is full.
+
+    Where there is a part of this name by then, that one stays.
+    """
+    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    try:
+        try:
+            beside.mkdir(parents=True)
+            yield beside
+            for file in _files(beside):
+                _sync(beside / file)
+            for folder in (beside, *(each for each in beside.rglob("*") if each.is_dir())):
+                _sync(folder)
+            try:
+                beside.rename(path)
+            except OSError:
+                if not path.is_dir():
+                    raise
+            else:
+                _sync(path.parent)
+        finally:
+            shutil.rmtree(beside, ignore_errors=True)
+    except FileWriteError:
+        raise
+    except OSError as error:
+        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+
+
+def _sync(path: Path) -> None:
+    """Have the system write a file or a folder to the disk, where it can."""
+    if path.is_dir() and os.name == "nt":
+        return
+    opened = os.open(path, os.O_RDONLY if os.name != "nt" else os.O_RDWR)
+    try:
+        os.fsync(opened)
+    finally:
+        os.close(opened)
+
+
+def seal(folder: Path, record: dict[str, Any]) -> None:
+    """Write what a part holds beside it: its files' sizes and sha256, and a check of the record."""
+    files = {
+        name: {"bytes": (folder / name).stat().st_size, "sha256": of_file(folder / name)}
+        for name in _files(folder)
+    }
+    said = {**record, "files": files}
+    (folder / RECORD).write_bytes(canonical({**said, "check": of_json(said)}) + b"\n")
+
+
+def _files(folder: Path) -> list[str]:
+    there = (path for path in folder.rglob("*") if path.is_file())
+    return sorted(path.relative_to(folder).as_posix() for path in there)
+
+
+def record_of(path: Path, plan: str, *, verify: bool = False) -> dict[str, Any] | None:
+    """Return the record of a part that is whole; ``None`` if it is not, or of another plan.
+
+    A record proves itself by its check. Files must be there with their sizes; with ``verify`` their
+    bytes are compared as well.
+    """
+    try:
+        said = json.loads((path / RECORD).read_bytes())
+        check = said.pop("check")
+        if said["plan"] != plan or check != of_json(said):
+            return None
+        for name, known in said["files"].items():
+            if (path / name).stat().st_size != known["bytes"]:
+                return None
+            if verify and of_file(path / name) != known["sha256"]:
+                return None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+    return dict(said)
+
+
+def discard(path: Path) -> None:
+    """Remove a damaged part. It loses its name first, so that it is never half there."""
+    aside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    try:
+        path.rename(aside)
+        if aside.is_dir():
+            shutil.rmtree(aside)
+        else:
+            aside.unlink()
+    except FileNotFoundError:
+        pass  # Somebody else was faster.
+    except OSError as error:
+        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove what runs left behind that were killed more than a day ago."""
+    try:
+        there = list(os.scandir(folder))
+    except OSError:
+        return
+    for entry in there:
+        if not _LEFT.fullmatch(entry.name):
+            continue
+        try:
+            age = time.time() - entry.stat(follow_symlinks=False).st_mtime
+        except OSError:
+            continue
+        if age > _OLD_SECONDS:
+            if entry.is_dir(follow_symlinks=False):
+                shutil.rmtree(entry.path, ignore_errors=True)
+            else:
+                Path(entry.path).unlink(missing_ok=True)

@@ -1,0 +1,50 @@
+"""What a place of the rig is, and what says where it is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy.typing as npt
+
+    from firsthit._scene import Scene
+    from firsthit._trajectory import Trajectory
+
+
+class Place(NamedTuple):
+    """Where the rig is, and when.
+
+    Attributes
+    ----------
+    pose : (4, 4) array_like
+        The matrix that takes the rig's coordinates to the world's.
+    time : float
+        Seconds; 0 where there is no path.
+    trajectory : Trajectory or None
+        How the rig moves, its axes forwards, left, up.
+    """
+
+    pose: npt.ArrayLike
+    time: float = 0.0
+    trajectory: Trajectory | None = None
+
+
+class Poses(Protocol):
+    """What says where the rig is in the frames of a scene."""
+
+    @property
+    def count(self) -> int:
+        """How many there are in each scene."""
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that they were read from."""
+
+    def place(self, seed: int, frame: int, index: int, scene: Scene) -> Place:
+        """Return where the rig is.
+
+        ``frame`` counts the frames of all scenes, ``index`` those of one. A ``ValueError`` where
+        there is no such place.
+        """

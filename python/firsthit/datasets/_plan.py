@@ -1,0 +1,203 @@
+"""Plans of data sets: which scenes, seen by which sensors, from where, and what is written."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ._cost import Cost, cost
+from ._document import Document
+from ._lidars import LidarSensor
+from ._output import output
+from ._poses import poses
+from ._scenes import scenes
+from ._sensors import sensors
+from ._table import Table
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping
+
+    from ._output import Output
+    from ._place import Poses
+    from ._scenes import PlannedScene
+    from ._sensors import PlannedSensor
+
+#: The version of this form of plan.
+VERSION = 1
+
+
+class Plan:
+    """What a data set consists of: checked, not yet made.
+
+    A frame is what all sensors see from one pose of the rig in one scene. Frames are numbered from
+    0, the poses of the first scene first. ``docs/datasets.md`` has all keys of a plan.
+
+    `load` and `from_dict` make plans. `dataset` makes the frames.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> plan = fh.Plan.from_dict({
+    ...     "scenes": [{"file": "docs/scenes/shapes.toml"}],
+    ...     "sensors": [{"kind": "camera", "rows": 48, "columns": 64}],
+    ...     "poses": {"kind": "sphere", "count": 5, "radius": [4, 6], "elevation": [10, 60]},
+    ...     "output": {"channels": ["color", "z", "object"]},
+    ... })
+    >>> plan
+    Plan(5 frames: 1 scene, sensor camera)
+    """
+
+    def __init__(self) -> None:
+        raise TypeError("Plans are made by Plan.load and Plan.from_dict")
+
+    _scenes: tuple[PlannedScene, ...]
+    _sensors: tuple[PlannedSensor, ...]
+    _poses: Poses
+    _seed: int
+    _output: Output
+    _digest: str
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Plan:
+        """Read a plan from a file.
+
+        Scenes are not read yet, but all other files that the plan names are.
+
+        Parameters
+        ----------
+        path : path-like
+            A TOML file in UTF-8. The files that it names are in its folder or below.
+
+        Returns
+        -------
+        Plan
+            The plan.
+
+        Raises
+        ------
+        FileReadError
+            If the system refuses to read it; also an `OSError`.
+        FileFormatError
+            For a plan that is not as it must be, with the line; also a `ValueError`.
+        """
+        return cls._of(Document.load(path))
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Plan:
+        """Make a plan from plain data.
+
+        Parameters
+        ----------
+        data : mapping
+            The tables and keys of a plan's file.
+        folder : path-like
+            Where the files are that it names: there or below.
+
+        Returns
+        -------
+        Plan
+            The plan.
+
+        Raises
+        ------
+        ValueError
+            For a plan that is not as it must be.
+        """
+        return cls._of(Document(data, Path(folder)))
+
+    @classmethod
+    def _of(cls, document: Document) -> Plan:
+        plan, table = cls.__new__(cls), Table(document)
+        version = table.whole("version", VERSION)
+        if version != VERSION:
+            raise table.refused("version", f"`version` must be {VERSION}, got {version}")
+        plan._scenes = scenes(table.tables("scenes"), document.folder)
+        plan._sensors = sensors(table.tables("sensors"), document.folder)
+        given = table.table("poses")
+        plan._poses, plan._seed = poses(given, document.folder)
+        for one in plan._sensors:
+            if one.needs_path and not hasattr(plan._poses, "trajectory"):
+                why = f'sensor {one.name!r} moves while it sees: `kind` must be "path"'
+                raise given.refused("kind", why)
+        plan._output = output(
+            table.table("output", Table(document, ("output",), {})), plan._sensors
+        )
+        table.finish()
+        plan._digest = plan._digested(document)
+        return plan
+
+    def _digested(self, document: Document) -> str:
+        """Return the digest of the plan and of the files that it names, but for scenes.
+
+        Scenes have fingerprints, which also tell of the files that they name.
+        """
+        said = hashlib.sha256(json.dumps(document.data, sort_keys=True).encode())
+        beams = [one.file for one in self._sensors if isinstance(one, LidarSensor)]
+        for path in (*self._poses.files, *(file for file in beams if file is not None)):
+            said.update(hashlib.sha256(path.read_bytes()).digest())
+        return said.hexdigest()
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """The names of the scenes."""
+        return tuple(one.name for one in self._scenes)
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """The names of the sensors."""
+        return tuple(one.name for one in self._sensors)
+
+    @property
+    def poses_per_scene(self) -> int:
+        """How many poses the rig has in each scene."""
+        return self._poses.count
+
+    @property
+    def frames(self) -> int:
+        """How many frames there are."""
+        return len(self._scenes) * self._poses.count
+
+    @property
+    def digest(self) -> str:
+        """The sha256 of the plan and of the files that it names, without scenes, as text."""
+        return self._digest
+
+    def cost(self) -> Cost:
+        """Return how many rays and bytes the frames come to, before anything is made.
+
+        Returns
+        -------
+        Cost
+            An estimate.
+        """
+        return cost(self._sensors, self._output, self.frames)
+
+    def scene_of(self, frame: int) -> Numbered:
+        """Return which scene a frame is of, and which of its poses it has."""
+        return Numbered(*divmod(frame, self._poses.count))
+
+    def __repr__(self) -> str:
+        count = len(self._scenes)
+        names = ", ".join(self.sensors)
+        return (
+            f"Plan({self.frames} frame{'s' * (self.frames != 1)}: {count} "
+            f"scene{'s' * (count != 1)}, sensor{'s' * (len(self._sensors) != 1)} {names})"
+        )
+
+
+class Numbered(NamedTuple):
+    """A frame's scene and pose.
+
+    Attributes
+    ----------
+    scene : int
+        The number of the scene.
+    pose : int
+        The number of the pose in this scene.
+    """
+
+    scene: int
+    pose: int

@@ -1,0 +1,96 @@
+"""The scenes of a plan, and what their objects are called in annotations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from firsthit._load import load
+from firsthit.annotations import Keypoints
+
+from ._paths import inside
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from firsthit._scene import Scene
+
+    from ._table import Table
+
+#: How many scenes stay in memory: a run goes from one to the next.
+_KEPT = 2
+
+
+class PlannedScene(NamedTuple):
+    """A scene of a plan, not yet read."""
+
+    name: str
+    path: Path
+    classes: dict[str, str | None] | None
+    by: Literal["object", "node"]
+    keypoints: dict[str | int, Keypoints]
+
+    @property
+    def annotate_options(self) -> dict[str, Any]:
+        """What `annotate` is told about it."""
+        return {"classes": self.classes, "by": self.by, "keypoints": self.keypoints or None}
+
+
+def scenes(tables: list[Table], folder: Path) -> tuple[PlannedScene, ...]:
+    """Return the scenes of a plan."""
+    made: dict[str, PlannedScene] = {}
+    for table in tables:
+        with table.blaming("file"):
+            path = inside(folder, table.text("file"))
+        name = table.text("name", table.text("file"))
+        if name in made:
+            raise table.refused("name", f"two scenes have the name {name!r}; give them others")
+        by = table.text("by", "object", ("object", "node"))
+        made[name] = PlannedScene(name, path, _classes(table), by, _keypoints(table))
+        table.finish()
+    return tuple(made.values())
+
+
+def _classes(table: Table) -> dict[str, str | None] | None:
+    given = table.table("classes", None)
+    if given is None:
+        return None
+    made: dict[str, str | None] = {}
+    for key in given.keys():  # noqa: SIM118 - a Table is no mapping
+        name = None if given.is_false(key) else given.text(key)
+        if name == "":
+            raise given.refused(key, "a class must have a name; false is for no class")
+        made[key] = name
+    if not any(made.values()):
+        raise table.refused("classes", "`classes` must name a class, got none")
+    return made
+
+
+def _keypoints(table: Table) -> dict[str | int, Keypoints]:
+    given, made = table.table("keypoints", None), {}
+    for key in [] if given is None else given.keys():
+        one = given.table(key)
+        listed = one.table("points")
+        points = {name: listed.numbers(name) for name in listed.keys()}  # noqa: SIM118
+        frame = one.text("frame", "object", ("object", "world"))
+        tolerance = one.number("tolerance", 0.0, least=0.0)
+        skeleton = one.pairs("skeleton")
+        with one.blaming():
+            made[key] = Keypoints(points, frame=frame, skeleton=skeleton, tolerance=tolerance)
+        one.finish()
+    return made
+
+
+class Loaded:
+    """Scenes that were read, of which the last few are kept."""
+
+    def __init__(self, planned: tuple[PlannedScene, ...]) -> None:
+        self._planned = planned
+        self._kept: dict[int, Scene] = {}
+
+    def scene(self, number: int) -> Scene:
+        """Return a scene; it is read if it was not among the last."""
+        if number not in self._kept:
+            while len(self._kept) >= _KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[number] = load(self._planned[number].path)
+        return self._kept[number]

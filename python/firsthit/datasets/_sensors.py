@@ -1,0 +1,137 @@
+"""The sensors of a plan: all of them are fixed to one body, the rig."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, get_args
+
+import numpy as np
+
+from firsthit._moving import Pushbroom, RollingShutter
+from firsthit._types import Readout
+
+from ._cameras import camera
+from ._lidars import LidarSensor, lidar
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from firsthit._camera import Camera
+
+    from ._place import Place
+    from ._table import Table
+
+#: The kinds of sensors.
+KINDS = ("camera", "rolling_shutter", "pushbroom", "lidar")
+
+#: Names of sensors are parts of names of files.
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
+
+
+@dataclass(frozen=True, eq=False)
+class CameraSensor:
+    """A camera on the rig that sees all of its picture at once."""
+
+    name: str
+    camera: Camera
+
+    needs_path: ClassVar[bool] = False
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns) of its picture."""
+        return self.camera.shape
+
+    def at(self, place: Place) -> Camera:
+        """Return the camera at a place of the rig."""
+        return self.camera.moved(place.pose)
+
+
+@dataclass(frozen=True, eq=False)
+class RollingSensor:
+    """A camera on the rig whose first line begins at the frame's time."""
+
+    name: str
+    camera: Camera
+    readout: float
+    direction: Readout
+
+    needs_path: ClassVar[bool] = True
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns) of its picture."""
+        return self.camera.shape
+
+    def at(self, place: Place) -> RollingShutter:
+        """Return the camera as it moves from a place on."""
+        assert place.trajectory is not None  # the plan has a path
+        return RollingShutter(
+            self.camera,
+            place.trajectory,
+            start=place.time,
+            readout=self.readout,
+            direction=self.direction,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PushbroomSensor:
+    """A camera of one row on the rig, whose first row is seen at the frame's time."""
+
+    name: str
+    camera: Camera
+    lines: int
+    line_rate: float
+
+    needs_path: ClassVar[bool] = True
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns) of its picture."""
+        return self.lines, self.camera.columns
+
+    def at(self, place: Place) -> Pushbroom:
+        """Return the camera as it moves from a place on."""
+        assert place.trajectory is not None  # the plan has a path
+        times = place.time + np.arange(self.lines) / self.line_rate
+        return Pushbroom(self.camera, place.trajectory, times)
+
+
+#: A sensor whose frames are pictures.
+PictureSensor = CameraSensor | RollingSensor | PushbroomSensor
+PlannedSensor = PictureSensor | LidarSensor
+
+
+def sensors(tables: list[Table], folder: Path) -> tuple[PlannedSensor, ...]:
+    """Return the sensors of a plan."""
+    made: dict[str, PlannedSensor] = {}
+    for table in tables:
+        one = _sensor(table, folder)
+        table.finish()
+        if one.name in made:
+            raise table.refused("name", f"two sensors have the name {one.name!r}")
+        made[one.name] = one
+    return tuple(made.values())
+
+
+def _sensor(table: Table, folder: Path) -> PlannedSensor:
+    kind = table.text("kind", "camera", KINDS)
+    name = table.text("name", kind)
+    if not _NAME.fullmatch(name):
+        raise table.refused(
+            "name" if "name" in table else None,
+            f"`name` must be letters, digits, _ and -, up to 64, got {name!r}",
+        )
+    if kind == "lidar":
+        return lidar(table, name, folder)
+    if kind == "camera":
+        return CameraSensor(name, camera(table))
+    if kind == "rolling_shutter":
+        readout = table.number("readout", least=0.0)
+        direction = table.text("direction", "top_down", get_args(Readout))
+        return RollingSensor(name, camera(table), readout, direction)
+    lines = table.whole("lines", least=1)
+    rate = table.number("line_rate", above=0.0)
+    return PushbroomSensor(name, camera(table, one_row=True), lines, rate)

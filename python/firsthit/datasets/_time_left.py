@@ -1,0 +1,84 @@
+"""Progress in frames, with the time that is left."""
+
+from __future__ import annotations
+
+import sys
+import time
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from firsthit._types import Progress
+
+    #: Takes how many frames are done.
+    Report = Callable[[int], object]
+
+#: How often the line changes, in seconds.
+_PAUSE = 0.1
+
+
+@contextmanager
+def following(progress: Progress | None, total: int, kept: int) -> Iterator[Report | None]:
+    """Yield the report for ``progress``; ``None`` if none is wanted. ``kept`` frames are there."""
+    if progress is None or progress is False:
+        yield None
+    elif progress is True:
+        line = _Line(total, kept)
+        try:
+            line.to(kept)
+            yield line.to
+        finally:
+            line.close()
+    elif callable(progress):
+        progress(kept, total)
+        yield lambda done: progress(done, total)
+    else:
+        raise TypeError(f"progress must be True or a function of two numbers, got {progress!r}")
+
+
+class _Line:
+    """A line on standard error that is written anew."""
+
+    def __init__(self, total: int, kept: int) -> None:
+        self._total, self._kept = total, kept
+        self._began = time.monotonic()
+        self._shown = -1.0
+        self._width = 0
+
+    def to(self, done: int) -> None:
+        now = time.monotonic()
+        if now - self._shown < _PAUSE and done < self._total:
+            return
+        self._shown = now
+        share = 100 * done // max(self._total, 1)
+        text = f"{done} of {self._total} frames, {share} %"
+        if self._kept < done < self._total:
+            left = (now - self._began) / (done - self._kept) * (self._total - done)
+            text += f", {in_words(left)} left"
+        self._write(text)
+
+    def close(self) -> None:
+        self._write("")
+        self._write_plain("\r")
+
+    def _write(self, text: str) -> None:
+        self._write_plain("\r" + text.ljust(self._width))
+        self._width = len(text)
+
+    def _write_plain(self, text: str) -> None:
+        try:
+            sys.stderr.write(text)
+            sys.stderr.flush()
+        except (OSError, ValueError):
+            pass  # That nobody listens is no reason to stop.
+
+
+def in_words(seconds: float) -> str:
+    """Return a time as people say it: ``40 s``, ``3 min``, ``5 h``."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    if seconds < 99.5 * 60:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.0f} h"
