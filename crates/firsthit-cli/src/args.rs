@@ -558,7 +558,11 @@ pub(crate) struct ProbeArgs {
 #[derive(Debug, Args)]
 pub(crate) struct InPythonArgs {
     /// What the command takes: its help comes with the Python package (pip install firsthit)
-    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    #[arg(
+        value_name = "ARGUMENTS",
+        trailing_var_arg = true,
+        allow_hyphen_values = true
+    )]
     pub(crate) _arguments: Vec<std::ffi::OsString>,
 }
 
