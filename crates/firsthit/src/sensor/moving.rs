@@ -141,7 +141,12 @@ mod tests {
     fn a_digest_of_many_rays_is_that_of_their_vectors_one_by_one() {
         for count in [0, 1, 1024, 2500] {
             let rays: Vec<Ray> = (0..count)
-                .map(|k| Ray::new(DVec3::splat(f64::from(k)), DVec3::new(1.0, f64::from(k), 0.5)))
+                .map(|k| {
+                    Ray::new(
+                        DVec3::splat(f64::from(k)),
+                        DVec3::new(1.0, f64::from(k), 0.5),
+                    )
+                })
                 .collect();
             let mut expected = Digest::default();
             expected.count(rays.len());
