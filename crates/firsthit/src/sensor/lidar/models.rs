@@ -41,9 +41,9 @@ named! {
     "os2-64" => Os2x64;
     /// Ouster OS2 with 128 beams.
     "os2-128" => Os2x128;
-    /// Hesai Pandar40P.
+    /// Hesai Pandar 40P.
     "pandar40p" => Pandar40P;
-    /// Hesai Pandar64; not the E3X.
+    /// Hesai Pandar 64; not the E3X.
     "pandar64" => Pandar64;
 }
 

@@ -62,7 +62,7 @@ pub(super) const VLP_32C: [[f64; 2]; 32] = [
 /// `gen1_azimuth_angles`, "design values"; the sign is that of the OS1 manual (v1.14), section 8.2.
 pub(super) const OS1_64_GEN1: [f64; 4] = [3.164, 1.055, -1.055, -3.164];
 
-/// The elevation of each laser of the Pandar40P from the first channel on, its azimuth offset, clockwise, and how many microseconds
+/// The elevation of each laser of the Pandar 40P from the first channel on, its azimuth offset, clockwise, and how many microseconds
 /// before the end of the firing it fires. Pandar40 User Manual, appendix I; Hesai's General SDK, `pandar40p_elev_angle_map`; Hesai's
 /// SDK 2.0, `Pandar40P_Firetime Correction File.csv`.
 #[rustfmt::skip]
