@@ -10,10 +10,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 import unicodedata
 import warnings
 from contextlib import contextmanager
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from firsthit import _firsthit
@@ -52,7 +54,10 @@ class Parser(argparse.ArgumentParser):
         )
 
     def error(self, message: str) -> NoReturn:
-        """Raise what is wrong with the arguments."""
+        """Raise what is wrong with the arguments, and which option was probably meant."""
+        for word in re.findall(r"^unrecognized arguments: (--[a-z-]+)", message):
+            for close in get_close_matches(word, self._option_string_actions, 1):
+                message += f"; tip: a similar argument exists: '{close}'"
         raise UsageError(f"{message}; see {self.prog} --help")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+import time
 from typing import TYPE_CHECKING, Any
 
 from firsthit.datasets import Plan, dataset
@@ -79,6 +80,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         return _checked(Plan.load(arguments.plan), arguments)
     if arguments.output is None:
         raise UsageError("--output must be given; see firsthit dataset --help")
+    began = time.monotonic()
     shows = not arguments.quiet and sys.stderr.isatty()
     made = dataset(
         arguments.plan,
@@ -92,12 +94,13 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     text += f", {made.missing} missing" if made.missing else f", all {made.frames} there"
     if made.digest is not None:
         text += f"\ndigest {made.digest}"
-    report = {"output": arguments.output, **made._asdict()}
+    seconds = round(time.monotonic() - began, 3)
+    report = {"output": arguments.output, **made._asdict(), "seconds": seconds}
     return None if arguments.quiet else text, report
 
 
 def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
-    fingerprints = checked(plan, arguments.threads)
+    marks = checked(plan, arguments.threads)
     cost = plan.cost()
     lines = [
         f"{_count(plan.frames, 'frame')}: {_count(len(plan.scenes), 'scene')}, "
@@ -110,8 +113,7 @@ def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dic
         "frames": plan.frames,
         "poses_per_scene": plan.poses_per_scene,
         "scenes": [
-            {"name": name, "fingerprint": mark}
-            for name, mark in zip(plan.scenes, fingerprints, strict=True)
+            {"name": name, **mark._asdict()} for name, mark in zip(plan.scenes, marks, strict=True)
         ],
         "sensors": list(plan.sensors),
         "rays": cost.rays,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
     import numpy.typing as npt
@@ -33,12 +33,19 @@ def of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
     return made.hexdigest()
 
 
-def of_digests(digests: Iterable[str]) -> str:
-    """Return the sha256 of digests in their order, each as text and a new line."""
-    made = hashlib.sha256()
-    for one in digests:
-        made.update(one.encode() + b"\n")
-    return made.hexdigest()
+class Digests:
+    """The sha256 of digests in their order, each as text and a new line."""
+
+    def __init__(self) -> None:
+        self._made = hashlib.sha256()
+
+    def add(self, digest: str) -> None:
+        """Take the next digest."""
+        self._made.update(digest.encode() + b"\n")
+
+    def text(self) -> str:
+        """Return the digest of those that were taken."""
+        return self._made.hexdigest()
 
 
 def of_json(value: Any) -> str:

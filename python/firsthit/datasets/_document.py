@@ -66,7 +66,7 @@ class Document(NamedTuple):
         except UnicodeDecodeError as error:
             place = f"byte {error.start}"
             raise FileFormatError(f"{name}: {place}: not UTF-8", name, place) from None
-        except tomllib.TOMLDecodeError as error:
+        except ValueError as error:  # also of an integer with thousands of digits
             raise FileFormatError(f"{name}: {error}", name) from None
         except RecursionError:
             why = "tables and arrays are nested too deeply"
@@ -100,7 +100,7 @@ class Document(NamedTuple):
                 try:
                     holds = _holds(tomllib.loads(piece), way)
                     break
-                except tomllib.TOMLDecodeError:
+                except ValueError:
                     # Within a statement of several lines.
                     end += 1
                     if end > last:

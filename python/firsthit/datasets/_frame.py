@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from firsthit._frame import Frame
     from firsthit._scene import Scene
 
+    from ._mark import Mark
     from ._place import Place
     from ._plan import Plan
     from ._sensors import PictureSensor
@@ -48,7 +49,7 @@ class FrameMaker:
         plan = self._plan
         return plan._poses.place(plan._seed, frame, plan.scene_of(frame).pose, scene)
 
-    def make(self, folder: Path, frame: int, scene: Scene, fingerprint: str) -> None:
+    def make(self, folder: Path, frame: int, scene: Scene, mark: Mark) -> None:
         """Write all files of a frame, and its record."""
         plan = self._plan
         number, place = plan.scene_of(frame), self.place(frame, scene)
@@ -75,7 +76,7 @@ class FrameMaker:
             "frame": frame,
             "scene": plan.scenes[number.scene],
             "pose_index": number.pose,
-            "fingerprint": fingerprint,
+            **mark._asdict(),
             "time": place.time,
             "world_from_rig": pose.tolist(),
             "digest": of_arrays(arrays),

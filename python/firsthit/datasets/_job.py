@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
@@ -15,12 +16,11 @@ from firsthit.annotations._files import write
 
 from ._frame import FrameMaker
 from ._lidars import LidarSensor
+from ._mark import Mark, mark_of
 from ._output_formats import KINDS
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from firsthit._scene import Scene
 
     from ._plan import Plan
     from ._scenes import Loaded
@@ -32,19 +32,10 @@ JOB = "job.json"
 ANSWER = 1
 
 
-def fingerprint(scene: Scene) -> str:
-    """Return the fingerprint of a scene, as the metadata of pictures have it."""
-    native = scene._ready().native
-    camera = Camera((0, 0, 0), (1, 0, 0), (0, 0, 1), 1, 1, 1, 1, 1)
-    made: str = json.loads(_firsthit.origin(native, camera._native, ["object"]))["scene"]
-    return made
-
-
-def job_of(plan: Plan, fingerprints: list[str]) -> dict[str, Any]:
+def job_of(plan: Plan, marks: list[Mark]) -> dict[str, Any]:
     """Return what is in the file."""
     scenes = [
-        {"name": name, "fingerprint": mark}
-        for name, mark in zip(plan.scenes, fingerprints, strict=True)
+        {"name": name, **mark._asdict()} for name, mark in zip(plan.scenes, marks, strict=True)
     ]
     return {
         "answer": ANSWER,
@@ -57,8 +48,8 @@ def job_of(plan: Plan, fingerprints: list[str]) -> dict[str, Any]:
     }
 
 
-def claim(folder: Path, plan: Plan, loaded: Loaded, threads: int | None) -> list[str]:
-    """Make a folder that of a plan, or find that it is; return the scenes' fingerprints.
+def claim(folder: Path, plan: Plan, loaded: Loaded, threads: int | None) -> list[Mark]:
+    """Make a folder that of a plan, or find that it is; return the scenes' marks.
 
     All scenes are read, and checked against the plan, by the first that comes alone. So nothing is
     made before everything is known to fit.
@@ -76,13 +67,15 @@ def claim(folder: Path, plan: Plan, loaded: Loaded, threads: int | None) -> list
         if (folder / "frames").exists():
             why = f"there are frames without a {JOB}, of which nobody knows the plan"
             raise FileWriteError(f"{folder}: {why}; take another folder", os.fspath(folder))
+        check_packages(plan)
         marks = [check(plan, k, loaded, threads) for k in range(len(plan.scenes))]
         content = json.dumps(job_of(plan, marks), indent=2) + "\n"
         write(path, content.encode())
         known = _known(path)
         assert known is not None  # it was just written
-    marks = [scene["fingerprint"] for scene in known["scenes"]]
-    wanted = job_of(plan, marks) if len(marks) == len(plan.scenes) else {"plan": plan.digest}
+    marks = [Mark(scene["fingerprint"], scene["setting"]) for scene in known["scenes"]]
+    is_alike = len(marks) == len(plan.scenes)
+    wanted = job_of(plan, marks) if is_alike else {"plan": plan.digest, "scenes": plan.scenes}
     for key, value in wanted.items():
         if known.get(key) != value:
             why = f"the folder is another job's: its {key} is {known.get(key)}, this one's {value}"
@@ -94,8 +87,9 @@ def _known(path: Path) -> dict[str, Any] | None:
     name = os.fspath(path)
     try:
         said = json.loads(path.read_bytes())
-        if not all(isinstance(each["fingerprint"], str) for each in said["scenes"]):
-            raise TypeError("a fingerprint is no text")
+        for each in said["scenes"]:
+            if not isinstance(each["fingerprint"] + each["setting"], str):
+                raise TypeError("a fingerprint is no text")
     except FileNotFoundError:
         return None
     except NotADirectoryError:
@@ -107,8 +101,15 @@ def _known(path: Path) -> dict[str, Any] | None:
     return dict(said)
 
 
-def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> str:
-    """Read a scene and try what the plan asks of it; return its fingerprint.
+def check_packages(plan: Plan) -> None:
+    """Refuse formats whose packages are missing, as the first file of the format would."""
+    for form, package in (("laz", "laspy"), ("laz", "lazrs"), ("parquet", "pyarrow")):
+        if form in plan._output.clouds and find_spec(package) is None:
+            raise ImportError(f"a .{form} takes the package {package}: pip install {package}")
+
+
+def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> Mark:
+    """Read a scene and try what the plan asks of it; return its mark.
 
     The sensors are built at the first pose, a pixel of each picture is made, and classes and
     keypoints are looked up.
@@ -133,7 +134,7 @@ def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> str:
             annotate(scene, eye, threads=1, **planned.annotate_options)
     except (ValueError, IndexError, TypeError) as error:
         raise ValueError(f"scene {planned.name!r}: {error}") from None
-    return fingerprint(scene)
+    return mark_of(scene)
 
 
 def merged_names(plan: Plan) -> list[str]:

@@ -10,6 +10,7 @@ import json
 import os
 import secrets
 import shutil
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from firsthit._errors import FileWriteError
@@ -19,12 +20,11 @@ from firsthit.annotations._yolo import _yaml
 from ._coco_merge import save_coco
 from ._frame import picture_name
 from ._job import merged_names
-from ._part import name_of
+from ._part import name_of, remove_leftovers
 from ._sampling import Uniforms
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
 
     from ._plan import Plan
 
@@ -45,6 +45,9 @@ def merge(folder: Path, plan: Plan, records: Records, digest: str) -> None:
     if _is_done(folder, done):
         return
     formats = plan._output.merged
+    for name in merged_names(plan):
+        for below, _, _ in os.walk(folder / name):
+            remove_leftovers(Path(below))
     joined = _Joined(folder, plan, records)
     if formats.coco is not None:
         save_coco(folder / "coco.json", joined.pictures, joined.classes)

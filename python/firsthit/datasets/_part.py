@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from firsthit._errors import FileWriteError
+from firsthit._errors import FileError, FileWriteError
 
 from ._digest import canonical, of_file, of_json
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 RECORD = "frame.json"
 
 #: What killed runs leave behind, and when it is removed: somebody else may still be at it before.
-_LEFT = re.compile(r"\.[0-9A-Za-z_.-]*\.[0-9a-f]{32}")
+_LEFT = re.compile(r"\..*\.([0-9a-f]{32}|[0-9a-f]{16}\.tmp)")
 _OLD_SECONDS = 24 * 3600
 
 
@@ -61,7 +61,7 @@ def writing(path: Path) -> Iterator[Path]:
                 _sync(path.parent)
         finally:
             shutil.rmtree(beside, ignore_errors=True)
-    except FileWriteError:
+    except FileError:
         raise
     except OSError as error:
         raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import json
 from pathlib import Path
@@ -40,8 +41,11 @@ class Plan:
     Examples
     --------
     >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    >>> scene.save("ball.fhs")
     >>> plan = fh.Plan.from_dict({
-    ...     "scenes": [{"file": "docs/scenes/shapes.toml"}],
+    ...     "scenes": [{"file": "ball.fhs"}],
     ...     "sensors": [{"kind": "camera", "rows": 48, "columns": 64}],
     ...     "poses": {"kind": "sphere", "count": 5, "radius": [4, 6], "elevation": [10, 60]},
     ...     "output": {"channels": ["color", "z", "object"]},
@@ -53,6 +57,7 @@ class Plan:
     def __init__(self) -> None:
         raise TypeError("Plans are made by Plan.load and Plan.from_dict")
 
+    _document: Document
     _scenes: tuple[PlannedScene, ...]
     _sensors: tuple[PlannedSensor, ...]
     _poses: Poses
@@ -106,11 +111,16 @@ class Plan:
         ValueError
             For a plan that is not as it must be.
         """
-        return cls._of(Document(data, Path(folder)))
+        try:
+            copied = copy.deepcopy(data)
+        except RecursionError:
+            raise ValueError("plan: tables and arrays are nested too deeply") from None
+        return cls._of(Document(copied, Path(folder)))
 
     @classmethod
     def _of(cls, document: Document) -> Plan:
         plan, table = cls.__new__(cls), Table(document)
+        plan._document = document
         version = table.whole("version", VERSION)
         if version != VERSION:
             raise table.refused("version", f"`version` must be {VERSION}, got {version}")
@@ -178,6 +188,10 @@ class Plan:
     def scene_of(self, frame: int) -> Numbered:
         """Return which scene a frame is of, and which of its poses it has."""
         return Numbered(*divmod(frame, self._poses.count))
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        """Pickle by what it was made from: the files that it names are read again."""
+        return Plan._of, (self._document,)
 
     def __repr__(self) -> str:
         count = len(self._scenes)

@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from firsthit._arrays import count, flag, threads_or_all
-from firsthit._errors import FileError, FileFormatError, FileWriteError
+from firsthit._errors import FileError, FileFormatError
 
-from ._digest import of_digests
 from ._frame import FrameMaker
-from ._job import claim, fingerprint
+from ._frames import Frames
+from ._job import claim
+from ._mark import Mark, mark_of
 from ._merge import merge
-from ._part import discard, name_of, record_of, remove_leftovers, writing
+from ._part import remove_leftovers, writing
 from ._plan import Plan
 from ._scenes import Loaded
 from ._time_left import following
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from firsthit._types import Progress
+
+    from ._time_left import Report
 
 
 class Made(NamedTuple):
@@ -98,6 +101,8 @@ def dataset(
         format cannot hold, and a part that there is not.
     FileWriteError
         If the system refuses to write, and if the folder is another job's.
+    ImportError
+        For clouds as ``.laz`` or ``.parquet`` where the package is missing that they take.
     MemoryError
         If memory is short.
 
@@ -109,15 +114,16 @@ def dataset(
     Examples
     --------
     >>> import firsthit as fh
-    >>> import tempfile
+    >>> scene = fh.Scene()
+    >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    >>> scene.save("ball.fhs")
     >>> plan = fh.Plan.from_dict({
-    ...     "scenes": [{"file": "docs/scenes/shapes.toml"}],
+    ...     "scenes": [{"file": "ball.fhs"}],
     ...     "sensors": [{"kind": "camera", "rows": 12, "columns": 16}],
     ...     "poses": {"kind": "sphere", "count": 2, "radius": 5, "elevation": 30},
     ... })
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     first = fh.dataset(plan, folder, part=(1, 2))
-    ...     rest = fh.dataset(plan, folder)
+    >>> first = fh.dataset(plan, "balls", part=(1, 2))
+    >>> rest = fh.dataset(plan, "balls")
     >>> (first.made, first.missing), (rest.made, rest.kept)
     ((1, 1), (1, 1))
     """
@@ -152,78 +158,49 @@ def _of(frame: int) -> Iterator[None]:
 class _Run:
     def __init__(self, plan: Plan, out: Path, threads: int | None, *, verify: bool) -> None:
         self._plan, self._out, self._threads, self._verify = plan, out, threads, verify
-        self._frames = out / "frames"
+        self._frames = Frames(out / "frames", plan.digest, plan.frames)
 
     def go(self, wanted: range, progress: Progress | None) -> Made:
-        plan, loaded = self._plan, Loaded(self._plan._scenes)
-        marks = claim(self._out, plan, loaded, self._threads)
-        try:
-            self._frames.mkdir(exist_ok=True)
-        except OSError as error:
-            name = os.fspath(self._frames)
-            raise FileWriteError(f"{name}: {error.strerror or error}", name) from error
+        loaded = Loaded(self._plan._scenes)
+        marks = claim(self._out, self._plan, loaded, self._threads)
         remove_leftovers(self._out)
-        remove_leftovers(self._frames)
-        missing = self._missing(wanted)
-        maker, made = FrameMaker(plan, self._threads), 0
-        checked: set[int] = set()
-        with following(progress, len(wanted), len(wanted) - len(missing)) as report:
-            for frame in missing:
-                number = plan.scene_of(frame).scene
-                scene = loaded.scene(number)
-                if number not in checked:
-                    self._check(number, fingerprint(scene), marks[number])
-                    checked.add(number)
-                with writing(self._path(frame)) as folder, _of(frame):
-                    maker.make(folder, frame, scene, marks[number])
-                made += 1
-                if report is not None:
-                    report(len(wanted) - len(missing) + made)
-        rest, digests = self._found()
-        digest = None if rest else of_digests(digests)
+        self._frames.open()
+        kept = self._frames.whole(wanted, verify=self._verify)
+        with following(progress, len(wanted), len(kept)) as report:
+            made = self._make(wanted, kept, loaded, marks, report)
+        missing, digest = self._frames.state()
         if digest is not None:
-            merge(self._out, plan, self._records, digest)
-        return Made(plan.frames, made, len(wanted) - made, rest, digest)
+            merge(self._out, self._plan, self._frames.records, digest)
+        return Made(self._plan.frames, made, len(kept), missing, digest)
 
-    def _path(self, frame: int) -> Path:
-        return self._frames / name_of(frame, self._plan.frames)
-
-    def _missing(self, wanted: range) -> list[int]:
-        """Return the frames that are not there, or not whole; the latter are removed."""
-        there = {entry.name for entry in os.scandir(self._frames)}
-        missing = []
+    def _make(
+        self,
+        wanted: range,
+        kept: set[int],
+        loaded: Loaded,
+        marks: list[Mark],
+        report: Report | None,
+    ) -> int:
+        """Make the frames that are not there; return how many these were."""
+        maker, made, last = FrameMaker(self._plan, self._threads), 0, -1
         for frame in wanted:
-            path = self._path(frame)
-            if path.name in there:
-                if record_of(path, self._plan.digest, verify=self._verify) is not None:
-                    continue
-                discard(path)
-            missing.append(frame)
-        return missing
+            if frame in kept:
+                continue
+            number = self._plan.scene_of(frame).scene
+            scene = loaded.scene(number)
+            if number != last:
+                self._check(number, mark_of(scene), marks[number])
+                last = number
+            with writing(self._frames.path(frame)) as folder, _of(frame):
+                maker.make(folder, frame, scene, marks[number])
+            made += 1
+            if report is not None:
+                report(len(kept) + made)
+        return made
 
-    def _check(self, number: int, found: str, wanted: str) -> None:
-        if found != wanted:
-            planned = self._plan._scenes[number]
-            path = os.fspath(planned.path)
-            why = f"not the scene that the job began with: its fingerprint is {found}, not {wanted}"
-            raise FileFormatError(f"{path}: {why}", path)
-
-    def _found(self) -> tuple[int, list[str]]:
-        """Return how many frames are missing, and if none is, the digests in their order."""
-        there = {entry.name for entry in os.scandir(self._frames)}
-        paths = [self._path(frame) for frame in range(self._plan.frames)]
-        missing = sum(path.name not in there for path in paths)
-        if missing:
-            # Nothing is read: with many parts each would read all the others.
-            return missing, []
-        records = [record_of(path, self._plan.digest) for path in paths]
-        digests = [record["digest"] for record in records if record is not None]
-        return len(paths) - len(digests), digests
-
-    def _records(self) -> Iterator[dict[str, Any]]:
-        for frame in range(self._plan.frames):
-            path = self._path(frame)
-            record = record_of(path, self._plan.digest)
-            if record is None:
-                raise FileFormatError(f"{path}: damaged while it was read", os.fspath(path))
-            yield record
+    def _check(self, number: int, found: Mark, wanted: Mark) -> None:
+        for name, value in found._asdict().items():
+            if value != getattr(wanted, name):
+                path = os.fspath(self._plan._scenes[number].path)
+                why = f"its {name} is {value}, not {getattr(wanted, name)}"
+                raise FileFormatError(f"{path}: not what it was when the job began: {why}", path)

@@ -31,7 +31,8 @@ class Table:
         self._data: Mapping[str, Any] = document.data if data is _MISSING else data
         self._known: dict[str, None] = {}
         if not isinstance(self._data, dict):
-            raise self._document.refused(way, f"{_said(way)} must be a table, got {_got(data)}")
+            name = _said(way) or "it"
+            raise document.refused(way, f"{name} must be a table, got {_got(self._data)}")
 
     def __contains__(self, key: str) -> bool:
         self._known[key] = None
@@ -76,6 +77,10 @@ class Table:
         if key in self._data:
             return self._data[key]
         if default is _MISSING:
+            # One that is spelt a little differently is the more likely mistake.
+            others = [str(other) for other in self._data if other not in self._known]
+            for close in get_close_matches(key, others, 1, 0.75):
+                raise self.refused(close, f"unknown key `{close}`, did you mean `{key}`?")
             raise self.refused(None, f"missing key `{key}`")
         return _MISSING
 

@@ -1,0 +1,42 @@
+"""What tells whether a scene is what it was when a job began."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, NamedTuple
+
+from firsthit import _firsthit
+from firsthit._camera import Camera
+from firsthit._lights import background_native
+
+from ._digest import of_json
+
+if TYPE_CHECKING:
+    from firsthit._scene import Scene
+
+
+class Mark(NamedTuple):
+    """What all frames of a scene depend on.
+
+    Attributes
+    ----------
+    fingerprint : str
+        Of its objects and lights, as the metadata of pictures have it.
+    setting : str
+        The sha256 of what that leaves out, and frames depend on: names, up, background, shading.
+    """
+
+    fingerprint: str
+    setting: str
+
+
+def mark_of(scene: Scene) -> Mark:
+    """Return the mark of a scene."""
+    native = scene._ready().native
+    camera = Camera((0, 0, 0), (1, 0, 0), (0, 0, 1), 1, 1, 1, 1, 1)
+    fingerprint = json.loads(_firsthit.origin(native, camera._native, ["object"]))["scene"]
+    shading, background = scene.shading, scene.background
+    look = shading.shade, shading.ambient, shading.shadows, shading.samples
+    back = None if background is None else background_native(background)
+    names = [(made.name, made.node, made.mesh_name) for made in scene.objects]
+    return Mark(fingerprint, of_json([list(scene.up), back, look, names]))

@@ -1,0 +1,384 @@
+"""Plans of data sets: what is refused, with its line, before anything is made."""
+
+import copy
+import datetime
+import re
+import sys
+from typing import get_args
+
+import firsthit as fh
+import pytest
+from dataset_support import PLAN, PLANS, ROOT, plan
+from firsthit.typing import Projection
+
+GOOD = """\
+[[scenes]]
+file = "yard.toml"
+
+[[sensors]]
+kind = "camera"
+columns = 40
+rows = 30
+
+[poses]
+kind = "sphere"
+count = 3
+center = [0, 0, 1]
+radius = [
+    2,
+    4,
+]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "yard.toml").write_text((PLANS / "yard.toml").read_text())
+    return tmp_path
+
+
+def test_a_good_plan_is_read(folder):
+    (folder / "plan.toml").write_text(GOOD)
+    made = fh.Plan.load(folder / "plan.toml")
+    assert (made.frames, made.scenes, made.sensors) == (3, ("yard.toml",), ("camera",))
+    assert repr(made) == "Plan(3 frames: 1 scene, sensor camera)"
+    with pytest.raises(TypeError, match=r"Plan\.load"):
+        fh.Plan()
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "line", "words"),
+    [
+        ("columns", "colums", 6, "sensors[0]: unknown key `colums`, did you mean `columns`?"),
+        ("rows = 30\n", "", 4, "sensors[0]: missing key `rows`"),
+        ("rows = 30", "rows = -1", 7, "`rows` must be a whole number from 1 to"),
+        ("rows = 30", "rows = 3.5", 7, "a whole number from 1 to 2147483648, got 3.5"),
+        ("rows = 30", "rows = true", 7, "`rows` must be a whole number"),
+        ("rows = 30", f"rows = {10**30}", 7, "`rows` must be a whole number"),
+        ("count = 3", f"count = {'9' * 5000}", None, "Exceeds the limit"),
+        ("count = 3", "count = 0", 11, "`count` must be a whole number from 1 to 1000000000"),
+        ("count = 3", "count = 10_000_000_000", 11, "`count` must be a whole number from 1"),
+        ("[0, 0, 1]", "[0, nan, 1]", 12, "`center` must be an array of 3 finite numbers"),
+        ("[0, 0, 1]", "[0, 1]", 12, "`center` must be an array of 3 finite numbers, got [0, 1]"),
+        ("[0, 0, 1]", '"here"', 12, "`center` must be an array of 3 finite numbers, got 'here'"),
+        ("    4,", "    inf,", 13, "poses: `radius` must be a number, or two"),
+        ("    4,", "    1,", 13, "poses: `radius` must be a number, or two that do not decrease"),
+        ('"sphere"', '"spere"', 10, "got 'spere', did you mean 'sphere'?"),
+        ('"sphere"', "3", 10, "`kind` must be one of sphere, inside, path, list, got 3"),
+        ("[poses]", "[[poses]]", 9, "poses must be a table, got [{"),
+        ("[[scenes]]", "[scenes]", 1, "`scenes` must be one table [[scenes]] or several"),
+        ('file = "yard.toml"', "", 1, "scenes[0]: missing key `file`"),
+        ("count = 3", "count = 3\nyaw = [0, 90]", 12, "poses: unknown key `yaw`"),
+        ("[poses]", "[pose]", 9, "unknown key `pose`, did you mean `poses`?"),
+        ("[[scenes]]", "version = 2\n[[scenes]]", 1, "`version` must be 1, got 2"),
+        ("[[scenes]]", "speed = 2\n[[scenes]]", 1, "unknown key `speed`"),
+    ],
+)
+def test_mistakes_are_told_with_their_line(folder, before, after, line, words):
+    assert before in GOOD
+    path = folder / "plan.toml"
+    path.write_text(GOOD.replace(before, after, 1))
+    with pytest.raises(fh.FileFormatError) as caught:
+        fh.Plan.load(path)
+    said = str(caught.value)
+    assert words in said
+    if line is not None:
+        assert said.startswith(f"{path}:{line}: ")
+        assert caught.value.place == f"line {line}"
+    assert "\n" not in said
+    assert len(said) < 400
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "missing key `scenes`"),
+        (b"\xff\xfe", "byte 0: not UTF-8"),
+        (b"[[scenes]\n", "plan.toml: "),
+        (b"a = 1\na = 2\n", "plan.toml: "),
+        (b"scenes = " + b"[" * 100_000, "plan.toml: "),
+        (b"#" * ((16 << 20) + 1), "a plan may have 16 MiB at most"),
+        ("schl\u00fcssel = 1".encode(), "plan.toml: "),
+        ('"schl\u00fc\u202essel" = 1'.encode(), "missing key `scenes`"),
+        (b"scenes = [1]\nposes = 1", "scenes[0] must be a table, got 1"),
+    ],
+)
+def test_files_that_are_no_plans_are_refused(folder, content, words):
+    path = folder / "plan.toml"
+    path.write_bytes(content)
+    with pytest.raises(fh.FileFormatError) as caught:
+        fh.Plan.load(path)
+    assert words in str(caught.value)
+
+
+def test_what_cannot_be_read_is_an_error_of_reading(tmp_path):
+    for path in (tmp_path / "none.toml", tmp_path, "a\0b"):
+        with pytest.raises(fh.FileReadError):
+            fh.Plan.load(path)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links take a privilege there")
+def test_nothing_outside_the_plan_s_folder_is_opened(folder):
+    inside = folder / "plans"
+    inside.mkdir()
+    (inside / "linked.toml").symlink_to("../yard.toml")
+    (inside / "yard.toml").symlink_to("real.toml")
+    (inside / "real.toml").write_text((folder / "yard.toml").read_text())
+    (inside / "folder.toml").mkdir()
+
+    def with_file(name):
+        return fh.Plan.from_dict(plan(lambda made: made["scenes"][0].update(file=name)), inside)
+
+    assert with_file("yard.toml").frames == 7
+    for name, words in [
+        ("../yard.toml", r"the path has \.\.; only files under the plan's folder are read"),
+        ("x/../../yard.toml", r"the path has \.\."),
+        (str(folder / "yard.toml"), "the path is absolute"),
+        ("linked.toml", "it leads outside the plan's folder"),
+        ("", "the name is empty"),
+        ("file:yard.toml", "has a scheme or a drive"),
+        ("a\\yard.toml", "has a backslash"),
+        ("yard.toml\0", "has a control character"),
+        ("\ud800.toml", "has a control character"),
+        ("folder.toml", "a folder, not a file"),
+        ("none.toml", "No such file"),
+        ("n" * 5000, "File name too long"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            with_file(name)
+    listed = {"kind": "list", "body": "forwards-left-up", "file": "../poses.npy"}
+    with pytest.raises(ValueError, match="the path has"):
+        fh.Plan.from_dict(plan(lambda made: made.update(poses=listed)), PLANS)
+    given = {"body": "forwards-left-up", "file": "../drive.csv"}
+    path = {"kind": "path", "trajectory": given}
+    with pytest.raises(ValueError, match="the path has"):
+        fh.Plan.from_dict(plan(lambda made: made.update(poses=path)), PLANS)
+    lidar = {"kind": "lidar", "file": "../beams.csv"}
+    with pytest.raises(ValueError, match="the path has"):
+        fh.Plan.from_dict(plan(lambda made: made["sensors"].append(lidar)), PLANS)
+
+
+def in_poses(**keys):
+    return lambda made: made["poses"].update(keys)
+
+
+def in_camera(**keys):
+    return lambda made: made["sensors"][0].update(keys)
+
+
+def in_lidar(**keys):
+    return lambda made: made["sensors"][1].update(keys)
+
+
+def in_output(**keys):
+    return lambda made: made["output"].update(keys)
+
+
+def only_lidar(made):
+    del made["sensors"][0]
+
+
+DRIVE = {"body": "forwards-left-up", "times": [0, 1], "positions": [[0, 0, 0], [1, 0, 0]]}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda made: made.update(sensors=[]), "`sensors` must be one table"),
+        (lambda made: made["sensors"].append({"name": "eye", "rows": 1, "columns": 1}), "two sens"),
+        (lambda made: made["scenes"].append({"file": "yard.toml"}), "two scenes have the name"),
+        (lambda made: made["scenes"][0].update(classes={"*": False}), "must name a class"),
+        (lambda made: made["scenes"][0].update(classes={"*": ""}), "a class must have a name"),
+        (lambda made: made["scenes"][0].update(classes={"*": 3}), "`*` must be a text, got 3"),
+        (lambda made: made["scenes"][0].update(by="name"), "`by` must be one of object, node"),
+        (in_camera(name="../x"), "`name` must be letters, digits"),
+        (in_camera(name="x" * 65), "`name` must be letters, digits"),
+        (in_camera(kind="kamera"), "did you mean 'camera'?"),
+        (in_camera(fov=180), "sensors[0]: "),
+        (in_camera(fov=float("nan")), "`fov` must be a finite number, got nan"),
+        (in_camera(k1=0.1), "sensors[0]: "),
+        (in_camera(projection="opencv"), "sensors[0]: "),
+        (in_camera(fx=5.0), "missing key `convention`"),
+        (in_camera(convention="opencv"), "`convention` is for `pose` and for `fx`"),
+        (in_camera(pose=[[1, 0, 0, 0]] * 3), "`pose` needs `convention`"),
+        (in_camera(pose=[[1, 0, 0, 0]] * 3, convention="opencv"), "sensors[0]: "),
+        (in_camera(aim=[1, 0, 0], look_at=[1, 1, 1]), "exclude each other"),
+        (in_camera(aim=[0, 0, 0]), "sensors[0]: "),
+        (in_camera(focal_length=1, width=1, height=1), "`fov` excludes"),
+        (in_camera(rows=2**31 + 1), "sensors[0]: "),
+        (in_camera(readout=0.1), "unknown key `readout`"),
+        (in_lidar(model="vlp-16"), "a lidar has one of `model`, `pattern` and `file`"),
+        (in_lidar(elevations=[]), "`elevations` must be an array of n finite numbers"),
+        (in_lidar(elevations=[95]), "sensors[1]: "),
+        (in_lidar(dropout=2), "dropout must be from 0 to 1"),
+        (in_lidar(returns="some"), "`returns` must be one of first, last, strongest, all"),
+        (in_lidar(position=[0, 0, 0], pose=[[1, 0, 0, 0]] * 3), "exclude each other"),
+        (in_lidar(moving=True), 'moves while it sees: `kind` must be "path"'),
+        (in_poses(seed=-1), "`seed` must be a whole number from 0 to"),
+        (in_poses(seed=2**63), "`seed` must be a whole number from 0 to"),
+        (in_poses(radius=0), "`radius` must be a number, or two that do not decrease, above 0"),
+        (in_poses(elevation=[-91, 0]), "within -90 and 90"),
+        (in_poses(up=[0, 0, 0]), "a direction must not be zero"),
+        (in_poses(clearance=-1), "`clearance` must be a finite number from 0 on"),
+        (in_poses(tries=0), "`tries` must be a whole number from 1"),
+        (lambda made: made.update(poses={"kind": "inside", "count": 1, "low": [0, 0, 0]}), "both"),
+        (lambda made: made.update(poses={"kind": "list", "matrices": [[[1]]]}), "missing key `bo"),
+        (
+            lambda made: made.update(
+                poses={"kind": "list", "body": "forwards-left-up", "matrices": [[[2, 0, 0, 0]] * 4]}
+            ),
+            "pose 0: pose must be a rotation and a translation",
+        ),
+        (lambda made: made.update(poses={"kind": "path"}), "missing key `trajectory`"),
+        (
+            lambda made: made.update(poses={"kind": "path", "trajectory": DRIVE, "end": 2}),
+            "unknown key `end`",
+        ),
+        (
+            lambda made: made.update(
+                poses={"kind": "path", "trajectory": DRIVE, "rate": 1, "end": 2}
+            ),
+            "poses: ",
+        ),
+        (
+            lambda made: made.update(
+                poses={"kind": "path", "trajectory": DRIVE, "rate": 1, "count": 2}
+            ),
+            "exclude each other",
+        ),
+        (
+            lambda made: made.update(poses={"kind": "path", "trajectory": DRIVE, "rate": 1e300}),
+            "makes more than 1000000000 frames",
+        ),
+        (in_output(channels=["colour"]), "got 'colour'"),
+        (in_output(channels=[]), "one or more"),
+        (in_output(pictures=["normal"]), "'normal' is not among `channels`"),
+        (in_output(frames=[]), "nothing is written of 'object'"),
+        (in_output(frames=["png"]), "`frames` must be texts among npz, exr"),
+        (in_output(pictures=["color"]), "`pictures` has no distance"),
+        (in_output(clouds=[]), "one format or several"),
+        (in_output(clouds=["obj"]), "`clouds` must be texts among"),
+        (in_output(samples=0), "`samples` must be a whole number from 1 to 65536"),
+        (in_output(shade="phong"), "`shade` must be one of"),
+        (in_output(background="bluee"), "did you mean 'blue'"),
+        (in_output(masks=["all"]), "`masks` must be texts among visible, amodal"),
+        (in_output(coco={"masks": "both"}), "output.coco: `masks` must be one of"),
+        (in_output(coco=True), "output.coco must be a table, got True"),
+        (in_output(bop={}), "output.bop: missing key `unit`"),
+        (in_output(bop={"unit": "feet"}), "output.bop: unit must be"),
+        (in_output(kitti={"unit": "m", "up": "-x"}), "different axes"),
+        (in_output(kitti={"unit": "m", "occlusion": [0.1, 0.2]}), "the larger one first"),
+        (in_output(yolo={"validation": 1.5}), "`validation` must be a finite number"),
+        (in_output(when=datetime.date(2026, 1, 1)), "unknown key `when`"),
+        (only_lidar, "`channels` does nothing here: no sensor makes pictures"),
+        (lambda made: made["sensors"].pop(1), "`clouds` does nothing here: no sensor is a lidar"),
+        (lambda made: made["sensors"][0].update(kind="pushbroom"), "missing key `lines`"),
+    ],
+)
+def test_hostile_and_mistaken_plans_are_refused_whole(change, words):
+    with pytest.raises(ValueError, match=re.escape(words)):
+        fh.Plan.from_dict(plan(change), PLANS)
+
+
+@pytest.mark.parametrize("data", [3, None, [], "plan.toml"])
+def test_what_is_no_table_is_no_plan(data):
+    with pytest.raises(ValueError, match="plan: it must be a table, got"):
+        fh.Plan.from_dict(data)
+
+
+def test_plans_that_are_nested_too_deeply_are_refused():
+    deep = {}
+    for _ in range(100_000):
+        deep = {"a": deep}
+    with pytest.raises(ValueError, match="nested too deeply"):
+        fh.Plan.from_dict(deep)
+
+
+def test_a_plan_s_data_stay_as_they_are():
+    data = plan()
+    before = copy.deepcopy(data)
+    fh.Plan.from_dict(data, PLANS)
+    assert data == before == PLAN
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (in_output(channels=["color", "z", "object", "attribute:heat"]), "scene 'yard.toml': "),
+        (lambda made: made["scenes"][0].update(keypoints={"cat": {"points": {}}}), "keypoints"),
+        (in_poses(clearance=1e9), "none of 100 places"),
+    ],
+)
+def test_what_does_not_fit_a_scene_is_told_before_anything_is_made(tmp_path, change, words):
+    made = fh.Plan.from_dict(plan(change), PLANS)
+    with pytest.raises(ValueError, match=words):
+        fh.dataset(made, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_huge_picture_is_a_limit_and_not_a_crash(tmp_path):
+    made = fh.Plan.from_dict(plan(in_camera(rows=2**30, columns=2**30, fov=1)), PLANS)
+    assert made.cost().rays > 2**60
+    with pytest.raises(MemoryError):
+        fh.dataset(made, tmp_path / "out")
+
+
+@pytest.mark.parametrize("projection", sorted(get_args(Projection)))
+def test_every_projection_can_be_planned(projection):
+    shape = {"cube_map": (24, 144), "equirectangular": (9, 18)}.get(projection, (20, 30))
+    one = {"name": "lens", "kind": "camera", "rows": shape[0], "columns": shape[1]}
+    one["projection"] = projection
+    calibrated = "opencv", "opencv_fisheye", "kannala_brandt", "double_sphere", "eucm", "ucm", "mei"
+    if projection in calibrated:
+        one |= {"fx": 20.0, "fy": 20.0, "cx": 15.0, "cy": 10.0, "convention": "colmap"}
+        more = {"kannala_brandt": {"k1": 1.0}, "eucm": {"alpha": 0.5, "beta": 1.0}}
+        one |= more.get(
+            projection, {"alpha": 0.5} if projection in ("ucm", "double_sphere") else {}
+        )
+    elif projection == "orthographic":
+        one |= {"width": 6.0, "height": 4.0}
+    elif projection == "octahedral":
+        one |= {"rows": 20, "columns": 20}
+
+    def with_lens(made):
+        made["sensors"] = [one]
+        made["poses"]["count"] = 1
+        made["output"] = {"channels": ["range", "object"]}
+
+    made = fh.Plan.from_dict(plan(with_lens), PLANS)
+    scene = fh.load(PLANS / "yard.toml")
+    camera = made._sensors[0].at(made._poses.place(3, 0, 0, scene))
+    assert camera.projection == projection
+    assert (fh.render(scene, camera, channels="object")["object"] > 0).any()
+
+
+#: The modules that read keys of plans.
+READERS = (
+    "_cameras",
+    "_chance",
+    "_given",
+    "_lidars",
+    "_output",
+    "_output_formats",
+    "_plan",
+    "_poses",
+)
+
+
+def keys_of_plans():
+    """Every key that the code reads from a plan."""
+    reads = r"\.(?:number|whole|texts?|flag|numbers|span|tables?|pairs)\(\s*\"([a-z_0-9]+)\""
+    found = set()
+    for name in (*READERS, "_scenes", "_sensors"):
+        text = (ROOT / "python" / "firsthit" / "datasets" / f"{name}.py").read_text()
+        found |= set(re.findall(reads, text))
+        for listed in re.findall(r"for key in \((\"[^)]*)\)", text):
+            found |= set(re.findall(r"\"([a-z_]+)\"", listed))
+    return found
+
+
+def test_every_key_is_in_the_document():
+    keys, text = keys_of_plans(), (ROOT / "docs" / "datasets.md").read_text()
+    assert len(keys) > 90
+    assert {"clearance", "dropout", "png_scale", "tilt_degrees", "line_rate"} <= keys
+    assert [key for key in sorted(keys) if f"`{key}`" not in text] == []
