@@ -20,7 +20,7 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render soak test test-rust test-python test-scripts test-installed test-compat program attack fuzz bench bench-python bench-queries dist pages
+.PHONY: render soak test test-rust test-python test-scripts test-installed test-compat program attack fuzz bench bench-python bench-queries bench-lidar dist pages
 .PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
@@ -120,6 +120,12 @@ bench-queries: .venv-bench/ready target/scenes/ready
 	.venv-bench/bin/pip install --quiet open3d==0.20.0 fcpw==1.2.0 libusb-package scipy rtree || echo "bench: open3d or fcpw cannot be installed here"
 	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
 	.venv-bench/bin/python benches/queries.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
+
+# A driving lidar beside Open3D and embreex, on one core. It makes its terrain where target/scenes has none.
+bench-lidar: .venv-bench/ready
+	.venv-bench/bin/pip install --quiet open3d==0.20.0 libusb-package || echo "bench: open3d cannot be installed here"
+	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
+	.venv-bench/bin/python benches/lidar.py $(if $(TURNS),--turns $(TURNS)) $(if $(ROUNDS),--rounds $(ROUNDS))
 
 # Where Embree is not to be had, the bench goes on without it.
 .venv-bench/ready: benches/requirements.txt

@@ -242,14 +242,15 @@ class Lidar(OtherSensor):
         Parameters
         ----------
         name : str
-            ``vlp-16``, ``hdl-32e``, ``vlp-32c``, ``os0-32``, ``os0-64``, ``os0-128``, and the same
-            with ``os1`` and ``os2``.
+            ``vlp-16``, ``vlp-16-hi-res``, ``hdl-32e``, ``vlp-32c``, ``os0-32``, ``os0-64``,
+            ``os0-128``, and the same with ``os1`` and ``os2``, ``os1-64-gen1``, ``pandar40p`` and
+            ``pandar64``.
         rate : float
             Turns in a second.
         columns : int, optional
-            How often each laser fires, evenly over the turn. If left out, a Velodyne fires by its
-            clock, so that its last column is up to one firing short of a whole turn, and an Ouster
-            1024 times.
+            How often each laser fires, evenly over the turn. If left out, a Velodyne or a Pandar
+            fires by its clock, so that its last column is up to one firing short of a whole turn,
+            and an Ouster 1024 times.
         start : float
             The time of the first firing, in seconds.
         position, pose, trajectory

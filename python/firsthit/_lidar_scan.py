@@ -7,7 +7,7 @@ import io
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from . import _firsthit, _las
 from ._arrays import lock
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     import numpy.typing as npt
 
 #: What the columns of vectors are called in tables.
@@ -39,11 +41,23 @@ class LidarScan:
     They are beam by beam in the order of the picture's rows, and each beam's by range. A beam that
     met nothing has none.
 
-    ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans.
+    ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans, and `joined` one of
+    several.
     """
 
     def __init__(self) -> None:
         raise TypeError("LidarScans are made by Lidar.scan")
+
+    #: The extensions that `save` knows.
+    EXTENSIONS: ClassVar[tuple[str, ...]] = (
+        ".npz",
+        ".ply",
+        ".pcd",
+        ".las",
+        ".laz",
+        ".csv",
+        ".parquet",
+    )
 
     _arrays: dict[str, npt.NDArray[Any]]
     _shape: tuple[int, int]
@@ -59,6 +73,72 @@ class LidarScan:
             lock(array)
         scan._arrays, scan._shape, scan._origin = arrays, shape, origin
         return scan
+
+    @classmethod
+    def joined(cls, scans: Iterable[LidarScan]) -> LidarScan:
+        """Return the returns of several scans as one, such as the turns of a scanner that drives.
+
+        Parameters
+        ----------
+        scans : iterable of LidarScan
+            In the order of time, of scanners with as many rows.
+
+        Returns
+        -------
+        LidarScan
+            All returns of the first scan, then all of the next. ``column`` counts on from scan to
+            scan: the pictures are beside one another. ``metadata`` has the first scan's scanner and
+            scene, and under ``scans`` the digests of each.
+
+        Raises
+        ------
+        ValueError
+            For no scans, other numbers of rows, and intensities that only some have.
+        TypeError
+            For what is no scan.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Box((-4, -3, -1), (4, 3, 2)))
+        0
+        >>> drive = fh.Trajectory([0, 1], [(-1, 0, 0), (1, 0, 0)], body="forwards-left-up")
+        >>> turns = [
+        ...     fh.Lidar.named("vlp-16", columns=360, start=turn / 10, trajectory=drive).scan(scene)
+        ...     for turn in range(3)
+        ... ]
+        >>> fh.LidarScan.joined(turns)
+        LidarScan(17280 returns of 16 x 1080 beams)
+        """
+        parts = list(scans)
+        for part in parts:
+            if not isinstance(part, LidarScan):
+                raise TypeError(f"joined takes LidarScans, got {part!r}")
+        if not parts:
+            raise ValueError("scans must be at least one, got none")
+        for what, each in (
+            ("as many rows", [part.shape[0] for part in parts]),
+            ("the same arrays", [part.keys() for part in parts]),
+        ):
+            if other := next((one for one in each if one != each[0]), None):
+                raise ValueError(f"scans must have {what}, got {each[0]} and {other}")
+        before = np.cumsum([0, *(part.shape[1] for part in parts)])
+        if before[-1] >= 2**31:
+            raise ValueError(f"scans must have fewer than 2^31 columns in all, got {before[-1]}")
+        names = parts[0].keys()
+        arrays = {name: np.concatenate([part[name] for part in parts]) for name in names}
+        arrays["column"] += np.repeat(before[:-1], [len(part) for part in parts]).astype(np.int32)
+        said: dict[str, Any] = json.loads(parts[0]._origin)
+        said["scans"] = [digests for part in parts for digests in part._digests()]
+        return cls._of(arrays, (parts[0].shape[0], int(before[-1])), json.dumps(said))
+
+    def _digests(self) -> list[dict[str, str]]:
+        """Return the digests of the scanner and the scene, of each scan that this is."""
+        said: dict[str, Any] = json.loads(self._origin)
+        alone = [{"sensor": said["sensor"]["digest"], "scene": said["scene"]}]
+        digests: list[dict[str, str]] = said.get("scans", alone)
+        return digests
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -138,7 +218,8 @@ class LidarScan:
     def metadata(self) -> dict[str, Any]:
         """What files of it say: the scanner, the scene's fingerprint, and the units."""
         said: dict[str, Any] = json.loads(self._origin)
-        kept = {name: said[name] for name in ("scene", "sensor") if said.get(name) is not None}
+        names = "scene", "sensor", "scans"
+        kept = {name: said[name] for name in names if said.get(name) is not None}
         return {"firsthit": _firsthit.version(), **kept, "units": _UNITS}
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
@@ -199,11 +280,11 @@ class LidarScan:
         Parameters
         ----------
         path : path-like
-            ``.npz`` and ``.ply`` are exact; a ``.pcd`` has lengths and angles as float32, for PCL
-            and ROS. ``.las`` is LAS 1.4 with point format 6: coordinates are rounded to steps of
-            1e-4 scene units, of 1e-3 where these do not reach, and so on; what the format has no
-            place for is in extra bytes. ``.laz`` is the same compressed, and takes the package
-            ``laspy`` with ``lazrs``; ``.parquet`` takes ``pyarrow``.
+            ``.npz``, ``.ply`` and ``.csv`` are exact; a ``.pcd`` has lengths and angles as float32,
+            for PCL and ROS. ``.las`` is LAS 1.4 with point format 6: coordinates are rounded to
+            steps of 1e-4 scene units, of 1e-3 where these do not reach, and so on; what the format
+            has no place for is in extra bytes. ``.laz`` is the same compressed, and takes the
+            package ``laspy`` with ``lazrs``; ``.parquet`` takes ``pyarrow``.
 
         Raises
         ------
@@ -221,10 +302,11 @@ class LidarScan:
             ".pcd": self._pcd,
             ".las": self._las,
             ".laz": self._laz,
+            ".csv": self._csv,
             ".parquet": self._parquet,
         }
         if suffix not in makers:
-            known = ", ".join(makers)
+            known = ", ".join(self.EXTENSIONS)
             raise ValueError(f"path must end in one of {known}, got {os.fspath(path)}")
         _firsthit.write_bytes(Path(path), makers[suffix]())
 
@@ -264,6 +346,13 @@ class LidarScan:
 
     def _laz(self) -> bytes:
         return _las.compress(_las.encode(self))
+
+    def _csv(self) -> bytes:
+        table = self.to_dict()
+        # Python's numbers show as many digits as tell them apart.
+        columns = [map(repr, array.tolist()) for array in table.values()]
+        lines = map(",".join, zip(*columns, strict=True))
+        return "\n".join([",".join(table), *lines, ""]).encode()
 
     def _parquet(self) -> bytes:
         try:

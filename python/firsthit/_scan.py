@@ -150,30 +150,34 @@ def scanned(
     if not isinstance(scene, KindOfScene):
         raise TypeError(f"scan takes a Scene, got {scene!r}")
     beams = lidar.rows * lidar.columns
+    origins, directions = (array.reshape(-1, 3) for array in lidar.rays())
     if settings.divergence is None:
-        parts = [_of_lines(lidar, scene, settings, threads, progress)]
+        parts = [_of_lines(lidar, directions, scene, settings, threads, progress)]
     else:
-        cones = _of_cones(lidar, scene, settings, settings.divergence, threads, progress)
+        cones = _of_cones(lidar, origins, scene, settings, settings.divergence, threads, progress)
         parts = list(cones)
-    returned = _Returned(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    if len(parts) == 1:
+        (returned,) = parts
+    else:
+        returned = _Returned(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     made = _with_noise(returned, settings, beams)
     origin = _firsthit.origin(scene._native(), lidar._native, [])
-    origins, directions = (array.reshape(-1, 3) for array in lidar.rays())
-    own = lidar.direction.reshape(-1, 3)
+    # All at once: each property of the lidar would make all arrays of the pattern anew.
+    _, _, own, times, rings = lidar._pattern.beams()
     beam, far = made.beam, made.range[:, None]
-    row, column = np.divmod(beam, lidar.columns)
+    row = beam // lidar.columns
     return LidarScan._of(
         {
-            "point": origins[beam] + far * directions[beam],
-            "sensor_point": far * own[beam],
+            "point": _moved_along(directions, far, beam, origins),
+            "sensor_point": _moved_along(own.reshape(-1, 3), far, beam),
             "range": made.range,
             "object": made.object,
             "primitive": made.primitive,
             "incidence": made.incidence,
-            "ring": lidar.ring.reshape(-1)[beam],
+            "ring": rings[beam],
             "row": row.astype(np.int32),
-            "column": column.astype(np.int32),
-            "time": lidar.time.reshape(-1)[beam],
+            "column": (beam - row * lidar.columns).astype(np.int32),
+            "time": times[beam],
             "return_number": made.number.astype(np.int32),
             "number_of_returns": made.total.astype(np.int32),
             **({"intensity": made.intensity} if settings.intensity else {}),
@@ -183,8 +187,23 @@ def scanned(
     )
 
 
+def _moved_along(
+    directions: npt.NDArray[np.float64],
+    far: npt.NDArray[np.float64],
+    beam: npt.NDArray[Any],
+    origins: npt.NDArray[np.float64] | None = None,
+) -> npt.NDArray[np.float64]:
+    """Return the points on some beams, from their origins or from zero."""
+    points: npt.NDArray[np.float64] = directions.take(beam, axis=0)
+    points *= far
+    if origins is not None:
+        points += origins.take(beam, axis=0)
+    return points
+
+
 def _of_lines(
     lidar: Lidar,
+    directions: npt.NDArray[np.float64],
     scene: Scene,
     settings: ScanSettings,
     threads: int | None,
@@ -194,19 +213,37 @@ def _of_lines(
     near, far = settings.limits
     how: dict[str, Any] = {"t_min": near, "t_max": far, "threads": threads, "progress": progress}
     if settings.returns == "first" and settings.range_gate == 0.0:
-        shot = scene.shoot(lidar, **how)
-        beam = np.flatnonzero(shot.object.reshape(-1) >= 0)
-        hits = shot[np.divmod(beam, lidar.columns)]
-    else:
-        met = scene.shoot_all(lidar, **how)
-        hits, beam = met.hits, met.ray
+        return _of_first_hits(scene.shoot(lidar, **how), directions, settings)
+    met = scene.shoot_all(lidar, **how)
+    hits, beam = met.hits, met.ray
     index = np.arange(len(beam))
     found = _Found(beam, hits.t[index], index, _echoes(hits, index, settings, 1))
     return _clustered(found, hits, settings)
 
 
+def _of_first_hits(
+    shot: Hits, directions: npt.NDArray[np.float64], settings: ScanSettings
+) -> _Returned:
+    """Return the returns of beams that end at their first hit: what `_clustered` would, sooner."""
+    beam = np.flatnonzero(shot.object.reshape(-1) >= 0)
+    hits = shot[np.divmod(beam, shot.shape[1])]
+    cosines = _cosines(hits.normal, directions.take(beam, axis=0))
+    one = np.ones(len(beam), np.int32)
+    return _Returned(
+        beam,
+        hits.t,
+        hits.object,
+        hits.primitive,
+        np.arccos(cosines),
+        one,
+        one,
+        hits.base_color @ _LUMINANCE * cosines if settings.intensity else np.ones(len(beam)),
+    )
+
+
 def _of_cones(
     lidar: Lidar,
+    origins: npt.NDArray[np.float64],
     scene: Scene,
     settings: ScanSettings,
     divergence: float,
@@ -215,7 +252,6 @@ def _of_cones(
 ) -> Iterator[_Returned]:
     """Yield the returns of beams that are cones, some beams at a time."""
     lines, beams = settings.subrays, lidar.rows * lidar.columns
-    origins = lidar.rays()[0].reshape(-1, 3)
     near, far = settings.limits
     step = max(1, _BATCH // lines)
     with following(progress, beams * lines) as report:
@@ -249,13 +285,18 @@ def _echoes(
     if not settings.needs_surfaces:
         return np.full(len(index), 1.0 / lines)
     some = hits[index]
-    echoes: npt.NDArray[np.float64] = some.base_color @ _LUMINANCE * _cosines(some) / lines
+    cosines = _cosines(some.normal, some.direction)
+    echoes: npt.NDArray[np.float64] = some.base_color @ _LUMINANCE * cosines / lines
     return echoes
 
 
-def _cosines(hits: Hits) -> npt.NDArray[np.float64]:
-    length = np.linalg.norm(hits.direction, axis=-1)
-    cosine: npt.NDArray[np.float64] = np.abs((hits.normal * hits.direction).sum(axis=-1)) / length
+def _cosines(
+    normals: npt.NDArray[np.float64], directions: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    # Component by component: sums over an axis of three are slow.
+    (x, y, z), (a, b, c) = directions.T, normals.T
+    length = np.sqrt(x * x + y * y + z * z)
+    cosine: npt.NDArray[np.float64] = np.abs(x * a + y * b + z * c) / length
     return np.minimum(cosine, 1.0)
 
 
@@ -297,7 +338,7 @@ def _clustered(found: _Found, hits: Hits, settings: ScanSettings) -> _Returned:
         far[kept],
         some.object.copy(),
         some.primitive.copy(),
-        np.arccos(_cosines(some)),
+        np.arccos(_cosines(some.normal, some.direction)),
         number_[kept],
         total[kept],
         echo[kept],

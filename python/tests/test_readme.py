@@ -76,7 +76,7 @@ def test_the_guide_s_commands_run(tmp_path):
     shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
     guide = (ROOT / "docs" / "guide.md").read_text()
     commands = re.findall(r"```sh\n(.*?)\n```", guide, re.DOTALL)
-    assert len(commands) == 7
+    assert len(commands) == 8
     answers = []
     for command in commands:
         line = command.replace("firsthit ", f"{sys.executable} -m firsthit ")
@@ -86,3 +86,7 @@ def test_the_guide_s_commands_run(tmp_path):
         answers.append(done.stdout.split())
     assert [answer[0] for answer in answers[2:5]] == ["visible", "thickness", "inside"]
     assert [float(answer[1]) for answer in answers[2:5]] == [0.0, pytest.approx(1, abs=0.1), 1.0]
+    scene = fh.load(tmp_path / "shapes.toml")
+    lidar = fh.Lidar.spinning(np.linspace(-25, 15, 64), columns=1024, position=(0, -2.2, 1.0))
+    lidar.scan(scene).save(tmp_path / "expected.ply")
+    assert (tmp_path / "scan.ply").read_bytes() == (tmp_path / "expected.ply").read_bytes()

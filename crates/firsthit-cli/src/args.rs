@@ -53,6 +53,9 @@ pub(crate) enum Command {
     Section(SectionArgs),
     /// Find what may be wrong with a 3D file: holes, flipped faces, self-intersections and more.
     Lint(LintArgs),
+    /// Scan a 3D file with a laser scanner: its returns as a point cloud (Python package).
+    #[command(after_help = help::SCAN_EXAMPLES)]
+    Scan(InPythonArgs),
     /// Make the frames and annotations of a plan: scenes, sensors and poses (Python package).
     #[command(after_help = help::DATASET_EXAMPLES)]
     Dataset(InPythonArgs),

@@ -24,9 +24,10 @@ Examples:
   firsthit section part.stl --normal 0,0,1 -o cut.svg
   firsthit lint part.stl                whether it has holes, flipped faces, ...
   firsthit probe part.stl --pixel 640,360
+  firsthit scan city.glb --lidar VLP-16 a lidar's point cloud
   firsthit dataset plan.toml -o out/    all frames and annotations of a plan
 
-With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, dataset, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, scan, dataset, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
@@ -152,6 +153,15 @@ Examples:
 The curves are closed where the meshes are. What lies exactly on the plane counts as on the side to which the normal points. \
 Drawings are in the plane's own coordinates; the JSON file has its axes u and v. Shapes that are not meshes are left out, with a \
 warning.";
+
+pub(crate) const SCAN_EXAMPLES: &str = "\
+Examples:
+  firsthit scan city.glb --lidar VLP-16 --position 0,1.8,0
+  firsthit scan city.ply --lidar os1-64 --trajectory drive.csv -o drive.las
+  firsthit scan part.stl --elevations -25,15,64 --columns 2048 -o part.pcd
+
+This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit. \
+docs/sensors.md has the scanners, and what each number of a return means.";
 
 pub(crate) const DATASET_EXAMPLES: &str = "\
 Examples:

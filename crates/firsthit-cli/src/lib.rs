@@ -87,6 +87,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Diff(args) => commands::diff::run(&args),
         Command::Section(args) => commands::section::run(&args, &interrupted),
         Command::Lint(args) => commands::lint::run(&args, &interrupted),
+        Command::Scan(_) => commands::in_python::run("scan"),
         Command::Dataset(_) => commands::in_python::run("dataset"),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),
         Command::Schema => commands::schema::run(),

@@ -2,7 +2,7 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "render",
     "shoot",
     "nearest",
@@ -14,6 +14,7 @@ const COMMANDS: [&str; 14] = [
     "probe",
     "build",
     "info",
+    "scan",
     "dataset",
     "demo",
     "completions",
@@ -220,6 +221,7 @@ fn the_version_can_be_asked_of_every_command() {
         "section",
         "lint",
         "probe",
+        "scan",
         "dataset",
         "demo",
         "schema",
@@ -237,12 +239,15 @@ fn the_version_can_be_asked_of_every_command() {
 #[test]
 fn a_command_of_the_python_package_says_where_it_is() {
     let lab = Lab::new();
-    for arguments in ["dataset", "dataset plan.toml -o out --part 1/2"] {
-        lab.fails(
-            arguments,
-            2,
-            "firsthit dataset comes with the Python package: pip install firsthit",
-        );
+    for arguments in [
+        "dataset",
+        "dataset plan.toml -o out --part 1/2",
+        "scan",
+        "scan part.stl --lidar VLP-16 --position -1,0,0 -o part.las",
+    ] {
+        let command = arguments.split(' ').next().unwrap();
+        let says = "comes with the Python package: pip install firsthit";
+        lab.fails(arguments, 2, &format!("firsthit {command} {says}"));
     }
 }
 

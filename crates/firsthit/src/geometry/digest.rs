@@ -37,7 +37,11 @@ impl Digest {
 
     /// Adds a point, a direction or a colour.
     pub fn vector(&mut self, vector: DVec3) {
-        self.numbers(&vector.to_array());
+        let mut bytes = [0; 24];
+        for (place, number) in bytes.chunks_exact_mut(8).zip(vector.to_array()) {
+            place.copy_from_slice(&number.to_le_bytes());
+        }
+        self.0.update(&bytes);
     }
 
     /// Adds bytes.

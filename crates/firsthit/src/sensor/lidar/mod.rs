@@ -5,6 +5,7 @@ mod models;
 mod pattern;
 mod scanned;
 mod spinning;
+mod tables;
 
 pub use models::LidarModel;
 pub use pattern::Pattern;

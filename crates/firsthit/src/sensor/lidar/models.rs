@@ -1,6 +1,7 @@
 //! Laser scanners by their makers' names.
 
 use super::spinning::Spinning;
+use super::tables::{HDL_32E, OS1_64_GEN1, PANDAR_40P, PANDAR_64, VLP_16, VLP_16_HI_RES, VLP_32C};
 use super::{Pattern, Turn};
 use crate::error::Result;
 use crate::geometry::{named, require_positive};
@@ -11,10 +12,12 @@ named! {
     /// Laser numbers are the makers'. The heads turn clockwise. Times and angles are nominal: those of one device are in its own
     /// calibration, and [`Spinning`] takes them.
     pub enum LidarModel, "lidar model":
-    /// Velodyne VLP-16 (Puck): User Manual 63-9243, sections 9.3 and 9.4.
+    /// Velodyne VLP-16 (Puck, Puck LITE): User Manual 63-9243, table 9-1, section 9.4.
     #[default]
     "vlp-16" => Vlp16;
-    /// Velodyne HDL-32E: User Manual 63-9113, section on the laser firing sequence.
+    /// Velodyne Puck Hi-Res: the same manual.
+    "vlp-16-hi-res" => Vlp16HiRes;
+    /// Velodyne HDL-32E: User's Manual 63-9113, "Laser Firing Sequence" and appendix E.
     "hdl-32e" => Hdl32e;
     /// Velodyne VLP-32C (Ultra Puck): User Manual 63-9325, tables 9-2 and 9-6, section 9.4.
     "vlp-32c" => Vlp32c;
@@ -28,6 +31,8 @@ named! {
     "os1-32" => Os1x32;
     /// Ouster OS1 with 64 beams.
     "os1-64" => Os1x64;
+    /// Ouster OS1-64 of the first generation: 64 beams over 33.2 degrees in four columns.
+    "os1-64-gen1" => Os1x64Gen1;
     /// Ouster OS1 with 128 beams.
     "os1-128" => Os1x128;
     /// Ouster OS2 with 32 uniform beams over 22.5 degrees: data sheet.
@@ -36,58 +41,17 @@ named! {
     "os2-64" => Os2x64;
     /// Ouster OS2 with 128 beams.
     "os2-128" => Os2x128;
+    /// Hesai Pandar 40P.
+    "pandar40p" => Pandar40P;
+    /// Hesai Pandar 64; not the E3X.
+    "pandar64" => Pandar64;
 }
-
-/// The elevation of each laser of the VLP-16: the even numbers are the lower half.
-const VLP_16: [f64; 16] = [
-    -15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0,
-];
-
-/// Those of the HDL-32E. Early prints of the manual cut -6.67 and -26.67 to -6.66 and -26.66.
-const HDL_32E: [f64; 32] = [
-    -30.67, -9.33, -29.33, -8.0, -28.0, -6.67, -26.67, -5.33, -25.33, -4.0, -24.0, -2.67, -22.67,
-    -1.33, -21.33, 0.0, -20.0, 1.33, -18.67, 2.67, -17.33, 4.0, -16.0, 5.33, -14.67, 6.67, -13.33,
-    8.0, -12.0, 9.33, -10.67, 10.67,
-];
-
-/// The elevation and the azimuth offset of each laser of the VLP-32C. Offsets are clockwise, as the manual counts azimuths.
-const VLP_32C: [[f64; 2]; 32] = [
-    [-25.0, 1.4],
-    [-1.0, -4.2],
-    [-1.667, 1.4],
-    [-15.639, -1.4],
-    [-11.31, 1.4],
-    [0.0, -1.4],
-    [-0.667, 4.2],
-    [-8.843, -1.4],
-    [-7.254, 1.4],
-    [0.333, -4.2],
-    [-0.333, 1.4],
-    [-6.148, -1.4],
-    [-5.333, 4.2],
-    [1.333, -1.4],
-    [0.667, 4.2],
-    [-4.0, -1.4],
-    [-4.667, 1.4],
-    [1.667, -4.2],
-    [1.0, 1.4],
-    [-3.667, -4.2],
-    [-3.333, 4.2],
-    [3.333, -1.4],
-    [2.333, 1.4],
-    [-2.667, -1.4],
-    [-3.0, 1.4],
-    [7.0, -1.4],
-    [4.667, 1.4],
-    [-2.333, -4.2],
-    [-2.0, 4.2],
-    [15.0, -1.4],
-    [10.333, 1.4],
-    [-1.333, -1.4],
-];
 
 /// The columns of an Ouster where nobody says: its mode 1024x10.
 const OUSTER_COLUMNS: usize = 1024;
+
+/// Seconds from firing to firing of a Pandar: 0.2 degrees at ten turns a second.
+const PANDAR_CYCLE: f64 = 1.0 / 18_000.0;
 
 /// Lasers, and how they fire.
 struct Lasers {
@@ -100,8 +64,8 @@ struct Lasers {
 
 impl LidarModel {
     /// The beams of one turn, clockwise from behind, at so many turns a second. Without `columns` the lasers fire as often as they
-    /// do: a Velodyne's by its clock, so that its last column is up to a firing short of a whole turn; an Ouster's 1024 times. With
-    /// `columns` the firings are spread evenly over the turn.
+    /// do: a Velodyne's and a Pandar's by its clock, so that its last column is up to a firing short of a whole turn; an Ouster's
+    /// 1024 times. With `columns` the firings are spread evenly over the turn.
     ///
     /// # Errors
     ///
@@ -145,6 +109,10 @@ impl LidarModel {
                 firing_offsets: every(2.304e-6, 16, 1),
                 cycle: Some(55.296e-6),
             },
+            Self::Vlp16HiRes => Lasers {
+                elevations: VLP_16_HI_RES.to_vec(),
+                ..Self::Vlp16.lasers()
+            },
             Self::Hdl32e => Lasers {
                 elevations: HDL_32E.to_vec(),
                 azimuth_offsets: Vec::new(),
@@ -163,10 +131,16 @@ impl LidarModel {
             Self::Os0x128 => uniform(90.0, 128),
             Self::Os1x32 => uniform(45.0, 32),
             Self::Os1x64 => uniform(45.0, 64),
+            Self::Os1x64Gen1 => Lasers {
+                azimuth_offsets: (0..64).map(|laser| -OS1_64_GEN1[laser % 4]).collect(),
+                ..uniform(33.222, 64)
+            },
             Self::Os1x128 => uniform(45.0, 128),
             Self::Os2x32 => uniform(22.5, 32),
             Self::Os2x64 => uniform(22.5, 64),
             Self::Os2x128 => uniform(22.5, 128),
+            Self::Pandar40P => pandar(&PANDAR_40P),
+            Self::Pandar64 => pandar(&PANDAR_64),
         }
     }
 }
@@ -183,14 +157,28 @@ fn uniform(degrees: f64, lasers: u32) -> Lasers {
     }
 }
 
-/// How many whole firings there are.
+/// Lasers by elevation, azimuth offset to the right, and microseconds before the end of the firing.
+fn pandar(table: &[[f64; 3]]) -> Lasers {
+    let first = table.iter().map(|&[.., before]| before).fold(0.0, f64::max);
+    Lasers {
+        elevations: table.iter().map(|&[elevation, ..]| elevation).collect(),
+        azimuth_offsets: table.iter().map(|&[_, offset, _]| -offset).collect(),
+        firing_offsets: table
+            .iter()
+            .map(|&[.., before]| 1e-6 * (first - before))
+            .collect(),
+        cycle: Some(PANDAR_CYCLE),
+    }
+}
+
+/// How many whole firings there are; one that is missing by rounding alone is there.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "positive, and what is too large for memory is refused later"
 )]
 fn firings_of(quotient: f64) -> usize {
-    quotient.floor() as usize
+    (quotient + 1e-9).floor() as usize
 }
 
 #[cfg(test)]
@@ -202,14 +190,21 @@ mod tests {
         for &model in LidarModel::ALL {
             let pattern = model.pattern(10.0, None, 0.0).unwrap();
             let [rows, columns] = pattern.shape();
-            let lasers: usize = model
-                .name()
-                .rsplit('-')
-                .next()
-                .unwrap()
-                .trim_end_matches(['c', 'e'])
-                .parse()
-                .unwrap();
+            let lasers = match model {
+                LidarModel::Vlp16 | LidarModel::Vlp16HiRes => 16,
+                LidarModel::Hdl32e
+                | LidarModel::Vlp32c
+                | LidarModel::Os0x32
+                | LidarModel::Os1x32
+                | LidarModel::Os2x32 => 32,
+                LidarModel::Pandar40P => 40,
+                LidarModel::Os0x64
+                | LidarModel::Os1x64
+                | LidarModel::Os1x64Gen1
+                | LidarModel::Os2x64
+                | LidarModel::Pandar64 => 64,
+                LidarModel::Os0x128 | LidarModel::Os1x128 | LidarModel::Os2x128 => 128,
+            };
             assert_eq!(rows, lasers, "{}", model.name());
             let first: Vec<f64> = (0..rows)
                 .map(|row| pattern.elevations()[row * columns])
@@ -224,8 +219,12 @@ mod tests {
     }
 
     #[test]
-    fn the_lasers_of_the_vlp_16_and_the_hdl_32e_are_evenly_spaced() {
-        for (mut elevations, step) in [(VLP_16.to_vec(), 2.0), (HDL_32E.to_vec(), 4.0 / 3.0)] {
+    fn the_lasers_of_the_vlp_16s_and_the_hdl_32e_are_evenly_spaced() {
+        for (mut elevations, step) in [
+            (VLP_16.to_vec(), 2.0),
+            (VLP_16_HI_RES.to_vec(), 4.0 / 3.0),
+            (HDL_32E.to_vec(), 4.0 / 3.0),
+        ] {
             elevations.sort_by(f64::total_cmp);
             for pair in elevations.windows(2) {
                 // The manual has two decimals.
@@ -246,5 +245,60 @@ mod tests {
         let step = pattern.azimuths()[0] - pattern.azimuths()[1];
         // 0.2 degrees at 600 turns a minute, says the manual.
         assert!((step - 0.199_065_6).abs() < 1e-9, "{step}");
+    }
+
+    #[test]
+    fn lasers_in_columns_point_to_the_side_that_the_maker_says() {
+        // In degrees to the left: makers count to the right. A laser, and one that fires at the same time.
+        for (model, [laser, other], left) in [
+            (LidarModel::Vlp32c, [0, 1], -1.4 - 4.2),
+            (LidarModel::Os1x64Gen1, [0, 3], -3.164 - 3.164),
+            (LidarModel::Pandar64, [50, 60], -5.208 - 1.042),
+            (LidarModel::Pandar40P, [3, 39], 0.0),
+        ] {
+            let pattern = model.pattern(10.0, None, 0.0).unwrap();
+            let azimuth = |ring: i32| {
+                let beam = pattern.rings().iter().position(|&r| r == ring).unwrap();
+                (pattern.azimuths()[beam], pattern.times()[beam])
+            };
+            let ((a, at_a), (b, at_b)) = (azimuth(laser), azimuth(other));
+            assert!((at_a - at_b).abs() < 1e-15, "{}", model.name());
+            assert!((a - b - left).abs() < 1e-9, "{}: {}", model.name(), a - b);
+        }
+    }
+
+    #[test]
+    fn the_gen_1_os1_64_has_the_design_values_of_the_maker() {
+        let pattern = LidarModel::Os1x64Gen1.pattern(10.0, Some(1), 0.0).unwrap();
+        // The first, some in the middle and the last of the maker's list, which has three decimals.
+        for (row, elevation) in [
+            (0, 16.611),
+            (1, 16.084),
+            (17, 7.646),
+            (31, 0.264),
+            (63, -16.611),
+        ] {
+            assert!(
+                (pattern.elevations()[row] - elevation).abs() < 6e-4,
+                "{row}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_turn_of_a_pandar_has_1800_columns_and_fires_within_one() {
+        for (model, [first, last]) in [
+            (LidarModel::Pandar40P, [8, 4]),
+            (LidarModel::Pandar64, [12, 51]),
+        ] {
+            let pattern = model.pattern(10.0, None, 0.0).unwrap();
+            let [_, columns] = pattern.shape();
+            assert_eq!(columns, 1800);
+            // Channels count from 1, from the top.
+            let time = |channel: usize| pattern.times()[(channel - 1) * columns];
+            assert_eq!(time(first), 0.0);
+            assert!(time(last) > 50e-6 && time(last) < PANDAR_CYCLE);
+            assert!(pattern.times()[..].iter().all(|&t| t < 0.1));
+        }
     }
 }
