@@ -293,7 +293,6 @@ mod tests {
 
     /// Every instruction set makes the rays that one by one are made, to the bit.
     #[test]
-    #[expect(clippy::too_many_lines, reason = "numbers for every lens")]
     fn directions_of_rows_are_those_one_by_one() {
         let matrix = [
             ("fx", 30.0),
