@@ -244,11 +244,12 @@ impl<'a> TileTask<'a> {
     }
 }
 
-/// How far away from its position a grid's corners are.
+/// How far from its position the corners of a grid are that has a pixel more on each side, for rays that are off it.
 fn longest(grid: &PixelGrid) -> f64 {
+    let [width, height] = grid.size();
     let (right, up) = (
-        0.5 * grid.width * grid.right,
-        0.5 * grid.height * grid.upwards,
+        (0.5 * grid.width + width) * grid.right,
+        (0.5 * grid.height + height) * grid.upwards,
     );
     let corners = [right + up, right - up, up - right, -right - up];
     let lengths = corners.map(|corner: DVec3| (grid.toward + corner).length());
