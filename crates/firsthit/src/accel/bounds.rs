@@ -210,7 +210,7 @@ pub(super) const TILE_VERTEX: f64 = 7.2 * U as f64;
 /// The error of X and Y of a vertex, as a share of Z (of parallel rays in pixels), times the skewness of the pixels.
 ///
 /// Used in `tile/frustum.rs`. Too small: `triangles_smaller_than_a_pixel`, at 0.
-pub(super) const TILE_PIXEL: f64 = 45.0 * U as f64;
+pub(super) const TILE_PIXEL: f64 = 51.0 * U as f64;
 
 /// The error of Z, as a share of the reach.
 ///
@@ -227,7 +227,7 @@ pub(super) const TILE_MOVED: f64 = 16.0 * U as f64;
 /// Used in `tile/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const TILE_SIDEWAYS: f64 = 16.0 * U as f64;
 
-/// The pixels from the tile's middle for which a side allows that error of Z; a sample is at most 7.5 from there. For
+/// The pixels from the tile's middle for which a side allows that error of Z; a sample is at most 8.5 from there. For
 /// each unit of the pixels' skewness [`TILE_LEVER_BY_SKEWNESS`] comes to it.
 ///
 /// Used in `tile/frustum.rs`. Too small: not tried.
@@ -236,7 +236,7 @@ pub(super) const TILE_LEVER: f64 = 12.0;
 /// How many times that error covers [`TILE_PIXEL`] of the largest Z.
 ///
 /// Used in `tile/frustum.rs`. Too small: not tried.
-pub(super) const TILE_LEVER_BY_SKEWNESS: f64 = 6.0;
+pub(super) const TILE_LEVER_BY_SKEWNESS: f64 = 7.0;
 
 /// As [`TILE_LEVER`], for the planes around a tile; they are 7.52 pixels from its middle.
 ///

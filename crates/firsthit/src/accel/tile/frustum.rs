@@ -35,8 +35,8 @@
 //!
 //! **X and Y** have four shares more, of the matrix' entry, the products and the sums; where pixels are skew, of
 //! numbers larger than X and Y (`skewness`). A side counts from a sample, and its part of the six shares is in
-//! `relative`. But X and Y count from the tile's middle, which is up to 7.5 pixels from a sample: 6 times 7.5 shares
-//! (`TILE_PIXEL`).
+//! `relative`. But X and Y count from the tile's middle, which is up to 8.5 pixels from a sample: 7.5 on the grid, and
+//! one off it (`Displacements`). 6 times 8.5 shares (`TILE_PIXEL`).
 //!
 //! **Z** counts from the eye. It is off by the sum of these:
 //!
@@ -51,19 +51,20 @@
 //! middle. X and Y are Z times as large, so for each of these pixels they are off by the error of Z itself. The 16
 //! reaches above are `sideways`; what they are multiplied by is a lever, in pixels:
 //!
-//! - a side counts from a sample, which is up to 7.5 pixels from the middle: 12 (`TILE_LEVER`);
+//! - a side counts from a sample, which is up to 8.5 pixels from the middle: 12 (`TILE_LEVER`);
 //! - a plane is 7.52 pixels from it: 8 (`TILE_LEVER_OF_PLANES`);
 //! - whether the tile is sharp enough is asked for its whole width: 16 (`TILE_LEVER_OF_WIDTH`).
 //!
-//! **The 45 shares of Z** that X and Y are off (`TILE_PIXEL`) are in the bound of a side by another number, which is
-//! the same for all vertices of a leaf. Z is at most two reaches, so 45 shares of it are 90 reaches. 6 times `sideways`
-//! are 96. So the lever of a side is larger by 6 times the skewness (`TILE_LEVER_BY_SKEWNESS`).
+//! **The 51 shares of Z** that X and Y are off (`TILE_PIXEL`) are in the bound of a side by another number, which is
+//! the same for all vertices of a leaf. Z is at most two reaches, so 51 shares of it are 102 reaches. 7 times `sideways`
+//! are 112. So the lever of a side is larger by 7 times the skewness (`TILE_LEVER_BY_SKEWNESS`).
 //!
 //! **A side** is a difference of two products of X and Y. Its `size` is how far the corners are from the sample along X
 //! and Y, both together. It is off by the sum of these:
 //!
 //! - twice the size times what X and Y are off, and a little for what is quadratic in that (`TILE_SIDE_BY_ERROR`);
-//! - 26 roundings of a product of X and Y, each a quarter of the size's square at most (`TILE_SIDE_BY_SIZE`);
+//! - 30 roundings of a product of X and Y, each a quarter of the size's square at most (`TILE_SIDE_BY_SIZE`); the last 4
+//!   of them where a sample is off the grid;
 //! - the shares of the matrix and of the shear, in the same way (`TILE_SIDE_BY_SKEW`).
 
 use crate::accel::bounds::{
