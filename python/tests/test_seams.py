@@ -251,3 +251,36 @@ def test_samples_know_their_pixels() -> None:
 def test_what_makes_no_picture_is_told_by_its_name(wrong, error, message) -> None:
     with pytest.raises(error, match=message):
         fh.render(_scene(), **{"channels": ("t", "color"), **wrong})
+
+
+def _patch(middle: np.ndarray, across: np.ndarray, down: np.ndarray, count: int) -> fh.Mesh:
+    """Return a parallelogram of so many times two triangles both ways: enough for a tree."""
+    x, y = np.meshgrid(*2 * [np.linspace(-1, 1, count + 1)])
+    corners = middle + x[..., None] * across + y[..., None] * down
+    numbers = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = (
+        part.reshape(-1)
+        for part in (numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, :-1], numbers[1:, 1:])
+    )
+    return fh.Mesh(corners.reshape(-1, 3), np.concatenate([np.c_[a, b, d], np.c_[a, d, c]]))
+
+
+@pytest.mark.parametrize("degrees", [3.0, 3.9, 4.1, 4.25])
+def test_a_coarse_fisheye_sees_what_is_just_before_a_wall(degrees: float) -> None:
+    # The tile in the middle, whose corner pixels are nearly a pixel off its grid.
+    n = 48
+    fov = n * degrees
+    camera = fh.Camera.fisheye((0, 0, 0), (0, 0, 1), (0, 1, 0), fov, rows=n, columns=n)
+    _, directions = camera.rays()
+    axes = np.eye(3)
+    wall = _patch(10 * axes[2], 100 * axes[0], 100 * axes[1], 12)
+    for row, column in ((16, 16), (31, 16)):
+        way = directions[row, column]
+        for share in (0.999, 0.99, 0.985):
+            place = 10 * share / way[2] * way
+            aside = np.cross(way, axes[2])
+            card = _patch(place, 0.01 * aside, 0.01 * np.cross(way, aside), 6)
+            scene = fh.Scene()
+            scene.add(wall)
+            scene.add(card)
+            assert scene.shoot(camera).object[row, column] == 1
