@@ -403,7 +403,7 @@ def test_every_format_has_the_same_bytes_again(tmp_path):
 
     def with_all(made):
         made["poses"]["count"] = 2
-        clouds = ["npz", "ply", "pcd", "las", "laz", "parquet"]
+        clouds = [extension[1:] for extension in fh.LidarScan.EXTENSIONS]
         made["output"] = {"clouds": clouds, "frames": ["npz", "exr"], "pictures": ["color"]}
 
     made = fh.Plan.from_dict(plan(with_all), PLANS)
@@ -412,7 +412,7 @@ def test_every_format_has_the_same_bytes_again(tmp_path):
     found = tree(tmp_path / "one")
     assert found == tree(tmp_path / "two")
     kinds = {name.rsplit(".", 1)[1] for name in found}
-    assert kinds == {"npz", "ply", "pcd", "las", "laz", "parquet", "exr", "png", "json"}
+    assert kinds == {"npz", "ply", "pcd", "las", "laz", "csv", "parquet", "exr", "png", "json"}
 
 
 def test_a_missing_package_is_told_before_anything_is_made(tmp_path, monkeypatch):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from firsthit import _firsthit
 from firsthit._files import attribute_of, in_path
+from firsthit._lidar_scan import LidarScan
 from firsthit._lights import background_native
 from firsthit._shading import Shading
 from firsthit._types import ShaderName
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 #: The formats of a picture's channels, and of a scan's returns.
 FRAMES = ("npz", "exr")
-CLOUDS = ("npz", "ply", "pcd", "las", "laz", "parquet")
+CLOUDS = tuple(extension.removeprefix(".") for extension in LidarScan.EXTENSIONS)
 
 #: Channels of distances, whose pictures need a scale.
 DISTANCES = ("t", "range", "z")
