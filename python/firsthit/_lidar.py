@@ -595,8 +595,8 @@ class Lidar(OtherSensor):
             How many lines fill a cone: the first is its middle, the others lie on a spiral of equal
             areas, the same for all beams.
         range_gate : float
-            What is less than this behind the nearest hit of a return belongs to that return, whose
-            range is the mean: the resolution in scene units of a receiver that cannot tell them
+            Hits up to this far behind the nearest one of a return belong to that return, whose
+            range is their mean: the resolution in scene units of a receiver that cannot tell them
             apart.
         max_returns : int, optional
             With all returns: how many of a beam are told at most, the nearest.

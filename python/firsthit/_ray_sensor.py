@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class RaySensor(OtherSensor):
-    """A ray for every pixel, as somebody computed them. Immutable.
+    """A table of rays: one for every pixel, whatever computed them. Immutable.
 
     A pixel whose direction is zero or not finite has no ray: it is a miss, and the channel
     ``valid`` is false there. With several samples, all of a pixel are its one ray.

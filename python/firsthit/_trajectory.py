@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Trajectory:
-    """Where a moving body is, between the times at which somebody knew. Immutable.
+    """Where a moving body is, also between the times at which its pose is given. Immutable.
 
     At the time of a pose it is that pose, bit for bit. The same trajectory and time give the same
     bits on every machine.

@@ -53,8 +53,8 @@
 //!
 //! # Poses over time
 //!
-//! A [`Trajectory`] says where a moving body is between the times at which somebody knew. The pose of a body is that of a
-//! camera, once it is said which axis looks forwards:
+//! A [`Trajectory`] interpolates the poses of a moving body. The pose of a body is that of a camera, once it is said which
+//! axis looks forwards:
 //!
 //! ```
 //! use std::path::Path;

@@ -80,7 +80,7 @@ class Instance:
         Its number among all instances of the scene, seen or not, from 0. It is the same in other
         pictures of the scene with the same classes.
     class_name : str or None
-        Its class; ``None`` where nobody names classes and its first object has no name.
+        Its class; ``None`` where no classes are given and its first object has no name.
     parts : tuple of Part
         Its objects, in the order of their identifiers.
     visible : Mask

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._files import Pictures
 
 #: How much the models of one class may differ in size, as a share, and still be one model.
-_SAME_SIZE = 1e-6
+SAME_SIZE = 1e-6
 
 
 def save_bop(
@@ -91,7 +91,7 @@ def save_bop(
         for instance in picture.instances:
             class_name = class_of(name, instance)
             pose, size = _pose(name, instance, millimeters)
-            if abs(size - sizes.setdefault(class_name, size)) > _SAME_SIZE * size:
+            if abs(size - sizes.setdefault(class_name, size)) > SAME_SIZE * size:
                 other = sizes[class_name]
                 why = f"a unit of the model {class_name!r} is {other} mm elsewhere, and here {size}"
                 raise refused(name, instance, why)

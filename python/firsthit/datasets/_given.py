@@ -1,4 +1,4 @@
-"""Poses that somebody gives: along a path, or one by one."""
+"""Poses that a plan gives: along a path, or one by one."""
 
 from __future__ import annotations
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from firsthit._errors import FileWriteError
+from firsthit.annotations._bop import SAME_SIZE
 from firsthit.annotations._files import as_json, write
 from firsthit.annotations._yolo import _yaml
 
@@ -173,7 +174,7 @@ def _same_sizes(held: dict[str, Any], sizes: dict[str, float]) -> None:
     """Refuse models of one class that differ in size, as `save_bop` does."""
     for one, size in zip(held["truth"], held["sizes"], strict=True):
         name = one["obj_id"]
-        if abs(size - sizes.setdefault(name, size)) > 1e-6 * size:
+        if abs(size - sizes.setdefault(name, size)) > SAME_SIZE * size:
             why = (
                 f"a unit of the model {name!r} is {sizes[name]} mm in one frame, {size} in another"
             )

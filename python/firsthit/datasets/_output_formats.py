@@ -19,7 +19,7 @@ KINDS = ("coco", "bop", "kitti", "yolo")
 class Merged(NamedTuple):
     """The formats that a plan asks for, and what their functions are told.
 
-    A format that nobody asked for is ``None``.
+    A format that is not asked for is ``None``.
     """
 
     coco: dict[str, Any] | None

@@ -148,7 +148,7 @@ macro_rules! lenses {
         }
 
         impl Projection {
-            /// A lens of this kind with the numbers that it has where nobody says.
+            /// A lens of this kind with its default numbers.
             fn lens(self) -> Lens {
                 match self {
                     Self::Perspective => Lens::Flat(Viewplane::default()),

@@ -50,7 +50,7 @@ pub(super) fn twice<A: Arithmetic>(of: A, x: A::Number) -> A::Number {
 pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> [A::Number; 2] {
     /// Adding it rounds to a whole number.
     const ROUND: f64 = 6_755_399_441_055_744.0;
-    /// pi / 2 in three parts.
+    /// pi / 2 in two parts.
     const PARTS: [f64; 2] = [
         f64::from_bits(0x3ff9_21fb_5440_0000),
         f64::from_bits(0x3dd0_b461_1a62_6331),

@@ -7,7 +7,7 @@ use crate::geometry::{DVec2, DVec3, Digest, Ray, Rays, require, require_directio
 use crate::image::SensorRecord;
 use crate::memory;
 
-/// A ray for every pixel, as somebody computed them.
+/// A table of rays: one for every pixel, whatever computed them.
 ///
 /// Directions have any length, in units of which `t` counts, as for arrays of rays; `range` is the distance from the ray's own
 /// origin in scene units. A pixel whose direction is zero, or not finite, has no ray: it is a miss, and the channel `valid` is

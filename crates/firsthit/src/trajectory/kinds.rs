@@ -28,7 +28,7 @@ named! {
 named! {
     /// What a trajectory answers before its first and after its last pose.
     pub enum Extrapolation, "extrapolation":
-    /// An error: nobody knows where the body was.
+    /// An error: where the body was is not known.
     #[default]
     "refuse" => Refuse;
     /// The first or the last pose.

@@ -1,4 +1,4 @@
-//! Poses over time: where a moving body is, between the times at which somebody knew.
+//! Poses over time: where a moving body is, also between the times at which its pose is given.
 //!
 //! A [`Trajectory`] is a list of times and poses, and a way to go from one to the next. Times are seconds, positions
 //! scene units. It is read from text ([`TrajectoryFormat`]) and written as text.

@@ -107,7 +107,7 @@ impl OpenCv {
     fn tilt(&self) -> DMat3 {
         let (sin_x, cos_x) = libm::sincos(self.tau_x);
         let (sin_y, cos_y) = libm::sincos(self.tau_y);
-        // Row by row.
+        // Column by column. As in OpenCV, each is the transpose of the usual rotation by its angle.
         let about_x =
             DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cos_x, -sin_x, 0.0, sin_x, cos_x]);
         let about_y =

@@ -1,4 +1,4 @@
-//! Polynomials of one variable: their values and the smallest positive root.
+//! Polynomials of one variable: their values, products, and where they change their sign at positive x.
 
 /// The value at `x`; coefficients begin with the constant.
 pub(super) fn value(coefficients: &[f64], x: f64) -> f64 {

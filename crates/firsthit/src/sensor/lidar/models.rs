@@ -47,7 +47,7 @@ named! {
     "pandar64" => Pandar64;
 }
 
-/// The columns of an Ouster where nobody says: its mode 1024x10.
+/// The columns of an Ouster unless others are given: its mode 1024x10.
 const OUSTER_COLUMNS: usize = 1024;
 
 /// Seconds from firing to firing of a Pandar: 0.2 degrees at ten turns a second.

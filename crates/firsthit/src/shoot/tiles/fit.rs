@@ -6,6 +6,8 @@
 //! 4. Each tile measures how far its rays are off the grid, and adds that to its bounds.
 //!
 //! The grid only serves to rule triangles out. What decides, and where they are met, are the rays themselves.
+//!
+//! Rays that go through no flat grid, as a fisheye's, are fitted tile by tile (`tile_rays.rs`).
 
 use crate::accel::TILE;
 use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
@@ -96,7 +98,8 @@ pub(super) fn around(rays: &dyn Rays, [rows, columns]: [usize; 2]) -> Option<Pix
     })
 }
 
-/// Whether a ray goes through the grid's pixel, roughly; for all of a tile see [`TileRays::distance`].
+/// Whether a ray goes through the grid's pixel, roughly; for all of a tile see
+/// [`TileRays::distance`](super::tile_rays::TileRays::distance).
 fn is_near(grid: &PixelGrid, row: usize, column: usize, ray: &Ray) -> bool {
     let normal = grid.right.cross(grid.upwards);
     let length = grid.toward.dot(normal) / ray.direction.dot(normal);

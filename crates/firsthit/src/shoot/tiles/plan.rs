@@ -316,8 +316,8 @@ fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> Option<(DVec3, DVec3,
     Some((low, high, farthest))
 }
 
-/// The rays of the tile from a row and a column of pixels on, in an object's space; they are off the grid by so many
-/// pixels at most, and by so many where that is known of each.
+/// The rays of the tile from a row and a column of pixels on, in an object's space. They are `off` pixels from the grid at
+/// most, and `rest` from where they are known to be ([`TileCamera::rest`]).
 pub(super) fn camera_of_tile(
     grid: &PixelGrid,
     object: &Object,
