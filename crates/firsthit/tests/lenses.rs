@@ -133,6 +133,19 @@ fn rays_and_project_are_inverse_to_each_other() {
 }
 
 #[test]
+fn the_place_of_the_camera_is_seen_by_parallel_rays_alone() {
+    for (projection, lens, _) in lenses() {
+        let camera = camera(lens);
+        let is_seen = camera.project(camera.position()).is_some();
+        assert_eq!(
+            is_seen,
+            projection == Projection::Orthographic,
+            "{projection:?}"
+        );
+    }
+}
+
+#[test]
 fn a_record_gives_the_camera_back_to_the_bit() {
     for (projection, lens, _) in lenses() {
         let camera = camera(lens);

@@ -201,6 +201,10 @@ impl<C: Central> Model for C {
     }
 
     fn project(&self, size: [usize; 2], point: DVec3) -> Option<DVec2> {
+        // The camera itself is in no direction, for which an arc tangent would give one.
+        if point == DVec3::ZERO {
+            return None;
+        }
         let pixel = self.pixel(size, point)?;
         pixel.is_finite().then_some(pixel)
     }
