@@ -1,5 +1,6 @@
 //! Cameras as sensors, and from their records.
 
+use super::moving::rows_of;
 use super::{Record, Sensor};
 use crate::camera::{Camera, Lens, Projection, View};
 use crate::error::Result;
@@ -90,11 +91,6 @@ impl Sensor for Camera {
 pub fn camera_record(camera: &Camera) -> CameraRecord {
     let view = camera.view();
     let row = |m: &DMat3, k: usize| m.row(k).to_array();
-    let pose = camera.world_from_camera();
-    let pose_row = |k: usize| {
-        let [x, y, z] = row(&pose.matrix3, k);
-        [x, y, z, pose.translation[k]]
-    };
     let viewplane = view.lens.viewplane();
     let named = |parameters: Vec<(&str, f64)>| {
         let parameters = parameters.into_iter();
@@ -123,7 +119,7 @@ pub fn camera_record(camera: &Camera) -> CameraRecord {
         parameters: named(view.lens.parameters()),
         intrinsics: camera.intrinsic_matrix().map(intrinsics),
         pose: Pose {
-            world_from_camera: [pose_row(0), pose_row(1), pose_row(2), [0.0, 0.0, 0.0, 1.0]],
+            world_from_camera: rows_of(&camera.world_from_camera()),
             axes: "right, up, backwards".to_owned(),
         },
     }
