@@ -6,6 +6,7 @@ import importlib
 import io
 import json
 import os
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -33,6 +34,20 @@ _UNITS = {
 
 #: What columns are called in a PCD, for PCL and ROS, and as which type.
 _SINGLES = ("x", "y", "z", "intensity", "range", "incidence", "sensor_x", "sensor_y", "sensor_z")
+
+#: The packages that formats take beside this one, and what pip calls them together.
+_PACKAGES = {
+    ".laz": (("laspy", "lazrs"), "'laspy[lazrs]'"),
+    ".parquet": (("pyarrow",), "pyarrow"),
+}
+
+
+def lacking(extension: str) -> str | None:
+    """Return why a format cannot be written, ``None`` if it can be: what has to be installed."""
+    packages, wanted = _PACKAGES.get(extension, ((), ""))
+    if all(find_spec(package) is not None for package in packages):
+        return None
+    return f"a {extension} takes the package {' with '.join(packages)}: pip install {wanted}"
 
 
 class LidarScan:

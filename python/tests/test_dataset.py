@@ -416,7 +416,7 @@ def test_every_format_has_the_same_bytes_again(tmp_path):
 
 
 def test_a_missing_package_is_told_before_anything_is_made(tmp_path, monkeypatch):
-    monkeypatch.setattr("firsthit.datasets._job.find_spec", lambda name: None)
+    monkeypatch.setattr("firsthit._lidar_scan.find_spec", lambda name: None)
     made = fh.Plan.from_dict(plan(lambda made: made["output"].update(clouds="laz")), PLANS)
     with pytest.raises(ImportError, match="laz takes the package laspy"):
         fh.dataset(made, tmp_path / "out")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 import firsthit as fh
 from firsthit._errors import FileWriteError
+from firsthit._lidar_scan import lacking
 from firsthit._progress import following, later
 from firsthit._scan import ScanSettings
 from firsthit._types import Returns
@@ -43,9 +43,6 @@ return means.
 
 Exit codes: 0 done, 2 wrong usage, 3 bad input, 4 the output could not be
 written, 5 a limit was reached, 70 a bug in firsthit, 130 interrupted."""
-
-#: What a format takes that the package does not bring.
-_PACKAGES = {".laz": ("laspy", "laspy[lazrs]"), ".parquet": ("pyarrow", "pyarrow")}
 
 
 def main(argv: Sequence[str]) -> int:
@@ -272,9 +269,7 @@ def _outputs(arguments: argparse.Namespace) -> list[Path]:
             raise UsageError(f"--output must end in one of {known}, got {output}")
         if output.exists() and Path(arguments.file).exists() and output.samefile(arguments.file):
             raise UsageError(f"--output must not be the 3D file itself, got {output}")
-        package, wanted = _PACKAGES.get(suffix, ("", ""))
-        if package and importlib.util.find_spec(package) is None:
-            why = f"it takes a package: pip install '{wanted}'"
+        if why := lacking(suffix):
             raise FileWriteError(f"{output}: {why}", str(output))
         if not output.absolute().parent.is_dir():
             raise FileWriteError(f"{output}: no such folder", str(output))

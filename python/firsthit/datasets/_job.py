@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
 from firsthit._camera import Camera
 from firsthit._errors import FileFormatError, FileReadError, FileWriteError
+from firsthit._lidar_scan import lacking
 from firsthit._render import render
 from firsthit.annotations import annotate
 from firsthit.annotations._files import write
@@ -103,9 +103,9 @@ def _known(path: Path) -> dict[str, Any] | None:
 
 def check_packages(plan: Plan) -> None:
     """Refuse formats whose packages are missing, as the first file of the format would."""
-    for form, package in (("laz", "laspy"), ("laz", "lazrs"), ("parquet", "pyarrow")):
-        if form in plan._output.clouds and find_spec(package) is None:
-            raise ImportError(f"a .{form} takes the package {package}: pip install {package}")
+    for form in plan._output.clouds:
+        if why := lacking(f".{form}"):
+            raise ImportError(why)
 
 
 def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> Mark:
