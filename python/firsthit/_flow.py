@@ -34,7 +34,8 @@ class Flow(NamedTuple):
     flow : (rows, columns, 2) array of float64
         From the pixel's centre to where the same point is in the second picture: columns to the
         right, then rows down. NaN for a miss, for what is gone, and where the second projection
-        does not see the point, as behind it.
+        does not see the point, as behind it. What crosses the seam of a panorama flows nearly its
+        whole width.
     occluded : (rows, columns) array of bool
         Whether something in the second scene is before the point, or it is gone there. False for a
         miss.

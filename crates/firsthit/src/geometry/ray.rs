@@ -131,6 +131,9 @@ pub trait Rays: Sync {
     /// Rows and columns, if the rays all start in one point and are those of a picture, row by row, whose neighbours go nearly the
     /// same way, though through no flat grid of pixels: those of a fisheye, say. Then they are shot in tiles too. Asked for where
     /// there is no [`Rays::grid`].
+    ///
+    /// Then [`Rays::ray`] gives rays with neither `t_min` nor `t_max`, whose directions have lengths between 1e-80 and 1e80. One
+    /// whose direction is zero or NaN is a miss.
     fn picture(&self) -> Option<[usize; 2]> {
         None
     }
