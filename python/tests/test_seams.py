@@ -7,6 +7,7 @@ import pickle
 import firsthit as fh
 import numpy as np
 import pytest
+from support import bumpy_sphere, turned
 
 
 def _scene() -> fh.Scene:
@@ -284,3 +285,39 @@ def test_a_coarse_fisheye_sees_what_is_just_before_a_wall(degrees: float) -> Non
             scene.add(wall)
             scene.add(card)
             assert scene.shoot(camera).object[row, column] == 1
+
+
+@pytest.mark.parametrize(
+    ("projection", "fov", "rows"),
+    [
+        ("equidistant", 200, 50),
+        ("equidistant", 200, 64),
+        ("equidistant", 150, 130),
+        ("equisolid", 220, 56),
+        ("stereographic", 190, 60),
+        ("orthographic_fisheye", 170, 48),
+        ("equirectangular", 360, 90),
+    ],
+)
+def test_coarse_curved_pictures_meet_what_their_rays_meet_alone(projection, fov, rows) -> None:
+    # Rays up to a pixel off their tiles' grids; triangles of less than a pixel and of many; more
+    # objects than are asked one by one.
+    scene, rng = fh.Scene(), np.random.default_rng(5)
+    for k in range(20):
+        way = rng.normal(size=3)
+        place = way / np.linalg.norm(way) * rng.uniform(1.5, 6)
+        mesh = fh.Mesh(*bumpy_sphere(5 + 9 * (k % 5), k))
+        scene.add(mesh, transform=turned(rng.normal(size=3), k, place, rng.uniform(0.2, 1.0)))
+    pose = (0, 0, 0), (0.1, 0, 1), (0, 1, 0)
+    if projection == "equirectangular":
+        camera = fh.Camera.equirectangular(*pose, rows, 2 * rows + 3)
+    else:
+        camera = fh.Camera.fisheye(*pose, fov, rows, rows + 7, projection)
+    hits = scene.shoot(camera)
+    assert 0.15 < (hits.object >= 0).mean() < 0.9
+    origins, directions = (array.reshape(-1, 3) for array in camera.rays())
+    # In an order that is that of no picture.
+    order = rng.permutation(len(directions))
+    alone = scene.shoot(origins[order], directions[order])
+    for name in ("t", "object", "primitive"):
+        np.testing.assert_array_equal(hits.channel(name).reshape(-1)[order], alone.channel(name))
