@@ -43,8 +43,8 @@ impl Kernel for Band<'_> {
         let mut near = Vec::new();
         for left in (0..across).step_by(TALL) {
             plan.list_near(first, left, &mut near);
-            let is_array = plan.source != Source::Grid;
-            if is_array {
+            let is_loaded = plan.source != Source::Grid;
+            if is_loaded {
                 let rays = rays.get_or_insert_default();
                 let corner = [first * TILE, left * TILE];
                 let rows = plan.tiles_down * TILE;
@@ -63,7 +63,7 @@ impl Kernel for Band<'_> {
             for (dx, dy) in ORDER {
                 let [row, column] = [first + dy, left + dx];
                 if dy < plan.tiles_down && row < down && column < across {
-                    let rays = rays.as_ref().filter(|_| is_array);
+                    let rays = rays.as_ref().filter(|_| is_loaded);
                     let rays = rays.map(|rays| rays.tile((dy, dx)));
                     let at = Square::index_of(dy * TILE, dx * TILE);
                     let mut task = TileTask::new(l, plan, ([row, column], at), rays, displacements);
@@ -96,7 +96,7 @@ thread_local! {
 struct TileMemory {
     scratch: TileScratch,
     square: Square,
-    /// Made when rays are an array's.
+    /// Made when rays are not those of one grid.
     rays: Option<SquareRays>,
     /// Of the tile that is done.
     displacements: Displacements,

@@ -24,7 +24,7 @@ use crate::simd::{Kernel, Lanes};
 /// See [the module](self).
 pub(super) struct TileTask<'a> {
     pub(super) plan: &'a Plan<'a>,
-    /// Its rays where they are an array's.
+    /// Its rays, unless they are those of the plan's grid.
     pub(super) rays: Option<TileRays<'a>>,
     /// How far these are off the grid, in pixels; `None` where that is too far.
     off: Option<f64>,
