@@ -487,8 +487,8 @@ class Camera(Sensor):
         Raises
         ------
         ValueError
-            For both ``rvec`` and ``R``, other numbers of coefficients, and what `from_intrinsics`
-            refuses.
+            For both ``rvec`` and ``R``, other numbers of coefficients, a skew in K, which
+            ``cv2.projectPoints`` and ``cv2.fisheye`` leave out, and what `from_intrinsics` refuses.
 
         Examples
         --------
@@ -508,13 +508,15 @@ class Camera(Sensor):
             kind = "opencv"
         else:
             named = {}
+        matrix = _conventions.intrinsics(K)
+        _conventions.check_skew(model, matrix[0][1])
         turned = np.eye(3)
         if rvec is not None or R is not None:
             turned = _conventions.rotation_of(rvec, R)
         moved = numbers("tvec", tvec)
         moved = np.array(vector("tvec", moved.ravel() if moved.size == 3 else moved))
         return cls.from_intrinsics(
-            K,
+            matrix,
             rows=rows,
             columns=columns,
             convention="opencv",
@@ -865,7 +867,7 @@ class Camera(Sensor):
         Raises
         ------
         ValueError
-            For a projection that OpenCV does not have.
+            For a projection that OpenCV does not have, and for a skew that it leaves out.
         """
         names = {
             "perspective": ("pinhole", ()),
@@ -876,9 +878,8 @@ class Camera(Sensor):
         k, pose = self.to_convention("opencv")
         if k is None or self.projection not in names:
             raise ValueError(f"OpenCV has no such camera: {self.projection}")
-        if k[0, 1] != 0.0 and self.projection in ("perspective", "opencv"):
-            raise ValueError(f"cv2.projectPoints takes no skew, got {k[0, 1]}")
         (model, order), values = names[self.projection], self.parameters
+        _conventions.check_skew(model, k[0, 1])
         distortion = np.array([values[name] for name in order])
         turned = pose[:3, :3]
         rvec = _conventions.rotation_vector(turned)

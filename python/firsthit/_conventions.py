@@ -70,6 +70,13 @@ def intrinsics(value: npt.ArrayLike) -> list[list[float]]:
     return _matrix("K", array, (3, 3))
 
 
+def check_skew(model: str, skew: float) -> None:
+    """Refuse a skew in K where OpenCV's functions for a model do not look at it."""
+    functions = {"pinhole": "cv2.projectPoints", "fisheye": "cv2.fisheye"}
+    if skew != 0.0 and model in functions:
+        raise ValueError(f"{functions[model]} takes no skew in K, got {skew}")
+
+
 def pose4(value: npt.ArrayLike | None) -> list[list[float]]:
     """Return a 4 x 4 matrix; the last row may be missing."""
     if value is None:

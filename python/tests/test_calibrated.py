@@ -383,6 +383,23 @@ def test_an_output_says_which_camera_made_it(tmp_path, suffix):
         fh.Camera.load(tmp_path / "none.npz")
 
 
+@pytest.mark.parametrize("kind", ["perspective", "opencv", "opencv_fisheye"])
+def test_a_skew_that_opencv_leaves_out_is_refused(kind):
+    k = np.array([[100.0, 5, 32], [0, 100, 24], [0, 0, 1]])
+    size = {"rows": 48, "columns": 64}
+    model = "fisheye" if kind == "opencv_fisheye" else "pinhole"
+    # What OpenCV says is the same with and without it.
+    points, zero = np.array([[[0.1, 0.2, 1.0]]]), np.zeros(3)
+    project = cv2.fisheye.projectPoints if model == "fisheye" else cv2.projectPoints
+    seen = [project(points, zero, zero, each, np.zeros(4))[0] for each in (k, k * (k != 5))]
+    assert np.array_equal(*seen)
+    with pytest.raises(ValueError, match="takes no skew in K, got 5"):
+        fh.Camera.from_opencv(k, model=model, **size)
+    camera = fh.Camera.from_intrinsics(k, projection=kind, convention="opencv", **size)
+    with pytest.raises(ValueError, match="takes no skew in K, got 5"):
+        camera.to_opencv()
+
+
 def test_cropped_and_binned_cameras_see_the_same():
     camera = fh.Camera.from_opencv([300, 310, 322, 238], (-0.1, 0.02, 0, 0), rows=480, columns=640)
     part = camera.crop(np.s_[100:300, 50:450])
