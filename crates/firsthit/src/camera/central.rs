@@ -24,8 +24,8 @@ pub(super) trait Central: Parameters + Send + Sync {
     fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
     /// The direction that is seen at a point of the picture, of any length; `None` where nothing is.
     fn direction(&self, size: [usize; 2], pixel: DVec2) -> Option<DVec3>;
-    /// The same for a single point or for several at once, and where it is known: there it is what counts, elsewhere
-    /// [`direction`](Self::direction) is.
+    /// The same for a single point or for several at once, with a mask of where it is known. Elsewhere
+    /// [`direction`](Self::direction) decides.
     #[inline(always)]
     fn directions<A: Arithmetic>(
         &self,

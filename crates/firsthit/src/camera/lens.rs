@@ -252,8 +252,7 @@ impl Lens {
         })
     }
 
-    /// Whether it sees the whole sphere, or a large part of it in a picture that is none of a lens: cameras with such a lens
-    /// stand in the middle of a scene.
+    /// Whether it is a panorama, of the whole sphere or of a part of it. Cameras with one stand in the middle of a scene.
     pub fn is_panorama(&self) -> bool {
         matches!(
             self,

@@ -21,7 +21,7 @@ parameters! {
 }
 
 impl DoubleSphere {
-    /// How far behind directions are seen still, as -z over the length: the paper's w2.
+    /// How far behind the camera directions are still seen, as -z over the length: the paper's w2.
     fn backmost(&self) -> f64 {
         let (w1, xi) = (-backmost(self.alpha), self.xi);
         (w1 + xi) / (2.0 * w1 * xi + xi * xi + 1.0).sqrt()

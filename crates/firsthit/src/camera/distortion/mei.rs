@@ -68,7 +68,7 @@ impl Distortion for Mei {
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
         let length = direction.length();
-        // Where seen from the point of view the sphere turns its back.
+        // Where the sphere, seen from the point of view, turns its back.
         let backmost = if self.xi > 1.0 {
             -1.0 / self.xi
         } else {

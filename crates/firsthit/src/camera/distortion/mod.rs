@@ -40,9 +40,9 @@ pub struct Limit {
     pub(super) distorted: f64,
     /// Where a model is not the same all around: the undistorted radius beyond which every point is past the fold.
     outermost: f64,
-    /// Up to this undistorted radius there is no fold for certain, and every solution is the one.
+    /// Up to this undistorted radius every solution that is not turned over is taken for the one, without a look at the way to it.
     certain: f64,
-    /// What the radius is multiplied by to be undistorted, or to be an angle, about, by its square.
+    /// About what the radius is multiplied by to be undistorted, or to be an angle, as a function of its square.
     start: Start,
 }
 

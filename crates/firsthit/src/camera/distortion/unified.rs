@@ -35,7 +35,7 @@ pub(super) fn check_alpha(alpha: f64) -> Result<()> {
     require("alpha", "from 0 to 1", (0.0..=1.0).contains(&alpha), alpha)
 }
 
-/// How far behind directions are seen still, as z / d.
+/// How far behind the camera directions are still seen, as z / d.
 pub(super) fn backmost(alpha: f64) -> f64 {
     if alpha <= 0.5 {
         -alpha / (1.0 - alpha)
