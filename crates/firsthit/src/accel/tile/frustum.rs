@@ -66,6 +66,11 @@
 //! - 30 roundings of a product of X and Y, each a quarter of the size's square at most (`TILE_SIDE_BY_SIZE`); the last 4
 //!   of them where a sample is off the grid;
 //! - the shares of the matrix and of the shear, in the same way (`TILE_SIDE_BY_SKEW`).
+//!
+//! **Rays off the grid** by up to `off` pixels move X and Y by that times Z. The planes and the samples of a bounding box
+//! allow for all of it. If each ray's displacement is known, the sides are evaluated where the ray is: the sizes count up
+//! to there, and `rest`, the rounding of the displacements, takes the place of `off`. Where a side is bounded for a range
+//! of samples at once, it may change by the largest displacement times its slopes.
 
 use crate::accel::bounds::{
     BLUR, TILE_ANY_VERTEX, TILE_DEPTH, TILE_LEVER, TILE_LEVER_BY_SKEWNESS, TILE_LEVER_OF_PLANES,
