@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _FLAT = ("perspective", "orthographic")
 #: A viewplane's numbers that are arguments of their own.
 _LENGTHS = ("focal_length", "width", "height")
+#: The numbers of its thin lens, which are too.
+_LENS = ("aperture", "focus")
 
 
 class Camera(Sensor):
@@ -59,13 +61,19 @@ class Camera(Sensor):
         between it and the eye. Without a viewplane they start at the eye.
     parameters : mapping of str to float, optional
         The other numbers of the projection, which the notes list.
+    aperture : float
+        The diameter of the lens of a perspective camera; 0 is a pinhole. Only the colours of
+        pictures with several samples see it: `thin_lens` says how.
+    focus : float, optional
+        With an aperture: the distance along the aim at which the picture is sharp.
 
     Raises
     ------
     ValueError
         For a value that makes no sense, with its name: a zero direction, ``up`` parallel to
         ``aim``, a length that is not positive, no pixels, numbers that are not finite, lengths, a
-        ``ray_start`` or parameters that do not fit the projection.
+        ``ray_start``, parameters or an aperture that do not fit the projection, and an aperture
+        or a focus alone.
 
     Notes
     -----
@@ -125,6 +133,9 @@ class Camera(Sensor):
         projection: Projection = "perspective",
         ray_start: RayStart = "viewplane",
         parameters: Mapping[str, float] | None = None,
+        *,
+        aperture: float = 0.0,
+        focus: float | None = None,
     ) -> None:
         lengths = {"focal_length": focal_length, "width": width, "height": height}
         if text("projection", projection) not in get_args(Projection):
@@ -145,6 +156,7 @@ class Camera(Sensor):
                 raise ValueError(f"{name} is an argument of its own, not one of parameters")
             if length is not None:
                 given[name] = number(name, length)
+        given.update(_thin_lens(projection, given, aperture, focus))
         native = _firsthit.Camera(
             vector("position", position),
             vector("aim", aim),
@@ -792,6 +804,16 @@ class Camera(Sensor):
         """Height of the viewplane, in scene units; ``None`` for a projection without one."""
         return self._length("height")
 
+    @property
+    def aperture(self) -> float:
+        """Diameter of the lens, in scene units; 0 of a pinhole."""
+        return self.parameters.get("aperture", 0.0)
+
+    @property
+    def focus(self) -> float | None:
+        """Distance along the aim at which pictures are sharp; ``None`` if nobody said."""
+        return self.parameters.get("focus") or None
+
     def _length(self, name: str) -> float | None:
         return self.parameters[name] if self.projection in _FLAT else None
 
@@ -1025,6 +1047,50 @@ class Camera(Sensor):
         """
         return self._of(self._native.resize(count("rows", rows, 1), count("columns", columns, 1)))
 
+    def thin_lens(self, aperture: float, focus: npt.ArrayLike) -> Camera:
+        """Return the same camera with a lens of some diameter, in focus at some distance.
+
+        Parameters
+        ----------
+        aperture : float
+            The diameter of the lens, a disc around ``position`` at right angles to ``aim``, in
+            scene units; 0 for a pinhole.
+        focus : float or (3,) array_like
+            What is sharp: the distance along ``aim`` of a plane parallel to the viewplane, or a
+            point of that plane in world space.
+
+        Returns
+        -------
+        Camera
+            Its own rays are those of the pinhole at ``position``, and so are all channels of its
+            pictures but ``color``.
+
+        Raises
+        ------
+        ValueError
+            For an aperture that is negative, a focus that is not ahead of the camera, and a camera
+            other than a perspective one without tilt.
+
+        Notes
+        -----
+        Each sample of a picture comes from another point of the lens, through another point of the
+        pixel; the first from the middle of both. A point at the distance z along the aim becomes a
+        disc, whose diameter on the viewplane is
+        ``aperture * abs(z - focus) / (z * focus) * focal_length``. With few samples one sees so
+        many sharp pictures over each other: 64 or more make the blur smooth.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.look_at((0, -5, 0), (0, 0, 0), (0, 0, 1), 45, rows=48, columns=64)
+        >>> camera = camera.thin_lens(0.5, focus=(1, -1, 2))
+        >>> camera.aperture, camera.focus
+        (0.5, 4.0)
+        """
+        is_point = np.ndim(focus) > 0
+        far = self._native.depth(vector("focus", focus)) if is_point else number("focus", focus)
+        return self._of(self._native.thin_lens(number("aperture", aperture), far))
+
     def moved(self, pose: npt.ArrayLike) -> Camera:
         """Return the same camera, carried by a body.
 
@@ -1068,12 +1134,14 @@ class Camera(Sensor):
     def __repr__(self) -> str:
         position, aim, up, (rows, columns), (projection, ray_start), parameters = self._arguments
         others = dict(parameters)
+        lens = [(name, others.pop(name)) for name in _LENS if name in others]
         lengths = [(name, others.pop(name, None)) for name in _LENGTHS]
         pairs: list[tuple[str, object]] = [("position", position), ("aim", aim), ("up", up)]
         pairs += [*lengths, ("rows", rows), ("columns", columns)]
         pairs += [("projection", projection), ("ray_start", ray_start)]
         if others := {name: value for name, value in others.items() if value}:
             pairs.append(("parameters", others))
+        pairs += lens
         return f"Camera({', '.join(f'{name}={value!r}' for name, value in pairs)})"
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
@@ -1089,6 +1157,27 @@ def _parameters(given: Mapping[str, float] | None) -> dict[str, float]:
     if not isinstance(given, dict) and not hasattr(given, "items"):
         raise TypeError(f"parameters must be a dict of numbers, got {given!r}")
     return {text("a parameter", name): number(str(name), each) for name, each in given.items()}
+
+
+def _thin_lens(
+    projection: str, given: Mapping[str, float], aperture: float, focus: float | None
+) -> dict[str, float]:
+    """Return the numbers of a thin lens, if there is one."""
+    for name in _LENS:
+        if name in given:
+            raise ValueError(f"{name} is an argument of its own, not one of parameters")
+    diameter = number("aperture", aperture)
+    if focus is None:
+        if diameter != 0.0:
+            raise ValueError(f"focus must be given with an aperture, got {focus} with {diameter}")
+        return {}
+    if projection != "perspective":
+        what = "only perspective cameras have a thin lens"
+        raise ValueError(f"aperture must be left out: {what}, got {projection}")
+    far = number("focus", focus)
+    if not far > 0.0:
+        raise ValueError(f"focus must be a positive distance, got {far}")
+    return {"aperture": diameter, "focus": far}
 
 
 def _span(name: str, part: object, length: int) -> tuple[int, int]:

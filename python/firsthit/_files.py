@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, TypeVar, cast, get_args
+
+from ._types import MatteName
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,6 +29,12 @@ ATTRIBUTE = "attribute:"
 def attribute_of(name: str) -> str | None:
     """Return the attribute that a channel's name stands for, if it is one."""
     return name[len(ATTRIBUTE) :] or None if name.startswith(ATTRIBUTE) else None
+
+
+def matte_of(name: str) -> str | None:
+    """Return the channel of a Cryptomatte, without its number of pairs, if it is one."""
+    channel = name.split(":")[0]
+    return channel if channel in get_args(MatteName) else None
 
 
 def in_path(name: str) -> str:
@@ -85,8 +93,10 @@ def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Na
     if not asked:
         raise ValueError(f"channels must be one or more of {', '.join(known)}, got none")
     for name in asked:
-        is_attribute = isinstance(name, str) and attribute_of(name) is not None
-        if name not in known and not is_attribute:
+        is_more = isinstance(name, str) and (
+            attribute_of(name) is not None or (name != matte_of(name) in known)
+        )
+        if name not in known and not is_more:
             there = f"{', '.join(known)}, {ATTRIBUTE}NAME"
             raise ValueError(f"channels must be among {there}, got {name!r}")
     return list(dict.fromkeys(asked))

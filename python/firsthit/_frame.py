@@ -13,15 +13,15 @@ import numpy as np
 from . import _firsthit
 from ._arrays import count, number, text
 from ._errors import FileFormatError, warn
-from ._files import files, is_cloud, is_of_several
+from ._files import files, is_cloud, is_of_several, matte_of
 
 if TYPE_CHECKING:
-    from collections.abc import ItemsView, Iterator, KeysView, ValuesView
+    from collections.abc import ItemsView, Iterator, KeysView, Sequence, ValuesView
 
     import numpy.typing as npt
     import xarray
 
-    from ._types import DistanceName, IdentifierName, VectorName
+    from ._types import DistanceName, IdentifierName, MatteName, VectorName
 
 #: The types of channels, as metadata name them, and those that an EXR holds as uint32.
 _DTYPES = ("float64", "float32", "int32", "bool")
@@ -184,7 +184,7 @@ class Frame:
         return tuple(self._channels)
 
     @overload
-    def __getitem__(self, name: Literal["color"]) -> npt.NDArray[np.float32]: ...
+    def __getitem__(self, name: Literal["color"] | MatteName) -> npt.NDArray[np.float32]: ...
 
     @overload
     def __getitem__(self, name: DistanceName | VectorName) -> npt.NDArray[np.float64]: ...
@@ -265,6 +265,51 @@ class Frame:
         for file, held in files(path, names):
             self._write(file, held, png_scale)
 
+    def matte(
+        self, names: str | Sequence[str], channel: MatteName = "crypto_object"
+    ) -> npt.NDArray[np.float32]:
+        """Return how much of each pixel some objects or materials cover, of a Cryptomatte.
+
+        Parameters
+        ----------
+        names : str or sequence of str
+            Their names. Those without a name are called ``object_3`` or ``material_3``, after their
+            identifiers. Things of one name are one.
+        channel : {"crypto_object", "crypto_material"}
+            The channel, which `render` makes.
+
+        Returns
+        -------
+        (rows, columns) array of float32
+            From 0 to 1: the share of the pixel's samples that meet them. What is not among the
+            pixel's largest shares, six unless more were asked for, counts as 0.
+
+        Raises
+        ------
+        KeyError
+            For a channel that the frame does not have, and a name that the scene does not have.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+        0
+        >>> camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=3, columns=3)
+        >>> frame = fh.render(scene, camera, channels="crypto_object", samples=16)
+        >>> frame.matte("ball")[1]
+        array([0.125, 1.   , 0.125], dtype=float32)
+        """
+        pairs = np.ascontiguousarray(self[channel], np.float32)
+        known = self.metadata.get("cryptomatte", {}).get(channel, {}).get("manifest")
+        shares = np.zeros(self._shape, np.float32)
+        for name in dict.fromkeys([names] if isinstance(names, str) else names):
+            if known is not None and name not in known:
+                raise KeyError(f"no {name!r} in the manifest of {channel}")
+            is_it = pairs[..., 0::2].view(np.uint32) == _firsthit.matte_id(name)
+            shares += np.where(is_it, pairs[..., 1::2], np.float32(0)).sum(axis=-1)
+        return np.minimum(shares, np.float32(1))
+
     def to_points(self) -> dict[str, npt.NDArray[Any]]:
         """Return the point cloud of the pixels that hit something.
 
@@ -344,8 +389,11 @@ class Frame:
         scale = None if png_scale is None else number("png_scale", png_scale)
         _firsthit.write(path, list(self._shape), channels, self._origin, scale)
 
-    def _repr_png_(self) -> bytes:
-        name = "color" if "color" in self._channels else next(iter(self._channels))
+    def _repr_png_(self) -> bytes | None:
+        pictures = [name for name in self._channels if matte_of(name) is None]
+        if not pictures:
+            return None
+        name = "color" if "color" in pictures else pictures[0]
         return _firsthit.png(list(self._shape), name, _in_file(name, self._channels[name]))
 
 

@@ -13,7 +13,7 @@ from ._files import attribute_of, distinct, files, is_cloud, is_of_several
 from ._leaving import leaving
 from ._progress import following
 from ._rounding import singles, singles_within
-from ._types import ChannelName, NamedIdentifier
+from ._types import ChannelName, MatteName, NamedIdentifier
 
 if TYPE_CHECKING:
     import os
@@ -48,7 +48,7 @@ _LETTERS = {"barycentric": "012", "uv": "uv", "base_color": "rgb"}
 
 #: What can be asked about a camera's hits, and about those of other rays.
 _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
-    name for name in get_args(ChannelName) if name not in ("color", "valid")
+    name for name in get_args(ChannelName) if name not in ("color", "valid", *get_args(MatteName))
 )
 _OF_RAYS = tuple(name for name in _OF_A_CAMERA if name not in ("range", "z"))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import threads_or_all
-from ._files import distinct
+from ._files import distinct, matte_of
 from ._filters import Filters
 from ._frame import Frame
 from ._lights import Sky, background_native
@@ -67,8 +67,9 @@ def render(
         camera, of one that moves in the middle of the picture; with a `RaySensor` or a `Lidar` it
         has ambient light alone.
     channels : str or sequence of str
-        Any of those that the table below lists, and ``"attribute:NAME"`` for an attribute of the
-        meshes, as `Hits.attribute` gives it.
+        Any of those that the table below lists; ``"attribute:NAME"`` for an attribute of the
+        meshes, as `Hits.attribute` gives it; and ``"crypto_object:8"`` for a Cryptomatte of 8 pairs
+        instead of 6.
     background : Sky, (3,) array_like or str, optional
         The colour of misses: a `Sky`, linear numbers, sRGB as ``"#rrggbb"``, a CSS name, or
         ``"transparent"``. If left out, `Scene.background`, or a dark blue grey where that is
@@ -76,8 +77,9 @@ def render(
     samples : int, optional
         The number of points of a pixel whose mean is its colour. They are the first ``samples``
         points of a fixed low-discrepancy sequence, the same in every pixel; the first is the
-        centre. All other channels are those of the centre. If left out, this, ``shade``,
-        ``ambient`` and ``shadows`` are those of `Scene.shading`.
+        centre. With a camera that has an aperture, each is a point of the lens too, and it takes at
+        least 2. Cryptomattes count the same samples. All other channels are those of the centre. If
+        left out, this, ``shade``, ``ambient`` and ``shadows`` are those of `Scene.shading`.
     region : tuple of two slices, optional
         The part of the picture to make: its rows and its columns, without steps, such as
         ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for
@@ -111,7 +113,8 @@ def render(
     Raises
     ------
     ValueError
-        For no channel, an unknown channel, attribute or shader, a value out of range, a region
+        For no channel, an unknown channel, attribute or shader, a value out of range, one sample of
+        a camera with an aperture (its colours would be a pinhole's), a region
         without pixels or with steps, and colours of a wrong shape from ``shade``.
     TypeError
         For a scene, a camera, a region, a shader or a flag of another type.
@@ -138,12 +141,18 @@ def render(
     ``attribute:NAME``               any float64        the attribute's        nan
     ``front``                        bool               the front was met      False
     ``valid``                        bool               the pixel has a ray    either
+    ``crypto_object``                12 float32         Cryptomatte            0
+    ``crypto_material``              12 float32         Cryptomatte            0
     ===============================  =================  =====================  ================
 
     A node is one of the file's tree, a mesh one of the file, whose parts may be several objects,
     and materials that are alike in name and look are one. An object is itself an instance: of a
     mesh, at a node. ``frame.metadata["names"]`` has the names of what identifiers stand for, and so
     has `Hits.names`.
+
+    A Cryptomatte has pairs of an identifier, which is the hash of a name, and the share of the
+    pixel's samples that it covers, the largest share first: mattes with soft edges. `Frame.matte`
+    takes one out; ``.exr`` and ``.npz`` hold them, for compositing programs too.
 
     Lengths are in scene units. ``t`` counts from the ray's start; ``range`` from the camera's
     position along the ray; ``z`` from the camera's position along its aim, which a `Lidar` and a
@@ -186,6 +195,8 @@ def render(
     shading = (shader, back, look.ambient, look.shadows)
     asked = [name for name in names if own is None or name != "color"]
     camera = scene._view() if camera is None else camera
+    if own is not None and "color" in names:
+        _firsthit.check_samples(camera._native, look.samples)
     part = _Region.of(region, (camera.rows, camera.columns))
     pixels = math.prod(part.shape)
     work = _firsthit.render_work(pixels, asked, look.samples)
@@ -202,7 +213,7 @@ def render(
             made["color"] = (
                 job.centres(told) if look.samples == 1 else job.means(look.samples, told)
             )
-    return Frame._of(part.shape, {name: made[name] for name in names}, origin)
+    return Frame._of(part.shape, {matte_of(name) or name: made[name] for name in names}, origin)
 
 
 def _names(channels: str | Sequence[str]) -> list[str]:

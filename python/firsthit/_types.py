@@ -38,13 +38,20 @@ ChannelName = Literal[
     "base_color",
     "front",
     "valid",
+    "crypto_object",
+    "crypto_material",
 ]
+#: Channels of mattes, float32.
+MatteName = Literal["crypto_object", "crypto_material"]
 
 #: The channel of an attribute, for type checkers: ``AttributeChannel("attribute:quality")``. At run
 #: time it is the text itself, which will do.
 AttributeChannel = NewType("AttributeChannel", str)
+#: The channel of a Cryptomatte with another number of pairs than six, for type checkers:
+#: ``MatteChannel("crypto_object:8")``. At run time it is the text itself, which will do.
+MatteChannel = NewType("MatteChannel", str)
 #: What pictures and files of hits can be asked for.
-Asked = ChannelName | AttributeChannel
+Asked = ChannelName | AttributeChannel | MatteChannel
 
 #: What of a mesh has an attribute.
 AttributeOf = Literal["vertices", "corners", "faces"]

@@ -3,7 +3,7 @@
 use firsthit::camera::{Convention, Description, PixelMatrix, Projection};
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
-use firsthit::render::{framing_camera, sample_ray};
+use firsthit::render::{Sample, framing_camera};
 use firsthit::sensor::{Sensor, camera_of};
 use firsthit::watch::Watch;
 use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
@@ -152,6 +152,17 @@ impl Camera {
         sized.map(Self).map_err(|error| raise(py, &error))
     }
 
+    /// The same camera with a thin lens.
+    fn thin_lens(&self, py: Python<'_>, aperture: f64, focus: f64) -> PyResult<Self> {
+        let camera = self.0.thin_lens(aperture, focus);
+        camera.map(Self).map_err(|error| raise(py, &error))
+    }
+
+    /// How far ahead along the aim a point is.
+    fn depth(&self, point: [f64; 3]) -> f64 {
+        self.0.depth(DVec3::from(point))
+    }
+
     /// Where points are seen: columns and rows for each, NaN for nowhere.
     fn project<'py>(
         &self,
@@ -284,8 +295,10 @@ pub(crate) fn rays_of_rows<'py>(
         rows.0.saturating_mul(columns),
         last_row.saturating_mul(columns),
     );
-    let ray = |index| sample_ray(sensor, first + index, sample);
-    ray_arrays(py, last.saturating_sub(first), ray)
+    let sample = Sample::new(sensor, sample);
+    ray_arrays(py, last.saturating_sub(first), |index| {
+        sample.ray(first + index)
+    })
 }
 
 /// `range` or `z` of the hits at `t` of some pixels of a sensor.

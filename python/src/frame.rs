@@ -168,6 +168,19 @@ pub(crate) fn metadata(
     Ok(metadata.to_json())
 }
 
+/// The identifier of a name in a Cryptomatte.
+#[pyfunction]
+pub(crate) fn matte_id(name: &str) -> u32 {
+    image::matte_id(name)
+}
+
+/// Refuses a number of samples that colours of a sensor cannot have.
+#[pyfunction]
+pub(crate) fn check_samples(py: Python<'_>, camera: SensorIn<'_>, samples: u32) -> PyResult<()> {
+    let checked = firsthit::render::check_samples(camera.sensor(), samples);
+    checked.map_err(|error| raise(py, &error))
+}
+
 /// The JSON of the origin of what rays met, of a camera's or of others.
 #[pyfunction]
 pub(crate) fn origin(
@@ -211,7 +224,7 @@ fn frame(
         } else {
             kind.channel(data)
         };
-        if kind.attribute_name().is_some() {
+        if kind.attribute_name().is_some() || kind.matte().is_some() {
             let components = channel.data.len().checked_div(elements);
             channel.components = components.unwrap_or(1).max(1);
         }

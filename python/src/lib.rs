@@ -42,7 +42,8 @@ mod _firsthit {
     use crate::filters::visible;
     #[pymodule_export]
     use crate::frame::{
-        defaults, metadata, origin, png, read, render, render_work, write, write_bytes,
+        check_samples, defaults, matte_id, metadata, origin, png, read, render, render_work, write,
+        write_bytes,
     };
     #[pymodule_export]
     use crate::lint::{Lint, lint_kinds};

@@ -1,6 +1,6 @@
 //! Whole pictures: firsthit renders them, colours and all; Embree traces the rays that they take, and shades nothing.
 
-use firsthit::render::sample_ray;
+use firsthit::render::Sample;
 use firsthit::shade::Shade as _;
 use firsthit::{Background, Camera, Color, DVec3, Light, Ray, Scene, Shader, Shading};
 
@@ -26,7 +26,7 @@ impl Picture {
     pub(crate) fn antialiased(scene: &Scene, camera: &Camera) -> Self {
         let points = (0..camera.pixels()).flat_map(|pixel| (0..SAMPLES).map(move |k| (pixel, k)));
         let rays: Vec<Ray> = points
-            .map(|(pixel, k)| sample_ray(camera, pixel, k))
+            .map(|(pixel, k)| Sample::new(camera, k).ray(pixel))
             .collect();
         Self {
             scene: scene.clone(),
@@ -80,7 +80,7 @@ impl Picture {
     pub(crate) fn judged(&self, pixel: usize) -> [f32; 3] {
         let shading = self.shading();
         let point = |k| {
-            let ray = sample_ray(&self.camera, pixel, k);
+            let ray = Sample::new(&self.camera, k).ray(pixel);
             let hit = firsthit_side::judge(&self.scene, &ray);
             shading.shade(hit.t, ray.origin, ray.direction, &hit)
         };

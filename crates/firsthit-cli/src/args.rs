@@ -8,7 +8,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use firsthit::camera::{PixelMatrix, StandardView};
+use firsthit::camera::{Focus, PixelMatrix, StandardView};
 use firsthit::{Background, Color, DVec3, RayStart, Side};
 
 use crate::completion::ChannelNames;
@@ -131,6 +131,13 @@ pub(crate) struct CameraArgs {
     /// The viewplane's width and height, in scene units
     #[arg(long, value_name = "WxH", value_parser = values::lengths, allow_hyphen_values = true)]
     pub(crate) viewplane: Option<(f64, f64)>,
+    /// The diameter of the lens, in scene units: colours are sharp at --focus, and blurred nearer and farther. Needs --samples, 64
+    /// or more for a smooth blur. All other channels stay those of a pinhole [default: 0, a pinhole, or the file's]
+    #[arg(long, value_name = "LENGTH", value_parser = values::tolerance, allow_hyphen_values = true)]
+    pub(crate) aperture: Option<f64>,
+    /// Where a picture with an --aperture is sharp: the distance along the aim, or a point at that distance
+    #[arg(long, value_name = "DISTANCE|X,Y,Z", value_parser = values::focus, allow_hyphen_values = true)]
+    pub(crate) focus: Option<Focus>,
     /// The intrinsic matrix: focal lengths and principal point in pixels, and the skew if there is one. Needs --convention and
     /// --size
     #[arg(long, value_name = "FX,FY,CX,CY[,SKEW]", value_parser = values::intrinsics, requires = "convention", requires = "size", conflicts_with_all = ["fov", "viewplane", "orthographic"], allow_hyphen_values = true)]

@@ -141,6 +141,8 @@ fn overrides(args: &CameraArgs) -> bool {
         fov,
         focal_length,
         viewplane,
+        aperture,
+        focus,
         intrinsics,
         pose,
         convention: _,
@@ -157,6 +159,8 @@ fn overrides(args: &CameraArgs) -> bool {
         || fov.is_some()
         || focal_length.is_some()
         || viewplane.is_some()
+        || aperture.is_some()
+        || focus.is_some()
         || intrinsics.is_some()
         || pose.is_some()
         || projection.is_some()
@@ -288,6 +292,7 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
     };
     let projection = projection(args).or(base.projection);
     let has_viewplane = is_flat(projection.unwrap_or_default());
+    let has_lens = projection.unwrap_or_default() == Projection::Perspective;
     let described = Description {
         position: args.position.or(base.position),
         aim,
@@ -298,6 +303,8 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
             .ray_start
             .map(Into::into)
             .or(base.ray_start.filter(|_| has_viewplane)),
+        aperture: args.aperture.or(base.aperture.filter(|_| has_lens)),
+        focus: args.focus.or(base.focus.filter(|_| has_lens)),
         columns: args.size.map_or(base.columns, |(columns, _)| Some(columns)),
         rows: args.size.map_or(base.rows, |(_, rows)| Some(rows)),
     };
@@ -306,7 +313,26 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
         None => described,
     };
     check_aim(&described)?;
+    check_lens(&described)?;
     Ok(described)
+}
+
+/// Refuses a lens of which half is missing.
+fn check_lens(described: &Description) -> Result<(), Failure> {
+    let own = match described.opening {
+        Some(Opening::Lens { lens, .. }) => lens.viewplane().map_or(0.0, |own| own.aperture),
+        _ => 0.0,
+    };
+    let aperture = described.aperture.unwrap_or(own);
+    match described.focus {
+        None if aperture > own => Err(Failure::usage(format!(
+            "--aperture {aperture} needs --focus, a distance or a point"
+        ))),
+        Some(_) if described.aperture.is_none() && own == 0.0 => Err(Failure::usage(
+            "--focus needs --aperture, the lens' diameter",
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn is_flat(projection: Projection) -> bool {

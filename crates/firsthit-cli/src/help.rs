@@ -235,8 +235,8 @@ const ATTRIBUTES: &str = "an attribute of the meshes by its name, such as a prop
 /// Examples, and what each channel is.
 pub(crate) fn render() -> String {
     let rows = KINDS.iter().map(|kind| (&*kind.name, kind.about));
-    let text = format!("{RENDER_EXAMPLES}\n\nChannels:") + &table(rows, 11);
+    let text = format!("{RENDER_EXAMPLES}\n\nChannels:") + &table(rows, 15);
     let attribute = [("attribute:NAME", ATTRIBUTES)];
-    let text = text + &table(attribute.into_iter(), 11);
+    let text = text + &table(attribute.into_iter(), 15);
     text + "\n\nA PNG shows distances from yellow (near) to violet, and misses in black; with --png-scale it holds them in 16 bits."
 }

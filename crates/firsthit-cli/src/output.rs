@@ -39,7 +39,7 @@ impl Source {
     }
 
     fn has(self, kind: &Kind) -> bool {
-        self == Self::Camera || !(kind.needs_sensor() || kind.needs_shade())
+        self == Self::Camera || !(kind.needs_sensor() || kind.needs_samples())
     }
 
     /// The kinds of files there are, `None` being CSV, which is for lists alone.
@@ -81,7 +81,9 @@ pub(crate) fn kinds(
             }
             continue;
         }
-        let Some(kind) = KINDS.iter().find(|kind| kind.name == wanted) else {
+        let with_ranks = with_ranks(wanted)?;
+        let known = KINDS.iter().find(|kind| kind.name == wanted);
+        let Some(kind) = with_ranks.or(known) else {
             let known: Vec<&str> = source.channels().map(|kind| &*kind.name).collect();
             let meant = nearest_word(wanted, known.iter().copied());
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
@@ -118,6 +120,17 @@ fn attribute(wanted: &str) -> Result<Option<&'static Kind>, Failure> {
     Ok(Some(Box::leak(Box::new(kind.into_owned()))))
 }
 
+/// The Cryptomatte of another number of pairs than the usual one, if that is what is asked for.
+fn with_ranks(wanted: &str) -> Result<Option<&'static Kind>, Failure> {
+    let mut mattes = KINDS.iter().filter(|kind| kind.matte().is_some());
+    let name = wanted.split_once(':').map(|(name, _)| name);
+    if !mattes.any(|kind| Some(&*kind.name) == name) {
+        return Ok(None);
+    }
+    let kind = asked(wanted).map_err(|error| Failure::usage(format!("--channels: {error}")))?;
+    Ok(Some(Box::leak(Box::new(kind.into_owned()))))
+}
+
 /// A file to be written.
 #[derive(Debug)]
 pub(crate) struct Target {
@@ -150,7 +163,7 @@ pub(crate) fn orders(
         let names = |kinds: &[&Kind]| {
             kinds
                 .iter()
-                .map(|kind| kind.name.clone())
+                .map(|kind| (kind.name.clone(), kind.components))
                 .collect::<Vec<_>>()
         };
         match orders
@@ -220,7 +233,26 @@ pub(crate) fn targets(
         }
     }
     check_paths(&targets, inputs)?;
+    check_mattes(&targets, kinds)?;
     Ok(targets)
+}
+
+/// Refuses Cryptomattes for files that hold none, before any work is done.
+fn check_mattes(targets: &[Target], kinds: &[&'static Kind]) -> Result<(), Failure> {
+    for target in targets {
+        let mut held =
+            (kinds.iter()).filter(|kind| target.channel.is_none_or(|of| kind.name == of));
+        let matte = held.find(|kind| kind.matte().is_some());
+        let takes = target.format.is_some_and(|format| format.takes_mattes);
+        if let (Some(kind), false) = (matte, takes) {
+            return Err(Failure::usage(format!(
+                "--output: {} holds no Cryptomatte ({}); use .exr or .npz",
+                escaped(&target.path),
+                kind.name
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn format(path: &Path, source: Source) -> Result<Option<&'static Format>, Failure> {

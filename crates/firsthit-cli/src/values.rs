@@ -1,8 +1,7 @@
 //! How values are written on the command line.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use firsthit::camera::PixelMatrix;
-use firsthit::camera::StandardView;
+use firsthit::camera::{Focus, PixelMatrix, StandardView};
 use firsthit::geometry::{COLOR_NAMES, color_of};
 use firsthit::lint::KINDS;
 use firsthit::scene_file::nearest_word;
@@ -157,6 +156,15 @@ pub(crate) fn target(text: &str) -> Result<Target, String> {
     vector(text)
         .map(Target::Point)
         .map_err(|form| format!("{form}, or auto"))
+}
+
+pub(crate) fn focus(text: &str) -> Result<Focus, String> {
+    if let Ok(distance) = positive(text) {
+        return Ok(Focus::Distance(distance));
+    }
+    let form = "a positive distance, or a point such as 1,2,3";
+    let point = vector(text).map(Focus::At);
+    point.map_err(|_| format!("expected {form}"))
 }
 
 pub(crate) fn light(text: &str) -> Result<LightArg, String> {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-pub use asked::{ATTRIBUTE, asked};
+pub use asked::{ATTRIBUTE, MATTE_RANKS, asked};
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
 pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS, VISIBLE};
 
@@ -86,6 +86,8 @@ enum Make {
     Attribute(Arc<str>),
     /// From a shader, by `render`.
     Color,
+    /// From all samples of a pixel, by `render`.
+    Matte(Matte),
     /// Not from first hits.
     Elsewhere,
 }
@@ -138,6 +140,19 @@ impl Kind {
         matches!(self.make, Make::Color)
     }
 
+    /// Whether it is made from all samples of a pixel, by `render`; other channels are those of the pixel's centre.
+    pub fn needs_samples(&self) -> bool {
+        matches!(self.make, Make::Color | Make::Matte(_))
+    }
+
+    /// What it has mattes of, if it is a Cryptomatte.
+    pub fn matte(&self) -> Option<Matte> {
+        match self.make {
+            Make::Matte(matte) => Some(matte),
+            _ => None,
+        }
+    }
+
     /// The channel of colours before a transparent background: four components, of which the last is the coverage (alpha).
     pub fn transparent_channel(&self, data: Data) -> Channel {
         let mut channel = self.channel(data);
@@ -158,6 +173,25 @@ impl Kind {
                 unit: self.unit,
                 frame: self.frame,
             },
+        }
+    }
+}
+
+/// What a Cryptomatte has mattes of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Matte {
+    /// The objects, by their names.
+    Object,
+    /// The materials, by their names.
+    Material,
+}
+
+impl Matte {
+    /// What one is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Object => "object",
+            Self::Material => "material",
         }
     }
 }
@@ -198,7 +232,7 @@ pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec
 /// The channels that are no attributes.
 fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
     for kind in kinds {
-        let is_made_elsewhere = matches!(kind.make, Make::Color | Make::Elsewhere);
+        let is_made_elsewhere = kind.needs_samples() || matches!(kind.make, Make::Elsewhere);
         if is_made_elsewhere || (kind.needs_sensor() && shots.sensor.is_none()) {
             let expected = "one that rays without a camera have";
             return Err(Error::argument("channel", expected, &*kind.name));
@@ -254,7 +288,7 @@ impl Kind {
                 Data::Int32(filled(count, -1)?)
             }
             Make::Flag(_) | Make::Valid => Data::Bool(filled(count, false)?),
-            Make::Color | Make::Attribute(_) | Make::Elsewhere => {
+            Make::Color | Make::Matte(_) | Make::Attribute(_) | Make::Elsewhere => {
                 return Err(Error::argument(
                     "channel",
                     "one without a shader",

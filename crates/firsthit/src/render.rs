@@ -1,20 +1,22 @@
 //! The loop: sensor, shoot, shade, image.
 
+mod mattes;
 mod region;
+mod sample;
 mod settings;
 mod slab;
 
 pub use region::Region;
+pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};
 
 use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::Kind;
 use crate::error::Result;
 use crate::geometry::summary::summary;
-use crate::geometry::{Color, DVec3, Ray, Side, require};
+use crate::geometry::{Color, DVec3, Side, require};
 use crate::image::{Channel, Frame, Names, Origin};
 use crate::memory;
-use crate::sampling::offset;
 use crate::scene::{Background, Light, Scene};
 use crate::sensor::{Record, Sensor};
 use crate::shade::Shade;
@@ -67,7 +69,8 @@ summary!(
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
 ///
 /// With more than one of `samples`, a pixel's colour is the mean over that many points of it; all other
-/// channels are those of the pixel's centre. The result does not depend on the number of threads.
+/// channels are those of the pixel's centre. With a camera that has an aperture, each sample comes from another point of the lens too.
+/// The result does not depend on the number of threads.
 ///
 /// ```
 /// use firsthit::{Camera, DVec3, Object, Scene, Shader, Sphere, channel, render};
@@ -83,7 +86,8 @@ summary!(
 ///
 /// # Errors
 ///
-/// [`Error::Argument`](crate::Error::Argument) for no samples, [`Error::Limit`](crate::Error::Limit) when the picture does not
+/// [`Error::Argument`](crate::Error::Argument) for no samples, and for a single one of a camera with an aperture, whose colours would
+/// be a pinhole's; [`Error::Limit`](crate::Error::Limit) when the picture does not
 /// fit into memory, [`Error::Interrupted`](crate::Error::Interrupted) when `watch` stops it.
 pub fn render(
     scene: &Scene,
@@ -167,13 +171,20 @@ impl<'a> Picture<'a> {
         sink: &mut dyn FnMut(Frame) -> Result<()>,
     ) -> Result<()> {
         let region = self.checked()?;
+        if self.needs_samples() {
+            check_samples(self.sensor, self.samples)?;
+        }
         let columns = region.columns.len();
         let height = (SLAB / columns / SLAB_ROWS).max(1) * SLAB_ROWS;
         for first in region.rows.clone().step_by(height) {
             let rows = first..region.rows.end.min(first.saturating_add(height));
             let columns = region.columns.clone();
             let mut slab = Slab::new(self, Region { rows, columns })?;
-            let samples = if self.has_color() { self.samples } else { 1 };
+            let samples = if self.needs_samples() {
+                self.samples
+            } else {
+                1
+            };
             for _ in 0..samples {
                 slab.add_sample(watch)?;
             }
@@ -211,6 +222,10 @@ impl<'a> Picture<'a> {
 
     fn has_color(&self) -> bool {
         self.channels.iter().any(|kind| kind.needs_shade())
+    }
+
+    fn needs_samples(&self) -> bool {
+        self.channels.iter().any(|kind| kind.needs_samples())
     }
 
     /// An empty frame of a region that says where it comes from.
@@ -262,14 +277,17 @@ impl Progressive<'_> {
 /// How many rays a picture of so many pixels reports to its watch in all.
 pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
     let has_color = channels.iter().any(|kind| kind.needs_shade());
-    let has_others = channels.iter().any(|kind| !kind.needs_shade());
+    let has_samples = channels.iter().any(|kind| kind.needs_samples());
+    let has_others = channels.iter().any(|kind| !kind.needs_samples());
     // Of each sample the rays and the colours; and the other channels, all at once.
-    let of_samples = if has_color { 2 * u64::from(samples) } else { 1 };
-    (pixels as u64).saturating_mul(of_samples + u64::from(has_others))
+    let traced = if has_samples { u64::from(samples) } else { 1 };
+    let shaded = if has_color { traced } else { 0 };
+    (pixels as u64).saturating_mul(traced + shaded + u64::from(has_others))
 }
 
 /// What outputs say about where they come from: the scene's fingerprint, the camera, if one made the rays, and what the
-/// identifiers of the `channels` stand for. `samples` are the points of a pixel that its colour is the mean of, if there are colours.
+/// identifiers of the `channels` stand for. `samples` are the points of a pixel that its colour is the mean of, if there are colours
+/// or mattes.
 pub fn origin(
     scene: &Scene,
     sensor: Option<&dyn Sensor>,
@@ -289,6 +307,9 @@ pub fn origin(
         samples,
         first_pixel: [0, 0],
         names: has_names.then(|| names(scene)),
+        cryptomatte: (channels.iter())
+            .filter_map(|kind| mattes::record(scene, kind))
+            .collect(),
     }
 }
 
@@ -302,12 +323,6 @@ pub fn names(scene: &Scene) -> Names {
     });
     let lists = [catalog.nodes(), catalog.meshes(), catalog.materials()];
     Names::new(objects, lists)
-}
-
-/// The ray through the point of a pixel that its sample `sample` is at, pixels counted row by row from the top. The first is the
-/// pixel's centre.
-pub fn sample_ray(sensor: &dyn Sensor, pixel: usize, sample: u32) -> Ray {
-    sensor.ray_within(pixel, offset(sample))
 }
 
 /// The default number of samples per pixel.

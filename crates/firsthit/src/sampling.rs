@@ -1,4 +1,4 @@
-//! Points within a pixel.
+//! Points within a pixel, and on a lens.
 
 use crate::geometry::{DVec2, PixelGrid};
 
@@ -10,14 +10,88 @@ use crate::geometry::{DVec2, PixelGrid};
 /// pixel with sides 1 / 2^k has one, and none depends on how many there will be. It departs in the first point, which would be at
 /// two thirds of the sides.
 pub(crate) fn offset(sample: u32) -> DVec2 {
-    /// Two thirds in binary: so that of 2^m points each is a third or two thirds into its interval, and their mean is the middle,
-    /// nearly.
-    const SCRAMBLE: u32 = 0xaaaa_aaaa;
     if sample == 0 {
         return PixelGrid::CENTRE;
     }
-    let coordinate = |bits: u32| f64::from(bits ^ SCRAMBLE) / 4_294_967_296.0;
-    DVec2::new(coordinate(sample.reverse_bits()), coordinate(sobol(sample)))
+    DVec2::new(scrambled(sample.reverse_bits()), scrambled(sobol(sample)))
+}
+
+/// The point of the lens that the rays of a sample come from, in the disc of radius one. The first is the middle.
+///
+/// These are two more dimensions of Sobol's sequence, scrambled as those of [`offset`], so that the points of the pixel and of the
+/// lens are well distributed together. Their direction numbers are chosen for that: of 2, 4, 8, 16 and 32 points each rectangle of the
+/// square of that share of its area has one. The square becomes the disc by the concentric map of Shirley and Chiu, "A Low
+/// Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997, which keeps shares of areas.
+///
+/// The sequence departs in its first point, as `offset` does. Distances and identifiers are those of the first sample, so it is
+/// a pinhole's; the mean over n samples counts it once.
+pub(crate) fn on_lens(sample: u32) -> DVec2 {
+    if sample == 0 {
+        return DVec2::ZERO;
+    }
+    let square = DIRECTIONS.map(|directions| scrambled(combined(sample, &directions)));
+    concentric(2.0 * DVec2::from(square) - 1.0)
+}
+
+/// A coordinate from its bits, in units of 2^-32.
+fn scrambled(bits: u32) -> f64 {
+    /// Two thirds in binary: so that of 2^m points each is a third or two thirds into its interval, and their mean is the middle,
+    /// nearly.
+    const SCRAMBLE: u32 = 0xaaaa_aaaa;
+    f64::from(bits ^ SCRAMBLE) / 4_294_967_296.0
+}
+
+/// The direction numbers of the lens' two dimensions.
+const DIRECTIONS: [[u32; 32]; 2] = [
+    // x^3 + x + 1.
+    directions([false, true], [1, 1, 5]),
+    // x^3 + x^2 + 1.
+    directions([true, false], [1, 3, 1]),
+];
+
+/// The direction numbers of the primitive polynomial `x^3 + a x^2 + b x + 1` over two elements, in units of 2^-32, from the first
+/// three: the recurrence of Bratley and Fox, "Algorithm 659", ACM Transactions on Mathematical Software 14(1), 1988.
+const fn directions([a, b]: [bool; 2], first: [u32; 3]) -> [u32; 32] {
+    let mut numbers = [0; 32];
+    let mut k = 0;
+    while k < 32 {
+        numbers[k] = if k < 3 {
+            first[k] << (31 - k)
+        } else {
+            let mut number = numbers[k - 3] ^ (numbers[k - 3] >> 3);
+            if a {
+                number ^= numbers[k - 1];
+            }
+            if b {
+                number ^= numbers[k - 2];
+            }
+            number
+        };
+        k += 1;
+    }
+    numbers
+}
+
+/// The sum of the direction numbers of an index' bits.
+fn combined(index: u32, directions: &[u32; 32]) -> u32 {
+    let bits = directions.iter().enumerate();
+    let taken = bits.filter(|&(k, _)| index >> k & 1 == 1);
+    taken.fold(0, |sum, (_, direction)| sum ^ direction)
+}
+
+/// From the square from -1 to 1 to the disc of radius one: squares around the middle become circles.
+fn concentric(point: DVec2) -> DVec2 {
+    use std::f64::consts::FRAC_PI_4;
+    if point == DVec2::ZERO {
+        return point;
+    }
+    let (radius, angle) = if point.x.abs() > point.y.abs() {
+        (point.x, FRAC_PI_4 * (point.y / point.x))
+    } else {
+        (point.y, FRAC_PI_4 * (2.0 - point.x / point.y))
+    };
+    let (sin, cos) = libm::sincos(angle);
+    radius * DVec2::new(cos, sin)
 }
 
 /// The second dimension of Sobol's sequence, in units of 2^-32.
@@ -55,6 +129,58 @@ mod tests {
                 cells.dedup();
                 assert_eq!(cells.len(), count, "{m} {across}");
             }
+        }
+    }
+
+    /// Both departures are left out: one rectangle of each shape has none.
+    #[test]
+    fn rectangles_of_the_lens_have_a_point_each_up_to_32() {
+        let square = |k: u32| DVec2::from(DIRECTIONS.map(|each| scrambled(combined(k, &each))));
+        for m in 1..=5_u32 {
+            for across in 0..=m {
+                let sides = [across, m - across].map(|k| f64::from(1_u32 << k));
+                let cell = |k| (square(k) * DVec2::from(sides)).floor().to_array();
+                let mut cells: Vec<[f64; 2]> = (0..1 << m).map(cell).collect();
+                cells.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                cells.dedup();
+                assert_eq!(cells.len(), 1 << m, "{m} {across}");
+            }
+        }
+    }
+
+    /// A star in the square of a pixel has its own share of points of the lens: each quarter of a pixel's samples is spread over the
+    /// lens, and the other way round.
+    #[test]
+    fn points_of_the_pixel_and_of_the_lens_do_not_depend_on_each_other() {
+        let quarter = |point: DVec2, middle: f64| {
+            usize::from(point.x >= middle) + 2 * usize::from(point.y >= middle)
+        };
+        let mut counts = [[0; 4]; 4];
+        for k in 1..256 {
+            counts[quarter(offset(k), 0.5)][quarter(on_lens(k), 0.0)] += 1;
+        }
+        // 16 in each, but for the first sample, which is left out.
+        for count in counts.as_flattened() {
+            assert!((15..=16).contains(count), "{counts:?}");
+        }
+    }
+
+    /// Of a disc of radius one the mean of x^2 and of y^2 is 1/4.
+    #[test]
+    fn points_of_the_lens_fill_the_disc_evenly() {
+        assert_eq!(on_lens(0), DVec2::ZERO);
+        for count in [64_u32, 256, 1024] {
+            let points: Vec<DVec2> = (1..count).map(on_lens).collect();
+            assert!(points.iter().all(|point| point.length() < 1.0));
+            let mean = |of: &dyn Fn(DVec2) -> f64| {
+                points.iter().map(|&point| of(point)).sum::<f64>() / f64::from(count - 1)
+            };
+            let close = 2.0 / f64::from(count);
+            assert!(mean(&|point| point.x).abs() < close, "{count}");
+            assert!(mean(&|point| point.y).abs() < close, "{count}");
+            assert!((mean(&|point| point.x * point.x) - 0.25).abs() < close);
+            assert!((mean(&|point| point.y * point.y) - 0.25).abs() < close);
+            assert!(mean(&|point| point.x * point.y).abs() < close);
         }
     }
 

@@ -12,7 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use firsthit::camera::{Aim, Description, Equirectangular, Opening, StandardView};
+use firsthit::camera::{Aim, Description, Equirectangular, Focus, Opening, StandardView};
 use firsthit::load::{LoadSettings, load, load_bytes};
 use firsthit::measure::{By, inside, thickness};
 use firsthit::nearest::{Wanted, closest_points, signed_distances};
@@ -24,7 +24,8 @@ use firsthit::world::{NamedCamera, World};
 use firsthit::{
     AlphaMode, Background, Camera, Color, Cone, Cuboid, Cylinder, DAffine3, DQuat, DVec3, Disc,
     Filtered, InstructionSet, Lens, Light, Material, Mesh, Object, Plane, Positions, Ray,
-    RayFilter, Rays, Scene, Shader, Side, Sphere, Texture, TextureMap, Transform, View, fhs,
+    RayFilter, Rays, Scene, Shader, Side, Sphere, Texture, TextureMap, Transform, View, Viewplane,
+    fhs,
 };
 use support::{Numbers, bits, bumpy_sphere, mesh, rays};
 
@@ -201,6 +202,11 @@ fn world() -> World {
         position: DVec3::new(3.0, -9.0, 1.0 / 3.0),
         aim: DVec3::new(-0.3, 1.0, 0.0),
         up: DVec3::Z,
+        lens: Lens::Flat(Viewplane {
+            aperture: 0.1,
+            focus: 1.0 / 3.0,
+            ..Viewplane::default()
+        }),
         ..View::default()
     };
     let camera = |name: &str, view: View, description: Option<Description>| NamedCamera {
@@ -218,6 +224,8 @@ fn world() -> World {
             focal_length: None,
         }),
         rows: Some(48),
+        aperture: Some(0.3),
+        focus: Some(Focus::At(DVec3::new(1.0, 2.0, -3.0))),
         ..Description::default()
     };
     let panorama = View {

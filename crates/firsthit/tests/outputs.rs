@@ -53,6 +53,13 @@ fn encode(format: &Format, frame: &Frame, channel: Option<&str>) -> Vec<u8> {
     let mut bytes = Vec::new();
     let settings = WriteSettings::default();
     let path = Path::new("-");
+    let others;
+    let frame = if format.takes_mattes {
+        frame
+    } else {
+        others = without_mattes(frame.clone());
+        &others
+    };
     format
         .encode(frame, channel, settings, &mut bytes, path)
         .unwrap();
@@ -64,18 +71,33 @@ fn schema() -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
 
+/// The frame's other channels.
+fn without_mattes(frame: Frame) -> Frame {
+    let mut others = Frame::new(frame.shape()).from_origin(frame.origin().clone());
+    for channel in frame.into_channels() {
+        if channel.display != Display::Matte {
+            others.push(channel).unwrap();
+        }
+    }
+    others
+}
+
 /// Every file of a frame, in every format, with and without a scale.
 fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
     let mut paths = Vec::new();
     for format in FORMATS {
+        let mut frame = frame.clone();
+        if !format.takes_mattes {
+            frame = without_mattes(frame);
+        }
         if format.holds != Holds::OneChannel {
             paths.push(folder.join(format!("all.{}", format.name)));
-            write(frame, paths.last().unwrap()).unwrap();
+            write(&frame, paths.last().unwrap()).unwrap();
             continue;
         }
         for channel in frame.channels() {
             paths.push(folder.join(format!("{}.{}", channel.name, format.name)));
-            write_channel(frame, &channel.name, paths.last().unwrap()).unwrap();
+            write_channel(&frame, &channel.name, paths.last().unwrap()).unwrap();
         }
     }
     for name in ["t", "range", "z"] {

@@ -405,7 +405,7 @@ fn channels_are_interrupted_too() {
         hits: &hits,
         sensor: Some(&camera),
     };
-    for kind in KINDS.iter().filter(|kind| !kind.needs_shade()) {
+    for kind in KINDS.iter().filter(|kind| !kind.needs_samples()) {
         let result = make(&[kind], &shots, &Stopped);
         assert!(matches!(result, Err(Error::Interrupted)), "{}", kind.name);
     }

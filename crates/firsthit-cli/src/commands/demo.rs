@@ -3,7 +3,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::{Shader, Shading, example};
 
-use super::render::{Job, WITHOUT_COLOR, needs_shade, picture, settings};
+use super::render::{Job, WITHOUT_COLOR, needs_samples, picture, settings};
 use crate::args::DemoArgs;
 use crate::asked;
 use crate::camera::check_size;
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     let with_channels = |path: &PathBuf| (path.clone(), asked::channels(&args.channels, path));
     let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
     let orders = output::orders(&outputs, &[], args.run.quiet || args.run.json)?;
-    if args.samples.is_some() && !orders.iter().any(needs_shade) {
+    if args.samples.is_some() && !orders.iter().any(needs_samples) {
         warn(&[format!("--samples does nothing {WITHOUT_COLOR}")]);
     }
     let settings = settings(args.png_scale, &orders);

@@ -161,7 +161,13 @@ fn camera_line(place: usize, camera: &NamedCamera) -> String {
         Lens::Flat(viewplane) if viewplane.parallel => format!("{} high", number(viewplane.height)),
         Lens::Flat(viewplane) => {
             let angle = 2.0 * (viewplane.height / 2.0 / viewplane.focal_length).atan();
-            format!("{} degrees", number(angle.to_degrees()))
+            let angle = format!("{} degrees", number(angle.to_degrees()));
+            if viewplane.aperture > 0.0 {
+                let (aperture, focus) = (number(viewplane.aperture), number(viewplane.focus));
+                format!("{angle}, aperture {aperture}, focus {focus}")
+            } else {
+                angle
+            }
         }
         lens => {
             let parameters = lens.parameters().into_iter();

@@ -301,13 +301,17 @@ fn done(
 /// may give the same options to all runs.
 fn idle_options(args: &RenderArgs, orders: &[Order], shader: &Shader) -> Vec<String> {
     let light = &args.light;
+    // Mattes take samples and a lens, but no light.
+    let has_samples = orders.iter().any(needs_samples);
     let for_lambert = [
         ("--light", !light.light.is_empty()),
         ("--ambient", light.ambient.is_some()),
         ("--no-shadows", light.no_shadows),
     ];
     let for_color = [
-        ("--samples", args.picture.samples.is_some()),
+        ("--samples", args.picture.samples.is_some() && !has_samples),
+        ("--aperture", args.camera.aperture.is_some() && !has_samples),
+        ("--focus", args.camera.focus.is_some() && !has_samples),
         ("--shader", light.shader.is_some()),
         ("--color", light.color.is_some()),
         ("--background", light.background.is_some()),
@@ -361,6 +365,10 @@ fn doubtful_colors(light: &LightingArgs) -> Vec<String> {
         ))
     };
     colors.into_iter().filter_map(doubt).collect()
+}
+
+pub(super) fn needs_samples(order: &Order) -> bool {
+    order.kinds.iter().any(|kind| kind.needs_samples())
 }
 
 pub(super) fn needs_shade(order: &Order) -> bool {

@@ -425,3 +425,79 @@ fn a_scene_file_has_calibrated_cameras() {
         );
     }
 }
+
+#[test]
+fn an_aperture_blurs_colours_and_nothing_else() {
+    let lab = Lab::with_square();
+    let made = |name: &str, options: &str| {
+        let size = if options.contains("--camera") {
+            ""
+        } else {
+            "--size 24x18"
+        };
+        lab.ok(&format!(
+            "render square.ply {size} --channels color,z --samples 16 -o {name} {options}"
+        ));
+        let channels = lab.npz(name);
+        ["color", "z"].map(|name| channels[name].values.clone())
+    };
+    let at = "--position 0.5,0.5,4 --look-at 0.5,0.5,0 --up 0,1,0";
+    let [sharp, z] = made("sharp.npz", at);
+    let [blurred, z_of_lens] = made("a.npz", &format!("{at} --aperture 1 --focus 2"));
+    assert_ne!(sharp, blurred);
+    assert_eq!(z, z_of_lens);
+    // A point two units ahead is the same as the distance.
+    let [same, _] = made("b.npz", &format!("{at} --aperture 1 --focus 0.7,0.1,2"));
+    assert_eq!(blurred, same);
+    let [again, _] = made("again.npz", "--camera a.npz");
+    assert_eq!(again, blurred);
+    let [pinhole, _] = made("pinhole.npz", "--camera a.npz --aperture 0");
+    assert_eq!(pinhole, sharp);
+}
+
+#[test]
+fn half_a_lens_is_refused() {
+    let lab = Lab::with_square();
+    for (options, error) in [
+        (
+            "--aperture 0.5",
+            "--aperture 0.5 needs --focus, a distance or a point",
+        ),
+        (
+            "--focus 0.5",
+            "--focus needs --aperture, the lens' diameter",
+        ),
+        (
+            "--aperture 0.5 --focus 3 --samples 1",
+            "samples must be at least 2 for colours and mattes of a camera with an aperture, got 1",
+        ),
+        (
+            "--aperture 0.5 --focus 3 --orthographic",
+            "aperture must be zero for parallel rays, which come through no lens, got 0.5",
+        ),
+        (
+            "--aperture 0.5 --focus 3 --projection equidistant",
+            "aperture must be left out: only perspective cameras have a thin lens, got equidistant",
+        ),
+        (
+            "--aperture 0.5 --focus 0",
+            "expected a positive distance, or a point such as 1,2,3",
+        ),
+        (
+            "--aperture -1 --focus 2",
+            "expected zero or a positive number",
+        ),
+    ] {
+        let outcome = lab.run(&format!("render square.ply --size 8x6 -o a.png {options}"));
+        assert_ne!(outcome.code, 0, "{options}");
+        assert!(
+            outcome.stderr.contains(error),
+            "{options}: {}",
+            outcome.stderr
+        );
+    }
+    let idle =
+        lab.run("render square.ply --size 8x6 -o z.npy --channels z --aperture 0.5 --focus 3");
+    let expected = "--aperture does nothing without color among the --channels";
+    assert!(idle.stderr.contains(expected), "{}", idle.stderr);
+}

@@ -289,3 +289,51 @@ fn numbers_in_sentences_have_at_most_six_digits() {
     let exact = lab.ok("info square.ply --json");
     assert!(exact.text().contains("0.333333333333"), "{}", exact.text());
 }
+
+#[test]
+fn cryptomattes_go_to_files_that_hold_them() {
+    let lab = Lab::with_square();
+    lab.ok(&format!(
+        "render square.ply {ABOVE} --samples 16 --channels color,crypto_object -o a.exr -o a.npz"
+    ));
+    let exr = String::from_utf8_lossy(&lab.read("a.exr")).into_owned();
+    for words in [
+        "CryptoObject02.A",
+        "cryptomatte/3ae39a5/manifest",
+        "MurmurHash3_32",
+    ] {
+        assert!(exr.contains(words), "{words}");
+    }
+    let first = lab.npz("a.npz");
+    // The pixel in the middle, and the one in the corner.
+    let pairs = &first["crypto_object"].values;
+    let middle = &pairs[12 * (12 * COLUMNS + 16)..][..12];
+    assert_eq!(middle[1], 1.0);
+    assert_eq!(middle[2..], [0.0; 10]);
+    assert_eq!(pairs[..12], [0.0; 12]);
+    lab.ok(&format!(
+        "render square.ply {ABOVE} --channels crypto_object:2 -o two.npy"
+    ));
+    assert_eq!(array(&lab.read("two.npy")).shape, [25, 33, 4]);
+    for (output, channels, words) in [
+        (
+            "a.png",
+            "crypto_object",
+            "a.png holds no Cryptomatte (crypto_object); use .exr or .npz",
+        ),
+        ("a.ply", "crypto_object", "a.ply holds no Cryptomatte"),
+        (
+            "{channel}.png",
+            "z,crypto_material",
+            "holds no Cryptomatte (crypto_material)",
+        ),
+        (
+            "a.exr",
+            "crypto_object:7",
+            "an even number of pairs from 2 to 64, got crypto_object:7",
+        ),
+    ] {
+        let arguments = format!("render square.ply {ABOVE} --channels {channels} -o {output}");
+        lab.fails(&arguments, 2, words);
+    }
+}

@@ -25,6 +25,10 @@ pub struct Description {
     pub projection: Option<Projection>,
     /// Where rays start; else on a viewplane whose distance is given, and otherwise at the eye.
     pub ray_start: Option<RayStart>,
+    /// The diameter of the lens; else that of the opening's lens, or a pinhole.
+    pub aperture: Option<f64>,
+    /// What is in focus; else what the opening's lens says.
+    pub focus: Option<Focus>,
     /// Pixels across; else as many as the rows and the viewplane's shape ask, or 1024.
     pub columns: Option<usize>,
     /// Pixels down; else as many as the columns and the viewplane's shape ask.
@@ -42,6 +46,15 @@ pub enum Aim {
     Centre,
     /// As in a standard view.
     View(StandardView),
+}
+
+/// What a camera with an aperture is in focus at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Focus {
+    /// A distance along the aim.
+    Distance(f64),
+    /// The distance along the aim of a point.
+    At(DVec3),
 }
 
 /// How much a camera sees.
@@ -122,10 +135,37 @@ impl Description {
             (None, lens) if lens.is_panorama() => self.in_the_middle(view, bounds)?,
             (None, _) => self.framed(view, support)?,
         };
+        let camera = self.focused(camera)?;
         let Some(viewplane) = lens.viewplane() else {
             return Ok(camera);
         };
         Ok(camera.starting_at(self.ray_start.unwrap_or(viewplane.ray_start)))
+    }
+
+    /// The camera with the lens that is described.
+    fn focused(&self, camera: Camera) -> Result<Camera> {
+        let own = camera.lens().viewplane();
+        let aperture = self
+            .aperture
+            .or(own.map(|own| own.aperture).filter(|&own| own > 0.0));
+        let focus = self.focus.map(|focus| match focus {
+            Focus::Distance(distance) => distance,
+            Focus::At(point) => camera.depth(point),
+        });
+        let focus = focus.or(own.map(|own| own.focus).filter(|&own| own > 0.0));
+        match (aperture, focus) {
+            // A pinhole needs no focus.
+            (None | Some(0.0), None) => Ok(camera),
+            (None, Some(focus)) => {
+                let expected = "given with an aperture alone";
+                Err(Error::argument("focus", expected, focus))
+            }
+            (Some(aperture), None) => {
+                let expected = "given with a focus";
+                Err(Error::argument("aperture", expected, aperture))
+            }
+            (Some(aperture), Some(focus)) => camera.thin_lens(aperture, focus),
+        }
     }
 
     /// The camera of a view, at as many pixels as its viewplane's shape asks.
@@ -148,6 +188,12 @@ impl Description {
             }),
             projection: Some(view.lens.projection()),
             ray_start: viewplane.map(|viewplane| viewplane.ray_start),
+            aperture: viewplane
+                .map(|viewplane| viewplane.aperture)
+                .filter(|&aperture| aperture > 0.0),
+            focus: viewplane
+                .filter(|viewplane| viewplane.focus > 0.0)
+                .map(|viewplane| Focus::Distance(viewplane.focus)),
             columns: None,
             rows: None,
         }

@@ -13,7 +13,7 @@ use super::central::Central;
 use super::parameters::parameters;
 use super::quick::sincos;
 use crate::error::Result;
-use crate::geometry::arithmetic::Arithmetic;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, require};
 
 parameters! {
@@ -52,12 +52,9 @@ impl Central for Equirectangular {
         require("vertical_fov", expected, fine, self.vertical_fov)
     }
 
-    fn direction(&self, [rows, columns]: [usize; 2], pixel: DVec2) -> Option<DVec3> {
-        let longitude = radians(self.horizontal_fov) * (pixel.x / columns as f64 - 0.5);
-        let latitude = radians(self.vertical_fov) * (0.5 - pixel.y / rows as f64);
-        let (across, ahead) = libm::sincos(longitude);
-        let (above, level) = libm::sincos(latitude);
-        Some(DVec3::new(level * across, -above, level * ahead))
+    fn direction(&self, size: [usize; 2], pixel: DVec2) -> Option<DVec3> {
+        let (direction, _) = self.directions(Scalar, size, pixel.to_array());
+        Some(direction.into())
     }
 
     #[inline(always)]

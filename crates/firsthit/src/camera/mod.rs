@@ -23,13 +23,14 @@ mod pixel_matrix;
 mod pose;
 mod quick;
 mod standard;
+mod thin_lens;
 mod viewplane;
 
 pub use calibrated::Calibrated;
 pub use convention::{Convention, rotation};
 pub use cube_map::CubeMap;
 pub use cylindrical::Cylindrical;
-pub use description::{Aim, Description, Opening};
+pub use description::{Aim, Description, Focus, Opening};
 pub use equirectangular::Equirectangular;
 pub use lens::{Lens, Projection};
 pub use octahedral::Octahedral;

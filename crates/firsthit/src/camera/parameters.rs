@@ -6,6 +6,10 @@ use crate::error::{Error, Result};
 pub(super) trait Parameters {
     /// Visits each with its name.
     fn each(&mut self, visit: &mut dyn FnMut(&'static str, &mut f64));
+    /// Whether a number is left out where all are listed: it is what it is where nobody says.
+    fn is_silent(&self, _name: &str) -> bool {
+        false
+    }
 }
 
 /// Makes a struct of named numbers, all of which are zero unless said otherwise.
@@ -36,6 +40,7 @@ pub(super) use parameters;
 pub(super) fn values(parameters: &mut dyn Parameters) -> Vec<(&'static str, f64)> {
     let mut values = Vec::new();
     parameters.each(&mut |name, value| values.push((name, *value)));
+    values.retain(|(name, _)| !parameters.is_silent(name));
     values
 }
 

@@ -38,6 +38,12 @@ pub struct Viewplane {
     pub tilt: DVec2,
     /// How far to the right a column leans for each unit upwards.
     pub skew: f64,
+    /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole. See
+    /// [`Camera::thin_lens`](super::Camera::thin_lens).
+    pub aperture: f64,
+    /// The distance along the aim from the camera to what is in focus: a plane parallel to the viewplane. 0 where nobody says, as of a
+    /// pinhole.
+    pub focus: f64,
 }
 
 impl Default for Viewplane {
@@ -52,6 +58,8 @@ impl Default for Viewplane {
             shift: DVec2::ZERO,
             tilt: DVec2::ZERO,
             skew: 0.0,
+            aperture: 0.0,
+            focus: 0.0,
         }
     }
 }
@@ -66,6 +74,13 @@ impl Parameters for Viewplane {
         visit("tilt_x", &mut self.tilt.x);
         visit("tilt_y", &mut self.tilt.y);
         visit("skew", &mut self.skew);
+        visit("aperture", &mut self.aperture);
+        visit("focus", &mut self.focus);
+    }
+
+    /// Cameras without a lens do not speak of one.
+    fn is_silent(&self, name: &str) -> bool {
+        matches!(name, "aperture" | "focus") && self.aperture == 0.0 && self.focus == 0.0
     }
 }
 
@@ -134,6 +149,41 @@ impl Viewplane {
             skew,
             ..Self::default()
         })
+    }
+
+    /// Refuses what is no thin lens.
+    fn check_lens(&self) -> Result<()> {
+        let Self {
+            aperture, focus, ..
+        } = *self;
+        let is_length = |length: f64| length >= 0.0 && length.is_finite();
+        let expected = "finite and not negative";
+        require("aperture", expected, is_length(aperture), aperture)?;
+        require("focus", expected, is_length(focus), focus)?;
+        if aperture == 0.0 {
+            return Ok(());
+        }
+        let expected = "a positive distance for a camera with an aperture";
+        require("focus", expected, focus > 0.0, focus)?;
+        let expected = "zero for parallel rays, which come through no lens";
+        require("aperture", expected, !self.parallel, aperture)?;
+        let expected = "zero for a tilted viewplane: what is in focus would be tilted too";
+        let is_upright = self.tilt == DVec2::ZERO;
+        require("aperture", expected, is_upright, aperture)
+    }
+
+    /// The viewplane as it is from another point of the lens, so much to the right and upwards of the camera's position: what is in
+    /// focus is seen at the same places. It is a pinhole's.
+    ///
+    /// Let the point at `s p` be in focus, where `p` is the viewplane's and `s` the same for all of them. From the point `l` of the
+    /// lens it is in the direction of `p - l / s`.
+    pub(super) fn seen_from(&self, point: DVec2) -> Self {
+        Self {
+            shift: self.shift - point * (self.focal_length / self.focus),
+            aperture: 0.0,
+            focus: 0.0,
+            ..*self
+        }
     }
 
     /// Whether the aim meets its middle at a right angle, and its columns are at right angles to its rows.
@@ -241,7 +291,8 @@ impl Model for Viewplane {
         let is_flat = self.tilt.abs().max_element() < 90.0;
         require("tilt", "between -90 and 90 degrees", is_flat, self.tilt)?;
         let fine = !self.parallel || self.tilt == DVec2::ZERO;
-        require("tilt", "zero for parallel rays", fine, self.tilt)
+        require("tilt", "zero for parallel rays", fine, self.tilt)?;
+        self.check_lens()
     }
 
     fn ray(&self, pose: &Pose, size: [usize; 2], [row, column]: [usize; 2], offset: DVec2) -> Ray {

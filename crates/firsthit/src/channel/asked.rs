@@ -12,13 +12,25 @@ use crate::watch::Watch;
 /// What the names of channels of attributes begin with.
 pub const ATTRIBUTE: &str = "attribute:";
 
-/// What a name asks for: the kind of that name, or with [`ATTRIBUTE`] before it the attribute of the meshes, see
-/// [`Kind::attribute`].
+/// So many pairs of an identifier and its coverage a Cryptomatte has where nobody says.
+pub const MATTE_RANKS: usize = 6;
+
+/// The most that can be asked for.
+const MOST_RANKS: usize = 64;
+
+/// What a name asks for: the kind of that name; of a Cryptomatte with another number of pairs, as in `crypto_object:8`; or with
+/// [`ATTRIBUTE`] before it the attribute of the meshes, see [`Kind::attribute`].
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for a name that no kind has, and for an attribute without a name.
+/// [`Error::Argument`] for a name that no kind has, for an attribute without a name, and for a number of pairs that is odd or not
+/// from 2 to 64.
 pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
+    if let Some((name, ranks)) = name.split_once(':')
+        && let Some(kind) = kind(name).ok().filter(|kind| kind.matte().is_some())
+    {
+        return kind.with_ranks(ranks).map(Cow::Owned);
+    }
     match name.strip_prefix(ATTRIBUTE) {
         Some("") => Err(Error::argument("channel", "an attribute's name", name)),
         Some(attribute) => Ok(Cow::Owned(Kind::attribute(attribute))),
@@ -27,6 +39,19 @@ pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
 }
 
 impl Kind {
+    /// The same Cryptomatte with so many pairs. Two make a layer of an EXR.
+    fn with_ranks(&self, ranks: &str) -> Result<Self> {
+        let count = ranks.parse().ok();
+        let count = count.filter(|count| (2..=MOST_RANKS).contains(count) && count % 2 == 0);
+        let expected = "a Cryptomatte of an even number of pairs from 2 to 64";
+        let got = || format!("{}:{ranks}", self.name);
+        let count = count.ok_or_else(|| Error::argument("channel", expected, got()))?;
+        Ok(Self {
+            components: 2 * count,
+            ..self.clone()
+        })
+    }
+
     /// The kind of an attribute of the meshes, as [`attribute()`](super::attribute()) gives it. The channel's name is `attribute:` and the attribute's
     /// name, in which `_` stands for what is no letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all.
     /// A scene that does not have it refuses it.

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::{Kind, Make};
+use super::asked::MATTE_RANKS;
+use super::{Kind, Make, Matte};
 use crate::geometry::Hit;
 use crate::image::{Display, Unit};
 use crate::scene::{Catalog, Object, SurfaceInteraction};
@@ -255,6 +256,24 @@ pub const KINDS: &[Kind] = &[
         unit: Unit::None,
         frame: None,
         make: Make::Valid,
+    },
+    Kind {
+        name: Cow::Borrowed("crypto_object"),
+        about: "Cryptomatte of objects by name: six pairs of identifier and coverage, over all samples; 0 for a miss",
+        components: 2 * MATTE_RANKS,
+        display: Display::Matte,
+        unit: Unit::None,
+        frame: None,
+        make: Make::Matte(Matte::Object),
+    },
+    Kind {
+        name: Cow::Borrowed("crypto_material"),
+        about: "the same of materials by name; 0 for a miss and where there is no material",
+        components: 2 * MATTE_RANKS,
+        display: Display::Matte,
+        unit: Unit::None,
+        frame: None,
+        make: Make::Matte(Matte::Material),
     },
 ];
 

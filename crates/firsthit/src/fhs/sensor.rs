@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::number::{Number, Triple};
-use crate::camera::{Aim, Description, Lens, Opening, Projection, RayStart, StandardView, View};
+use crate::camera::{
+    Aim, Description, Focus, Lens, Opening, Projection, RayStart, StandardView, View,
+};
 use crate::error::{Result, escape_controls};
 use crate::world::NamedCamera;
 
@@ -68,8 +70,19 @@ struct DescriptionRecord {
     opening: Option<OpeningRecord>,
     projection: Option<String>,
     ray_start: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    aperture: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    focus: Option<FocusRecord>,
     columns: Option<usize>,
     rows: Option<usize>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum FocusRecord {
+    Distance(Number),
+    At(Triple),
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -147,6 +160,8 @@ impl DescriptionRecord {
             opening,
             projection,
             ray_start,
+            aperture,
+            focus,
             columns,
             rows,
         } = *described;
@@ -173,6 +188,11 @@ impl DescriptionRecord {
             }),
             projection: projection.map(|projection| projection.name().to_owned()),
             ray_start: ray_start.map(|start| start.name().to_owned()),
+            aperture: aperture.map(Number),
+            focus: focus.map(|focus| match focus {
+                Focus::Distance(distance) => FocusRecord::Distance(Number(distance)),
+                Focus::At(point) => FocusRecord::At(point.into()),
+            }),
             columns,
             rows,
         }
@@ -203,6 +223,10 @@ impl DescriptionRecord {
                 },
             })
         });
+        let focus = self.focus.as_ref().map(|focus| match focus {
+            FocusRecord::Distance(Number(distance)) => Focus::Distance(*distance),
+            FocusRecord::At(point) => Focus::At((*point).into()),
+        });
         let projection = self.projection.as_deref().map(str::parse::<Projection>);
         let ray_start = self.ray_start.as_deref().map(str::parse::<RayStart>);
         Ok(Description {
@@ -212,6 +236,8 @@ impl DescriptionRecord {
             opening: opening.transpose()?,
             projection: projection.transpose()?,
             ray_start: ray_start.transpose()?,
+            aperture: self.aperture.as_ref().map(|Number(aperture)| *aperture),
+            focus,
             columns: self.columns,
             rows: self.rows,
         })

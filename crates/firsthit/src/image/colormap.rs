@@ -33,6 +33,7 @@ impl ColorMap {
             Display::Position => Self::Position([0, 1, 2].map(|axis| Range::of(channel, axis))),
             Display::Fraction => Self::Fraction,
             Display::Mask => Self::Mask,
+            Display::Matte => unreachable!("formats of pictures refuse it"),
             Display::Quantity => Self::Quantity(
                 (0..channel.components)
                     .map(|k| Range::of(channel, k))
@@ -122,6 +123,10 @@ pub fn short_legend(channel: &Channel) -> Option<String> {
 
 fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> {
     let name = &channel.name;
+    // It is no picture.
+    if channel.display == Display::Matte {
+        return None;
+    }
     match ColorMap::of(channel) {
         ColorMap::Color | ColorMap::Transparent | ColorMap::Fraction | ColorMap::Mask => None,
         ColorMap::Distance(depths) if depths.range.is_empty() => {

@@ -1,5 +1,7 @@
 //! The content that a format writes.
 
+#[cfg(any(feature = "png", feature = "cloud"))]
+use super::frame::Display;
 use super::frame::{Channel, Data};
 use super::metadata::Metadata;
 use crate::error::{Error, Result};
@@ -33,6 +35,16 @@ pub(super) fn picture_sides(shape: &[usize], expected: &'static str) -> Result<(
             Ok((rows, columns))
         }
         _ => Err(Error::argument("shape", expected, format!("{shape:?}"))),
+    }
+}
+
+/// Refuses mattes, for a format that would make something else of them.
+#[cfg(any(feature = "png", feature = "cloud"))]
+pub(super) fn refuse_mattes(content: &Content<'_>, expected: &'static str) -> Result<()> {
+    let mattes = (content.channels.iter()).find(|channel| channel.display == Display::Matte);
+    match mattes {
+        Some(channel) => Err(Error::argument("channel", expected, &*channel.name)),
+        None => Ok(()),
     }
 }
 

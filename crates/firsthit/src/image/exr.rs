@@ -11,6 +11,7 @@ use exr::prelude::{Compression, Vec2};
 use rayon::prelude::*;
 
 use super::content::{Content, check_float32, picture_sides};
+use super::cryptomatte::{self, Cryptomatte};
 use super::frame::{Channel, Data, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use crate::error::Result;
@@ -33,6 +34,11 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
 /// How an EXR stores a channel: by the names that programs look for, where there are such.
 pub(super) fn stored(channel: &Channel) -> Stored {
     let names = match (&*channel.name, channel.components) {
+        (name, components) if channel.display == Display::Matte => {
+            let layers = cryptomatte::layers(name);
+            let name = |component| cryptomatte::plane_name(&layers, component);
+            (0..components).map(name).collect()
+        }
         (name, components) if channel.display == Display::Quantity && components > 1 => {
             (0..components).map(|k| format!("{name}.{k}")).collect()
         }
@@ -89,7 +95,41 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         Ok(())
     });
     written.map_err(|error| io::Error::other(error.to_string()))?;
-    out.write_all(file.get_ref())
+    let mut file = file.into_inner();
+    if !content.metadata.cryptomatte.is_empty() {
+        sort_attributes(&mut file);
+    }
+    out.write_all(&file)
+}
+
+/// Sorts the attributes of the header by their names: where there are several of our own, `exr` writes them in no fixed order.
+/// None becomes longer, so everything after them stays where it is.
+fn sort_attributes(file: &mut [u8]) {
+    /// The magic number and the version.
+    const BEFORE: usize = 8;
+    let text_end = |from: usize| {
+        let end = file[from..].iter().position(|&byte| byte == 0);
+        from + end.expect("texts of a header end in 0") + 1
+    };
+    let (mut attributes, mut at) = (Vec::new(), BEFORE);
+    while file[at] != 0 {
+        let name_end = text_end(at);
+        let size_at = text_end(name_end);
+        let size = file[size_at..]
+            .first_chunk()
+            .copied()
+            .map(u32::from_le_bytes);
+        let size = size.expect("an attribute has a size") as usize;
+        let end = size_at + 4 + size;
+        attributes.push((file[at..name_end].to_vec(), file[at..end].to_vec()));
+        at = end;
+    }
+    attributes.sort();
+    let sorted: Vec<u8> = attributes
+        .into_iter()
+        .flat_map(|(_, bytes)| bytes)
+        .collect();
+    file[BEFORE..at].copy_from_slice(&sorted);
 }
 
 /// One component of a channel, under its name in the file.
@@ -123,9 +163,15 @@ fn header(content: &Content<'_>, planes: &[Plane<'_>], (rows, columns): (usize, 
         software_name: Text::new_or_none(format!("firsthit {}", metadata.firsthit)),
         ..LayerAttributes::default()
     };
-    // One attribute alone: where there are several, `exr` writes them in no fixed order.
-    let text = AttributeValue::Text(Text::new_or_panic(metadata.to_json()));
-    own.other.insert(Text::new_or_panic(KEY), text);
+    let said = [(KEY.to_owned(), metadata.to_json())];
+    let mattes = metadata.cryptomatte.values();
+    let said = said
+        .into_iter()
+        .chain(mattes.flat_map(Cryptomatte::attributes));
+    for (name, text) in said {
+        let text = AttributeValue::Text(Text::new_or_panic(text));
+        own.other.insert(Text::new_or_panic(name), text);
+    }
     let shared = ImageAttributes {
         chromaticities: Some(REC_709),
         ..ImageAttributes::with_size((columns, rows))

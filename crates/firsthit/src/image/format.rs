@@ -27,6 +27,7 @@ pub const FORMATS: &[Format] = &[
         holds: Holds::OneChannel,
         only_pictures: true,
         has_sidecar: false,
+        takes_mattes: false,
         summary: "a picture to look at: one channel, 8 bits, sRGB; distances in steps of 16 bits",
         check: png::check,
         stored: png::stored,
@@ -40,6 +41,7 @@ pub const FORMATS: &[Format] = &[
         holds: Holds::AllChannels,
         only_pictures: true,
         has_sidecar: false,
+        takes_mattes: true,
         summary: "OpenEXR: all channels of a picture, float32 and uint32, ZIP compression",
         check: exr::check,
         stored: |channel, _| exr::stored(channel),
@@ -53,6 +55,7 @@ pub const FORMATS: &[Format] = &[
         holds: Holds::OneChannel,
         only_pictures: false,
         has_sidecar: true,
+        takes_mattes: true,
         summary: "a NumPy array: one channel, exact values",
         check: |_| Ok(()),
         stored: |channel, _| Stored::exact(channel, vec!["the array".to_owned()]),
@@ -68,6 +71,7 @@ pub const FORMATS: &[Format] = &[
         holds: Holds::AllChannels,
         only_pictures: false,
         has_sidecar: false,
+        takes_mattes: true,
         summary: "NumPy arrays: all channels, exact values, uncompressed",
         check: |_| Ok(()),
         stored: |channel, _| Stored::exact(channel, vec![channel.name.to_string()]),
@@ -81,6 +85,7 @@ pub const FORMATS: &[Format] = &[
         holds: Holds::Points,
         only_pictures: false,
         has_sidecar: false,
+        takes_mattes: false,
         summary: "a point cloud: all channels of what was hit, exact values, colours as sRGB bytes",
         check: |content| ply::LAYOUT.check(content),
         stored: |channel, _| ply::LAYOUT.stored(channel),
@@ -94,6 +99,7 @@ pub const FORMATS: &[Format] = &[
         holds: Holds::Points,
         only_pictures: false,
         has_sidecar: false,
+        takes_mattes: false,
         summary: "a point cloud for PCL and ROS: the same with float32",
         check: |content| pcd::LAYOUT.check(content),
         stored: |channel, _| pcd::LAYOUT.stored(channel),
@@ -115,6 +121,8 @@ pub struct Format {
     pub only_pictures: bool,
     /// Whether the metadata is in a separate file, `NAME.json`, because the format has no place for it.
     pub has_sidecar: bool,
+    /// Whether it stores Cryptomattes, and does not make colours or columns of them.
+    pub takes_mattes: bool,
     /// Its purpose, as a phrase for lists.
     pub summary: &'static str,
     /// Whether this content can be stored.

@@ -103,6 +103,8 @@ pub enum Display {
     /// Any numbers of floats. One to three make a picture, each from its smallest to its largest value: one in the colours of a
     /// distance, two as red and green, three as red, green and blue.
     Quantity,
+    /// Cryptomatte, an even number of float32: pairs of an identifier and its share of the pixel. It is no picture.
+    Matte,
 }
 
 /// A summary: its shape and its channels.
@@ -369,6 +371,7 @@ impl Display {
             Self::Identifier => "-1",
             Self::Direction | Self::Position | Self::Fraction | Self::Quantity => "nan",
             Self::Mask => "false",
+            Self::Matte => "0",
         }
     }
 
@@ -383,6 +386,10 @@ impl Display {
             Self::Fraction => floats && (1..=3).contains(&channel.components),
             Self::Identifier => matches!(channel.data, Data::Int32(_)) && channel.components == 1,
             Self::Mask => matches!(channel.data, Data::Bool(_)) && channel.components == 1,
+            Self::Matte => {
+                let is_even = channel.components > 0 && channel.components.is_multiple_of(2);
+                matches!(channel.data, Data::Float32(_)) && is_even
+            }
         }
     }
 }

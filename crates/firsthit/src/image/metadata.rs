@@ -1,7 +1,10 @@
 //! The metadata of an output: one structure, kept as JSON in every file.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use super::cryptomatte::{Cryptomatte, ascii};
 use super::frame::{Channel, Display, Frame};
 use super::names::Names;
 use super::origin::{CameraRecord, Origin, SensorRecord};
@@ -33,13 +36,17 @@ pub struct Metadata {
     /// What made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
-    /// The number of samples whose mean is a pixel's colour; other channels are sampled at the pixel's centre.
+    /// The number of samples whose mean is a pixel's colour, and whose shares are those of its mattes; other channels are sampled at
+    /// the pixel's centre.
     pub samples: Option<u32>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
     /// What the identifiers of the channels `object`, `node`, `mesh` and `material` stand for, if one of them is in this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<Names>,
+    /// What the identifiers of mattes stand for, by the channel.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cryptomatte: BTreeMap<String, Cryptomatte>,
 }
 
 /// How pixels lie: the same in all outputs.
@@ -146,27 +153,31 @@ impl Metadata {
             samples,
             first_pixel,
             names,
+            mut cryptomatte,
         } = frame.origin.clone();
-        let has_colors = channels
-            .iter()
-            .any(|channel| channel.display == Display::Color);
+        // What is made from all samples of a pixel.
+        let of_samples =
+            |channel: &&Channel| matches!(channel.display, Display::Color | Display::Matte);
+        let has_samples = channels.iter().any(of_samples);
         // A table of rays has directions of any length, all other sensors have those of length one.
         let has_units =
             camera.is_some() || sensor.as_ref().is_some_and(|sensor| sensor.kind != "rays");
         let has = |name: &str| channels.iter().any(|channel| channel.name == name);
+        cryptomatte.retain(|name, _| has(name));
         Self {
             metadata_version: METADATA_VERSION,
             firsthit: env!("CARGO_PKG_VERSION").to_owned(),
             scene,
             shape: frame.shape.iter().map(|&side| side as u64).collect(),
             pixels: (frame.shape.len() == 2).then(|| Pixels::from(first_pixel)),
-            samples: samples.filter(|_| has_colors),
+            samples: samples.filter(|_| has_samples),
             channels: (channels.iter())
                 .map(|channel| ChannelRecord::of(channel, has_units, stored(channel)))
                 .collect(),
             camera,
             sensor,
             names: names.and_then(|names| names.of_channels(has)),
+            cryptomatte,
         }
     }
 
@@ -188,21 +199,7 @@ impl Metadata {
     pub fn to_json(&self) -> String {
         let text =
             serde_json::to_string(self).expect("strings, numbers and lists of them are JSON");
-        if text.is_ascii() {
-            return text;
-        }
-        let mut ascii = String::with_capacity(text.len());
-        for char in text.chars() {
-            if char.is_ascii() {
-                ascii.push(char);
-                continue;
-            }
-            // Only strings have others, the names of objects and the like, and there these are the same.
-            for unit in char.encode_utf16(&mut [0; 2]) {
-                ascii.extend(["\\u".to_owned(), format!("{unit:04x}")]);
-            }
-        }
-        ascii
+        ascii(&text)
     }
 
     /// From JSON.

@@ -11,6 +11,7 @@
 mod colormap;
 mod compare;
 mod content;
+mod cryptomatte;
 mod decode;
 #[cfg(feature = "exr")]
 mod exr;
@@ -42,6 +43,7 @@ mod steps;
 pub use colormap::{color_of_identifier, legend, short_legend};
 pub use compare::{Difference, compare};
 pub use content::WriteSettings;
+pub use cryptomatte::{Cryptomatte, matte_id};
 #[cfg(feature = "npy")]
 pub use decode::npy::{NpyHeader, NpyValues};
 pub use decode::output::{Array, Numbers, Output};

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::cryptomatte::Cryptomatte;
 use super::names::Names;
 
 /// Where a frame comes from: the facts that no channel has. In JSON, the part of [`Metadata`](super::Metadata) with
@@ -17,7 +18,7 @@ pub struct Origin {
     /// What made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
-    /// The number of samples whose mean is a pixel's colour, if there are colours.
+    /// The number of samples whose mean is a pixel's colour, if there are colours or mattes.
     pub samples: Option<u32>,
     /// Which row and column of the camera's pixels the first ones of the frame are: `[0, 0]` but for a region.
     #[serde(default)]
@@ -25,6 +26,9 @@ pub struct Origin {
     /// What identifiers stand for; a file says of it what its channels ask for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<Names>,
+    /// What the identifiers of mattes stand for, by the channel; a file says it of the channels that it has.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cryptomatte: BTreeMap<String, Cryptomatte>,
 }
 
 /// A camera: in the specification's words, as intrinsic matrix, and as pose.

@@ -3,7 +3,7 @@ use std::io::{self, Write};
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 use super::colormap::{ColorMap, legend};
-use super::content::{Content, WriteSettings, picture_sides};
+use super::content::{Content, WriteSettings, picture_sides, refuse_mattes};
 use super::frame::{Channel, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use super::steps;
@@ -17,6 +17,10 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
     picture_sides(
         content.shape,
         "[rows, columns], each from 1 to 2^31 - 1, for a PNG",
+    )?;
+    refuse_mattes(
+        content,
+        "a channel other than a Cryptomatte for a PNG (use exr)",
     )?;
     let has_too_many = |c: &&&Channel| c.display == Display::Quantity && c.components > 3;
     if let Some(channel) = content.channels.iter().find(has_too_many) {

@@ -11,7 +11,7 @@ use std::io::{self, Read, Write};
 use std::ops::Range;
 use std::path::Path;
 
-use super::content::{Content, check_float32};
+use super::content::{Content, check_float32, refuse_mattes};
 use super::frame::{Channel, Data, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use super::srgb::unpremultiplied;
@@ -90,6 +90,8 @@ impl Layout {
 
     /// Refuses a frame without positions, and numbers that the columns cannot hold.
     pub(super) fn check(&self, content: &Content<'_>) -> Result<()> {
+        let expected = "channels other than a Cryptomatte for a point cloud (use exr)";
+        refuse_mattes(content, expected)?;
         let is_position = |channel: &&Channel| channel.name == POSITION && channel.components == 3;
         if !content.channels.iter().any(is_position) {
             let names: Vec<&str> = content.channels.iter().map(|c| &*c.name).collect();

@@ -6,6 +6,8 @@ use crate::error::Result;
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays, require};
 use crate::sensor::{Record, Sensor};
 
+use super::sample::Sample;
+
 /// A rectangle of pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Region {
@@ -43,18 +45,34 @@ impl Region {
     }
 }
 
-/// The rays through one point of the pixels of a region.
-#[derive(Debug, Clone)]
+/// The rays of one sample of the pixels of a region.
+#[derive(Debug)]
 pub(super) struct Part<'a> {
-    pub(super) sensor: &'a dyn Sensor,
     pub(super) region: Region,
-    pub(super) offset: DVec2,
+    sample: Sample<'a>,
 }
 
-impl Part<'_> {
+impl<'a> Part<'a> {
+    /// Those of the first sample, which are through the pixels' centres.
+    pub(super) fn new(sensor: &'a dyn Sensor, region: Region) -> Self {
+        Self {
+            region,
+            sample: Sample::new(sensor, 0),
+        }
+    }
+
+    /// Goes on to another sample.
+    pub(super) fn go_to(&mut self, sample: u32) {
+        self.sample.go_to(sample);
+    }
+
+    fn sensor(&self) -> &dyn Sensor {
+        self.sample.sensor()
+    }
+
     /// The number of a pixel in the whole picture.
     pub(super) fn pixel(&self, index: usize) -> usize {
-        let [_, columns] = self.sensor.shape();
+        let [_, columns] = self.sensor().shape();
         let width = self.region.columns.len();
         let row = self.region.rows.start + index / width;
         row * columns + self.region.columns.start + index % width
@@ -62,7 +80,7 @@ impl Part<'_> {
 
     /// The numbers in the whole picture of the pixels from one on.
     pub(super) fn number(&self, first: usize, numbers: &mut [u64]) {
-        let [_, columns] = self.sensor.shape();
+        let [_, columns] = self.sensor().shape();
         let width = self.region.columns.len();
         let mut within = first % width;
         let mut pixel = self.pixel(first);
@@ -85,11 +103,12 @@ impl Rays for Part<'_> {
     }
 
     fn ray(&self, index: usize) -> Ray {
-        self.sensor.ray_within(self.pixel(index), self.offset)
+        self.sensor()
+            .ray_within(self.pixel(index), self.sample.offset())
     }
 
     fn grid(&self) -> Option<PixelGrid> {
-        self.grid_within(self.offset)
+        self.grid_within(self.sample.offset())
     }
 
     fn read(&self, first: usize, rays: &mut [Ray]) {
@@ -101,18 +120,18 @@ impl Rays for Part<'_> {
         let mut rest = rays;
         while !rest.is_empty() {
             let (of_row, after) = rest.split_at_mut(rest.len().min(width - first % width));
-            self.sensor
-                .row_within(self.pixel(first), self.offset, of_row);
+            self.sensor()
+                .row_within(self.pixel(first), self.sample.offset(), of_row);
             (first, rest) = (first + of_row.len(), after);
         }
     }
 
     fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
-        self.directions_within(first, self.offset, directions);
+        self.directions_within(first, self.sample.offset(), directions);
     }
 
     fn picture(&self) -> Option<[usize; 2]> {
-        self.sensor.picture().map(|_| self.region.shape())
+        self.sensor().picture().map(|_| self.region.shape())
     }
 }
 
@@ -122,41 +141,41 @@ impl Sensor for Part<'_> {
     }
 
     fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray {
-        self.sensor.ray_within(self.pixel(pixel), offset)
+        self.sensor().ray_within(self.pixel(pixel), offset)
     }
 
     fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
         let first = [self.region.rows.start, self.region.columns.start];
-        let grid = self.sensor.grid_within(offset)?;
+        let grid = self.sensor().grid_within(offset)?;
         Some(grid.part(first, self.region.shape()))
     }
 
     fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
-        self.sensor.row_within(self.pixel(first), offset, rays);
+        self.sensor().row_within(self.pixel(first), offset, rays);
     }
 
     fn directions_within(&self, first: usize, offset: DVec2, directions: [&mut [f64]; 3]) {
         let pixel = self.pixel(first);
-        self.sensor.directions_within(pixel, offset, directions);
+        self.sensor().directions_within(pixel, offset, directions);
     }
 
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
-        self.sensor.range_and_z(self.pixel(pixel), t)
+        self.sensor().range_and_z(self.pixel(pixel), t)
     }
 
     fn has_aim(&self) -> bool {
-        self.sensor.has_aim()
+        self.sensor().has_aim()
     }
 
     fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
-        self.sensor.place(self.pixel(pixel))
+        self.sensor().place(self.pixel(pixel))
     }
 
     fn time(&self, pixel: usize) -> Option<f64> {
-        self.sensor.time(self.pixel(pixel))
+        self.sensor().time(self.pixel(pixel))
     }
 
     fn record(&self) -> Record {
-        self.sensor.record()
+        self.sensor().record()
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! 1. Trace the rays through the pixels' centres, a grid of them.
 //! 2. Make from these hits all channels but the colour.
-//! 3. Shade the hits, a few hundred at a time, and add the colours to the pixels' sums.
-//! 4. For each further sample, trace the grid moved to another point of the pixels, shade and add.
+//! 3. Shade the hits, a few hundred at a time, and add the colours to the pixels' sums; count them for mattes.
+//! 4. For each further sample, trace the grid moved to another point of the pixels, and of the lens, shade, add and count.
 //!
 //! Every sample goes by the tiles of `shoot`. Sums are in the order of the samples, so it does not matter how many are added
 //! at a time.
@@ -11,13 +11,13 @@
 use rayon::prelude::*;
 
 use super::Picture;
+use super::mattes::Mattes;
 use super::region::{Part, Region};
 use crate::channel::{self, Shots};
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DVec3, Filtered, Hit, Ray, RayFilter, Rays, single};
 use crate::image::{Channel, Data, Frame};
 use crate::memory::zeroed;
-use crate::sampling::offset;
 use crate::shade::Samples;
 use crate::shoot::{First, Hits, trace_into};
 use crate::watch::Watch;
@@ -33,19 +33,21 @@ pub(super) struct Slab<'a> {
     /// Red, green, blue and coverage, summed over the samples so far.
     sums: Vec<[f64; 4]>,
     samples: u32,
-    /// All channels but the colour, in their order.
+    /// All channels that are made from the first sample, in their order.
     channels: Vec<Channel>,
+    /// The counts of the channels of mattes, in their order.
+    mattes: Vec<Mattes>,
 }
 
 impl<'a> Slab<'a> {
     pub(super) fn new(picture: &'a Picture<'a>, region: Region) -> Result<Self> {
-        let part = Part {
-            sensor: picture.sensor,
-            region,
-            offset: offset(0),
-        };
+        let part = Part::new(picture.sensor, region);
         let pixels = if picture.has_color() { part.len() } else { 0 };
+        let mattes = picture.channels.iter();
+        let mattes = mattes.map(|kind| Mattes::new(kind, picture.scene, part.len()));
+        let mattes = mattes.filter_map(Result::transpose);
         Ok(Self {
+            mattes: mattes.collect::<Result<_>>()?,
             picture,
             sums: zeroed(pixels)?,
             part,
@@ -58,7 +60,7 @@ impl<'a> Slab<'a> {
     /// Adds the next sample.
     pub(super) fn add_sample(&mut self, watch: &dyn Watch) -> Result<()> {
         let picture = self.picture;
-        self.part.offset = offset(self.samples);
+        self.part.go_to(self.samples);
         let answers = (First, &mut self.hits);
         let cull = picture.cull;
         let filter = RayFilter {
@@ -75,8 +77,11 @@ impl<'a> Slab<'a> {
                 sensor: Some(&self.part),
             };
             let plain = picture.channels.iter().copied();
-            let plain: Vec<_> = plain.filter(|kind| !kind.needs_shade()).collect();
+            let plain: Vec<_> = plain.filter(|kind| !kind.needs_samples()).collect();
             self.channels = channel::make(&plain, &shots, watch)?;
+        }
+        for mattes in &mut self.mattes {
+            mattes.add(picture.scene, &self.hits);
         }
         self.shade(watch)?;
         self.samples += 1;
@@ -135,9 +140,13 @@ impl<'a> Slab<'a> {
 
     fn frame_with(&self, plain: Vec<Channel>) -> Result<Frame> {
         let mut plain = plain.into_iter();
+        let mut mattes = self.mattes.iter();
         let mut frame = self.picture.frame(&self.part.region);
         for kind in self.picture.channels {
-            frame.push(if !kind.needs_shade() {
+            frame.push(if kind.matte().is_some() {
+                let mattes = mattes.next().expect("there are some for each such kind");
+                kind.channel(mattes.data(kind.components, self.samples.max(1))?)
+            } else if !kind.needs_shade() {
                 plain.next().expect("it was made with the first sample")
             } else if self.picture.shade.is_transparent() {
                 kind.transparent_channel(self.means::<4>()?)

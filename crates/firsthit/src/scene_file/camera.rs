@@ -6,7 +6,8 @@ use super::form::matrix;
 use super::section::Section;
 use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, required};
 use crate::camera::{
-    Aim, Convention, Description, Lens, Opening, PixelMatrix, Projection, RayStart, Viewplane,
+    Aim, Convention, Description, Focus, Lens, Opening, PixelMatrix, Projection, RayStart,
+    Viewplane,
 };
 use crate::geometry::{Bounds, DVec3};
 use crate::io::fault::Checked;
@@ -271,6 +272,13 @@ const VIEWPLANE: &[Key] = keys! {
     height: optional(Form::Positive),
 };
 
+const THIN_LENS: &[Key] = keys! {
+    /// The diameter of the lens: colours of several samples are sharp at focus, and blurred nearer and farther. Default: 0, a pinhole.
+    aperture: optional(Form::NonNegative),
+    /// Where the picture is sharp: the distance along the aim, or a point at that distance.
+    focus: optional(Form::Focus),
+};
+
 pub(super) static CAMERA: Record = Record {
     name: "camera",
     about: "A camera.",
@@ -279,6 +287,7 @@ pub(super) static CAMERA: Record = Record {
             pick: Pick::Default(PROJECTION, "perspective"),
             keys: &[
                 VIEW, POSE, CONVENTION, RAY_START, PIXELS, FOV, VIEWPLANE, PINHOLE, SHIFT, TILT,
+                THIN_LENS,
             ],
             rules: view_rules![
                 Rule::NotBoth("fov", "focal_length"),
@@ -304,6 +313,10 @@ pub(super) static CAMERA: Record = Record {
                 Rule::Needs("shift_y", "width"),
                 Rule::Needs("tilt_x", "width"),
                 Rule::Needs("tilt_y", "width"),
+                Rule::Needs("focus", "aperture"),
+                Rule::Needs("aperture", "focus"),
+                Rule::NotBoth("aperture", "tilt_x"),
+                Rule::NotBoth("aperture", "tilt_y"),
             ],
         },
         Variant {
@@ -378,6 +391,9 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
         opening: opening(section, projection, convention)?,
         projection: Some(projection),
         ray_start,
+        aperture: section.number("aperture"),
+        focus: (section.number("focus").map(Focus::Distance))
+            .or(section.vector("focus").map(Focus::At)),
         columns: section.whole("columns"),
         rows: section.whole("rows"),
     };

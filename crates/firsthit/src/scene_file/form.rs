@@ -36,6 +36,7 @@ impl Form {
                 format!("{}, or \"transparent\"", Self::Color.expected())
             }
             Self::Scale => "a factor, or three of them, [x, y, z], none of them zero".into(),
+            Self::Focus => "a positive distance, or a point, [x, y, z]".into(),
             Self::Quaternion => "four finite numbers, [x, y, z, w], not all zero".into(),
             Self::Matrix => {
                 "three rows of four finite numbers, or four, the last being [0, 0, 0, 1]".into()
@@ -75,6 +76,7 @@ impl Form {
             Self::Color => color(value).is_some(),
             Self::ColorOrTransparent => is_transparent(value) || color(value).is_some(),
             Self::Scale => scale(value).is_some(),
+            Self::Focus => number(value).is_some_and(positive) || numbers::<3>(value).is_some(),
             Self::Quaternion => numbers::<4>(value).is_some_and(|q| q != [0.0; 4]),
             Self::Matrix => matrix(value).is_some(),
             Self::Points => all(value, |item| numbers::<3>(item).is_some()),
@@ -89,7 +91,7 @@ impl Form {
     pub(super) fn culprit<'v, 't>(self, value: &'v Value<'t>) -> Option<&'v Value<'t>> {
         let items = value.get_ref().as_array()?;
         let fine: &dyn Fn(&Value<'t>) -> bool = match self {
-            Self::Vector | Self::Direction | Self::Quaternion | Self::Scale => {
+            Self::Vector | Self::Direction | Self::Quaternion | Self::Scale | Self::Focus => {
                 &|item| number(item.get_ref()).is_some()
             }
             Self::Color | Self::ColorOrTransparent => {
@@ -167,6 +169,9 @@ impl Form {
             Self::Scale => {
                 let factor = json!({"type": "number", "not": {"const": 0}});
                 json!({"oneOf": [factor, array(&factor, 3, 3)]})
+            }
+            Self::Focus => {
+                json!({"oneOf": [{"type": "number", "exclusiveMinimum": 0}, vector]})
             }
             Self::Quaternion => nonzero(4),
             Self::Matrix => {

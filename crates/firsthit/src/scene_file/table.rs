@@ -134,6 +134,8 @@ pub(super) enum Form {
     ColorOrTransparent,
     /// A factor, or one for each axis.
     Scale,
+    /// A positive distance, or a point.
+    Focus,
     /// `x, y, z, w`.
     Quaternion,
     /// Three or four rows of four numbers.

@@ -69,6 +69,10 @@ impl Sensor for Camera {
         Camera::grid_within(self, offset)
     }
 
+    fn through(&self, point: DVec2) -> Option<Box<dyn Sensor>> {
+        Some(Box::new(Camera::through(self, point)?))
+    }
+
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
         let (row, column) = (pixel / self.columns(), pixel % self.columns());
         [self.range(row, column, t), self.z(row, column, t)]

@@ -48,6 +48,12 @@ pub trait Sensor: Rays + Debug {
         None
     }
 
+    /// The sensor at a point of its lens, in units of the lens' radius, to the right and upwards: what the rays of a sample come from.
+    /// `None` where it has no aperture.
+    fn through(&self, _point: DVec2) -> Option<Box<dyn Sensor>> {
+        None
+    }
+
     /// The distance from the sensor along the ray, and that along its aim, of what the ray through a pixel's centre meets at
     /// its parameter `t`. Where the sensor moves, both are those from where it is at the time of the ray. Both are infinite for a
     /// miss.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::camera_record;
 use crate::camera::Camera;
 use crate::error::Result;
-use crate::geometry::{DAffine3, Digest, Rays};
+use crate::geometry::{DAffine3, DVec2, Digest, Rays};
 use crate::image::{SensorRecord, TimedPose, TrajectoryRecord};
 use crate::memory;
 use crate::trajectory::Trajectory;
@@ -37,6 +37,17 @@ impl Lines {
             cameras,
             trajectory: trajectory_record(body, &times)?,
             times,
+        })
+    }
+
+    /// The lines as they are from a point of the camera's lens, if it has an aperture.
+    pub(super) fn through(&self, point: DVec2) -> Option<Self> {
+        let cameras = self.cameras.iter().map(|camera| camera.through(point));
+        Some(Self {
+            mounted: self.mounted.through(point)?,
+            cameras: cameras.collect::<Option<_>>()?,
+            times: self.times.clone(),
+            trajectory: self.trajectory.clone(),
         })
     }
 

@@ -78,6 +78,11 @@ impl Sensor for Pushbroom {
         self.lines.cameras[row].ray_within(0, column, offset)
     }
 
+    fn through(&self, point: DVec2) -> Option<Box<dyn Sensor>> {
+        let lines = self.lines.through(point)?;
+        Some(Box::new(Self { lines }))
+    }
+
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
         let (row, column) = (pixel / self.columns(), pixel % self.columns());
         let camera = &self.lines.cameras[row];

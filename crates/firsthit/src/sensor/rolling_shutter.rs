@@ -154,6 +154,16 @@ impl Sensor for RollingShutter {
         self.lines.cameras[line].ray_within(row, column, offset)
     }
 
+    fn through(&self, point: DVec2) -> Option<Box<dyn Sensor>> {
+        let lines = self.lines.through(point)?;
+        Some(Box::new(Self {
+            lines,
+            start: self.start,
+            readout: self.readout,
+            direction: self.direction,
+        }))
+    }
+
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
         let (line, row, column) = self.place_of(pixel);
         let camera = &self.lines.cameras[line];

@@ -174,6 +174,24 @@ fn cameras_are_what_their_words_say() {
 }
 
 #[test]
+fn cameras_have_a_thin_lens_in_focus_at_a_distance_or_a_point() {
+    let at = "position = [1, 2, 3]\naim = [0, 0, -2]\nup = [0, 1, 0]\naperture = 0.25\n";
+    let matrix =
+        "fx = 50\nfy = 50\ncx = 20\ncy = 20\ncolumns = 40\nrows = 40\nconvention = 'opencv'\n";
+    let text = format!(
+        "[camera]\n{at}focus = 4\n[cameras.point]\n{at}focus = [9, 9, -2]\n[cameras.matrix]\n{at}{matrix}focus = 6\n"
+    );
+    let lenses = model(&text).world.cameras.into_iter().map(|camera| {
+        let viewplane = *camera.view.lens.viewplane().unwrap();
+        (viewplane.aperture, viewplane.focus)
+    });
+    assert_eq!(
+        lenses.collect::<Vec<_>>(),
+        [(0.25, 4.0), (0.25, 5.0), (0.25, 6.0)]
+    );
+}
+
+#[test]
 fn what_a_camera_leaves_open_the_objects_decide() {
     let ball = "[[objects]]\nshape = 'sphere'\ncenter = [10, 0, 0]\nradius = 2\n";
     let model = model(&format!("up = [0, 1, 0]\n[camera]\ncolumns = 80\n{ball}"));

@@ -76,6 +76,29 @@ impl OpenCv {
         [factor, (rise - factor * fall) / below]
     }
 
+    /// The radius up to which nothing folds for certain: the derivative of the radial part stretches by more than that of all else
+    /// can come to. The first stretches by the factor across and by the slope along the radius, at least; the second by the sum of
+    /// its numbers, at most.
+    fn certain(&self, undistorted: f64) -> f64 {
+        const STEPS: u32 = 64;
+        /// Beyond it a polynomial of the third degree has no say.
+        const FARTHEST: f64 = 3.0;
+        let end = undistorted.min(FARTHEST);
+        let firsts = self.p1.abs() + self.p2.abs();
+        let (seconds, fourths) = (self.s1.abs() + self.s3.abs(), self.s2.abs() + self.s4.abs());
+        let is_certain = |r: f64| {
+            let q = r * r;
+            let [factor, rate] = self.radial(q);
+            let other = 2.0 * r * (6.0 * firsts + 2.0 * seconds + 4.0 * q * fourths);
+            // Written so that a NaN fails. Between two steps either may be a little worse.
+            factor.min(factor + 2.0 * q * rate) > 1.5 * other
+        };
+        let radii = (0..=STEPS).map(|k| end * f64::from(k) / f64::from(STEPS));
+        let fine = radii.clone().take_while(|&r| is_certain(r)).count();
+        // The step before the first that is not.
+        radii.take(fine).last().map_or(0.0, |r| 0.9 * r)
+    }
+
     /// Whether it is more than radial.
     fn is_lopsided(&self) -> bool {
         [self.p1, self.p2, self.s1, self.s2, self.s3, self.s4] != [0.0; 6]
@@ -178,11 +201,8 @@ impl Distortion for OpenCv {
         } else {
             f64::INFINITY
         };
-        // What is not radial moves the fold; alone it folds where it has grown to a large part of the radius.
-        let uneven = [self.p1, self.p2, self.s1, self.s2, self.s3, self.s4];
-        let uneven = uneven.iter().map(|x| x.abs()).sum::<f64>();
         let certain = if is_lopsided {
-            (0.9 * undistorted).min(0.05 / uneven).min(3.0)
+            self.certain(undistorted)
         } else {
             undistorted
         };

@@ -90,6 +90,7 @@ impl Pattern {
             ("horizontal_fov", scan.horizontal_fov),
             ("vertical_fov", scan.vertical_fov),
             ("rate", scan.rate),
+            ("serpentine", f64::from(u8::from(scan.is_serpentine))),
             ("start", scan.start),
         ];
         let size = [scan.rows, scan.columns];

@@ -228,8 +228,9 @@ impl TileRays<'_> {
                 }};
             }
             let (x, y, depth) = (along!(0), along!(1), along!(2));
-            // Written so that a NaN fails.
-            if l.lt64(l.splat64(0.0), depth) != u8::MAX {
+            // Directions of other lengths would have to be scaled. Written so that a NaN fails.
+            let is_plain = l.lt64(l.splat64(1e-20), depth) & l.lt64(depth, l.splat64(1e20));
+            if is_plain != u8::MAX {
                 return None;
             }
             let inverse = l.div64(l.splat64(1.0), depth);
@@ -290,7 +291,8 @@ impl TileRays<'_> {
             offset: PixelGrid::CENTRE,
         };
         // Far aside a fisheye's pixels lean.
-        is_sound(&grid, 0.95).then_some(grid)
+        let is_unscaled = (1e-60..1e60).contains(&grid.toward.length());
+        (is_unscaled && is_sound(&grid, 0.95)).then_some(grid)
     }
 
     /// Which of eight rays are like those of a camera, and the square of how far each is off the grid's points.

@@ -1,0 +1,72 @@
+//! Cameras with an aperture: a thin lens that is in focus at one distance.
+//!
+//! Every point of the lens is the eye of a pinhole camera whose viewplane is shifted so that what is in focus stays where it is: a
+//! picture is the mean of those of many points (Potmesil and Chakravarty, "A Lens and Aperture Camera Model for Synthetic Image
+//! Generation", SIGGRAPH 1981; Haeberli and Akeley, "The Accumulation Buffer", SIGGRAPH 1990). So each sample is a grid of rays.
+
+use super::{Camera, Lens, View};
+use crate::error::{Error, Result};
+use crate::geometry::{DVec2, DVec3, require};
+
+impl Camera {
+    /// The same camera with a thin lens: a disc around `position`, at right angles to the aim, of diameter `aperture`. What is at the
+    /// distance `focus` along the aim is sharp. A point at another distance z becomes a disc, whose diameter on the viewplane is
+    /// `aperture * |z - focus| / (z * focus) * focal_length`. Lengths are in scene units; an aperture of 0 is a pinhole.
+    ///
+    /// Only colours see it, and only with several samples: rays of a sample come from one point of the lens. The camera's own rays
+    /// and all other channels are those of the pinhole at `position`.
+    ///
+    /// ```
+    /// use firsthit::{Camera, DVec3, Object, Render, Scene, Sphere};
+    ///
+    /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+    /// let camera = Camera::look_at(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, 45.0, 30, 40)?;
+    /// let camera = camera.thin_lens(0.5, camera.depth(DVec3::NEG_Y))?;
+    /// let frame = Render::new(&scene).camera(camera).samples(16).frame()?;
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for an aperture that is negative or not finite, a `focus` that is not positive, and a camera other than a
+    /// perspective one without tilt.
+    pub fn thin_lens(&self, aperture: f64, focus: f64) -> Result<Self> {
+        let fine = focus > 0.0 && focus.is_finite();
+        require("focus", "positive and finite", fine, focus)?;
+        let Lens::Flat(viewplane) = self.view.lens else {
+            let expected = "left out: only perspective cameras have a thin lens";
+            let name = self.view.lens.projection().name();
+            return Err(Error::argument("aperture", expected, name));
+        };
+        let mut viewplane = viewplane;
+        (viewplane.aperture, viewplane.focus) = (aperture, focus);
+        Self::again(View {
+            lens: Lens::Flat(viewplane),
+            ..self.view
+        })
+    }
+
+    /// How far ahead of the camera a point is: the component along the aim of (point - `position`), which [`thin_lens`](Self::thin_lens)
+    /// takes to bring it into focus.
+    pub fn depth(&self, point: DVec3) -> f64 {
+        (point - self.pose.position).dot(self.pose.aim)
+    }
+
+    /// The pinhole camera at a point of the lens, in units of its radius: to the right and upwards. `None` where the camera is a
+    /// pinhole's.
+    pub fn through(&self, point: DVec2) -> Option<Self> {
+        let Lens::Flat(viewplane) = self.view.lens else {
+            return None;
+        };
+        if viewplane.aperture == 0.0 {
+            return None;
+        }
+        let mut camera = *self;
+        let point = 0.5 * viewplane.aperture * point;
+        let moved = point.x * self.pose.right + point.y * self.pose.upwards;
+        camera.pose.position += moved;
+        camera.view.position = camera.pose.position;
+        camera.view.lens = Lens::Flat(viewplane.seen_from(point));
+        Some(camera)
+    }
+}
