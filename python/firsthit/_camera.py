@@ -896,6 +896,7 @@ class Camera(Sensor):
             "opencv": ("pinhole", _conventions.OPENCV),
             "opencv_fisheye": ("fisheye", _conventions.FISHEYE),
             "mei": ("omnidir", _conventions.OMNIDIR),
+            "equidistant": ("fisheye", ()),
         }
         k, pose = self.to_convention("opencv")
         if k is None or self.projection not in names:
@@ -903,6 +904,9 @@ class Camera(Sensor):
         (model, order), values = names[self.projection], self.parameters
         _conventions.check_skew(model, k[0, 1])
         distortion = np.array([values[name] for name in order])
+        if self.projection == "equidistant":
+            # The polynomial without a distortion.
+            distortion = np.zeros(len(_conventions.FISHEYE))
         turned = pose[:3, :3]
         rvec = _conventions.rotation_vector(turned)
         xi = values.get("xi", 0.0) if model == "omnidir" else 0.0

@@ -44,6 +44,9 @@ _EXTRA = [
     ("column", "<i4", 6, "column of the beam"),
 ]
 
+#: Where the header has the day and the year.
+_DAY = slice(90, 94)
+
 #: The most returns of a pulse that four bits hold.
 _MOST_RETURNS = 15
 
@@ -54,10 +57,10 @@ _WKT = 1 << 4
 
 def encode(scan: LidarScan) -> bytes:
     """Return the bytes of a file of a scan."""
-    points, returned = scan.point, scan.return_number
-    if scan.number_of_returns.size and int(scan.number_of_returns.max()) > _MOST_RETURNS:
-        most = int(scan.number_of_returns.max())
-        raise ValueError(f"LAS holds 15 returns of a beam at most, got {most}; set max_returns")
+    points = scan.point
+    # What LAS cannot count says that it is the last that LAS can.
+    returned = np.minimum(scan.return_number, _MOST_RETURNS)
+    total = np.minimum(scan.number_of_returns, _MOST_RETURNS)
     low, high = _bounds(points)
     offset, scale = np.floor(low), _scale(low, high)
     records = np.zeros(len(scan), [*_POINT, *((name, kind) for name, kind, _, _ in _EXTRA)])
@@ -66,7 +69,7 @@ def encode(scan: LidarScan) -> bytes:
         records[name] = steps[:, axis]
     if scan.intensity is not None:
         records["intensity"] = np.rint(np.clip(scan.intensity, 0.0, 1.0) * 65535.0)
-    records["returns"] = returned | scan.number_of_returns << 4
+    records["returns"] = returned | total << 4
     records["gps_time"] = scan.time
     for name, *_ in _EXTRA:
         records[name] = scan[name]
@@ -89,7 +92,10 @@ def compress(content: bytes) -> bytes:
         raise ImportError(_NEEDED)
     out = io.BytesIO()
     laspy.read(io.BytesIO(content)).write(out, do_compress=True)
-    return out.getvalue()
+    compressed = bytearray(out.getvalue())
+    # laspy writes the day: the same scan has the same bytes.
+    compressed[_DAY] = bytes(4)
+    return bytes(compressed)
 
 
 _NEEDED = "a .laz takes the packages laspy and lazrs: pip install 'laspy[lazrs]'; a .las takes none"

@@ -14,6 +14,7 @@ import numpy as np
 
 from . import _firsthit, _las
 from ._arrays import lock
+from ._scan_metadata import metadata
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,15 +23,6 @@ if TYPE_CHECKING:
 
 #: What the columns of vectors are called in tables.
 _VECTORS = {"point": ("x", "y", "z"), "sensor_point": ("sensor_x", "sensor_y", "sensor_z")}
-
-#: What each is, for metadata.
-_UNITS = {
-    "point": "scene length, world",
-    "sensor_point": "scene length, sensor: forwards, left, up",
-    "range": "scene length",
-    "incidence": "radians",
-    "time": "seconds",
-}
 
 #: What columns are called in a PCD, for PCL and ROS, and as which type.
 _SINGLES = ("x", "y", "z", "intensity", "range", "incidence", "sensor_x", "sensor_y", "sensor_z")
@@ -53,8 +45,8 @@ def lacking(extension: str) -> str | None:
 class LidarScan:
     """The returns of a laser scanner, as arrays over n returns. Read-only.
 
-    They are beam by beam in the order of the picture's rows, and each beam's by range. A beam that
-    met nothing has none.
+    They are beam by beam in the order of the picture's rows, and each beam's by range without its
+    noise. A beam that met nothing has none.
 
     ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans, and `joined` one of
     several.
@@ -103,7 +95,7 @@ class LidarScan:
         LidarScan
             All returns of the first scan, then all of the next. ``column`` counts on from scan to
             scan: the pictures are beside one another. ``metadata`` has the first scan's scanner and
-            scene, and under ``scans`` the digests of each.
+            scene, and under ``scans`` the digests and settings of each.
 
         Raises
         ------
@@ -148,11 +140,17 @@ class LidarScan:
         said["scans"] = [digests for part in parts for digests in part._digests()]
         return cls._of(arrays, (parts[0].shape[0], int(before[-1])), json.dumps(said))
 
-    def _digests(self) -> list[dict[str, str]]:
-        """Return the digests of the scanner and the scene, of each scan that this is."""
+    def _digests(self) -> list[dict[str, Any]]:
+        """Return the digests of the scanner and the scene, and the settings, of each scan here."""
         said: dict[str, Any] = json.loads(self._origin)
-        alone = [{"sensor": said["sensor"]["digest"], "scene": said["scene"]}]
-        digests: list[dict[str, str]] = said.get("scans", alone)
+        alone = [
+            {
+                "sensor": said["sensor"]["digest"],
+                "scene": said["scene"],
+                "scan": said.get("scan"),
+            }
+        ]
+        digests: list[dict[str, Any]] = said.get("scans", alone)
         return digests
 
     @property
@@ -231,11 +229,12 @@ class LidarScan:
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """What files of it say: the scanner, the scene's fingerprint, and the units."""
-        said: dict[str, Any] = json.loads(self._origin)
-        names = "scene", "sensor", "scans"
-        kept = {name: said[name] for name in names if said.get(name) is not None}
-        return {"firsthit": _firsthit.version(), **kept, "units": _UNITS}
+        """What files of it say: the scanner, how it scanned, the scene, and the arrays.
+
+        The form is that of `Frame.metadata`, with the shape ``[n]`` and, under ``scan``, the
+        settings of `Lidar.scan`; those of `joined` scans have a list ``scans``.
+        """
+        return metadata(self._origin, self._arrays)
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         """Return an array by its name; a ``KeyError`` where there is none."""
@@ -347,7 +346,9 @@ class LidarScan:
             for name, array in self.to_dict().items()
         }
         kinds = [array.dtype.str[1:] for array in table.values()]
-        lines = ["# .PCD v0.7 - Point Cloud Data file format", "VERSION 0.7"]
+        lines = ["# .PCD v0.7 - Point Cloud Data file format"]
+        lines += [f"# firsthit {part}" for part in _split(json.dumps(self.metadata))]
+        lines.append("VERSION 0.7")
         lines.append("FIELDS " + " ".join(table))
         lines.append("SIZE " + " ".join(kind[1:] for kind in kinds))
         lines.append("TYPE " + " ".join(kind[0].upper() for kind in kinds))

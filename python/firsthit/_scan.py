@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
@@ -105,6 +106,23 @@ class ScanSettings(NamedTuple):
             key,
         )
 
+    def record(self) -> dict[str, Any]:
+        """Return them for metadata: lengths in scene units, the divergence in radians."""
+        near, far = self.limits
+        return {
+            "returns": self.returns,
+            "divergence": self.divergence,
+            "subrays": self.subrays if self.divergence is not None else None,
+            "range_gate": self.range_gate,
+            "max_returns": self.max_returns,
+            "min_range": near,
+            # JSON has no infinity.
+            "max_range": None if math.isinf(far) else far,
+            "noise": self.noise,
+            "dropout": self.dropout,
+            "seed": self.seed,
+        }
+
     @property
     def needs_surfaces(self) -> bool:
         """Whether it matters how bright each hit is."""
@@ -161,7 +179,8 @@ def scanned(
     else:
         returned = _Returned(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     made = _with_noise(returned, settings, beams)
-    origin = _firsthit.origin(scene._native(), lidar._native, [])
+    origin = json.loads(_firsthit.origin(scene._native(), lidar._native, []))
+    origin["scan"] = settings.record()
     # All at once: each property of the lidar would make all arrays of the pattern anew.
     _, _, own, times, rings = lidar._pattern.beams()
     beam, far = made.beam, made.range[:, None]
@@ -183,7 +202,7 @@ def scanned(
             **({"intensity": made.intensity} if settings.intensity else {}),
         },
         lidar.shape,
-        origin,
+        json.dumps(origin),
     )
 
 

@@ -323,8 +323,39 @@ def test_an_npz_is_read_by_numpy(scan, tmp_path):
             np.testing.assert_array_equal(read[name], scan[name])
         said = json.loads(str(read["metadata"]))
     assert said["sensor"]["words"] == {"pattern": "vlp-16"}
-    assert said["units"]["time"] == "seconds"
-    assert said == scan.metadata
+    units = {channel["name"]: channel["unit"] for channel in said["channels"]}
+    assert units["time"] == "second"
+    assert said["scan"]["returns"] == "all"
+    assert said == json.loads(json.dumps(scan.metadata))
+
+
+@pytest.mark.parametrize("extension", [".npz", ".ply", ".pcd"])
+def test_what_files_of_scans_say_is_read_as_that_of_frames(scan, tmp_path, extension):
+    path = tmp_path / f"a{extension}"
+    scan.save(path)
+    said = fh.read_metadata(path)
+    assert said["sensor"] == scan.metadata["sensor"]
+    assert [channel["name"] for channel in said["channels"]] == list(scan.keys())
+
+
+def test_las_counts_no_further_than_it_can(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    scene = fh.Scene()
+    for k in range(20):
+        scene.add(fh.Box((3 + k, -9, -9), (3.5 + k, 9, 9)))
+    beam = fh.Lidar.spinning([0.0], columns=4, azimuth_start=-1, azimuth_end=1)
+    scan = beam.scan(scene, returns="all")
+    assert scan.number_of_returns.max() == 40
+    scan.save(tmp_path / "a.las")
+    read = laspy.read(tmp_path / "a.las")
+    np.testing.assert_array_equal(read.return_number, np.minimum(scan.return_number, 15))
+    assert set(np.asarray(read.number_of_returns)) == {15}
+
+
+def test_a_laz_has_no_day(scan, tmp_path):
+    pytest.importorskip("lazrs")
+    scan.save(tmp_path / "a.laz")
+    assert (tmp_path / "a.laz").read_bytes()[90:94] == bytes(4)
 
 
 def test_a_ply_is_read_by_trimesh(scan, tmp_path):

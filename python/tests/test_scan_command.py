@@ -382,7 +382,11 @@ def test_a_joined_scan_says_of_what_it_is(room):
     scans = [fh.Lidar.spinning([0, 1], 8, start=turn).scan(room) for turn in range(3)]
     joined = fh.LidarScan.joined([fh.LidarScan.joined(scans[:2]), scans[2]])
     expected = [
-        {"sensor": scan.metadata["sensor"]["digest"], "scene": scan.metadata["scene"]}
+        {
+            "sensor": scan.metadata["sensor"]["digest"],
+            "scene": scan.metadata["scene"],
+            "scan": scan.metadata["scan"],
+        }
         for scan in scans
     ]
     assert joined.metadata["scans"] == expected

@@ -47,6 +47,12 @@ pub struct Metadata {
     /// What the identifiers of mattes stand for, by the channel.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cryptomatte: BTreeMap<String, Cryptomatte>,
+    /// How a laser scanner made the points, where a scan is what is in this file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scan: Option<serde_json::Value>,
+    /// The scans that were put together, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scans: Option<serde_json::Value>,
 }
 
 /// How pixels lie: the same in all outputs.
@@ -178,6 +184,8 @@ impl Metadata {
             sensor,
             names: names.and_then(|names| names.of_channels(has)),
             cryptomatte,
+            scan: None,
+            scans: None,
         }
     }
 
