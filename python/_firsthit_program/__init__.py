@@ -50,13 +50,24 @@ def _in_python(arguments: "list[str]") -> "tuple[str, list[str]] | None":
     return None
 
 
+def _imported(name: str) -> "Any":
+    """Import a command. Ctrl-C ends the program at once: nothing has begun."""
+    from importlib import import_module
+
+    is_pythons = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if is_pythons:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(130))
+    module = import_module(name)
+    if is_pythons:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    return module
+
+
 def main() -> int:
     """Run the program with the process's arguments; return its exit code."""
     named = _in_python(sys.argv[1:])
     if named is not None:
-        from importlib import import_module
-
-        code: int = import_module(f"{_COMMANDS}.{named[0]}").main(named[1])
+        code: int = _imported(f"{_COMMANDS}.{named[0]}").main(named[1])
         return code
     # The program's own handler of Ctrl-C gives way to one that is there already, such as Python's.
     # Where Ctrl-C is ignored (`nohup`, a script's background job) it stays so.

@@ -30,6 +30,9 @@ _BATCH = 1 << 20
 #: How bright linear red, green and blue are (Rec. 709).
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
+#: No noise is as large: ranges go to 1e150, and their product must be a number.
+_MOST_NOISE = 1e100
+
 #: The two streams of random numbers of a seed.
 _NOISE, _DROPOUT = 0, 1
 
@@ -81,8 +84,8 @@ class ScanSettings(NamedTuple):
                 raise ValueError(f"noise must be one number or two, got shape {given.shape}")
             first, second = float(given.flat[0]), float(given[1]) if given.ndim else 0.0
             spread = (
-                _within("noise", first, 0.0, math.inf),
-                _within("noise", second, 0.0, math.inf),
+                _within("noise", first, 0.0, _MOST_NOISE),
+                _within("noise", second, 0.0, _MOST_NOISE),
             )
         lost = None
         if dropout is not None:

@@ -244,16 +244,53 @@ def with_a_changed_byte(frame):
     path.write_bytes(content)
 
 
+def with_a_pipe_for_a_record(frame):
+    (frame / "frame.json").unlink()
+    os.mkfifo(frame / "frame.json")
+
+
+def with_a_record_that_has_no_end(frame):
+    (frame / "frame.json").unlink()
+    (frame / "frame.json").symlink_to("/dev/zero")
+
+
+def with_a_record_that_is_nested_too_deeply(frame):
+    (frame / "frame.json").write_text("[" * 200_000)
+
+
+def that_is_a_link(frame):
+    outside = frame.parent.parent.parent / "outside"
+    frame.rename(outside)
+    frame.symlink_to(outside)
+
+
 @pytest.mark.parametrize(
-    "damage", [cut_short, without_a_file, with_another_record, without_a_record]
+    "damage",
+    [
+        cut_short,
+        without_a_file,
+        with_another_record,
+        without_a_record,
+        with_a_pipe_for_a_record,
+        with_a_record_that_has_no_end,
+        with_a_record_that_is_nested_too_deeply,
+        that_is_a_link,
+    ],
 )
 def test_a_damaged_frame_is_made_again(whole, tmp_path, damage):
     made = fh.Plan.from_dict(plan(), PLANS)
-    fh.dataset(made, tmp_path)
-    damage(tmp_path / "frames" / "000004")
-    again = fh.dataset(made, tmp_path)
+    out = tmp_path / "out"
+    fh.dataset(made, out)
+    damage(out / "frames" / "000004")
+    again = fh.dataset(made, out)
     assert (again.made, again.kept, again.digest) == (1, 6, whole[1])
-    assert tree(tmp_path) == tree(whole[0])
+    assert tree(out) == tree(whole[0])
+
+
+def test_what_is_no_job_is_told_at_once(tmp_path):
+    os.mkfifo(tmp_path / "job.json")
+    with pytest.raises(fh.FileFormatError, match="a pipe"):
+        fh.dataset(fh.Plan.from_dict(plan(), PLANS), tmp_path)
 
 
 def test_a_changed_byte_is_found_where_bytes_are_verified(whole, tmp_path):

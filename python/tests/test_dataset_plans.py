@@ -280,6 +280,12 @@ def test_hostile_and_mistaken_plans_are_refused_whole(change, words):
         fh.Plan.from_dict(plan(change), PLANS)
 
 
+def test_a_key_of_very_many_parts_is_refused_at_once(folder):
+    (folder / "plan.toml").write_text("a" + ".a" * 100_000 + " = 1")
+    with pytest.raises(fh.FileFormatError, match="more than 64 parts"):
+        fh.Plan.load(folder / "plan.toml")
+
+
 @pytest.mark.parametrize("data", [3, None, [], "plan.toml"])
 def test_what_is_no_table_is_no_plan(data):
     with pytest.raises(ValueError, match="plan: it must be a table, got"):

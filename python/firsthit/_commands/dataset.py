@@ -78,8 +78,8 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
             if getattr(arguments, name):
                 raise UsageError(f"--check makes nothing: leave out --{name}")
         return _checked(Plan.load(arguments.plan), arguments)
-    if arguments.output is None:
-        raise UsageError("--output must be given; see firsthit dataset --help")
+    if not arguments.output:
+        raise UsageError("--output must be given, and not empty; see firsthit dataset --help")
     began = time.monotonic()
     shows = not arguments.quiet and sys.stderr.isatty()
     made = dataset(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,6 +15,11 @@ if TYPE_CHECKING:
 
 #: The largest plan that is read. Poses of more belong into files of their own.
 MOST_BYTES = 16 << 20
+
+#: What may be a key, with its dots and blanks; and how many parts a key may have.
+_KEY = re.compile(r"""[A-Za-z0-9_\-."' \t]+""")
+_DOT = re.compile(r"""[A-Za-z0-9_\-"'][ \t]*\.(?=[ \t]*[A-Za-z0-9_\-"'])""")
+_MOST_PARTS = 64
 
 #: How many bytes are parsed again at most to find the line of a mistake.
 _MOST_PARSED = 4 << 20
@@ -62,6 +68,7 @@ class Document(NamedTuple):
             raise FileFormatError(f"{name}: a plan may have {MOST_BYTES >> 20} MiB at most", name)
         try:
             text = content.decode()
+            _check_keys(text)
             data = tomllib.loads(text)
         except UnicodeDecodeError as error:
             place = f"byte {error.start}"
@@ -111,6 +118,13 @@ class Document(NamedTuple):
             else:
                 first = end + 1
         return first
+
+
+def _check_keys(text: str) -> None:
+    """Refuse keys of very many parts: `tomllib` takes the square of their number."""
+    for found in _KEY.finditer(text):
+        if len(_DOT.findall(found[0])) > _MOST_PARTS:
+            raise ValueError(f"a key has more than {_MOST_PARTS} parts")
 
 
 def _holds(data: Any, way: Way) -> bool:

@@ -18,6 +18,7 @@ from ._frame import FrameMaker
 from ._lidars import LidarSensor
 from ._mark import Mark, mark_of
 from ._output_formats import KINDS
+from ._records import read
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -86,7 +87,7 @@ def claim(folder: Path, plan: Plan, loaded: Loaded, threads: int | None) -> list
 def _known(path: Path) -> dict[str, Any] | None:
     name = os.fspath(path)
     try:
-        said = json.loads(path.read_bytes())
+        said = read(path)
         for each in said["scenes"]:
             if not isinstance(each["fingerprint"] + each["setting"], str):
                 raise TypeError("a fingerprint is no text")
@@ -96,7 +97,7 @@ def _known(path: Path) -> dict[str, Any] | None:
         return None
     except OSError as error:
         raise FileReadError(f"{name}: {error.strerror or error}", name) from error
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         raise FileFormatError(f"{name}: no job of firsthit: {error}", name) from None
     return dict(said)
 

@@ -22,6 +22,7 @@ from ._coco_merge import save_coco
 from ._frame import picture_name
 from ._job import merged_names
 from ._part import name_of, remove_leftovers
+from ._records import read
 from ._sampling import Uniforms
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def merge(folder: Path, plan: Plan, records: Records, digest: str) -> None:
 
 def _is_done(folder: Path, done: dict[str, Any]) -> bool:
     try:
-        said = json.loads((folder / DONE).read_bytes())
+        said = read(folder / DONE)
     except (OSError, ValueError):
         return False
     return said == done and all((folder / name).exists() for name in done["merged"])

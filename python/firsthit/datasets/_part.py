@@ -7,7 +7,6 @@ do no harm: the second to come leaves the first one's.
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
@@ -20,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from firsthit._errors import FileError, FileWriteError
 
 from ._digest import canonical, of_file, of_json
+from ._records import read
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -99,8 +99,10 @@ def record_of(path: Path, plan: str, *, verify: bool = False) -> dict[str, Any] 
     A record proves itself by its check. Files must be there with their sizes; with ``verify`` their
     bytes are compared as well.
     """
+    if path.is_symlink():
+        return None
     try:
-        said = json.loads((path / RECORD).read_bytes())
+        said = read(path / RECORD)
         check = said.pop("check")
         if said["plan"] != plan or check != of_json(said):
             return None
@@ -119,7 +121,7 @@ def discard(path: Path) -> None:
     aside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
         path.rename(aside)
-        if aside.is_dir():
+        if aside.is_dir() and not aside.is_symlink():
             shutil.rmtree(aside)
         else:
             aside.unlink()

@@ -1,0 +1,44 @@
+"""Records that runs leave in a folder, read with care: the folder may be shared."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: A frame's record has its annotations; more than this is none.
+_MOST_BYTES = 1 << 28
+
+#: No link is followed, and no pipe is waited for.
+_FLAGS = (
+    os.O_RDONLY
+    | getattr(os, "O_NOFOLLOW", 0)
+    | getattr(os, "O_NONBLOCK", 0)
+    | getattr(os, "O_BINARY", 0)
+)
+
+
+def read(path: Path) -> Any:
+    """Return the JSON of a record.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened; links are not.
+    ValueError
+        For what is no regular file, too large, or no JSON.
+    """
+    with open(os.open(path, _FLAGS), "rb") as file:  # noqa: PTH123
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise ValueError("a device, a pipe or a folder, not a regular file")
+        content = file.read(_MOST_BYTES + 1)
+    if len(content) > _MOST_BYTES:
+        raise ValueError(f"larger than {_MOST_BYTES >> 20} MiB")
+    try:
+        return json.loads(content)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
