@@ -273,7 +273,7 @@ class Lidar(OtherSensor):
         Lidar('vlp-16', 16 x 1808 beams)
         """
         across = None if columns is None else count("columns", columns, 1)
-        arguments = text("name", name), number("rate", rate), across, number("start", start)
+        arguments = text("name", name).lower(), number("rate", rate), across, number("start", start)
         return cls._standing(("named", arguments), position, pose, trajectory)
 
     @classmethod

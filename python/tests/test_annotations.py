@@ -256,6 +256,17 @@ def test_classes_come_from_names_patterns_paths_and_functions():
     assert same.classes == ("solid",)
 
 
+def test_a_key_of_classes_that_no_object_has_is_told():
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, -4), 1), name="cone")
+    camera = fh.Camera.look_at((0, 0, 0), (0, 0, -1), (0, 1, 0), 45, rows=8, columns=8)
+    with pytest.warns(fh.FirsthitWarning, match="by 'conee', did you mean 'cone'"):
+        found = fh.annotate(scene, camera, classes={"conee": "solid"})
+    assert found.instances == ()
+    fh.annotate(scene, camera, classes={"con*": "solid"})
+
+
+@pytest.mark.filterwarnings("ignore:classes. no object has its class by 'truck.'")
 def test_a_class_may_be_that_of_a_node_s_path():
     leaf = fh.load(TESTDATA / "torus_meshopt.glb").objects[0]
     scene = fh.Scene()

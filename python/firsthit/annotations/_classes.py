@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from contextvars import ContextVar
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from firsthit._arrays import text
+from firsthit._errors import warn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,6 +20,10 @@ if TYPE_CHECKING:
 Classes = Mapping[str, str | None] | Callable[["Object"], str | None]
 #: What the objects of one instance have in common.
 By = Literal["object", "node"] | Callable[["Object"], Hashable]
+
+
+#: Whether keys without an object are told: a data set tells of a scene once, not for each frame.
+TELLS: ContextVar[bool] = ContextVar("TELLS", default=True)
 
 
 class Group(NamedTuple):
@@ -33,7 +40,8 @@ def grouped(
 
     Those of a table are all classes that it names, in its order, and else those that there are.
     """
-    named = _classify(classes)
+    used: set[str] = set()
+    named = _classify(classes, used)
     key_of = _key(by)
     groups: dict[Hashable, list[int]] = {}
     of_group: dict[Hashable, str | None] = {}
@@ -54,13 +62,26 @@ def grouped(
             )
         groups.setdefault(key, []).append(identifier)
     found = [Group(tuple(group), of_group[key]) for key, group in groups.items()]
+    if isinstance(classes, Mapping) and TELLS.get():
+        _tell([key for key in classes if key not in used], objects)
     there = (group.class_name for group in found if group.class_name is not None)
     told = [*classes.values()] if isinstance(classes, Mapping) else []
     names = dict.fromkeys([*(name for name in told if name is not None), *there])
     return found, tuple(names)
 
 
-def _classify(classes: Classes | None) -> Callable[[Object], str | None]:
+def _tell(unused: Sequence[str], objects: Sequence[tuple[int, Object]]) -> None:
+    """Warn of keys that no object is called by: with a mistyped one there are no annotations."""
+    if not unused:
+        return
+    names = list({name for _, made in objects for name in (made.name, made.node) if name})
+    for key in unused:
+        close = get_close_matches(key, names, 1)
+        meant = f", did you mean {close[0]!r}?" if close else ""
+        warn(f"classes: no object has its class by {key!r}{meant}")
+
+
+def _classify(classes: Classes | None, used: set[str]) -> Callable[[Object], str | None]:
     if classes is None:
         return lambda made: made.name or None
     if isinstance(classes, Mapping):
@@ -68,7 +89,15 @@ def _classify(classes: Classes | None) -> Callable[[Object], str | None]:
             text("a key of classes", key): None if name is None else _class_name(name)
             for key, name in classes.items()
         }
-        return lambda made: _look_up(table, made)
+
+        def looked_up(made: Object) -> str | None:
+            key = _key_among(table, made)
+            if key is None:
+                return None
+            used.add(key)
+            return table[key]
+
+        return looked_up
     if not callable(classes):
         raise TypeError(f"classes must be a dict or a function, got {classes!r}")
     function = classes
@@ -86,17 +115,17 @@ def _class_name(name: str) -> str:
     return name
 
 
-def _look_up(table: Mapping[str, str | None], made: Object) -> str | None:
+def _key_among(table: Mapping[str, str | None], made: Object) -> str | None:
     # The names themselves before patterns: a name may have brackets.
     names = [name for name in (made.node, made.name) if name]
     for name in reversed(names):
         if name in table:
-            return table[name]
-    for pattern, class_name in table.items():
+            return name
+    for pattern in table:
         # A pattern with a slash is of paths, which names are not; a name may have one, too.
         candidates = names if "/" in pattern else [made.name]
         if any(fnmatchcase(name, pattern) for name in candidates):
-            return class_name
+            return pattern
     return None
 
 

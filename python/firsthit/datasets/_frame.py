@@ -9,6 +9,7 @@ import numpy as np
 from firsthit._files import in_path
 from firsthit._render import render
 from firsthit.annotations import annotate
+from firsthit.annotations._classes import TELLS
 from firsthit.annotations._files import meters
 
 from ._digest import canonical, of_arrays
@@ -112,13 +113,18 @@ class FrameMaker:
     ) -> dict[str, Any]:
         plan = self._plan
         output, planned = plan._output, plan._scenes[plan.scene_of(frame).scene]
-        found = annotate(
-            scene,
-            camera,
-            frame=picture if "object" in picture else None,
-            threads=self._threads,
-            **planned.annotate_options,
-        )
+        # Told by the check of the scene.
+        telling = TELLS.set(False)
+        try:
+            found = annotate(
+                scene,
+                camera,
+                frame=picture if "object" in picture else None,
+                threads=self._threads,
+                **planned.annotate_options,
+            )
+        finally:
+            TELLS.reset(telling)
         save_masks(folder, sensor.name, found, output)
         made: dict[str, Any] = {}
         if output.merged.kinds:

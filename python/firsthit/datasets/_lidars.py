@@ -125,7 +125,7 @@ def _scan_options(table: Table) -> dict[str, Any]:
 
 
 def _named(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
-    model = table.text("model", among=MODELS)
+    model = table.text("model", among=MODELS, in_any_case=True)
     rate = table.number("rate", 10.0, above=0.0)
     columns = table.whole("columns", None, least=1)
     return lambda start, where: Lidar.named(model, rate, columns, start=start, **where)

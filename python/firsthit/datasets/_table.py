@@ -122,13 +122,22 @@ class Table:
             raise self._wrong(key, f"a whole number from {least} to {most}", value)
         return value
 
-    def text(self, key: str, default: Any = _MISSING, among: Sequence[str] = ()) -> Any:
-        """Return a text, one of several if these are given."""
+    def text(
+        self,
+        key: str,
+        default: Any = _MISSING,
+        among: Sequence[str] = (),
+        *,
+        in_any_case: bool = False,
+    ) -> Any:
+        """Return a text, one of several if these are given; these are in lower case."""
         value = self._get(key, default)
         if value is _MISSING:
             return default
         if not isinstance(value, str):
             raise self._wrong(key, f"one of {', '.join(among)}" if among else "a text", value)
+        if in_any_case:
+            value = value.lower()
         if among and value not in among:
             close = get_close_matches(value, among, 1)
             meant = f", did you mean {close[0]!r}?" if close else ""
