@@ -298,7 +298,7 @@ class Frame:
         >>> camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=3, columns=3)
         >>> frame = fh.render(scene, camera, channels="crypto_object", samples=16)
         >>> frame.matte("ball")[1]
-        array([0.125, 1.   , 0.125], dtype=float32)
+        array([0.1875, 1.    , 0.125 ], dtype=float32)
         """
         pairs = np.ascontiguousarray(self[channel], np.float32)
         known = self.metadata.get("cryptomatte", {}).get(channel, {}).get("manifest")
