@@ -280,6 +280,46 @@ def test_hostile_and_mistaken_plans_are_refused_whole(change, words):
         fh.Plan.from_dict(plan(change), PLANS)
 
 
+MOVING = [
+    {"kind": "rolling_shutter", "readout": 0.02, "columns": 8, "rows": 8, "name": "eye"},
+    {"kind": "pushbroom", "line_rate": 100, "lines": 2, "columns": 8, "name": "eye"},
+    {"kind": "lidar", "model": "vlp-16", "moving": True, "name": "eye"},
+    {"kind": "lidar", "pattern": "spinning", "elevations": [0, 5], "moving": True, "name": "eye"}
+    | {"firing_offsets": [0, -0.01], "columns": 4},
+]
+
+
+@pytest.mark.parametrize("sensor", MOVING)
+@pytest.mark.parametrize("when", [{}, {"count": 5}, {"rate": 4}, {"times": [0.5, 1, 0]}])
+def test_a_sensor_that_sees_beyond_the_path_is_told_when_the_plan_is_read(sensor, when):
+    data = {"scenes": [{"file": "yard.toml"}], "sensors": [sensor]}
+    data["poses"] = {"kind": "path", "trajectory": DRIVE} | when
+    with pytest.raises(ValueError, match=r"sensor 'eye' sees from .*`extrapolation = .hold.`"):
+        fh.Plan.from_dict(data, PLANS)
+    data["poses"]["trajectory"] = DRIVE | {"extrapolation": "hold"}
+    assert fh.Plan.from_dict(data, PLANS).frames > 1
+
+
+@pytest.mark.parametrize("sensor", MOVING)
+@pytest.mark.parametrize("end", [0.3, 0.7, 0.89, 0.9, 0.98, 0.99, 0.991, 1.0])
+def test_a_plan_is_refused_where_its_last_frame_cannot_be_made_and_only_there(sensor, end):
+    data = {"scenes": [{"file": "yard.toml"}], "sensors": [sensor]}
+    held = DRIVE | {"extrapolation": "hold"}
+    data["poses"] = {"kind": "path", "trajectory": held, "times": [0.2, end]}
+    made = fh.Plan.from_dict(data, PLANS)
+    place = made._poses.place(0, 1, 1, None)._replace(
+        trajectory=fh.Trajectory(DRIVE["times"], DRIVE["positions"], body="forwards-left-up")
+    )
+    data["poses"]["trajectory"] = DRIVE
+    try:
+        made._sensors[0].at(place)
+    except ValueError:
+        with pytest.raises(ValueError, match="sensor 'eye' sees from"):
+            fh.Plan.from_dict(data, PLANS)
+    else:
+        assert fh.Plan.from_dict(data, PLANS).frames == 2
+
+
 def test_a_key_of_very_many_parts_is_refused_at_once(folder):
     (folder / "plan.toml").write_text("a" + ".a" * 100_000 + " = 1")
     with pytest.raises(fh.FileFormatError, match="more than 64 parts"):
