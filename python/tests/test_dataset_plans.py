@@ -280,6 +280,25 @@ def test_hostile_and_mistaken_plans_are_refused_whole(change, words):
         fh.Plan.from_dict(plan(change), PLANS)
 
 
+@pytest.mark.parametrize("form", ["kitti", "bop"])
+@pytest.mark.parametrize(
+    ("lens", "words"),
+    [
+        ({"projection": "equidistant"}, "perspective cameras, and its projection is equidistant"),
+        ({"projection": "orthographic"}, "perspective cameras, and its projection is orthographic"),
+        ({"tilt_x": 5.0}, "tilted viewplane"),
+    ],
+)
+def test_a_format_that_cannot_have_a_camera_is_told_when_the_plan_is_read(form, lens, words):
+    def change(made):
+        made["sensors"][0].update(lens)
+        made["output"] = {form: {"unit": "m"}}
+
+    with pytest.raises(ValueError, match=f"output: `{form}` of sensor 'eye': .*{words}") as caught:
+        fh.Plan.from_dict(plan(change), PLANS)
+    assert "Camera(" not in str(caught.value)
+
+
 MOVING = [
     {"kind": "rolling_shutter", "readout": 0.02, "columns": 8, "rows": 8, "name": "eye"},
     {"kind": "pushbroom", "line_rate": 100, "lines": 2, "columns": 8, "name": "eye"},
