@@ -301,6 +301,15 @@ def test_a_format_that_cannot_have_a_camera_is_told_when_the_plan_is_read(form, 
     assert "Camera(" not in str(caught.value)
 
 
+def test_a_model_of_a_lidar_has_its_name_in_any_case():
+    def change(made):
+        made["sensors"][1] = {"kind": "lidar", "model": "VLP-16"}
+
+    sensor = fh.Plan.from_dict(plan(change), PLANS)._sensors[1]
+    assert sensor.beams == fh.Lidar.named("Vlp-16").shape == fh.Lidar.named("vlp-16").shape
+    assert repr(fh.Lidar.named("VLP-16")) == repr(fh.Lidar.named("vlp-16"))
+
+
 MOVING = [
     {"kind": "rolling_shutter", "readout": 0.02, "columns": 8, "rows": 8, "name": "eye"},
     {"kind": "pushbroom", "line_rate": 100, "lines": 2, "columns": 8, "name": "eye"},
