@@ -98,6 +98,19 @@ def test_failures_are_one_line_with_an_exit_code(
     assert words in said["error"]
 
 
+def test_a_key_of_classes_without_an_object_is_a_line(firsthit, tmp_path):
+    text = (PLANS / "turntable.toml").read_text()
+    (tmp_path / "yard.toml").write_text((PLANS / "yard.toml").read_text())
+    path = tmp_path / "plan.toml"
+    path.write_text(text.replace('ball = "ball"', 'bal = "ball"'))
+    line = "scene 'yard.toml': classes: no object has its class by 'bal', did you mean 'ball'?"
+    for rest in (["--check"], ["-o", tmp_path / "out"]):
+        code, _, err = firsthit("dataset", path, *rest)
+        assert (code, err) == (0, f"firsthit: warning: {line}\n")
+    said = json.loads(firsthit("dataset", path, "--check", "--json")[1])
+    assert said["warnings"] == [line]
+
+
 def test_names_in_files_cannot_write_to_the_terminal(firsthit, tmp_path):
     path = tmp_path / "plan.toml"
     (tmp_path / "yard.toml").write_text((PLANS / "yard.toml").read_text())
