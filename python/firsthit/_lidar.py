@@ -244,7 +244,7 @@ class Lidar(OtherSensor):
         name : str
             ``vlp-16``, ``vlp-16-hi-res``, ``hdl-32e``, ``vlp-32c``, ``os0-32``, ``os0-64``,
             ``os0-128``, and the same with ``os1`` and ``os2``, ``os1-64-gen1``, ``pandar40p`` and
-            ``pandar64``.
+            ``pandar64``, in any case.
         rate : float
             Turns in a second.
         columns : int, optional
@@ -273,7 +273,10 @@ class Lidar(OtherSensor):
         Lidar('vlp-16', 16 x 1808 beams)
         """
         across = None if columns is None else count("columns", columns, 1)
-        arguments = text("name", name).lower(), number("rate", rate), across, number("start", start)
+        model = text("name", name).lower()
+        if model not in MODELS:
+            raise ValueError(f"lidar model must be one of {', '.join(MODELS)}, got {name!r}")
+        arguments = model, number("rate", rate), across, number("start", start)
         return cls._standing(("named", arguments), position, pose, trajectory)
 
     @classmethod

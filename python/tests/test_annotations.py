@@ -264,6 +264,9 @@ def test_a_key_of_classes_that_no_object_has_is_told():
         found = fh.annotate(scene, camera, classes={"conee": "solid"})
     assert found.instances == ()
     fh.annotate(scene, camera, classes={"con*": "solid"})
+    # What is hidden is not mistyped.
+    scene.hide("cone")
+    fh.annotate(scene, camera, classes={"cone": "solid"})
 
 
 @pytest.mark.filterwarnings("ignore:classes. no object has its class by 'truck.'")

@@ -481,3 +481,28 @@ def test_each_scanner_has_noise_of_its_own_in_each_frame(tmp_path):
         assert 0.05 < one.std() < 0.2
         for other in noisy[:k]:
             assert abs(np.corrcoef(one, other)[0, 1]) < 0.6
+
+
+def test_the_bytes_of_a_plan_are_those_of_files_that_nothing_compresses(tmp_path):
+    """Beams that all meet something, and every format."""
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 50), name="all around")
+    scene.save(tmp_path / "ball.fhs")
+    channels = ["color", "z", "object", "normal", "crypto_object", "uv", "front"]
+    data = {
+        "scenes": [{"file": "ball.fhs"}],
+        "sensors": [
+            {"columns": 100, "rows": 80},
+            {"kind": "lidar", "pattern": "spinning", "elevations": [0, 5, 9], "columns": 900},
+        ],
+        "poses": {"kind": "inside", "count": 1, "low": [-1, -1, -1], "high": [1, 1, 1]},
+        "output": {"channels": channels, "frames": ["npz", "exr"], "pictures": ["color"]}
+        | {"clouds": ["npz", "ply", "pcd", "csv", "las"]},
+    }
+    made = fh.Plan.from_dict(data, tmp_path)
+    fh.dataset(made, tmp_path / "out")
+    sizes = {name: file["bytes"] for name, file in record(tmp_path / "out", 0)["files"].items()}
+    flat = sum(size for name, size in sizes.items() if name.startswith("lidar") or "npz" in name)
+    exr_and_png = 100 * 80 * (4 * (3 + 1 + 1 + 3 + 12 + 2 + 1) + 3)
+    assert made.cost().bytes - exr_and_png == pytest.approx(flat, rel=0.1)
+    assert sizes["camera.exr"] + sizes["camera.color.png"] < exr_and_png

@@ -176,3 +176,19 @@ def test_a_class_without_keypoints_in_one_scene_has_unlabelled_ones(tmp_path):
     assert later
     assert all(one["keypoints"] == [0, 0, 0] and one["num_keypoints"] == 0 for one in later)
     assert any(one["num_keypoints"] for one in posts)
+
+
+def test_a_key_of_classes_without_an_object_is_told_once_for_each_scene(tmp_path):
+    def change(made):
+        (scene,) = made["scenes"]
+        scene["classes"]["bal"] = "ball"
+        made["scenes"].append(scene | {"name": "again"})
+
+    made = fh.Plan.from_dict(plan(change), PLANS)
+    with pytest.warns(fh.FirsthitWarning) as caught:
+        assert fh.dataset(made, tmp_path).made == 14
+    assert [str(each.message) for each in caught] == [
+        f"scene {name!r}: classes: no object has its class by 'bal', did you mean 'ball'?"
+        for name in ("yard.toml", "again")
+    ]
+    assert {each.filename for each in caught} == {__file__}

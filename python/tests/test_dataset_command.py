@@ -52,7 +52,10 @@ def test_a_check_makes_nothing_and_says_what_frames_come_to(firsthit, tmp_path, 
     code, out, err = firsthit("dataset", PLAN, "--check")
     assert (code, err) == (0, "")
     assert out.splitlines()[:2] == ["6 frames: 1 scene, 6 poses each", "sensors: camera"]
-    assert out.splitlines()[2:] == ["rays: 41472", "bytes: about 124 KB without annotations"]
+    assert out.splitlines()[2:] == [
+        "rays: 41472",
+        "bytes: at most about 124 KB without annotations",
+    ]
     said = json.loads(firsthit("dataset", PLAN, "--check", "--json")[1])
     assert (said["frames"], said["rays"], said["bytes"]) == (6, 41472, 3 * 41472)
     assert said["plan"] == fh.Plan.load(PLAN).digest
@@ -93,6 +96,19 @@ def test_failures_are_one_line_with_an_exit_code(
     said = json.loads(out)
     assert (got, said["exit_code"]) == (code, code)
     assert words in said["error"]
+
+
+def test_a_key_of_classes_without_an_object_is_a_line(firsthit, tmp_path):
+    text = (PLANS / "turntable.toml").read_text()
+    (tmp_path / "yard.toml").write_text((PLANS / "yard.toml").read_text())
+    path = tmp_path / "plan.toml"
+    path.write_text(text.replace('ball = "ball"', 'bal = "ball"'))
+    line = "scene 'yard.toml': classes: no object has its class by 'bal', did you mean 'ball'?"
+    for rest in (["--check"], ["-o", tmp_path / "out"]):
+        code, _, err = firsthit("dataset", path, *rest)
+        assert (code, err) == (0, f"firsthit: warning: {line}\n")
+    said = json.loads(firsthit("dataset", path, "--check", "--json")[1])
+    assert said["warnings"] == [line]
 
 
 def test_names_in_files_cannot_write_to_the_terminal(firsthit, tmp_path):

@@ -191,6 +191,8 @@ DRIVE = {"body": "forwards-left-up", "times": [0, 1], "positions": [[0, 0, 0], [
         (lambda made: made["scenes"][0].update(classes={"*": ""}), "a class must have a name"),
         (lambda made: made["scenes"][0].update(classes={"*": 3}), "`*` must be a text, got 3"),
         (lambda made: made["scenes"][0].update(by="name"), "`by` must be one of object, node"),
+        (lambda made: made["scenes"][0].update(up=[0, 0, 0]), "`up` must not be zero"),
+        (lambda made: made["scenes"][0].update(up="z"), "`up` must be an array of 3 finite"),
         (in_camera(name="../x"), "`name` must be letters, digits"),
         (in_camera(name="x" * 65), "`name` must be letters, digits"),
         (in_camera(kind="kamera"), "did you mean 'camera'?"),
@@ -278,6 +280,74 @@ DRIVE = {"body": "forwards-left-up", "times": [0, 1], "positions": [[0, 0, 0], [
 def test_hostile_and_mistaken_plans_are_refused_whole(change, words):
     with pytest.raises(ValueError, match=re.escape(words)):
         fh.Plan.from_dict(plan(change), PLANS)
+
+
+@pytest.mark.parametrize("form", ["kitti", "bop"])
+@pytest.mark.parametrize(
+    ("lens", "words"),
+    [
+        ({"projection": "equidistant"}, "perspective cameras, and its projection is equidistant"),
+        ({"projection": "orthographic"}, "perspective cameras, and its projection is orthographic"),
+        ({"tilt_x": 5.0}, "tilted viewplane"),
+    ],
+)
+def test_a_format_that_cannot_have_a_camera_is_told_when_the_plan_is_read(form, lens, words):
+    def change(made):
+        made["sensors"][0].update(lens)
+        made["output"] = {form: {"unit": "m"}}
+
+    with pytest.raises(ValueError, match=f"output: `{form}` of sensor 'eye': .*{words}") as caught:
+        fh.Plan.from_dict(plan(change), PLANS)
+    assert "Camera(" not in str(caught.value)
+
+
+def test_a_model_of_a_lidar_has_its_name_in_any_case():
+    def change(made):
+        made["sensors"][1] = {"kind": "lidar", "model": "VLP-16"}
+
+    sensor = fh.Plan.from_dict(plan(change), PLANS)._sensors[1]
+    assert sensor.beams == fh.Lidar.named("Vlp-16").shape == fh.Lidar.named("vlp-16").shape
+    assert repr(fh.Lidar.named("VLP-16")) == repr(fh.Lidar.named("vlp-16"))
+
+
+MOVING = [
+    {"kind": "rolling_shutter", "readout": 0.02, "columns": 8, "rows": 8, "name": "eye"},
+    {"kind": "pushbroom", "line_rate": 100, "lines": 2, "columns": 8, "name": "eye"},
+    {"kind": "lidar", "model": "vlp-16", "moving": True, "name": "eye"},
+    {"kind": "lidar", "pattern": "spinning", "elevations": [0, 5], "moving": True, "name": "eye"}
+    | {"firing_offsets": [0, -0.01], "columns": 4},
+]
+
+
+@pytest.mark.parametrize("sensor", MOVING)
+@pytest.mark.parametrize("when", [{}, {"count": 5}, {"rate": 4}, {"times": [0.5, 1, 0]}])
+def test_a_sensor_that_sees_beyond_the_path_is_told_when_the_plan_is_read(sensor, when):
+    data = {"scenes": [{"file": "yard.toml"}], "sensors": [sensor]}
+    data["poses"] = {"kind": "path", "trajectory": DRIVE} | when
+    with pytest.raises(ValueError, match=r"sensor 'eye' sees from .*`extrapolation = .hold.`"):
+        fh.Plan.from_dict(data, PLANS)
+    data["poses"]["trajectory"] = DRIVE | {"extrapolation": "hold"}
+    assert fh.Plan.from_dict(data, PLANS).frames > 1
+
+
+@pytest.mark.parametrize("sensor", MOVING)
+@pytest.mark.parametrize("end", [0.3, 0.7, 0.89, 0.9, 0.98, 0.99, 0.991, 1.0])
+def test_a_plan_is_refused_where_its_last_frame_cannot_be_made_and_only_there(sensor, end):
+    data = {"scenes": [{"file": "yard.toml"}], "sensors": [sensor]}
+    held = DRIVE | {"extrapolation": "hold"}
+    data["poses"] = {"kind": "path", "trajectory": held, "times": [0.2, end]}
+    made = fh.Plan.from_dict(data, PLANS)
+    place = made._poses.place(0, 1, 1, None)._replace(
+        trajectory=fh.Trajectory(DRIVE["times"], DRIVE["positions"], body="forwards-left-up")
+    )
+    data["poses"]["trajectory"] = DRIVE
+    try:
+        made._sensors[0].at(place)
+    except ValueError:
+        with pytest.raises(ValueError, match="sensor 'eye' sees from"):
+            fh.Plan.from_dict(data, PLANS)
+    else:
+        assert fh.Plan.from_dict(data, PLANS).frames == 2
 
 
 def test_a_key_of_very_many_parts_is_refused_at_once(folder):

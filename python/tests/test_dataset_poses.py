@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from dataset_support import PLANS, plan, record
 from firsthit.datasets._sampling import Uniforms
+from firsthit.datasets._scenes import Loaded
 
 MASK = 2**64 - 1
 
@@ -295,3 +296,24 @@ def test_a_path_has_frames_at_its_poses_at_times_by_count_or_by_rate(how, times)
     assert made.poses_per_scene == len(times)
     got = [made._poses.place(0, k, k, fh.Scene()).time for k in range(len(times))]
     np.testing.assert_allclose(got, times, atol=1e-12)
+
+
+def test_a_scene_s_up_is_the_plan_s_where_it_has_one(tmp_path):
+    """An OBJ file does not say it, and is taken for +y."""
+    (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n")
+
+    def rig(**keys):
+        data = {"scenes": [{"file": "one.obj"} | keys], "sensors": [{"columns": 8, "rows": 6}]}
+        data["poses"] = {"kind": "sphere", "count": 1, "radius": 9, "elevation": 0}
+        made = fh.Plan.from_dict(data, tmp_path)
+        scene = Loaded(made._scenes).scene(0)
+        folder = tmp_path / f"out{len(keys)}"
+        fh.dataset(made, folder)
+        return tuple(scene.up), np.array(record(folder, 0)["world_from_rig"])[:3, 2]
+
+    up, leaning = rig()
+    assert up == (0, 1, 0)
+    np.testing.assert_allclose(leaning, up, atol=1e-12)
+    up, leaning = rig(up=[0, 0, 2])
+    assert up == (0, 0, 2)
+    np.testing.assert_allclose(leaning, (0, 0, 1), atol=1e-12)

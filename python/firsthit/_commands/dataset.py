@@ -107,7 +107,7 @@ def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dic
         f"{_count(plan.poses_per_scene, 'pose')} each",
         f"sensors: {', '.join(plan.sensors)}",
         f"rays: {cost.rays}",
-        f"bytes: about {_size(cost.bytes)} without annotations",
+        f"bytes: at most about {_size(cost.bytes)} without annotations",
     ]
     report = {
         "frames": plan.frames,

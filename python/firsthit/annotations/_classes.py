@@ -22,8 +22,9 @@ Classes = Mapping[str, str | None] | Callable[["Object"], str | None]
 By = Literal["object", "node"] | Callable[["Object"], Hashable]
 
 
-#: Whether keys without an object are told: a data set tells of a scene once, not for each frame.
-TELLS: ContextVar[bool] = ContextVar("TELLS", default=True)
+#: What stands before a warning of keys without an object, such as the scene of a data set; ``None``
+#: for no warning: a data set tells of a scene once, not for each frame.
+TOLD_OF: ContextVar[str | None] = ContextVar("TOLD_OF", default="")
 
 
 class Group(NamedTuple):
@@ -47,6 +48,9 @@ def grouped(
     of_group: dict[Hashable, str | None] = {}
     for identifier, made in objects:
         if made.removed or made.hidden:
+            if isinstance(classes, Mapping):
+                # Its key is not mistyped.
+                named(made)
             continue
         name = named(made)
         if name is None and classes is not None:
@@ -62,23 +66,24 @@ def grouped(
             )
         groups.setdefault(key, []).append(identifier)
     found = [Group(tuple(group), of_group[key]) for key, group in groups.items()]
-    if isinstance(classes, Mapping) and TELLS.get():
-        _tell([key for key in classes if key not in used], objects)
+    of = TOLD_OF.get()
+    if isinstance(classes, Mapping) and of is not None:
+        _tell(of, [key for key in classes if key not in used], objects)
     there = (group.class_name for group in found if group.class_name is not None)
     told = [*classes.values()] if isinstance(classes, Mapping) else []
     names = dict.fromkeys([*(name for name in told if name is not None), *there])
     return found, tuple(names)
 
 
-def _tell(unused: Sequence[str], objects: Sequence[tuple[int, Object]]) -> None:
+def _tell(of: str, unused: Sequence[str], objects: Sequence[tuple[int, Object]]) -> None:
     """Warn of keys that no object is called by: with a mistyped one there are no annotations."""
     if not unused:
         return
     names = list({name for _, made in objects for name in (made.name, made.node) if name})
     for key in unused:
-        close = get_close_matches(key, names, 1)
+        close = get_close_matches(key, [name for name in names if name != key], 1)
         meant = f", did you mean {close[0]!r}?" if close else ""
-        warn(f"classes: no object has its class by {key!r}{meant}")
+        warn(f"{of}classes: no object has its class by {key!r}{meant}")
 
 
 def _classify(classes: Classes | None, used: set[str]) -> Callable[[Object], str | None]:

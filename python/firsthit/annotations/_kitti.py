@@ -127,7 +127,8 @@ def labels(
     texts = {}
     for name, picture in pictures.items():
         if picture.camera.projection != "perspective":
-            raise ValueError(f"{name}: KITTI's cameras are perspective, got {picture.camera!r}")
+            got = f"one of the projection {picture.camera.projection}"
+            raise ValueError(f"{name}: KITTI's cameras are perspective, got {got}")
         lines = []
         for instance in picture.instances:
             edges = instance.amodal_box if box == "amodal" else instance.visible_box

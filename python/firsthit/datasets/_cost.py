@@ -15,12 +15,20 @@ _BYTES = {
     **dict.fromkeys(("object", "primitive", "face", "node", "mesh", "material"), 4),
     **dict.fromkeys(("front", "valid"), 1),
     **dict.fromkeys(("normal", "position", "barycentric", "base_color"), 24),
+    **dict.fromkeys(("crypto_object", "crypto_material"), 48),
     "color": 12,
     "uv": 16,
 }
 
-#: Bytes of a return in a file: eighteen numbers, of which some are int32.
-_RETURN = 112
+#: Numbers of a pixel in an EXR, each of four bytes at most; others are one.
+_NUMBERS = {
+    **dict.fromkeys(("color", "normal", "position", "barycentric", "base_color"), 3),
+    **dict.fromkeys(("crypto_object", "crypto_material"), 12),
+    "uv": 2,
+}
+
+#: About how many bytes a return has in files, if nothing can be compressed and without intensity.
+_RETURN = {"npz": 100, "ply": 100, "pcd": 68, "csv": 190, "las": 58, "laz": 58, "parquet": 100}
 
 
 class Cost(NamedTuple):
@@ -33,8 +41,8 @@ class Cost(NamedTuple):
     rays : int
         The number of pixels and beams of all frames, each counted once.
     bytes : int
-        About how many bytes the files of frames have: arrays as they are in memory, a return for
-        each beam, PNGs as if they could not be compressed. Annotations are not counted.
+        About how many bytes the files of frames have at most: a return for each beam, and all
+        as if it could not be compressed. Annotations are not counted.
     """
 
     frames: int
@@ -45,13 +53,17 @@ class Cost(NamedTuple):
 def cost(sensors: tuple[PlannedSensor, ...], output: Output, frames: int) -> Cost:
     """Return what frames of these sensors come to."""
     rays = size = 0
-    each = sum(_BYTES.get(name, 8) for name in output.channels) * len(output.frames)
+    each = 0
+    if "npz" in output.frames:
+        each += sum(_BYTES.get(name, 8) for name in output.channels)
+    if "exr" in output.frames:
+        each += sum(4 * _NUMBERS.get(name, 1) for name in output.channels)
     each += sum(2 if name in ("t", "range", "z") else 3 for name in output.pictures)
     for one in sensors:
         if isinstance(one, LidarSensor):
             beams = one.beams[0] * one.beams[1]
             rays += beams
-            size += beams * _RETURN * len(output.clouds)
+            size += beams * sum(_RETURN[form] for form in output.clouds)
         else:
             pixels = one.shape[0] * one.shape[1]
             rays += pixels

@@ -9,7 +9,7 @@ import numpy as np
 from firsthit._files import in_path
 from firsthit._render import render
 from firsthit.annotations import annotate
-from firsthit.annotations._classes import TELLS
+from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import meters
 
 from ._digest import canonical, of_arrays
@@ -114,7 +114,7 @@ class FrameMaker:
         plan = self._plan
         output, planned = plan._output, plan._scenes[plan.scene_of(frame).scene]
         # Told by the check of the scene.
-        telling = TELLS.set(False)
+        telling = TOLD_OF.set(None)
         try:
             found = annotate(
                 scene,
@@ -124,7 +124,7 @@ class FrameMaker:
                 **planned.annotate_options,
             )
         finally:
-            TELLS.reset(telling)
+            TOLD_OF.reset(telling)
         save_masks(folder, sensor.name, found, output)
         made: dict[str, Any] = {}
         if output.merged.kinds:

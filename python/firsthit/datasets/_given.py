@@ -16,12 +16,14 @@ from ._paths import inside
 from ._place import Place
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path as FilePath
 
     import numpy.typing as npt
 
     from firsthit._scene import Scene
 
+    from ._sensors import PlannedSensor
     from ._table import Table
 
 #: Which ways the rig's axes point.
@@ -84,15 +86,37 @@ class Path:
 
     def place(self, seed: int, frame: int, index: int, scene: Scene) -> Place:
         """Return where the rig is in a frame."""
-        if self.times is not None:
-            time = self.times[index]
-        else:
-            last = max(self.trajectory.end, self.start)
-            time = self.start + index * self.step
-            if self.trajectory.extrapolation == "refuse":
-                # The last one is at the end, however its product was rounded.
-                time = min(time, last)
+        time = self.time(index)
         return Place(self.trajectory.at(time).tolist(), time, self.trajectory)
+
+    def time(self, index: int) -> float:
+        """Return when a frame is."""
+        if self.times is not None:
+            return self.times[index]
+        time = self.start + index * self.step
+        if self.trajectory.extrapolation == "refuse":
+            # The last one is at the end, however its product was rounded.
+            time = min(time, max(self.trajectory.end, self.start))
+        return time
+
+    def refuse_beyond(self, table: Table, sensors: Sequence[PlannedSensor]) -> None:
+        """Refuse sensors that would see before or after the trajectory, in any frame."""
+        if self.trajectory.extrapolation != "refuse":
+            return
+        whole = (self.time(0), self.time(self.count - 1)) if self.times is None else self.times
+        begin, end = self.trajectory.start, self.trajectory.end
+        for sensor in sensors:
+            if not sensor.needs_path:
+                continue
+            first, last = sensor.seeing(min(whole))[0], sensor.seeing(max(whole))[1]
+            if begin <= first and last <= end:
+                continue
+            raise table.refused(
+                "trajectory",
+                f"sensor {sensor.name!r} sees from {first} to {last}, and the trajectory is from "
+                f"{begin} to {end}: let the rig stand beyond it with "
+                '`extrapolation = "hold"`, or choose the frames\' times within',
+            )
 
 
 def _trajectory(table: Table, folder: FilePath) -> tuple[Trajectory, tuple[FilePath, ...]]:

@@ -12,6 +12,7 @@ from firsthit._errors import FileFormatError, FileReadError, FileWriteError
 from firsthit._lidar_scan import lacking
 from firsthit._render import render
 from firsthit.annotations import annotate
+from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import write
 
 from ._frame import FrameMaker
@@ -132,7 +133,11 @@ def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> Mark:
             if not scene.objects:
                 raise ValueError("it has no objects to annotate")
             eye = Camera((0, 0, 0), (1, 0, 0), (0, 0, 1), 1, 1, 1, 1, 1)
-            annotate(scene, eye, threads=1, **planned.annotate_options)
+            telling = TOLD_OF.set(f"scene {planned.name!r}: ")
+            try:
+                annotate(scene, eye, threads=1, **planned.annotate_options)
+            finally:
+                TOLD_OF.reset(telling)
     except (ValueError, IndexError, TypeError) as error:
         raise ValueError(f"scene {planned.name!r}: {error}") from None
     return mark_of(scene)

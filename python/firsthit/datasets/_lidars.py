@@ -42,6 +42,11 @@ class LidarSensor(NamedTuple):
         """Whether it moves while it scans."""
         return self.is_moving
 
+    def seeing(self, time: float) -> tuple[float, float]:
+        """Return the times of the first and the last beam in a frame of a time."""
+        times = self.make(time, {"pose": self.pose}).time
+        return float(times.min()), float(times.max())
+
     def at(self, place: Place) -> Lidar:
         """Return the scanner at a place of the rig."""
         if self.is_moving:

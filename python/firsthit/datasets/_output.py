@@ -8,6 +8,7 @@ from firsthit import _firsthit
 from firsthit._files import attribute_of, in_path
 from firsthit._lidar_scan import LidarScan
 from firsthit._lights import background_native
+from firsthit._project import plane
 from firsthit._shading import Shading
 from firsthit._types import ShaderName
 
@@ -89,6 +90,7 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...]) -> Output:
     joined = merged(table)
     if joined.kinds and not (pictures or frames):
         raise table.refused(None, "annotations need `pictures` or `frames` that they are of")
+    _refuse_lenses(table, sensors, joined)
     made = Output(
         tuple(channels),
         tuple(frames),
@@ -101,6 +103,23 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...]) -> Output:
     )
     table.finish()
     return made
+
+
+def _refuse_lenses(table: Table, sensors: tuple[PlannedSensor, ...], joined: Merged) -> None:
+    """Refuse formats that cannot hold what a camera sees, whatever it is."""
+    for kind in ("bop", "kitti"):
+        if getattr(joined, kind) is None:
+            continue
+        for one in sensors:
+            if not isinstance(one, CameraSensor):
+                continue
+            if one.camera.projection != "perspective":
+                why = f"takes perspective cameras, and its projection is {one.camera.projection}"
+            elif plane(one.camera) is None:
+                why = "needs what is beyond the border, which a tilted viewplane does not tell"
+            else:
+                continue
+            raise table.refused(kind, f"`{kind}` of sensor {one.name!r}: it {why}")
 
 
 def _pictures(

@@ -5,11 +5,12 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-from pathlib import Path
+import pathlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ._cost import Cost, cost
 from ._document import Document
+from ._given import Path
 from ._lidars import LidarSensor
 from ._output import output
 from ._poses import poses
@@ -115,7 +116,7 @@ class Plan:
             copied = copy.deepcopy(data)
         except RecursionError:
             raise ValueError("plan: tables and arrays are nested too deeply") from None
-        return cls._of(Document(copied, Path(folder)))
+        return cls._of(Document(copied, pathlib.Path(folder)))
 
     @classmethod
     def _of(cls, document: Document) -> Plan:
@@ -132,6 +133,8 @@ class Plan:
             if one.needs_path and not hasattr(plan._poses, "trajectory"):
                 why = f'sensor {one.name!r} moves while it sees: `kind` must be "path"'
                 raise given.refused("kind", why)
+        if isinstance(plan._poses, Path):
+            plan._poses.refuse_beyond(given, plan._sensors)
         plan._output = output(
             table.table("output", Table(document, ("output",), {})), plan._sensors
         )

@@ -28,6 +28,7 @@ class PlannedScene(NamedTuple):
     classes: dict[str, str | None] | None
     by: Literal["object", "node"]
     keypoints: dict[str | int, Keypoints]
+    up: list[float] | None
 
     @property
     def annotate_options(self) -> dict[str, Any]:
@@ -45,9 +46,17 @@ def scenes(tables: list[Table], folder: Path) -> tuple[PlannedScene, ...]:
         if name in made:
             raise table.refused("name", f"two scenes have the name {name!r}; give them others")
         by = table.text("by", "object", ("object", "node"))
-        made[name] = PlannedScene(name, path, _classes(table), by, _keypoints(table))
+        made[name] = PlannedScene(name, path, _classes(table), by, _keypoints(table), _up(table))
         table.finish()
     return tuple(made.values())
+
+
+def _up(table: Table) -> list[float] | None:
+    """Return which way is up, where the plan says it."""
+    given: list[float] | None = table.numbers("up", None)
+    if given is not None and not any(given):
+        raise table.refused("up", "`up` must not be zero")
+    return given
 
 
 def _classes(table: Table) -> dict[str, str | None] | None:
@@ -92,5 +101,9 @@ class Loaded:
         if number not in self._kept:
             while len(self._kept) >= _KEPT:
                 del self._kept[next(iter(self._kept))]
-            self._kept[number] = load(self._planned[number].path)
+            planned = self._planned[number]
+            scene = load(planned.path)
+            if planned.up is not None:
+                scene.up = planned.up
+            self._kept[number] = scene
         return self._kept[number]

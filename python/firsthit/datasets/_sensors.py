@@ -43,6 +43,10 @@ class CameraSensor:
         """(rows, columns) of its picture."""
         return self.camera.shape
 
+    def seeing(self, time: float) -> tuple[float, float]:
+        """Return when it begins and ends to see in a frame of a time."""
+        return time, time
+
     def at(self, place: Place) -> Camera:
         """Return the camera at a place of the rig."""
         return self.camera.moved(place.pose)
@@ -63,6 +67,13 @@ class RollingSensor:
     def shape(self) -> tuple[int, int]:
         """(rows, columns) of its picture."""
         return self.camera.shape
+
+    def seeing(self, time: float) -> tuple[float, float]:
+        """Return the times of the lines that are read out first and last."""
+        by_rows = self.direction in ("top_down", "bottom_up")
+        count = self.camera.rows if by_rows else self.camera.columns
+        first, last = (time + (k + 0.5) / count * self.readout for k in (0, count - 1))
+        return first, last
 
     def at(self, place: Place) -> RollingShutter:
         """Return the camera as it moves from a place on."""
@@ -91,6 +102,10 @@ class PushbroomSensor:
     def shape(self) -> tuple[int, int]:
         """(rows, columns) of its picture."""
         return self.lines, self.camera.columns
+
+    def seeing(self, time: float) -> tuple[float, float]:
+        """Return the times of the first and the last row."""
+        return time, time + (self.lines - 1) / self.line_rate
 
     def at(self, place: Place) -> Pushbroom:
         """Return the camera as it moves from a place on."""
