@@ -2,12 +2,12 @@
 //!
 //! Usenko, Demmel and Cremers, "The Double Sphere Camera Model", 3DV 2018, equations 40 to 52.
 
-use super::unified::{backmost, check_alpha};
+use super::unified::{backmost, check_alpha, height};
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
 use crate::camera::quick::square;
 use crate::error::Result;
-use crate::geometry::arithmetic::Arithmetic;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, require};
 
 parameters! {
@@ -43,16 +43,9 @@ impl Distortion for DoubleSphere {
         _: &Limit,
         [x, y]: [A::Number; 2],
     ) -> ([A::Number; 3], A::Mask) {
-        // Operation for operation what `unproject` does.
         let Self { xi, alpha } = *self;
-        let r2 = of.add(of.mul(x, x), of.mul(y, y));
-        let rest = of.sub(of.number(1.0), of.mul(of.number(2.0 * alpha - 1.0), r2));
-        let above = of.sub(of.number(1.0), of.mul(of.number(alpha * alpha), r2));
-        let below = of.add(
-            of.mul(of.number(alpha), of.sqrt(rest)),
-            of.number(1.0 - alpha),
-        );
-        let mz = of.div(above, below);
+        let r2 = square(of, x, y);
+        let (mz, _) = height(of, alpha, r2);
         let mz2 = of.mul(mz, mz);
         let under = of.add(mz2, of.mul(of.number(1.0 - xi * xi), r2));
         let factor = of.div(
@@ -62,7 +55,7 @@ impl Distortion for DoubleSphere {
         let z = of.sub(of.mul(factor, mz), of.number(xi));
         let direction = [of.mul(factor, x), of.mul(factor, y), z];
         let length = of.sqrt(of.add(square(of, direction[0], direction[1]), of.mul(z, z)));
-        // A NaN is nowhere below.
+        // Beyond the model's end the formula gives what is seen elsewhere, or a NaN, which is nowhere below.
         let known = of.lt(of.mul(of.number(-self.backmost()), length), z);
         (direction, known)
     }
@@ -84,23 +77,8 @@ impl Distortion for DoubleSphere {
         (divisor > 0.0).then(|| aside / divisor)
     }
 
-    fn unproject(&self, _: &Limit, point: DVec2) -> Option<DVec3> {
-        let Self { xi, alpha } = *self;
-        let r2 = point.length_squared();
-        let rest = 1.0 - (2.0 * alpha - 1.0) * r2;
-        let is_seen = rest >= 0.0;
-        if !is_seen {
-            return None;
-        }
-        let mz = (1.0 - alpha * alpha * r2) / (alpha * rest.sqrt() + (1.0 - alpha));
-        let square = mz * mz + (1.0 - xi * xi) * r2;
-        let is_seen = square >= 0.0;
-        if !is_seen {
-            return None;
-        }
-        let factor = (mz * xi + square.sqrt()) / (mz * mz + r2);
-        let direction = DVec3::new(factor * point.x, factor * point.y, factor * mz - xi);
-        // What the formula gives beyond the model's end is seen elsewhere.
-        (direction.z > -self.backmost() * direction.length()).then_some(direction)
+    fn unproject(&self, limit: &Limit, point: DVec2) -> Option<DVec3> {
+        let (direction, is_seen) = self.directions(Scalar, limit, point.to_array());
+        is_seen.then(|| direction.into())
     }
 }

@@ -5,8 +5,9 @@
 use super::opencv::OpenCv;
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
+use crate::camera::quick::square;
 use crate::error::Result;
-use crate::geometry::arithmetic::Arithmetic;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, require};
 
 parameters! {
@@ -52,18 +53,8 @@ impl Distortion for Mei {
         point: [A::Number; 2],
     ) -> ([A::Number; 3], A::Mask) {
         let ([x, y, _], known) = self.distortion().directions(of, limit, point);
-        let xi = of.number(self.xi);
-        let r2 = of.add(of.mul(x, x), of.mul(y, y));
-        let rest = of.add(
-            of.number(1.0),
-            of.mul(of.number(1.0 - self.xi * self.xi), r2),
-        );
-        let factor = of.div(of.add(xi, of.sqrt(rest)), of.add(of.number(1.0), r2));
-        let known = known & of.lt(of.number(0.0), rest);
-        (
-            [of.mul(factor, x), of.mul(factor, y), of.sub(factor, xi)],
-            known,
-        )
+        let (direction, is_seen) = self.lifted(of, [x, y]);
+        (direction, known & is_seen)
     }
 
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
@@ -84,15 +75,22 @@ impl Distortion for Mei {
     }
 
     fn unproject(&self, limit: &Limit, point: DVec2) -> Option<DVec3> {
-        let xi = self.xi;
         let point = self.distortion().unproject(limit, point)?;
         let point = point.truncate() / point.z;
-        let r2 = point.length_squared();
-        let rest = 1.0 + (1.0 - xi * xi) * r2;
-        let is_seen = rest >= 0.0;
-        is_seen.then(|| {
-            let factor = (xi + rest.sqrt()) / (1.0 + r2);
-            (factor * point).extend(factor - xi)
-        })
+        let (direction, is_seen) = self.lifted(Scalar, point.to_array());
+        is_seen.then(|| direction.into())
+    }
+}
+
+impl Mei {
+    /// The direction of a point of the undistorted image, by the sphere, and where there is one.
+    #[inline(always)]
+    fn lifted<A: Arithmetic>(&self, of: A, [x, y]: [A::Number; 2]) -> ([A::Number; 3], A::Mask) {
+        let (one, xi) = (of.number(1.0), of.number(self.xi));
+        let r2 = square(of, x, y);
+        let rest = of.add(one, of.mul(of.number(1.0 - self.xi * self.xi), r2));
+        let factor = of.div(of.add(xi, of.sqrt(rest)), of.add(one, r2));
+        let direction = [of.mul(factor, x), of.mul(factor, y), of.sub(factor, xi)];
+        (direction, of.lt(of.number(0.0), rest))
     }
 }

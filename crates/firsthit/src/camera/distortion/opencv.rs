@@ -95,7 +95,7 @@ impl OpenCv {
         };
         let radii = (0..=STEPS).map(|k| end * f64::from(k) / f64::from(STEPS));
         let fine = radii.clone().take_while(|&r| is_certain(r)).count();
-        // The step before the first that is not.
+        // The last radius before the first that is not, and a little less.
         radii.take(fine).last().map_or(0.0, |r| 0.9 * r)
     }
 

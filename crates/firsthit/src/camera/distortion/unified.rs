@@ -8,8 +8,9 @@
 
 use super::{Distortion, Limit};
 use crate::camera::parameters::parameters;
+use crate::camera::quick::square;
 use crate::error::Result;
-use crate::geometry::arithmetic::Arithmetic;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, require};
 
 parameters! {
@@ -35,6 +36,18 @@ pub(super) fn check_alpha(alpha: f64) -> Result<()> {
     require("alpha", "from 0 to 1", (0.0..=1.0).contains(&alpha), alpha)
 }
 
+/// The height z of the direction that is seen at the squared distance `r2` from the middle, where x and y are those of the image; and
+/// what is under the square root in it.
+#[inline(always)]
+pub(super) fn height<A: Arithmetic>(of: A, alpha: f64, r2: A::Number) -> (A::Number, A::Number) {
+    let one = of.number(1.0);
+    let rest = of.sub(one, of.mul(of.number(2.0 * alpha - 1.0), r2));
+    let above = of.sub(one, of.mul(of.number(alpha * alpha), r2));
+    let root = of.mul(of.number(alpha), of.sqrt(rest));
+    let below = of.add(root, of.number(1.0 - alpha));
+    (of.div(above, below), rest)
+}
+
 /// How far behind the camera directions are still seen, as z / d.
 pub(super) fn backmost(alpha: f64) -> f64 {
     if alpha <= 0.5 {
@@ -58,16 +71,10 @@ impl Distortion for Eucm {
         _: &Limit,
         [x, y]: [A::Number; 2],
     ) -> ([A::Number; 3], A::Mask) {
-        // Operation for operation what `unproject` does.
-        let Self { alpha, beta } = *self;
-        let r2 = of.mul(of.number(beta), of.add(of.mul(x, x), of.mul(y, y)));
-        let rest = of.sub(of.number(1.0), of.mul(of.number(2.0 * alpha - 1.0), r2));
-        let above = of.sub(of.number(1.0), of.mul(of.number(alpha * alpha), r2));
-        let below = of.add(
-            of.mul(of.number(alpha), of.sqrt(rest)),
-            of.number(1.0 - alpha),
-        );
-        ([x, y, of.div(above, below)], of.lt(of.number(0.0), rest))
+        let r2 = of.mul(of.number(self.beta), square(of, x, y));
+        let (z, rest) = height(of, self.alpha, r2);
+        // Where nothing is left of it, and beyond, nothing is seen.
+        ([x, y, z], of.lt(of.number(0.0), rest))
     }
 
     fn project(&self, _: &Limit, direction: DVec3) -> Option<DVec2> {
@@ -80,16 +87,9 @@ impl Distortion for Eucm {
         is_seen.then(|| aside / (alpha * d + (1.0 - alpha) * z))
     }
 
-    fn unproject(&self, _: &Limit, point: DVec2) -> Option<DVec3> {
-        let Self { alpha, beta } = *self;
-        let r2 = beta * point.length_squared();
-        let rest = 1.0 - (2.0 * alpha - 1.0) * r2;
-        let is_seen = rest >= 0.0;
-        if !is_seen {
-            return None;
-        }
-        let z = (1.0 - alpha * alpha * r2) / (alpha * rest.sqrt() + (1.0 - alpha));
-        Some(point.extend(z))
+    fn unproject(&self, limit: &Limit, point: DVec2) -> Option<DVec3> {
+        let (direction, is_seen) = self.directions(Scalar, limit, point.to_array());
+        is_seen.then(|| direction.into())
     }
 }
 
