@@ -8,6 +8,7 @@
 )]
 
 mod arrays;
+mod curved;
 mod fans;
 mod generators;
 mod leaks;

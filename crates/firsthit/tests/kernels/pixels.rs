@@ -151,7 +151,7 @@ fn cameras_on_instances_transforms_and_other_shapes() {
 }
 
 /// The triangles of a square grid with so many points along a side, two in each cell.
-fn grid(side: u32) -> Vec<[u32; 3]> {
+pub(super) fn grid(side: u32) -> Vec<[u32; 3]> {
     (0..side * (side - 1))
         .filter(|k| k % side + 1 < side)
         .flat_map(|k| [[k, k + 1, k + side], [k + 1, k + side + 1, k + side]])
