@@ -86,7 +86,7 @@ fn curved_rays_on_sheets_of_small_triangles() {
 #[test]
 fn curved_rays_on_many_objects() {
     let mut hits = 0;
-    for round in 0..3 {
+    for round in 0..8 {
         let mut numbers = Numbers::new(7200 + round);
         let objects = (0..9).map(|_| {
             let (points, triangles) = soup(8, &mut numbers);
@@ -99,7 +99,7 @@ fn curved_rays_on_many_objects() {
             hits += checked(&scene, &camera);
         }
     }
-    assert!(hits > 5_000, "{hits}");
+    assert!(hits > 4_000, "{hits}");
 }
 
 /// An object just before a wall: coarse fisheyes have tiles whose rays reach past the corners of their grids, and so may the first
