@@ -189,6 +189,11 @@ class AllHits:
         return self.hits.normal
 
     @property
+    def incidence(self) -> npt.NDArray[np.float64]:
+        """The angles between rays and normals, see `Hits.incidence`, (m,) float64, radians."""
+        return self.hits.incidence
+
+    @property
     def front(self) -> npt.NDArray[np.bool_]:
         """Whether the ray met the front, to which the normal points, (m,) bool.
 

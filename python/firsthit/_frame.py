@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray
 
-    from ._types import DistanceName, IdentifierName, MatteName, VectorName
+    from ._types import AngleName, DistanceName, IdentifierName, MatteName, VectorName
 
 #: The types of channels, as metadata name them, and those that an EXR holds as uint32.
 _DTYPES = ("float64", "float32", "int32", "bool")
@@ -187,7 +187,9 @@ class Frame:
     def __getitem__(self, name: Literal["color"] | MatteName) -> npt.NDArray[np.float32]: ...
 
     @overload
-    def __getitem__(self, name: DistanceName | VectorName) -> npt.NDArray[np.float64]: ...
+    def __getitem__(
+        self, name: DistanceName | AngleName | VectorName
+    ) -> npt.NDArray[np.float64]: ...
 
     @overload
     def __getitem__(self, name: IdentifierName) -> npt.NDArray[np.int32]: ...

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._leaving import LeavingRays
     from ._source import Arrays, Source
     from ._traceable import Built
-    from ._types import Asked, DistanceName, IdentifierName, Progress, VectorName
+    from ._types import AngleName, Asked, DistanceName, IdentifierName, Progress, VectorName
 
     # No ArrayLike, which text is too.
     Index = (
@@ -221,6 +221,14 @@ class Hits(Attributed):
         return self.channel("normal")
 
     @property
+    def incidence(self) -> npt.NDArray[np.float64]:
+        """The angles between rays and normals, (...) float64, radians: 0 head on, pi / 2 grazing.
+
+        It is the same on both sides of a surface.
+        """
+        return self.channel("incidence")
+
+    @property
     def front(self) -> npt.NDArray[np.bool_]:
         """Whether the ray met the front, to which the normal points, (...) bool."""
         return self.channel("front")
@@ -339,7 +347,7 @@ class Hits(Attributed):
     @overload
     def channel(
         self,
-        name: VectorName,
+        name: AngleName | VectorName,
         *,
         threads: int | None = None,
         progress: Progress | None = None,

@@ -134,6 +134,7 @@ def render(
     ``node``, ``mesh``               int32              identifier, see below  -1
     ``material``                     int32              identifier, see below  -1
     ``normal``                       3 float64          length one, world      nan
+    ``incidence``                    float64            radian                 nan
     ``position``                     3 float64          length, world          nan
     ``barycentric``                  3 float64          weights of corners     nan
     ``uv``                           2 float64          texture coordinates    nan

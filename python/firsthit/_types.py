@@ -13,6 +13,8 @@ Vector = tuple[float, float, float]
 
 #: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
 DistanceName = Literal["t", "range", "z"]
+#: The channel of angles, float64.
+AngleName = Literal["incidence"]
 #: Channels of identifiers, int32.
 IdentifierName = Literal["object", "primitive", "face", "node", "mesh", "material"]
 #: Channels of identifiers that stand for something with a name.
@@ -32,6 +34,7 @@ ChannelName = Literal[
     "mesh",
     "material",
     "normal",
+    "incidence",
     "position",
     "barycentric",
     "uv",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ._types import (
     AlphaMode,
+    AngleName,
     Asked,
     AttributeChannel,
     AttributeOf,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlphaMode",
+    "AngleName",
     "Asked",
     "AttributeChannel",
     "AttributeOf",

@@ -114,6 +114,34 @@ def test_a_frame_has_its_channels_with_their_types():
         frame["depth"]
 
 
+@pytest.mark.parametrize("length", [1.0, 1e-200, 1e200])
+def test_incidence_is_the_angle_of_the_closed_form_on_both_sides(length):
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 2))
+    scene.add(fh.Mesh([(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [[0, 1, 2]]), transform=shifted(20))
+    # The sine is the distance from the axis over the radius.
+    offsets = np.array([0, 1e-12, 1e-7, 0.3, 1.0, 1.9999, 2 - 1e-9])
+    origins = np.stack([offsets, 0 * offsets, 0 * offsets + 5], axis=-1)
+    down = scene.shoot(origins, (0, 0, -length))
+    np.testing.assert_allclose(down.incidence, np.arcsin(offsets / 2), rtol=1e-13, atol=1e-15)
+    inside = scene.shoot((0.5, 0, 0), (0, 0, length))
+    np.testing.assert_allclose(inside.incidence, np.arcsin(0.25), rtol=1e-15)
+    angles = np.array([0, 1e-9, 0.7, 1.5])
+    ways = length * np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1)
+    for side in (1, -1):
+        met = scene.shoot((0, 0, 20 - side), side * ways)
+        seen = met.object == 1
+        assert seen.tolist() == [True] * 3 + [False]
+        np.testing.assert_allclose(met.incidence[seen], angles[seen], rtol=1e-14, atol=1e-18)
+    assert np.isnan(scene.shoot((0, 0, 9), (0, length, 0)).incidence)
+
+
+def shifted(z: float) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[2, 3] = z
+    return matrix
+
+
 def test_colours_are_the_objects_the_lights_and_the_backgrounds():
     scene = fh.Scene()
     scene.add(fh.Mesh(*SQUARE), transform=np.diag([9, 9, 9, 1.0]), color=(0.5, 0.25, 1))

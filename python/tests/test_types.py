@@ -50,7 +50,13 @@ def test_a_user_s_script_runs(script):
 def test_words_that_are_typed_are_those_that_there_are():
     channels = [name for name, _ in _firsthit.channel_names()]
     assert list(get_args(typing.ChannelName)) == channels
-    parts = (typing.DistanceName, typing.IdentifierName, typing.VectorName, typing.MatteName)
+    parts = (
+        typing.DistanceName,
+        typing.AngleName,
+        typing.IdentifierName,
+        typing.VectorName,
+        typing.MatteName,
+    )
     words = [word for part in parts for word in get_args(part)]
     assert {"color", "front", "valid", *words} == set(channels)
     told = [

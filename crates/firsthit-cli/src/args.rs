@@ -306,7 +306,7 @@ pub(crate) struct ShootArgs {
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
     /// The channels to compute, with commas between: t, object, primitive, face, node, mesh, material, normal,
-    /// position, barycentric, uv, base_color, front, valid, and attribute:NAME for an attribute of the meshes [default:
+    /// incidence, position, barycentric, uv, base_color, front, valid, and attribute:NAME for an attribute of the meshes [default:
     /// t,object,primitive; for .ply and .pcd position and normal too]
     #[arg(
         long,

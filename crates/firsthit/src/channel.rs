@@ -3,6 +3,7 @@
 mod asked;
 mod attribute;
 mod kinds;
+mod prefetch;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -14,6 +15,7 @@ pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
 pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS, VISIBLE};
 
 use asked::Silent;
+use prefetch::Prefetched;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
@@ -371,7 +373,11 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
             }
         }
     }
+    // Nothing is fetched for hits that are not looked up.
+    let fetched = if needs_surface { count } else { 0 };
+    let mut prefetched = Prefetched::new(shots, first, fetched);
     for k in 0..count {
+        prefetched.advance(k);
         let hit = shots.hits.get(first + k);
         if hit.is_miss() {
             continue;

@@ -213,6 +213,7 @@ fn every_channel_is_what_a_loop_over_the_pixels_gives() {
         "primitive",
         "face",
         "normal",
+        "incidence",
         "position",
         "barycentric",
         "front",
@@ -239,11 +240,15 @@ fn every_channel_is_what_a_loop_over_the_pixels_gives() {
                     && vector("position", k).is_nan()
                     && vector("barycentric", k).is_nan()
             );
+            assert!(doubles(&frame, "incidence")[k].is_nan());
         } else {
             assert_eq!(
                 vector("normal", k),
                 scene.interaction(&ray, &hit).unwrap().normal()
             );
+            let cosine = vector("normal", k).dot(ray.direction).abs();
+            let angle = doubles(&frame, "incidence")[k];
+            assert!((angle.cos() - cosine).abs() < 1e-14, "{angle}");
             assert_eq!(
                 vector("position", k),
                 scene.interaction(&ray, &hit).unwrap().position()

@@ -293,6 +293,13 @@ fn a_lidar_that_is_carried_fires_each_beam_from_where_it_then_is() {
         // Its forwards is the body's left.
         let turned = DVec3::new(-own.y, own.x, own.z);
         assert!(ray.direction.abs_diff_eq(turned, 1e-15));
+        let it = lidar.returned(pixel, 5.0);
+        assert_eq!(it.point, ray.at(5.0));
+        assert_eq!(it.sensor_point, 5.0 * own);
+        assert_eq!(it.time, time);
+        assert_eq!(it.ring, lidar.pattern().rings()[pixel]);
+        let [_, columns] = lidar.shape();
+        assert_eq!(it.row as usize * columns + it.column as usize, pixel);
     }
     let late = LidarModel::Vlp16.pattern(10.0, None, 11.95).unwrap();
     assert!(Lidar::carried(late.clone(), mount, &body).is_err());

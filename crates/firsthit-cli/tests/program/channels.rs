@@ -25,7 +25,7 @@ fn near(array: &Array, index: usize, expected: f64) {
 #[test]
 fn every_pixel_has_the_distances_of_the_formula() {
     let lab = Lab::with_square();
-    let channels = "t,range,z,object,primitive,face,normal,position,front";
+    let channels = "t,range,z,object,primitive,face,normal,incidence,position,front";
     lab.ok(&format!(
         "render square.ply {ABOVE} --channels {channels} -o all.npz"
     ));
@@ -43,6 +43,7 @@ fn every_pixel_has_the_distances_of_the_formula() {
                 for name in ["object", "primitive", "face"] {
                     assert_eq!(all[name].values[k], -1.0, "{name}");
                 }
+                assert!(all["incidence"].values[k].is_nan());
                 for name in ["normal", "position"] {
                     let values = &all[name].values[3 * k..][..3];
                     assert!(values.iter().all(|x| x.is_nan()), "{name}");
@@ -54,6 +55,7 @@ fn every_pixel_has_the_distances_of_the_formula() {
             near(&all["t"], k, 1.5 * to_viewplane);
             near(&all["range"], k, 2.5 * to_viewplane);
             near(&all["z"], k, 5.0);
+            near(&all["incidence"], k, (2.0 / to_viewplane).acos());
             for (axis, expected) in [hit_x, hit_y, 0.0].into_iter().enumerate() {
                 near(&all["position"], 3 * k + axis, expected);
             }
@@ -73,16 +75,16 @@ fn every_pixel_has_the_distances_of_the_formula() {
 fn arrays_have_the_types_and_shapes_that_are_documented() {
     let lab = Lab::with_square();
     let names =
-        "color,t,range,z,object,primitive,face,normal,position,barycentric,uv,base_color,front";
+        "color,t,range,z,object,primitive,face,normal,incidence,position,barycentric,uv,base_color,front";
     lab.ok(&format!(
         "render square.ply --size 32x24 --channels {names} -o all.npz"
     ));
     let all = lab.npz("all.npz");
-    assert_eq!(all.len(), 13);
+    assert_eq!(all.len(), 14);
     for (name, array) in &all {
         let (dtype, components) = match name.as_str() {
             "color" => ("<f4", 3),
-            "t" | "range" | "z" => ("<f8", 1),
+            "t" | "range" | "z" | "incidence" => ("<f8", 1),
             "object" | "primitive" | "face" => ("<i4", 1),
             "uv" => ("<f8", 2),
             "front" => ("|b1", 1),

@@ -193,6 +193,15 @@ pub const KINDS: &[Kind] = &[
         }),
     },
     Kind {
+        name: Cow::Borrowed("incidence"),
+        about: "angle between the ray and the normal, 0 head on; NaN for a miss",
+        components: 1,
+        display: Display::Quantity,
+        unit: Unit::Radian,
+        frame: None,
+        make: Make::Doubles(|surface, out| out[0] = surface.incidence()),
+    },
+    Kind {
         name: Cow::Borrowed("position"),
         about: "where the hit is in the world; NaN for a miss",
         components: 3,

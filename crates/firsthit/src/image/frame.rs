@@ -66,6 +66,8 @@ pub enum Unit {
     SceneLength,
     /// Lengths of the ray's direction: for a camera's rays, which have length one, the scene's unit.
     DirectionLength,
+    /// Angles in radians.
+    Radian,
 }
 
 /// The values of a [`Channel`], as they are stored in files.
@@ -358,6 +360,7 @@ impl Unit {
             Self::LinearColor => Some("linear Rec. 709"),
             Self::DirectionLength if !has_camera => Some("length of the ray's direction"),
             Self::SceneLength | Self::DirectionLength => Some("scene length"),
+            Self::Radian => Some("radian"),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::{MapRole, Material, Object, Scene};
-use crate::geometry::{Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId};
+use crate::geometry::{Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId, moderation};
 use crate::shape::{Mesh, Shape, Surface};
 
 /// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything else is computed when it is
@@ -142,6 +142,16 @@ impl<'a> SurfaceInteraction<'a> {
             let normal = self.object.shape().normal(point, self.hit.primitive);
             transform.normal_in_world(normal)
         })
+    }
+
+    /// The angle between the ray and the line along the geometric normal, in radians: 0 head on, pi / 2 at most. NaN for a triangle
+    /// without an area.
+    ///
+    /// It is the arc tangent of sine and cosine: next to 0 the arc cosine would lose half of the digits.
+    pub fn incidence(&self) -> f64 {
+        let normal = self.normal();
+        let way = moderation(self.ray.direction) * self.ray.direction;
+        libm::atan2(normal.cross(way).length(), normal.dot(way).abs())
     }
 
     /// The normal to shade with: interpolated where the mesh has normals at its vertices, on the same side as the geometric
