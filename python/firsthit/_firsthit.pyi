@@ -234,6 +234,16 @@ class Sensor:
     def spread(
         self, pixels: npt.NDArray[np.int64], divergence: float, count: int
     ) -> npt.NDArray[np.float64]: ...
+    def returns(
+        self, pixels: npt.NDArray[np.int64], ranges: npt.NDArray[np.float64], threads: int
+    ) -> tuple[
+        npt.NDArray[np.float64],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.float64],
+    ]: ...
     def poses(self, pixels: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]: ...
 
 @final

@@ -42,6 +42,28 @@ def lacking(extension: str) -> str | None:
     return f"a {extension} takes the package {' with '.join(packages)}: pip install {wanted}"
 
 
+class ScanOrigin:
+    """What was scanned and how, written out when it is first asked for: its digests take long."""
+
+    def __init__(
+        self, scene: _firsthit.Scene, sensor: _firsthit.Sensor, settings: dict[str, Any]
+    ) -> None:
+        self._parts: tuple[_firsthit.Scene, _firsthit.Sensor] | None = (scene, sensor)
+        self._settings = settings
+        self._text = ""
+
+    def text(self) -> str:
+        """Return it as JSON; the scene and the sensor are not kept any longer."""
+        parts = self._parts
+        if parts is not None:
+            said: dict[str, Any] = json.loads(_firsthit.origin(*parts, []))
+            said["scan"] = self._settings
+            # In this order: another thread that finds no parts finds the text.
+            self._text = json.dumps(said)
+            self._parts = None
+        return self._text
+
+
 class LidarScan:
     """The returns of a laser scanner, as arrays over n returns. Read-only.
 
@@ -68,12 +90,15 @@ class LidarScan:
 
     _arrays: dict[str, npt.NDArray[Any]]
     _shape: tuple[int, int]
-    #: The JSON of what was scanned, and how.
-    _origin: str
+    #: What was scanned, and how; as JSON, or to be.
+    _origin: str | ScanOrigin
 
     @classmethod
     def _of(
-        cls, arrays: dict[str, npt.NDArray[Any]], shape: tuple[int, int], origin: str
+        cls,
+        arrays: dict[str, npt.NDArray[Any]],
+        shape: tuple[int, int],
+        origin: str | ScanOrigin,
     ) -> LidarScan:
         scan = cls.__new__(cls)
         for array in arrays.values():
@@ -136,13 +161,18 @@ class LidarScan:
         names = parts[0].keys()
         arrays = {name: np.concatenate([part[name] for part in parts]) for name in names}
         arrays["column"] += np.repeat(before[:-1], [len(part) for part in parts]).astype(np.int32)
-        said: dict[str, Any] = json.loads(parts[0]._origin)
+        said: dict[str, Any] = json.loads(parts[0]._said())
         said["scans"] = [digests for part in parts for digests in part._digests()]
         return cls._of(arrays, (parts[0].shape[0], int(before[-1])), json.dumps(said))
 
+    def _said(self) -> str:
+        """Return what was scanned, and how, as JSON."""
+        origin = self._origin
+        return origin if isinstance(origin, str) else origin.text()
+
     def _digests(self) -> list[dict[str, Any]]:
         """Return the digests of the scanner and the scene, and the settings, of each scan here."""
-        said: dict[str, Any] = json.loads(self._origin)
+        said: dict[str, Any] = json.loads(self._said())
         alone = [
             {
                 "sensor": said["sensor"]["digest"],
@@ -234,7 +264,7 @@ class LidarScan:
         The form is that of `Frame.metadata`, with the shape ``[n]`` and, under ``scan``, the
         settings of `Lidar.scan`; those of `joined` scans have a list ``scans``.
         """
-        return metadata(self._origin, self._arrays)
+        return metadata(self._said(), self._arrays)
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         """Return an array by its name; a ``KeyError`` where there is none."""
@@ -396,7 +426,7 @@ class LidarScan:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as it is."""
-        return LidarScan._of, (self._arrays, self._shape, self._origin)
+        return LidarScan._of, (self._arrays, self._shape, self._said())
 
 
 def _split(line: str, most: int = 1000) -> list[str]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
-from . import _firsthit
-from ._arrays import count, flag, number, numbers
-from ._lidar_scan import LidarScan
+from ._arrays import count, flag, number, numbers, threads_or_all
+from ._lidar_scan import LidarScan, ScanOrigin
 from ._progress import following, later
 from ._types import Returns
 
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
 _BATCH = 1 << 20
 
 #: How bright linear red, green and blue are (Rec. 709).
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+_LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 #: No noise is as large: ranges go to 1e150, and their product must be a number.
 _MOST_NOISE = 1e100
@@ -171,61 +169,42 @@ def scanned(
     if not isinstance(scene, KindOfScene):
         raise TypeError(f"scan takes a Scene, got {scene!r}")
     beams = lidar.rows * lidar.columns
-    origins, directions = (array.reshape(-1, 3) for array in lidar.rays())
     if settings.divergence is None:
-        parts = [_of_lines(lidar, directions, scene, settings, threads, progress)]
+        parts = [_of_lines(lidar, scene, settings, threads, progress)]
     else:
-        cones = _of_cones(lidar, origins, scene, settings, settings.divergence, threads, progress)
+        cones = _of_cones(lidar, scene, settings, settings.divergence, threads, progress)
         parts = list(cones)
     if len(parts) == 1:
         (returned,) = parts
     else:
         returned = _Returned(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     made = _with_noise(returned, settings, beams)
-    origin = json.loads(_firsthit.origin(scene._native(), lidar._native, []))
-    origin["scan"] = settings.record()
-    # All at once: each property of the lidar would make all arrays of the pattern anew.
-    _, _, own, times, rings = lidar._pattern.beams()
-    beam, far = made.beam, made.range[:, None]
-    row = beam // lidar.columns
+    beam = np.ascontiguousarray(made.beam, np.int64)
+    far = np.ascontiguousarray(made.range)
+    point, own, ring, row, column, time = lidar._native.returns(beam, far, threads_or_all(threads))
     return LidarScan._of(
         {
-            "point": _moved_along(directions, far, beam, origins),
-            "sensor_point": _moved_along(own.reshape(-1, 3), far, beam),
-            "range": made.range,
+            "point": point.reshape(-1, 3),
+            "sensor_point": own.reshape(-1, 3),
+            "range": far,
             "object": made.object,
             "primitive": made.primitive,
             "incidence": made.incidence,
-            "ring": rings[beam],
-            "row": row.astype(np.int32),
-            "column": (beam - row * lidar.columns).astype(np.int32),
-            "time": times[beam],
+            "ring": ring,
+            "row": row,
+            "column": column,
+            "time": time,
             "return_number": made.number.astype(np.int32),
             "number_of_returns": made.total.astype(np.int32),
             **({"intensity": made.intensity} if settings.intensity else {}),
         },
         lidar.shape,
-        json.dumps(origin),
+        ScanOrigin(scene._native(), lidar._native, settings.record()),
     )
-
-
-def _moved_along(
-    directions: npt.NDArray[np.float64],
-    far: npt.NDArray[np.float64],
-    beam: npt.NDArray[Any],
-    origins: npt.NDArray[np.float64] | None = None,
-) -> npt.NDArray[np.float64]:
-    """Return the points on some beams, from their origins or from zero."""
-    points: npt.NDArray[np.float64] = directions.take(beam, axis=0)
-    points *= far
-    if origins is not None:
-        points += origins.take(beam, axis=0)
-    return points
 
 
 def _of_lines(
     lidar: Lidar,
-    directions: npt.NDArray[np.float64],
     scene: Scene,
     settings: ScanSettings,
     threads: int | None,
@@ -235,37 +214,32 @@ def _of_lines(
     near, far = settings.limits
     how: dict[str, Any] = {"t_min": near, "t_max": far, "threads": threads, "progress": progress}
     if settings.returns == "first" and settings.range_gate == 0.0:
-        return _of_first_hits(scene.shoot(lidar, **how), directions, settings)
+        return _of_first_hits(scene.shoot(lidar, **how), settings)
     met = scene.shoot_all(lidar, **how)
     hits, beam = met.hits, met.ray
     index = np.arange(len(beam))
-    found = _Found(beam, hits.t[index], index, _echoes(hits, index, settings, 1))
+    found = _Found(beam, hits.t[index], index, _echoes(hits, index, len(index), settings, 1))
     return _clustered(found, hits, settings)
 
 
-def _of_first_hits(
-    shot: Hits, directions: npt.NDArray[np.float64], settings: ScanSettings
-) -> _Returned:
+def _of_first_hits(shot: Hits, settings: ScanSettings) -> _Returned:
     """Return the returns of beams that end at their first hit: what `_clustered` would, sooner."""
     beam = np.flatnonzero(shot.object.reshape(-1) >= 0)
-    hits = shot[np.divmod(beam, shot.shape[1])]
-    cosines = _cosines(hits.normal, directions.take(beam, axis=0))
     one = np.ones(len(beam), np.int32)
     return _Returned(
         beam,
-        hits.t,
-        hits.object,
-        hits.primitive,
-        np.arccos(cosines),
+        shot.t.reshape(-1)[beam],
+        shot.object.reshape(-1)[beam],
+        shot.primitive.reshape(-1)[beam],
+        shot.incidence.reshape(-1)[beam],
         one,
         one,
-        hits.base_color @ _LUMINANCE * cosines if settings.intensity else np.ones(len(beam)),
+        _echoes(shot, np.divmod(beam, shot.shape[1]), len(beam), settings, 1),
     )
 
 
 def _of_cones(
     lidar: Lidar,
-    origins: npt.NDArray[np.float64],
     scene: Scene,
     settings: ScanSettings,
     divergence: float,
@@ -274,6 +248,7 @@ def _of_cones(
 ) -> Iterator[_Returned]:
     """Yield the returns of beams that are cones, some beams at a time."""
     lines, beams = settings.subrays, lidar.rows * lidar.columns
+    origins = lidar.rays()[0].reshape(-1, 3)
     near, far = settings.limits
     step = max(1, _BATCH // lines)
     with following(progress, beams * lines) as report:
@@ -295,20 +270,29 @@ def _of_cones(
             order = np.lexsort((t, beam))
             index = index[order]
             found = _Found(
-                some[beam[order]], t[order], index, _echoes(hits, index, settings, lines)
+                some[beam[order]],
+                t[order],
+                index,
+                _echoes(hits, index, len(index), settings, lines),
             )
             yield _clustered(found, hits, settings)
 
 
 def _echoes(
-    hits: Hits, index: npt.NDArray[np.int64], settings: ScanSettings, lines: int
+    hits: Hits,
+    index: npt.NDArray[np.int64] | tuple[npt.NDArray[np.int64], ...],
+    number_: int,
+    settings: ScanSettings,
+    lines: int,
 ) -> npt.NDArray[np.float64]:
-    """Return the share of the light that each hit sends back, without the fall-off by range."""
+    """Return the share of the light that each of some hits sends back, without the fall-off."""
     if not settings.needs_surfaces:
-        return np.full(len(index), 1.0 / lines)
+        return np.full(number_, 1.0 / lines)
     some = hits[index]
-    cosines = _cosines(some.normal, some.direction)
-    echoes: npt.NDArray[np.float64] = some.base_color @ _LUMINANCE * cosines / lines
+    red, green, blue = some.base_color.T
+    # Term by term: a product of matrices adds in another order on other machines.
+    luminance = _LUMINANCE[0] * red + _LUMINANCE[1] * green + _LUMINANCE[2] * blue
+    echoes: npt.NDArray[np.float64] = luminance * _cosines(some.normal, some.direction) / lines
     return echoes
 
 
@@ -360,7 +344,7 @@ def _clustered(found: _Found, hits: Hits, settings: ScanSettings) -> _Returned:
         far[kept],
         some.object.copy(),
         some.primitive.copy(),
-        np.arccos(_cosines(some.normal, some.direction)),
+        some.incidence.copy(),
         number_[kept],
         total[kept],
         echo[kept],

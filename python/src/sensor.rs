@@ -31,6 +31,16 @@ pub(crate) struct Sensor {
     lidar: Option<Arc<Lidar>>,
 }
 
+/// Points in the world and in the scanner's frame, flat; rings, rows, columns; times.
+type ReturnsOut<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<i32>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
 /// What makes the rays of a picture.
 #[derive(FromPyObject)]
 pub(crate) enum SensorIn<'py> {
@@ -68,6 +78,11 @@ impl Sensor {
 /// A pose from the rows of its matrix.
 fn pose_of(rows: [[f64; 4]; 4]) -> firsthit::Result<Pose> {
     Pose::from_matrix(&Convention::OpenGl.pose(rows)?)
+}
+
+/// So many zeros, or a `MemoryError`.
+fn zeros<T: Copy + Default>(count: usize) -> PyResult<Vec<T>> {
+    collected(count, std::iter::repeat_n(T::default(), count))
 }
 
 fn vectors(flat: &[f64]) -> PyResult<Vec<DVec3>> {
@@ -235,6 +250,54 @@ impl Sensor {
         })?;
         let flat = directions.iter().flat_map(DVec3::to_array);
         Ok(PyArray1::from_vec(py, collected(3 * all, flat)?))
+    }
+
+    /// What a lidar says of returns, by the pixels of their beams and their ranges: points in the world and in its own frame, flat,
+    /// rings, rows, columns, and times.
+    fn returns<'py>(
+        &self,
+        py: Python<'py>,
+        pixels: PyReadonlyArray1<'py, i64>,
+        ranges: PyReadonlyArray1<'py, f64>,
+        threads: usize,
+    ) -> PyResult<ReturnsOut<'py>> {
+        let lidar = self.lidar_of()?;
+        let pixels: Vec<usize> = checked_pixels(&pixels, self.any.len())?.collect();
+        let ranges = ranges.as_slice().map_err(not_contiguous)?;
+        if ranges.len() != pixels.len() {
+            return Err(PyValueError::new_err("expected a range for each pixel"));
+        }
+        let count = pixels.len();
+        let [mut points, mut owns] = [zeros(3 * count)?, zeros(3 * count)?];
+        let [mut rings, mut rows, mut columns] = [zeros(count)?, zeros(count)?, zeros(count)?];
+        let mut times = zeros(count)?;
+        run(py, threads, |_| {
+            let all = (
+                pixels.par_iter().zip(ranges),
+                points.par_chunks_exact_mut(3),
+                owns.par_chunks_exact_mut(3),
+                (&mut rings, &mut rows, &mut columns).into_par_iter(),
+                &mut times,
+            );
+            let all = all.into_par_iter().with_min_len(1 << 12);
+            all.for_each(
+                |((&pixel, &range), point, own, (ring, row, column), time)| {
+                    let it = lidar.returned(pixel, range);
+                    point.copy_from_slice(&it.point.to_array());
+                    own.copy_from_slice(&it.sensor_point.to_array());
+                    (*ring, *row, *column, *time) = (it.ring, it.row, it.column, it.time);
+                },
+            );
+            Ok(())
+        })?;
+        Ok((
+            PyArray1::from_vec(py, points),
+            PyArray1::from_vec(py, owns),
+            PyArray1::from_vec(py, rings),
+            PyArray1::from_vec(py, rows),
+            PyArray1::from_vec(py, columns),
+            PyArray1::from_vec(py, times),
+        ))
     }
 
     /// The matrices of a lidar's poses at the times of some pixels, row by row.

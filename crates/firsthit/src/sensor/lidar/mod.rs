@@ -52,6 +52,23 @@ pub struct Lidar {
 
 summary!(Lidar, "Lidar", |it| "pattern": it.pattern, "mount": it.mount, "moves": it.trajectory.is_some());
 
+/// A return: where it is on its beam, and which beam that is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Return {
+    /// In the world: along the middle of the beam.
+    pub point: DVec3,
+    /// In the scanner's frame at the time of the beam.
+    pub sensor_point: DVec3,
+    /// The number of the laser.
+    pub ring: i32,
+    /// Of the beam, in the picture.
+    pub row: i32,
+    /// Of the beam, in the picture.
+    pub column: i32,
+    /// Of the beam, in seconds.
+    pub time: f64,
+}
+
 impl Lidar {
     /// The scanner at a pose, which takes its coordinates to the world's.
     ///
@@ -102,6 +119,28 @@ impl Lidar {
     /// For a pixel that there is not, where the scanner moves.
     pub fn pose(&self, pixel: usize) -> Pose {
         self.poses[if self.poses.len() == 1 { 0 } else { pixel }]
+    }
+
+    /// What it says of a return at a range along a pixel's beam.
+    ///
+    /// # Panics
+    ///
+    /// For a pixel that there is not.
+    pub fn returned(&self, pixel: usize, range: f64) -> Return {
+        let [_, columns] = self.shape();
+        let pose = self.pose(pixel);
+        let direction = self.pattern.direction(pixel);
+        // A pattern has fewer rows, and fewer columns, than 2^31.
+        let [row, column] =
+            [pixel / columns, pixel % columns].map(|x| i32::try_from(x).unwrap_or(i32::MAX));
+        Return {
+            point: pose.position + range * (pose.rotation * direction),
+            sensor_point: range * direction,
+            ring: self.pattern.rings()[pixel],
+            row,
+            column,
+            time: self.pattern.times()[pixel],
+        }
     }
 
     /// Directions in the world, of length one, that fill the cone of a pixel's beam: its middle first, then along a spiral of equal
