@@ -85,6 +85,24 @@ SIMPLE = {
     "--direction counterclockwise": lambda: fh.Lidar.spinning(
         [-9, 0, 9], 50, azimuth_start=-60, azimuth_end=60, direction="counterclockwise"
     ),
+    "--raster 70,40 --rows 9 --columns 16": lambda: fh.Lidar.raster(70, 40, 9, 16),
+    "--raster 70,40 --rows 9 --columns 16 --rate 5 --serpentine --start 2": lambda: fh.Lidar.raster(
+        70, 40, 9, 16, rate=5, serpentine=True, start=2
+    ),
+    "--raster 70,40 --rows 9 --columns 16 --flash --start 2 --position 1,0,0": lambda: (
+        fh.Lidar.raster(70, 40, 9, 16, rate=None, start=2, position=(1, 0, 0))
+    ),
+    "--rosette 38.4 --frequencies 121.6,-77.7 --points 500 --point-rate 1e4": lambda: (
+        fh.Lidar.rosette(38.4, (121.6, -77.7), 500, 1e4)
+    ),
+    "--rosette 38.4 --frequencies -9,4 --points 50 --point-rate 1e3 --share 0.3 "
+    "--start -1": lambda: fh.Lidar.rosette(38.4, (-9, 4), 50, 1e3, share=0.3, start=-1),
+    "--lissajous 60,30 --frequencies 7,11 --points 500 --point-rate 1e3": lambda: (
+        fh.Lidar.lissajous(60, 30, (7, 11), 500, 1e3)
+    ),
+    "--lissajous 60,30 --frequencies 7,11 --points 50 --point-rate 1e3 --phase -30": lambda: (
+        fh.Lidar.lissajous(60, 30, (7, 11), 50, 1e3, phase=-30)
+    ),
 }
 
 
@@ -149,6 +167,31 @@ def test_a_drive_is_scanned_turn_by_turn(room):
             expected += np.repeat([0, 60, 120], [len(scan) for scan in turns])
         np.testing.assert_array_equal(held[name], expected)
     assert np.ptp(held["time"]) > 0.29
+
+
+def test_a_rose_goes_on_from_turn_to_turn(room):
+    """Turns of some points are one scan of all of them, as the curve depends on the time alone."""
+    curve = "--rosette 50 --frequencies 12,-7.5 --point-rate 1000 --start 3"
+    runs(f"room.toml {curve} --points 60 --turns 3 -o a.npz")
+    whole = fh.Lidar.rosette(50, (12, -7.5), 180, 1000, start=3).scan(room)
+    held = arrays("a.npz")
+    np.testing.assert_array_equal(held["column"], whole.column)
+    np.testing.assert_allclose(held["time"], whole.time, rtol=1e-15)
+    np.testing.assert_allclose(held["point"], whole.point, rtol=1e-12, atol=1e-12)
+
+
+def test_rasters_and_figures_fill_a_drive(room, capsys):
+    """Three tenths of a second: at 20 pictures, or at 50 points a millisecond apart."""
+    for options, turns in [
+        ("--raster 70,40 --rows 3 --columns 4 --rate 20", 6),
+        ("--lissajous 60,30 --frequencies 7,11 --points 50 --point-rate 1000", 6),
+        ("--rosette 60 --frequencies 7,-11 --points 70 --point-rate 1000", 4),
+    ]:
+        runs(f"room.toml {options} --trajectory drive.csv -o a.npz --json")
+        assert json.loads(capsys.readouterr().out)["turns"] == turns
+        time = arrays("a.npz")["time"]
+        assert time[0] == 3
+        assert 3.2 < time.max() < 3.3
 
 
 @pytest.mark.parametrize(
@@ -240,7 +283,11 @@ def test_every_format_holds_the_returns(room, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        ("room.toml", 2, "one of the arguments --lidar --elevations --pattern is required"),
+        (
+            "room.toml",
+            2,
+            "--raster --rosette --lissajous --pattern is required",
+        ),
         ("room.toml --lidar vlp-17", 2, "--lidar must be one of vlp-16, "),
         ("room.toml --lidar vlp-16 --pattern a.csv", 2, "not allowed with argument --lidar"),
         ("room.toml --lidar vlp-16 --turns 1 --duration 1", 2, "not allowed with"),
@@ -275,6 +322,47 @@ def test_every_format_holds_the_returns(room, tmp_path):
             "--body must be given with --trajectory-format tum",
         ),
         ("room.toml --pattern room.toml --columns 8", 2, "--columns must be left out"),
+        ("room.toml --pattern room.toml --flash", 2, "--flash must be left out with --pattern"),
+        ("room.toml --lidar vlp-16 --rows 8", 2, "--rows needs --raster"),
+        ("room.toml --lidar vlp-16 --serpentine", 2, "--serpentine needs --raster"),
+        ("room.toml --lidar vlp-16 --points 8", 2, "--points needs --rosette or --lissajous"),
+        ("room.toml --raster 70,40 --rows 3", 2, "--raster needs --columns"),
+        ("room.toml --raster 70 --rows 3 --columns 4", 2, "must be 2 numbers, with commas"),
+        ("room.toml --raster 70,181 --rows 3 --columns 4", 2, "vertical_fov must be above 0"),
+        ("room.toml --raster 70,40 --rows 3 --columns 4 --direction clockwise", 2, "--direction n"),
+        ("room.toml --raster 7,4 --rows 3 --columns 4 --duration 0.01", 2, "a picture of 0.1 s"),
+        (
+            "room.toml --raster 70,40 --rows 3 --columns 4 --flash --serpentine",
+            2,
+            "--serpentine must be left out with --flash",
+        ),
+        ("room.toml --rosette 40 --points 9 --point-rate 9", 2, "--rosette needs --frequencies"),
+        (
+            "room.toml --rosette 40 --frequencies 1,2 --points 9 --point-rate 9 --columns 3",
+            2,
+            "--columns needs --lidar or --elevations or --raster",
+        ),
+        (
+            "room.toml --rosette 40 --frequencies 1,2 --points 9 --point-rate 9 --phase 3",
+            2,
+            "--phase needs --lissajous",
+        ),
+        (
+            "room.toml --rosette 40 --frequencies 1,2 --points 9 --point-rate 9 --share 3",
+            2,
+            "share",
+        ),
+        (
+            "room.toml --lissajous 9,9 --frequencies 1,2 --points 9 --point-rate 9 --rate 3",
+            2,
+            "--rate needs --lidar or --elevations or --raster",
+        ),
+        (
+            "room.toml --lissajous 9,9 --frequencies 1,2 --points 9 --point-rate 9 --duration 0.5",
+            2,
+            "less than the 1 s of 9 points: say --turns or fewer --points",
+        ),
+        ("room.toml --rosette 40 --raster 3,4", 2, "not allowed with argument --rosette"),
         ("room.toml --lidar vlp-16 -o a.txt", 2, "--output must end in one of .npz, "),
         ("room.toml --lidar vlp-16 -o a.ply -o a.ply", 2, "must not be given twice"),
         ("room.toml --lidar vlp-16 --shade x", 2, "unrecognized arguments: --shade x"),
@@ -411,6 +499,12 @@ def test_the_help_names_every_option_with_its_unit():
         "start": "SECONDS",
         "azimuth-start": "DEGREES",
         "elevations": "degrees",
+        "raster": "degrees",
+        "rosette": "degrees",
+        "lissajous": "degrees",
+        "frequencies": "in a second",
+        "point-rate": "points in a second",
+        "phase": "DEGREES",
     }
     for option, unit in units.items():
         begin = text.index(f"  --{option} ")

@@ -34,6 +34,9 @@ Examples:
   firsthit scan city.glb --lidar VLP-16 --position 0,1.8,0
   firsthit scan city.ply --lidar os1-64 --trajectory drive.csv -o drive.las
   firsthit scan part.stl --elevations -25,15,64 --columns 2048 -o part.pcd
+  firsthit scan hall.ply --raster 70,40 --rows 96 --columns 160 -o hall.npz
+  firsthit scan yard.ply --rosette 38.4 --frequencies 121.6,-77.7 \\
+      --points 10000 --point-rate 100000 --turns 5 -o yard.pcd
   firsthit scan wood.obj --lidar HDL-32E --divergence 3 --returns all \\
       --noise 0.02 --seed 1 -o wood.laz -o wood.npz
 
