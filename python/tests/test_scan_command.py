@@ -240,6 +240,36 @@ def test_a_scanner_stands_upright_where_y_is_up(tmp_path, monkeypatch):
     np.testing.assert_allclose(held["point"][ahead], [[1 + wide, -1, 2]], atol=1e-9)
 
 
+def test_the_up_that_was_guessed_is_said(room, tmp_path, capsys):
+    """A pyramid stands on the flat base that it has along y, which is not the convention of STL."""
+    scanner, said = "--elevations -20,20,3 --columns 8 -o a.npz", "; guessed: up {} (--up)\n"
+    corners = [(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (0, 2, 0)]
+    faces = [(0, 1, 2), (0, 2, 3), (1, 0, 4), (2, 1, 4), (3, 2, 4), (0, 3, 4)]
+    facets = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*corners[k]) for k in face)
+        + "endloop\nendfacet\n"
+        for face in faces
+    )
+    (tmp_path / "tent.stl").write_text(f"solid tent\n{facets}endsolid tent\n")
+    (tmp_path / "floor.obj").write_text("v 0 -1 0\nv 1 -1 0\nv 0 -1 1\nf 1 3 2\n")
+    for file, up in [("tent.stl", "+y"), ("floor.obj", "+y")]:
+        runs(f"{file} {scanner}")
+        assert capsys.readouterr().out.endswith(said.format(up))
+        runs(f"{file} {scanner} --json")
+        assert json.loads(capsys.readouterr().out)["guessed"] == [f"up {up} (--up)"]
+    # Where nothing is guessed, or no guess is used, none is said.
+    (tmp_path / "pose.txt").write_text("1 0 0 0\n0 1 0 0\n0 0 1 0\n")
+    for run in [
+        f"tent.stl {scanner} --up 0,1,0",
+        f"tent.stl {scanner} --pose pose.txt",
+        f"tent.stl {scanner} --trajectory drive.csv",
+        f"room.toml {scanner}",
+    ]:
+        runs(run)
+        assert "guessed" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("options", "forwards", "left"),
     [

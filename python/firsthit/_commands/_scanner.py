@@ -229,7 +229,9 @@ def add_place(parser: Parser) -> None:
         "--up",
         metavar="X,Y,Z",
         type=numbers(3),
-        help="the direction that is upwards, as far as --aim allows [default: that of the 3D file]",
+        help="the direction that is upwards, as far as --aim allows [default: as the 3D file says; "
+        "OBJ has 0,1,0 and PLY and STL have 0,0,1, unless the model clearly stands on a flat base "
+        "along the other of the two]",
     )
     add(
         "--pose",

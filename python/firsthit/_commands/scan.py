@@ -13,6 +13,7 @@ from firsthit._progress import following, later
 from firsthit._scan import ScanSettings
 from firsthit._types import Returns
 
+from ._directions import direction
 from ._program import Parser, UsageError, run
 from ._scanner import add_place, add_scanner, scanner, with_values
 from ._values import memory, numbers, whole
@@ -181,15 +182,17 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     outputs = _outputs(arguments)
     how = _settings(arguments)
     scene = fh.load(arguments.file, strict=arguments.strict, max_memory=arguments.max_memory)
-    made = scanner(arguments, scene.up)
+    made, guessed = scanner(arguments, scene.up), _guessed(arguments, scene)
     scan = _turns(scene, made, how, arguments)
     for output in outputs:
         scan.save(output)
     rows, columns = scan.shape
-    turns = "" if made.turns == 1 else f" in {made.turns} turns"
-    lines = [
-        f"{output}: {len(scan):,} returns of {rows} x {columns} beams{turns}" for output in outputs
-    ]
+    what = f"{len(scan):,} returns of {rows} x {columns} beams"
+    if made.turns > 1:
+        what += f" in {made.turns} turns"
+    if guessed:
+        what += f"; guessed: {', '.join(guessed)}"
+    lines = [f"{output}: {what}" for output in outputs]
     report = {
         "file": arguments.file,
         "outputs": [str(output) for output in outputs],
@@ -198,9 +201,18 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         "rows": rows,
         "columns": columns,
         "returns": len(scan),
+        "guessed": guessed,
         "scene": scan.metadata["scene"],
     }
     return None if arguments.quiet else "\n".join(lines), report
+
+
+def _guessed(arguments: argparse.Namespace, scene: Scene) -> list[str]:
+    """Return what was guessed, in words, each with the option that says otherwise."""
+    is_placed = arguments.pose is not None or arguments.trajectory is not None
+    if is_placed or arguments.up is not None or not scene._up_is_guessed:
+        return []
+    return [f"up {direction(scene.up)} (--up)"]
 
 
 def _turns(
