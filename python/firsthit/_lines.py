@@ -12,7 +12,7 @@ import numpy as np
 
 from ._camera import Camera
 from ._moving import Pushbroom, RollingShutter
-from ._project import in_camera, project, starts_towards
+from ._project import Reach, in_camera, picture, project, starts_towards
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -92,7 +92,7 @@ class Lines:
     """
 
     def __init__(self, sensor: RollingShutter | Pushbroom) -> None:
-        self._camera, self._trajectory = sensor.camera, sensor.trajectory
+        self._sensor, self._camera, self._trajectory = sensor, sensor.camera, sensor.trajectory
         self._shape = sensor.rows, sensor.columns
         times = sensor.times
         self._is_pushbroom = isinstance(sensor, Pushbroom)
@@ -115,6 +115,33 @@ class Lines:
         """Return the body's pose at each line, in the order of the picture's lines, (n, 4, 4)."""
         poses = self._trajectory.at(self._times)
         return poses[::-1] if self._is_backwards else poses
+
+    def part(self, corners: Floats) -> Reach:
+        """Return pixels outside which no ray meets what the hull of points holds, (n, 3)."""
+        whole = picture(self._sensor)
+        if self._camera.projection not in ("perspective", "orthographic"):
+            return whole
+        poses = self.poses()
+        own = np.einsum("lji,lnj->lni", poses[:, :3, :3], corners - poses[:, None, :3, 3])
+        # A flat picture of a hull is the hull of its corners' places, if it sees all of them.
+        pixels = project(self._camera, own)
+        low, high = pixels.min(axis=1), pixels.max(axis=1)
+        is_cut = np.isnan(low).any(axis=1)
+        low[is_cut], high[is_cut] = -np.inf, np.inf
+        lines = np.arange(self._count)[:, None]
+        first = np.zeros_like(lines) if self._is_pushbroom else lines
+        # A pixel more on each side than rounding could ask for.
+        meets = (low[:, [self._axis]] <= first + 2.0) & (high[:, [self._axis]] >= first - 1.0)
+        seen = np.flatnonzero(meets[:, 0])
+        if len(seen) == 0:
+            return Reach(0, 0, 0, 0)
+        across = 1 - self._axis
+        most = (whole.right, whole.bottom)[across]
+        start = int(np.clip(np.floor(low[seen, across].min()) - 1.0, 0, most))
+        end = int(np.clip(np.ceil(high[seen, across].max()) + 1.0, 0, most))
+        spans = {self._axis: (int(seen[0]), int(seen[-1]) + 1), across: (start, end)}
+        (left, right), (top, bottom) = spans[0], spans[1]
+        return Reach(left, top, max(left, right), max(top, bottom))
 
     def numbers(self, points: Floats) -> Floats:
         """Return in which line each of some points is seen, (n,): NaN where in none."""
