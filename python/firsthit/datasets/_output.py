@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from firsthit import _firsthit
+from firsthit._channel_hints import hint
 from firsthit._files import attribute_of, in_path
 from firsthit._lidar_scan import LidarScan
 from firsthit._lights import background_native
@@ -158,7 +159,8 @@ def _channels(table: Table, key: str, default: list[str], known: list[str]) -> l
     for name in names:
         if name not in known and attribute_of(name) is None:
             there = f"{', '.join(known)}, attribute:NAME"
-            raise table.refused(key, f"`{key}` must be among {there}, got {name!r}")
+            meant = hint(name, known)
+            raise table.refused(key, f"`{key}` must be among {there}, got {name!r}{meant}")
     return names
 
 
