@@ -124,8 +124,9 @@ def optical_flow(
     border a rolling shutter stands as at its nearest line, and a pushbroom sees nothing.
 
     The place is bracketed between two lines, and found to 1e-10 of a line by false position. Where
-    the point does not pass from line to line in one direction, all lines are tried. What passes a
-    line to and fro between two middles is not seen to pass.
+    a point does not draw near its line all the time, as 17 lines and those beside the poses of the
+    trajectory tell, all lines are tried. What passes a line to and fro between two middles is not
+    seen to pass.
 
     Examples
     --------

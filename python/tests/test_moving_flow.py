@@ -215,15 +215,46 @@ def test_of_several_sights_the_first_in_the_picture_is_taken():
     np.testing.assert_allclose(place, [[32 - 9 * 8, 40 / 3]], atol=1e-9)
 
 
-def test_the_passes_of_many_lines_are_found_between_few():
-    """A picture of 6000 lines, of which a point is in one for a moment only."""
-    times = np.array([0, 3000.2, 3001.5, 3003, 6000])
-    down = np.array([8000, 8000, 2999, 8000, 8000]) - 3000.0
-    drive = fh.Trajectory(times, np.stack([0 * times, down / 32, 0 * times], axis=-1))
-    camera = rolling(drive, start=0, readout=6000, camera=view(6000))
-    place = sight(camera, np.array([[0.0, 0.0, -1.0]])).pixels[0]
-    share = (8000 - 3000.2) / (8000 - 2999 + 1.3)
-    assert place[1] == pytest.approx(3000.2 + 1.3 * share, abs=1e-6)
+def lifted(times, rows, interpolation="linear"):
+    """A picture of 6000 lines, a second each, and a point that is in some rows at some times."""
+    times, up = np.array(times), (np.array(rows) - 3000.0) / 32
+    places = np.stack([0 * times, up, 0 * times], axis=-1)
+    drive = fh.Trajectory(times, places, interpolation=interpolation, extrapolation="hold")
+    return rolling(drive, start=0, readout=6000, camera=view(6000)), np.array([[0.0, 0.0, -1.0]])
+
+
+def test_the_pass_of_a_moment_is_found_between_many_lines():
+    camera, point = lifted([0, 3190.2, 3191.5, 3193, 6000], [8000, 8000, 3186, 8000, 8000])
+    share = (8000 - 3190.2) / (8000 - 3186 + 1.3)
+    place = sight(camera, point).pixels[0]
+    assert place[1] == pytest.approx(3190.2 + 1.3 * share, abs=1e-6)
+
+
+def test_a_curve_that_passes_between_poses_is_found():
+    """Between two of its poses, at 5 rows before the line, the spline swings 6 rows behind it."""
+    times = np.array([375.5, 750.5, 1125.5, 1500.5])
+    camera, point = lifted(times, np.add(times, [100, 5, 5, 100]), "spline")
+    place = sight(camera, point).pixels[0]
+    assert 751 < place[1] < 938
+    stands = camera.camera.moved(camera.trajectory.at(place[1]))
+    np.testing.assert_allclose(stands.project(point), [place], atol=1e-6)
+
+
+def test_a_jump_over_a_line_is_no_sight_in_it():
+    """A panorama turns so that a point is always 50 columns before its line, or 10 behind it."""
+    panorama = fh.Camera.equirectangular((0, 0, 0), (0, 0, -1), (0, 1, 0), 30, 60)
+    angles = np.linspace(0, 2 * np.pi, 13)
+    drive = fh.Trajectory.from_matrices(
+        np.linspace(0, 60, 13), [turned((0, 1, 0), angle) for angle in angles]
+    )
+    camera = rolling(drive, "left_right", 0, 60, panorama)
+    right = np.radians(120)
+    point = 5 * np.array([[np.sin(right), 0.1, -np.cos(right)]])
+    columns = [panorama.moved(drive.at(t)).project(point)[0, 0] for t in camera.times]
+    off = np.array(columns) - camera.times
+    np.testing.assert_allclose(off[:9], 50, atol=1e-9)
+    np.testing.assert_allclose(off[11:], -10, atol=1e-9)
+    assert np.isnan(sight(camera, point).pixels).all()
 
 
 def test_a_turning_panorama_passes_its_seam():
