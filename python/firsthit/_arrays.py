@@ -86,7 +86,9 @@ def count(name: str, value: object, least: int = 0, most: int | None = None) -> 
         whole = index(name, value)
     except TypeError:
         raise ValueError(f"{name} must be a whole number, got {value!r}") from None
-    if not least <= whole <= (2**63 - 1 if most is None else most):
+    if most is None and whole >= 2**63:
+        raise ValueError(f"{name} must be below 2^63, got {whole}")
+    if not least <= whole <= (whole if most is None else most):
         span = f"{least or 'zero'} or more" if most is None else f"from {least} to {most}"
         raise ValueError(f"{name} must be {span}, got {whole}")
     return whole

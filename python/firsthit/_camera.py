@@ -476,7 +476,7 @@ class Camera(Sensor):
         K : (3, 3) or (4,) array_like
             The camera matrix, or its (fx, fy, cx, cy), in which the centre of the first pixel is at
             (0, 0).
-        distortion : array_like, optional
+        distortion : (n,), (1, n) or (n, 1) array_like, optional
             OpenCV's coefficients in its order: 4, 5, 8, 12 or 14 of them; 4 of the other models.
         rvec : (3,) array_like, optional
             The rotation from the world to the camera as axis times angle in radians.
@@ -594,10 +594,10 @@ class Camera(Sensor):
         Parameters
         ----------
         P : (3, 4) or (4, 4) array_like
-            A 3 x 4 matrix takes points of the world to pixels, ``K [R | t]``, up to its scale. A
-            4 x 4 one is OpenGL's, applied to columns: from the camera's coordinates (right, up,
-            backwards) to clip space. Its near and far planes count for nothing: rays start at the
-            eye.
+            A 3 x 4 matrix takes points of the world to pixels, ``K [R | t]``, up to its scale and
+            sign. A 4 x 4 one is OpenGL's, up to a positive scale, applied to columns: from the
+            camera's coordinates (right, up, backwards) to clip space. Its near and far planes count
+            for nothing: rays start at the eye.
         rows, columns : int
             Pixels down and across.
         view : (4, 4) array_like, optional

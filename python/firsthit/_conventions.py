@@ -161,7 +161,11 @@ def quaternion(rotation: npt.NDArray[np.float64]) -> tuple[float, npt.NDArray[np
 
 def coefficients(distortion: npt.ArrayLike | None, model: str, xi: float) -> dict[str, float]:
     """Return OpenCV's coefficients by their names."""
-    given = np.zeros(0) if distortion is None else numbers("distortion", distortion).ravel()
+    given = np.zeros(0) if distortion is None else numbers("distortion", distortion)
+    # OpenCV itself returns a row or a column.
+    if given.ndim > 2 or given.size != max(given.shape, default=1):
+        raise ValueError(f"distortion must be one row or column, got the shape {given.shape}")
+    given = given.ravel()
     names: tuple[str, ...] = OPENCV
     counts: tuple[int, ...] = _COUNTS
     if model == "fisheye":
@@ -189,11 +193,13 @@ def decomposed(
 
     By RQ decomposition; the diagonal of K is made positive.
     """
-    left = projection[:, :3]
-    scale = np.linalg.det(left)
-    if not np.isfinite(projection).all() or scale == 0.0:
+    largest = float(np.abs(projection[:, :3]).max())
+    # A power of two rounds nothing, and keeps the determinant from 0 and infinity.
+    scaled = np.ldexp(projection, -math.frexp(largest)[1]) if math.isfinite(largest) else projection
+    volume = np.linalg.det(scaled[:, :3]) if np.isfinite(scaled).all() else 0.0
+    if volume == 0.0:
         raise ValueError("P must be finite, with a left 3 x 3 part that has an inverse")
-    signed = projection if scale > 0.0 else -projection
+    signed = scaled if volume > 0.0 else -scaled
     # RQ from QR: turned upside down and transposed.
     q, r = np.linalg.qr(signed[::-1, :3].T)
     upper, rotation = r.T[::-1, ::-1], q.T[::-1]
@@ -216,6 +222,11 @@ def of_gl_projection(p: npt.NDArray[np.float64], rows: int, columns: int) -> dic
         raise ValueError(
             "P must be a finite projection matrix with positive first and second diagonal elements"
         )
+    # Its last row says the scale of a projective matrix.
+    scale = p[3, 3] if p[3, 2] == 0.0 else -p[3, 2]
+    if scale > 0.0:
+        with np.errstate(over="ignore"):
+            p = p / scale
     others = np.array([p[1, 0], p[3, 0], p[3, 1]])
     if others.any():
         raise ValueError("P must be an OpenGL projection matrix, applied to columns")
@@ -231,7 +242,7 @@ def of_gl_projection(p: npt.NDArray[np.float64], rows: int, columns: int) -> dic
             "shift_x": -p[0, 3] / p[0, 0],
             "shift_y": -p[1, 3] / p[1, 1],
         }
-    raise ValueError("P must have (0, 0, -1, 0) or (0, 0, 0, 1) as its last row")
+    raise ValueError("P must have (0, 0, -1, 0) or (0, 0, 0, 1), times a scale, as its last row")
 
 
 def gl_projection(

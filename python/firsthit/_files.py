@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast, get_args
 
+from ._channel_hints import hint
 from ._types import MatteName
 
 if TYPE_CHECKING:
@@ -98,5 +99,6 @@ def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Na
         )
         if name not in known and not is_more:
             there = f"{', '.join(known)}, {ATTRIBUTE}NAME"
-            raise ValueError(f"channels must be among {there}, got {name!r}")
+            meant = hint(name, known)
+            raise ValueError(f"channels must be among {there}, got {name!r}{meant}")
     return list(dict.fromkeys(asked))

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ._camera import Camera
-from ._project import picture, project, starts_towards
+from ._lines import PictureSensor, sight, sight_at
+from ._moving import RollingShutter
 from ._scene import Scene
 from ._shapes import Mesh
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._hits import Hits
+    from ._lines import Sight
     from ._object import Object
 
     Floats = npt.NDArray[np.float64]
@@ -34,14 +36,14 @@ class Flow(NamedTuple):
     flow : (rows, columns, 2) array of float64
         From the pixel's centre to where the same point is in the second picture: columns to the
         right, then rows down. NaN for a miss, for what is gone, and where the second projection
-        does not see the point, as behind it. What crosses the seam of a panorama flows nearly its
-        whole width.
+        does not see the point, as behind it, or in no line of a moving camera. What crosses the
+        seam of a panorama flows nearly its whole width.
     occluded : (rows, columns) array of bool
         Whether something in the second scene is before the point, or it is gone there. False for a
         miss.
     outside : (rows, columns) array of bool
-        Whether the point is beyond the second picture's border, behind the camera, or before the
-        start of its rays. False for a miss and for what is gone.
+        Whether the point is beyond the second picture's border, behind the camera, in no line of a
+        moving one, or before the start of its rays. False for a miss and for what is gone.
     scene_flow : (rows, columns, 3) array of float64
         How the point moved, in world space and scene units. NaN for a miss and what is gone.
     """
@@ -73,9 +75,9 @@ class Disparity(NamedTuple):
 
 def optical_flow(
     scene0: Scene,
-    camera0: Camera,
+    camera0: PictureSensor,
     scene1: Scene,
-    camera1: Camera,
+    camera1: PictureSensor,
     *,
     threads: int | None = None,
 ) -> Flow:
@@ -92,7 +94,7 @@ def optical_flow(
         The scene at both times; the same if only the camera moves. Objects are the same by their
         identifiers. ``copy.copy`` of a scene, and `Scene.move` or `Scene.update_vertices` of the
         copy, make the second one.
-    camera0, camera1 : Camera
+    camera0, camera1 : Camera, RollingShutter or Pushbroom
         The camera at both times, of any projections and sizes.
     threads : int, optional
         The number of threads; all cores if left out. The result is the same for any number.
@@ -105,11 +107,26 @@ def optical_flow(
     Raises
     ------
     ValueError
-        For an object that has another name, shape or triangles in the second scene.
+        For an object that has another name, shape or triangles in the second scene, and for a
+        second camera that is a `Pushbroom` whose times neither increase nor decrease.
     TypeError
         For scenes and cameras of another type.
     MemoryError
         If the result does not fit into memory.
+
+    Notes
+    -----
+    Objects stand still while a moving camera sees its picture; they move between the pictures. The
+    second picture of a moving camera shows a point at a place s of its lines, counted from 0 in the
+    order of time, at which the camera, as it is at the time of s, sees the point in the line s
+    itself. Line k has its time at s = k + 0.5; between two lines time goes on evenly. A fast camera
+    may see a point several times: the first place in the picture, in time, is taken. Beyond the
+    border a rolling shutter stands as at its nearest line, and a pushbroom sees nothing.
+
+    The place is bracketed between two lines, and found to 1e-10 of a line by false position. Where
+    a point does not draw near its line all the time, as 17 lines and those beside the poses of the
+    trajectory tell, all lines are tried. What passes a line to and fro between two middles is not
+    seen to pass.
 
     Examples
     --------
@@ -130,14 +147,15 @@ def optical_flow(
     hits = scene0.shoot(camera0, threads=threads)
     objects = scene1._ready().objects
     points, moved = _carried(hits, hits._built.objects, objects)
-    pixels, occluded, outside = _sighted(scene1, camera1, points, hits, threads)
+    seen = sight(camera1, points)
+    occluded, outside = _sighted(scene1, camera1, seen, points, hits, threads)
     # What is gone has no place to be seen at.
     occluded |= (hits.object >= 0) & ~np.isfinite(points).all(axis=-1)
-    return Flow(pixels - _centres(camera0), occluded, outside, moved)
+    return Flow(seen.pixels - _centres(camera0), occluded, outside, moved)
 
 
 def disparity(
-    scene: Scene, left: Camera, right: Camera, *, threads: int | None = None
+    scene: Scene, left: PictureSensor, right: PictureSensor, *, threads: int | None = None
 ) -> Disparity:
     """Find how far to the left each point of a picture is in that of a second, parallel camera.
 
@@ -148,9 +166,11 @@ def disparity(
     ----------
     scene : Scene
         The scene.
-    left, right : Camera
+    left, right : Camera, RollingShutter or Pushbroom
         The cameras of a rectified pair: perspective, with the same directions, viewplane and
-        pixels, the second one to the right of the first.
+        pixels, the second one to the right of the first. Moving ones see the same rows at the same
+        times from one trajectory, so that a point is in the same row of both; ``z`` is then from
+        where they are at the row's time.
     threads : int, optional
         The number of threads; all cores if left out. The result is the same for any number.
 
@@ -182,19 +202,30 @@ def disparity(
            [0.125, 0.125]])
     """
     _check((scene,), (left, right))
-    _check_pair(left, right)
+    if isinstance(left, Camera) and isinstance(right, Camera):
+        _check_pair(left, right)
+    else:
+        _check_moving_pair(left, right)
     hits = scene.shoot(left, threads=threads)
-    pixels, occluded, outside = _sighted(scene, right, hits.position, hits, threads)
-    return Disparity(_centres(left)[..., 0] - pixels[..., 0], occluded, outside)
+    points = hits.position
+    if isinstance(right, Camera):
+        seen = sight(right, points)
+    else:
+        # Both see a row at one time: no line has to be looked for.
+        seen = sight_at(right, points, right._times())
+    occluded, outside = _sighted(scene, right, seen, points, hits, threads)
+    return Disparity(_centres(left)[..., 0] - seen.pixels[..., 0], occluded, outside)
 
 
-def _check(scenes: Sequence[Scene], cameras: Sequence[Camera]) -> None:
+def _check(scenes: Sequence[Scene], cameras: Sequence[PictureSensor]) -> None:
     for scene in scenes:
         if not isinstance(scene, Scene):
             raise TypeError(f"a scene must be a Scene, got {scene!r}")
     for camera in cameras:
-        if not isinstance(camera, Camera):
-            raise TypeError(f"a camera must be a Camera, got {camera!r}")
+        if not isinstance(camera, PictureSensor):
+            raise TypeError(
+                f"a camera must be a Camera, a RollingShutter or a Pushbroom, got {camera!r}"
+            )
 
 
 def _check_pair(left: Camera, right: Camera) -> None:
@@ -217,7 +248,28 @@ def _check_pair(left: Camera, right: Camera) -> None:
         )
 
 
-def _centres(camera: Camera) -> Floats:
+def _check_moving_pair(left: PictureSensor, right: PictureSensor) -> None:
+    """Refuse moving cameras whose rows do not show the same points."""
+    if isinstance(left, Camera) or isinstance(right, Camera) or type(left) is not type(right):
+        raise ValueError(
+            "left and right must be of the same type, got "
+            f"{type(left).__name__} and {type(right).__name__}"
+        )
+    for one in (left, right):
+        if isinstance(one, RollingShutter) and one._arguments[4] not in ("top_down", "bottom_up"):
+            raise ValueError(
+                "left and right must be read out by rows: a column of the one is seen at another "
+                f"time than the column of the other that shows the same; got {one._arguments[4]}"
+            )
+    if not np.array_equal(left.times, right.times):
+        raise ValueError("left and right must see their rows at the same times")
+    ways = [each.trajectory._native.parts() for each in (left, right)]
+    if not all(map(np.array_equal, *ways)):
+        raise ValueError("left and right must have the same trajectory")
+    _check_pair(left.camera, right.camera)
+
+
+def _centres(camera: PictureSensor) -> Floats:
     """Return the centres of a camera's pixels, (rows, columns, 2)."""
     u, v = np.arange(camera.columns) + 0.5, np.arange(camera.rows) + 0.5
     return np.stack(np.meshgrid(u, v), axis=-1)
@@ -225,25 +277,25 @@ def _centres(camera: Camera) -> Floats:
 
 def _sighted(
     scene: Scene,
-    camera: Camera,
+    camera: PictureSensor,
+    seen: Sight,
     points: Floats,
     hits: Hits,
     threads: int | None,
-) -> tuple[Floats, Bools, Bools]:
-    """Return where a camera sees the points of hits, which are hidden, and which it cannot see."""
-    pixels, starts = project(camera, points), starts_towards(camera, points)
-    whole = picture(camera)
+) -> tuple[Bools, Bools]:
+    """Return which points of hits are hidden from a camera, and which it cannot see."""
+    pixels, starts = seen.pixels, seen.starts
     is_there = np.isfinite(points).all(axis=-1)
     has_line = is_there & np.isfinite(starts).all(axis=-1) & np.isfinite(pixels).all(axis=-1)
     with np.errstate(invalid="ignore"):
-        is_in = (pixels >= 0.0).all(axis=-1) & (pixels < (whole.right, whole.bottom)).all(axis=-1)
+        is_in = (pixels >= 0.0).all(axis=-1) & (pixels < (camera.columns, camera.rows)).all(axis=-1)
     own = hits.object[has_line], hits.primitive[has_line]
     occluded = np.zeros(hits.shape, np.bool_)
     occluded[has_line] = ~scene.visible(
         starts[has_line], points[has_line], skip_b=own, threads=threads
     )
     outside: Bools = np.asarray(is_there & ~(has_line & is_in))
-    return pixels, occluded, outside
+    return occluded, outside
 
 
 def _carried(

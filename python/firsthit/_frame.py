@@ -12,6 +12,7 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import count, number, text
+from ._channel_hints import hint
 from ._errors import FileFormatError, warn
 from ._files import files, is_cloud, is_of_several, matte_of
 
@@ -203,7 +204,8 @@ class Frame:
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         """Return the array of a channel; a ``KeyError`` where there is none, as of a dict."""
         if name not in self._channels:
-            raise KeyError(f"no channel {name!r}; there are {', '.join(self._channels)}")
+            there = ", ".join(self._channels)
+            raise KeyError(f"no channel {name!r}; there are {there}{hint(name, self._channels)}")
         return self._channels[name]
 
     def keys(self) -> KeysView[str]:

@@ -9,6 +9,7 @@ import numpy as np
 from . import _firsthit
 from ._arrays import chosen, lock, threads_or_all
 from ._attributes import Attributed
+from ._channel_hints import hint
 from ._files import attribute_of, distinct, files, is_cloud, is_of_several
 from ._leaving import leaving
 from ._progress import following
@@ -422,7 +423,9 @@ class Hits(Attributed):
             return made
         # About pixels more than about hits, so not in every table of them.
         if name not in (*_OF_A_CAMERA, "valid"):
-            raise ValueError(f"channel must be among {', '.join(self.channels)}, got {name!r}")
+            there = self.channels
+            meant = hint(name, there)
+            raise ValueError(f"channel must be among {', '.join(there)}, got {name!r}{meant}")
         if name not in self._made:
             with following(progress, len(self._arrays[0])) as report:
                 made = self._source.compute(name, self._built, self._arrays, use, report)
@@ -602,6 +605,16 @@ class Hits(Attributed):
         """Yield ``t`` and ``object``, for ``t, o = hits``."""
         yield self.t
         yield self.object
+
+    if not TYPE_CHECKING:  # A checker would believe that there is any attribute.
+
+        def __getattr__(self, name: str) -> Any:
+            """Refuse an attribute that there is not; of depth, say what it is called."""
+            if name != "depth":
+                # It was tried, and says once more why there is none, as z without an aim does.
+                return self.__getattribute__(name)
+            said = f"{type(self).__name__!r} object has no attribute {name!r}"
+            raise AttributeError(said + hint(name, self.channels), name=name, obj=self)
 
     def __repr__(self) -> str:
         met = int(np.count_nonzero(self._arrays[1] >= 0))

@@ -615,9 +615,9 @@ class Lidar(OtherSensor):
         dropout : float, optional
             The probability, from 0 to 1, that a return is lost.
         seed : int, optional
-            Must be given with ``noise`` or ``dropout``. The numbers are those of NumPy's
-            ``Generator(Philox(key=...))``, and those of a beam's return depend on the seed, the
-            beam and the return's number alone.
+            Must be given with ``noise`` or ``dropout``, from 0 on and below 2^63. The numbers are
+            those of NumPy's ``Generator(Philox(key=...))``, and those of a beam's return depend on
+            the seed, the beam and the return's number alone.
         threads, progress
             As for `Scene.shoot`.
 

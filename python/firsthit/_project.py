@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._camera import Camera
+    from ._sensor import Sensor
 
     Floats = npt.NDArray[np.float64]
 
@@ -54,8 +55,8 @@ class Reach(NamedTuple):
 _MOST_PIXELS = 2.0**40
 
 
-def picture(camera: Camera) -> Reach:
-    """Return the pixels that the camera has."""
+def picture(camera: Sensor) -> Reach:
+    """Return the pixels that a sensor has."""
     return Reach(0, 0, camera.columns, camera.rows)
 
 

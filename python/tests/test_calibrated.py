@@ -352,11 +352,49 @@ def test_projection_matrices_are_read():
         u, v = (ndc[:, 0] + 1) / 2 * COLUMNS, (1 - ndc[:, 1]) / 2 * ROWS
         again = fh.Camera.from_projection_matrix(projection, view=view, rows=ROWS, columns=COLUMNS)
         assert np.allclose(np.stack([u, v], -1), again.project(points), atol=1e-7)
+        # An OpenGL matrix of homogeneous coordinates says the same at any scale.
+        for scale in (2.0**-900, 2.0**900):
+            scaled = projection * scale
+            same = fh.Camera.from_projection_matrix(scaled, view=view, rows=ROWS, columns=COLUMNS)
+            assert same == again
     parallel = [[0.5, 0, 0, 0.25], [0, 1, 0, 0], [0, 0, -0.1, 0], [0, 0, 0, 1]]
     camera = fh.Camera.from_projection_matrix(parallel, rows=100, columns=200)
     # x_ndc = 0.5 x + 0.25 is zero at -0.5.
     assert np.allclose(camera.project((-0.5, 0, -3)), (100, 50))
     assert np.allclose(camera.project((1.5, 1, -3)), (200, 0))
+    scaled = np.array(parallel) * 2.0**-800
+    assert fh.Camera.from_projection_matrix(scaled, rows=100, columns=200) == camera
+    with pytest.raises(ValueError, match="positive first and second diagonal"):
+        fh.Camera.from_projection_matrix(-np.array(projection), rows=100, columns=200)
+
+
+def test_a_projection_matrix_of_any_scale_is_the_same_camera():
+    rng = np.random.default_rng(8)
+    size = {"rows": ROWS, "columns": COLUMNS}
+    for _ in range(20):
+        rvec, tvec = random_pose(rng)
+        p = random_k(rng) @ np.column_stack([cv2.Rodrigues(rvec)[0], tvec])
+        camera = fh.Camera.from_projection_matrix(p, **size)
+        # Powers of two change no digit of the matrix, and none of the camera.
+        for power in (-900, -340, -1, 340, 900):
+            assert fh.Camera.from_projection_matrix(p * 2.0**power, **size) == camera
+        _, points = some_points(camera, 20, rng)
+        for scale in (1e-300, 1e300, -1e-290):
+            same = fh.Camera.from_projection_matrix(p * scale, **size)
+            assert np.allclose(same.project(points), camera.project(points), atol=1e-8)
+
+
+def test_distortion_coefficients_are_a_row_or_a_column():
+    k, five = [500, 500, 320, 240], [0.1, -0.2, 0.001, 0.002, 0.03]
+    size = {"rows": ROWS, "columns": COLUMNS, "tvec": (0, 0, 0)}
+    camera = fh.Camera.from_opencv(k, five, **size)
+    for shape in ((1, 5), (5, 1)):
+        assert fh.Camera.from_opencv(k, np.reshape(five, shape), **size) == camera
+    for given in (np.zeros((4, 2)), np.zeros((2, 4)), np.zeros((2, 2)), np.zeros((1, 1, 5))):
+        with pytest.raises(ValueError, match="distortion must be one row or column, got the shape"):
+            fh.Camera.from_opencv(k, given, **size)
+    with pytest.raises(ValueError, match="distortion must have 0, 4, 5, 8, 12 or 14 numbers"):
+        fh.Camera.from_opencv(k, 0.1, **size)
 
 
 @pytest.mark.parametrize("suffix", ["exr", "npz", "npy", "png"])

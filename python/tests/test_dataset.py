@@ -392,7 +392,10 @@ def test_a_folder_that_cannot_be_written_to_is_an_error_of_writing(tmp_path):
 
 def test_a_frame_that_a_format_cannot_hold_is_named(tmp_path):
     made = plan(lambda made: made["output"].update(png_scale=1e-6))
-    with pytest.raises(ValueError, match=r"^frame 0: png_scale must be so large"):
+    with (
+        pytest.warns(fh.FirsthitWarning, match="PNGs of z end at 0.065535"),
+        pytest.raises(ValueError, match=r"^frame 0: png_scale must be so large"),
+    ):
         fh.dataset(fh.Plan.from_dict(made, PLANS), tmp_path)
     assert list(Path(tmp_path, "frames").iterdir()) == []
 

@@ -55,12 +55,40 @@ def test_a_check_makes_nothing_and_says_what_frames_come_to(firsthit, tmp_path, 
     assert out.splitlines()[2:] == [
         "rays: 41472",
         "bytes: at most about 124 KB without annotations",
+        "up: +z (as the file says)",
     ]
     said = json.loads(firsthit("dataset", PLAN, "--check", "--json")[1])
     assert (said["frames"], said["rays"], said["bytes"]) == (6, 41472, 3 * 41472)
     assert said["plan"] == fh.Plan.load(PLAN).digest
     assert said["scenes"][0]["fingerprint"].startswith("blake3:")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_check_says_which_way_is_up_in_each_scene(firsthit, tmp_path):
+    """A pyramid that stands on its base along z, which is not the convention of OBJ."""
+    corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 2\n"
+    faces = "f 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
+    (tmp_path / "tent.obj").write_text(corners + faces)
+    (tmp_path / "leaf.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "yard.toml").write_text((PLANS / "yard.toml").read_text())
+    path = tmp_path / "plan.toml"
+    poses = '[[sensors]]\ncolumns = 8\nrows = 6\n[poses]\nkind = "sphere"\ncount = 1\nradius = 9\n'
+    scenes = [
+        ('file = "tent.obj"', "+z", "guessed from a flat base"),
+        ('file = "leaf.obj"', "+y", "by the format's convention"),
+        ('file = "leaf.obj"\nname = "leaf"\nup = [0, -2, 0]', "0,-2,0", "as the plan says"),
+        ('file = "yard.toml"', "+z", "as the file says"),
+    ]
+    path.write_text("".join(f"[[scenes]]\n{keys}\n" for keys, _, _ in scenes) + poses)
+    names = fh.Plan.load(path).scenes
+    expected = [
+        f"up in {name}: {up} ({source})"
+        for name, (_, up, source) in zip(names, scenes, strict=True)
+    ]
+    assert firsthit("dataset", path, "--check")[1].splitlines()[4:] == expected
+    said = json.loads(firsthit("dataset", path, "--check", "--json")[1])["scenes"]
+    assert [one["up"] for one in said] == [[0, 0, 1], [0, 1, 0], [0, -2, 0], [0, 0, 1]]
+    assert [one["up_source"] for one in said] == [source for _, _, source in scenes]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import get_args
 
 import firsthit as fh
 import pytest
-from dataset_support import PLAN, PLANS, ROOT, plan
+from dataset_support import PLAN, PLANS, ROOT, plan, record
 from firsthit.typing import Projection
 
 GOOD = """\
@@ -299,6 +299,74 @@ def test_a_format_that_cannot_have_a_camera_is_told_when_the_plan_is_read(form, 
     with pytest.raises(ValueError, match=f"output: `{form}` of sensor 'eye': .*{words}") as caught:
         fh.Plan.from_dict(plan(change), PLANS)
     assert "Camera(" not in str(caught.value)
+
+
+def moving_and_still(made):
+    """A still camera, a rolling shutter and a pushbroom, on a path."""
+    lens = {"columns": 24, "rows": 18, "fov": 60.0, "position": [0, 0, 0.6]}
+    rolling = lens | {"kind": "rolling_shutter", "readout": 0.3, "annotate": True}
+    swept = {key: lens[key] for key in ("columns", "fov", "position")}
+    swept |= {"kind": "pushbroom", "lines": 12, "line_rate": 40, "annotate": True}
+    made["sensors"] = [lens | {"name": "still"}, rolling, swept]
+    held = DRIVE | {"extrapolation": "hold"}
+    made["poses"] = {"kind": "path", "trajectory": held, "times": [0.2, 0.5]}
+    made["output"] = {"pictures": ["color"], "masks": ["visible"], "coco": {"form": "rle"}}
+
+
+def test_moving_cameras_are_annotated_if_the_plan_says_so(tmp_path):
+    data = plan(moving_and_still)
+    fh.dataset(fh.Plan.from_dict(data, PLANS), tmp_path / "all")
+    scene, said = fh.load(PLANS / "yard.toml"), record(tmp_path / "all", 1)
+    options = fh.Plan.from_dict(data, PLANS)._scenes[0].annotate_options
+    assert [*said["annotations"]] == ["still", "rolling_shutter", "pushbroom"]
+    made = fh.Plan.from_dict(data, PLANS)
+    place = made._poses.place(3, 1, 1, scene)
+    for sensor in made._sensors:
+        found = fh.annotate(scene, sensor.at(place), **options)
+        instances = said["annotations"][sensor.name]["instances"]
+        assert [one["id"] for one in instances] == [one.id for one in found.instances]
+        assert len(instances) > 1
+        coco = said["annotations"][sensor.name]["coco"]["annotations"]
+        assert [tuple(one["bbox"]) for one in coco] == [one.visible_box for one in found.instances]
+    # Left alone, moving cameras are not annotated; and a still one need not be.
+    for sensor in data["sensors"][1:]:
+        del sensor["annotate"]
+    fh.dataset(fh.Plan.from_dict(data, PLANS), tmp_path / "still")
+    assert [*record(tmp_path / "still", 1)["annotations"]] == ["still"]
+    data["sensors"][0]["annotate"], data["sensors"][2]["annotate"] = False, True
+    fh.dataset(fh.Plan.from_dict(data, PLANS), tmp_path / "swept")
+    assert [*record(tmp_path / "swept", 1)["annotations"]] == ["pushbroom"]
+
+
+def test_annotate_is_refused_where_it_cannot_be_or_does_nothing():
+    def changed(**output):
+        data = plan(moving_and_still)
+        data["output"] |= output
+        return data
+
+    for form in ("bop", "kitti"):
+        with pytest.raises(
+            ValueError, match=f"`{form}` of sensor 'rolling_shutter': it has one po"
+        ):
+            fh.Plan.from_dict(changed(**{form: {"unit": "m"}}), PLANS)
+        # The formats are those of the cameras that are annotated.
+        data = changed(**{form: {"unit": "m"}})
+        for sensor in data["sensors"][1:]:
+            sensor["annotate"] = False
+        assert fh.Plan.from_dict(data, PLANS).frames == 2
+    data = changed()
+    data["output"] = {"pictures": ["color"]}
+    with pytest.raises(ValueError, match="`annotate` of sensor 'rolling_shutter' does nothing"):
+        fh.Plan.from_dict(data, PLANS)
+    data = changed()
+    data["sensors"] = data["sensors"][1:]
+    for sensor in data["sensors"]:
+        del sensor["annotate"]
+    with pytest.raises(ValueError, match="or with `annotate = true`"):
+        fh.Plan.from_dict(data, PLANS)
+    data = plan(lambda made: made["sensors"][1].update(annotate=True))
+    with pytest.raises(ValueError, match="unknown key `annotate`"):
+        fh.Plan.from_dict(data, PLANS)
 
 
 def test_a_model_of_a_lidar_has_its_name_in_any_case():

@@ -232,7 +232,9 @@ def test_other_objects_in_the_place_of_the_same_are_refused():
             fh.optical_flow(scene, view, after, view)
     with pytest.raises(TypeError, match="a scene must be a Scene, got 1"):
         fh.optical_flow(scene, view, 1, view)
-    with pytest.raises(TypeError, match="a camera must be a Camera, got None"):
+    with pytest.raises(
+        TypeError, match="a camera must be a Camera, a RollingShutter or a Pushbroom, got None"
+    ):
         fh.optical_flow(scene, view, scene, None)
 
 

@@ -266,6 +266,13 @@ def test_beams_come_from_a_csv(tmp_path):
         ({"returns": "second"}, "returns must be one of"),
         ({"divergence": 4}, "divergence must be from 0"),
         ({"divergence": 0.1, "subrays": 0}, "subrays must be 1 or more"),
+        ({"returns": "all", "max_returns": 0}, "max_returns must be 1 or more, got 0"),
+        (
+            {"returns": "all", "max_returns": 2**70},
+            rf"max_returns must be below 2\^63, got {2**70}",
+        ),
+        ({"noise": 0.1, "seed": -1}, "seed must be zero or more, got -1"),
+        ({"noise": 0.1, "seed": 2**63}, rf"seed must be below 2\^63, got {2**63}"),
         ({"min_range": 2, "max_range": 1}, "min_range and max_range"),
         ({"range_gate": float("nan")}, "range_gate must be from 0"),
     ],

@@ -110,8 +110,10 @@ def test_a_frame_has_its_channels_with_their_types():
     for name in ("t", "z", "object", "normal"):
         np.testing.assert_array_equal(frame[name], getattr(hits, name))
     assert repr(frame).startswith("Frame(16 x 12 pixels: color, t,")
-    with pytest.raises(KeyError, match="no channel 'depth'"):
+    with pytest.raises(KeyError, match=r"no channel 'depth'; .*; depth is called z, the distance"):
         frame["depth"]
+    with pytest.raises(KeyError, match="; did you mean 'normal'"):
+        frame["normals"]
 
 
 @pytest.mark.parametrize("length", [1.0, 1e-200, 1e200])
@@ -221,6 +223,8 @@ def test_the_same_picture_for_any_number_of_threads(threads):
     ("change", "words"),
     [
         ({"channels": ("depth",)}, "channels must be among color, t, range, z"),
+        ({"channels": "depth"}, "depth is called z, the distance along the camera's aim, or range"),
+        ({"channels": "albedo"}, "got 'albedo'$"),
         ({"samples": 0}, "samples must be from 1 to 4294967295"),
         ({"shade": "toon"}, "shade must be one of lambert, unlit, normal, got 'toon'"),
         ({"background": (1, 2)}, "background must be three numbers"),

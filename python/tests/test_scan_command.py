@@ -85,6 +85,24 @@ SIMPLE = {
     "--direction counterclockwise": lambda: fh.Lidar.spinning(
         [-9, 0, 9], 50, azimuth_start=-60, azimuth_end=60, direction="counterclockwise"
     ),
+    "--raster 70,40 --rows 9 --columns 16": lambda: fh.Lidar.raster(70, 40, 9, 16),
+    "--raster 70,40 --rows 9 --columns 16 --rate 5 --serpentine --start 2": lambda: fh.Lidar.raster(
+        70, 40, 9, 16, rate=5, serpentine=True, start=2
+    ),
+    "--raster 70,40 --rows 9 --columns 16 --flash --start 2 --position 1,0,0": lambda: (
+        fh.Lidar.raster(70, 40, 9, 16, rate=None, start=2, position=(1, 0, 0))
+    ),
+    "--rosette 38.4 --frequencies 121.6,-77.7 --points 500 --point-rate 1e4": lambda: (
+        fh.Lidar.rosette(38.4, (121.6, -77.7), 500, 1e4)
+    ),
+    "--rosette 38.4 --frequencies -9,4 --points 50 --point-rate 1e3 --share 0.3 "
+    "--start -1": lambda: fh.Lidar.rosette(38.4, (-9, 4), 50, 1e3, share=0.3, start=-1),
+    "--lissajous 60,30 --frequencies 7,11 --points 500 --point-rate 1e3": lambda: (
+        fh.Lidar.lissajous(60, 30, (7, 11), 500, 1e3)
+    ),
+    "--lissajous 60,30 --frequencies 7,11 --points 50 --point-rate 1e3 --phase -30": lambda: (
+        fh.Lidar.lissajous(60, 30, (7, 11), 50, 1e3, phase=-30)
+    ),
 }
 
 
@@ -151,6 +169,31 @@ def test_a_drive_is_scanned_turn_by_turn(room):
     assert np.ptp(held["time"]) > 0.29
 
 
+def test_a_rose_goes_on_from_turn_to_turn(room):
+    """Turns of some points are one scan of all of them, as the curve depends on the time alone."""
+    curve = "--rosette 50 --frequencies 12,-7.5 --point-rate 1000 --start 3"
+    runs(f"room.toml {curve} --points 60 --turns 3 -o a.npz")
+    whole = fh.Lidar.rosette(50, (12, -7.5), 180, 1000, start=3).scan(room)
+    held = arrays("a.npz")
+    np.testing.assert_array_equal(held["column"], whole.column)
+    np.testing.assert_allclose(held["time"], whole.time, rtol=1e-15)
+    np.testing.assert_allclose(held["point"], whole.point, rtol=1e-12, atol=1e-12)
+
+
+def test_rasters_and_figures_fill_a_drive(room, capsys):
+    """Three tenths of a second: at 20 pictures, or at 50 points a millisecond apart."""
+    for options, turns in [
+        ("--raster 70,40 --rows 3 --columns 4 --rate 20", 6),
+        ("--lissajous 60,30 --frequencies 7,11 --points 50 --point-rate 1000", 6),
+        ("--rosette 60 --frequencies 7,-11 --points 70 --point-rate 1000", 4),
+    ]:
+        runs(f"room.toml {options} --trajectory drive.csv -o a.npz --json")
+        assert json.loads(capsys.readouterr().out)["turns"] == turns
+        time = arrays("a.npz")["time"]
+        assert time[0] == 3
+        assert 3.2 < time.max() < 3.3
+
+
 @pytest.mark.parametrize(
     ("options", "turns"),
     [
@@ -197,6 +240,36 @@ def test_a_scanner_stands_upright_where_y_is_up(tmp_path, monkeypatch):
     np.testing.assert_allclose(held["point"][ahead], [[1 + wide, -1, 2]], atol=1e-9)
 
 
+def test_the_up_that_was_guessed_is_said(room, tmp_path, capsys):
+    """A pyramid stands on the flat base that it has along y, which is not the convention of STL."""
+    scanner, said = "--elevations -20,20,3 --columns 8 -o a.npz", "; guessed: up {} (--up)\n"
+    corners = [(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (0, 2, 0)]
+    faces = [(0, 1, 2), (0, 2, 3), (1, 0, 4), (2, 1, 4), (3, 2, 4), (0, 3, 4)]
+    facets = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*corners[k]) for k in face)
+        + "endloop\nendfacet\n"
+        for face in faces
+    )
+    (tmp_path / "tent.stl").write_text(f"solid tent\n{facets}endsolid tent\n")
+    (tmp_path / "floor.obj").write_text("v 0 -1 0\nv 1 -1 0\nv 0 -1 1\nf 1 3 2\n")
+    for file, up in [("tent.stl", "+y"), ("floor.obj", "+y")]:
+        runs(f"{file} {scanner}")
+        assert capsys.readouterr().out.endswith(said.format(up))
+        runs(f"{file} {scanner} --json")
+        assert json.loads(capsys.readouterr().out)["guessed"] == [f"up {up} (--up)"]
+    # Where nothing is guessed, or no guess is used, none is said.
+    (tmp_path / "pose.txt").write_text("1 0 0 0\n0 1 0 0\n0 0 1 0\n")
+    for run in [
+        f"tent.stl {scanner} --up 0,1,0",
+        f"tent.stl {scanner} --pose pose.txt",
+        f"tent.stl {scanner} --trajectory drive.csv",
+        f"room.toml {scanner}",
+    ]:
+        runs(run)
+        assert "guessed" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("options", "forwards", "left"),
     [
@@ -240,7 +313,11 @@ def test_every_format_holds_the_returns(room, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        ("room.toml", 2, "one of the arguments --lidar --elevations --pattern is required"),
+        (
+            "room.toml",
+            2,
+            "--raster --rosette --lissajous --pattern is required",
+        ),
         ("room.toml --lidar vlp-17", 2, "--lidar must be one of vlp-16, "),
         ("room.toml --lidar vlp-16 --pattern a.csv", 2, "not allowed with argument --lidar"),
         ("room.toml --lidar vlp-16 --turns 1 --duration 1", 2, "not allowed with"),
@@ -275,6 +352,47 @@ def test_every_format_holds_the_returns(room, tmp_path):
             "--body must be given with --trajectory-format tum",
         ),
         ("room.toml --pattern room.toml --columns 8", 2, "--columns must be left out"),
+        ("room.toml --pattern room.toml --flash", 2, "--flash must be left out with --pattern"),
+        ("room.toml --lidar vlp-16 --rows 8", 2, "--rows needs --raster"),
+        ("room.toml --lidar vlp-16 --serpentine", 2, "--serpentine needs --raster"),
+        ("room.toml --lidar vlp-16 --points 8", 2, "--points needs --rosette or --lissajous"),
+        ("room.toml --raster 70,40 --rows 3", 2, "--raster needs --columns"),
+        ("room.toml --raster 70 --rows 3 --columns 4", 2, "must be 2 numbers, with commas"),
+        ("room.toml --raster 70,181 --rows 3 --columns 4", 2, "vertical_fov must be above 0"),
+        ("room.toml --raster 70,40 --rows 3 --columns 4 --direction clockwise", 2, "--direction n"),
+        ("room.toml --raster 7,4 --rows 3 --columns 4 --duration 0.01", 2, "a picture of 0.1 s"),
+        (
+            "room.toml --raster 70,40 --rows 3 --columns 4 --flash --serpentine",
+            2,
+            "--serpentine must be left out with --flash",
+        ),
+        ("room.toml --rosette 40 --points 9 --point-rate 9", 2, "--rosette needs --frequencies"),
+        (
+            "room.toml --rosette 40 --frequencies 1,2 --points 9 --point-rate 9 --columns 3",
+            2,
+            "--columns needs --lidar or --elevations or --raster",
+        ),
+        (
+            "room.toml --rosette 40 --frequencies 1,2 --points 9 --point-rate 9 --phase 3",
+            2,
+            "--phase needs --lissajous",
+        ),
+        (
+            "room.toml --rosette 40 --frequencies 1,2 --points 9 --point-rate 9 --share 3",
+            2,
+            "share",
+        ),
+        (
+            "room.toml --lissajous 9,9 --frequencies 1,2 --points 9 --point-rate 9 --rate 3",
+            2,
+            "--rate needs --lidar or --elevations or --raster",
+        ),
+        (
+            "room.toml --lissajous 9,9 --frequencies 1,2 --points 9 --point-rate 9 --duration 0.5",
+            2,
+            "less than the 1 s of 9 points: say --turns or fewer --points",
+        ),
+        ("room.toml --rosette 40 --raster 3,4", 2, "not allowed with argument --rosette"),
         ("room.toml --lidar vlp-16 -o a.txt", 2, "--output must end in one of .npz, "),
         ("room.toml --lidar vlp-16 -o a.ply -o a.ply", 2, "must not be given twice"),
         ("room.toml --lidar vlp-16 --shade x", 2, "unrecognized arguments: --shade x"),
@@ -411,6 +529,12 @@ def test_the_help_names_every_option_with_its_unit():
         "start": "SECONDS",
         "azimuth-start": "DEGREES",
         "elevations": "degrees",
+        "raster": "degrees",
+        "rosette": "degrees",
+        "lissajous": "degrees",
+        "frequencies": "in a second",
+        "point-rate": "points in a second",
+        "phase": "DEGREES",
     }
     for option, unit in units.items():
         begin = text.index(f"  --{option} ")

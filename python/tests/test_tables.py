@@ -101,6 +101,15 @@ def test_items_are_the_channels_in_their_order():
         np.testing.assert_array_equal(array, fh.render(scene(), CAMERA, channels=name)[name])
     with pytest.raises(ValueError, match=r"channel must be among t, range, z, .*, got 'color'"):
         hits.channel("color")
+    with pytest.raises(ValueError, match="depth is called z, the distance along the camera's aim"):
+        hits.channel("depth")
+    with pytest.raises(AttributeError, match="no attribute 'depth'; depth is called z"):
+        _ = hits.depth
+    with pytest.raises(AttributeError, match=r"no attribute 'deep'$"):
+        _ = hits.deep
+    assert not hasattr(hits, "depth")
+    with pytest.raises(AttributeError, match="depth is called t, the length along the ray"):
+        _ = ball().shoot([0, 0, 5], [0, 0, -1]).depth
     with pytest.raises(AttributeError, match="range is for hits of a camera"):
         ball().shoot([0, 0, 5], [0, 0, -1]).channel("range")
 

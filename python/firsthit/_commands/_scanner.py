@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
@@ -31,20 +32,40 @@ if TYPE_CHECKING:
 
     from ._program import Parser
 
-#: Options of turns, which a table of beams has not: it has times of its own.
-_OF_TURNS = ("columns", "rate", "start", "turns", "duration")
-#: Options of a scanner that is made of elevations.
-_OF_ELEVATIONS = ("azimuth_start", "azimuth_end", "direction")
+#: Options of a scanner that scans again and again. A table of beams has times of its own.
+_OF_TURNS = ("start", "turns", "duration")
+#: Options of a scanner that draws a curve of points.
+_OF_POINTS = ("frequencies", "points", "point_rate", *_OF_TURNS)
+#: Which options each of the scanners takes.
+_OPTIONS = {
+    "lidar": ("columns", "rate", *_OF_TURNS),
+    "elevations": ("columns", "rate", "azimuth_start", "azimuth_end", "direction", *_OF_TURNS),
+    "raster": ("rows", "columns", "rate", "serpentine", "flash", *_OF_TURNS),
+    "rosette": ("share", *_OF_POINTS),
+    "lissajous": ("phase", *_OF_POINTS),
+    "pattern": (),
+}
 #: Options of a trajectory.
 _OF_TRAJECTORY = ("trajectory_format", "body", "interpolation", "extrapolation")
 
 
 class Scanner(NamedTuple):
-    """A scanner, turn by turn."""
+    """A scanner, turn by turn: of a head, a picture of a raster, or all points of a curve."""
 
     #: Makes the scanner in one of its turns.
     at: Callable[[int], Lidar]
     turns: int
+
+
+class _Period(NamedTuple):
+    """How long a turn is."""
+
+    #: Turns in a second.
+    rate: float
+    #: The time of the first turn's first firing, in seconds.
+    start: float
+    #: What is longer than too short a time, and what to say instead.
+    too_long: str
 
 
 def add_scanner(parser: Parser) -> None:
@@ -61,21 +82,73 @@ def add_scanner(parser: Parser) -> None:
         help="a head that turns, with N lasers from LOW to HIGH degrees above level",
     )
     which.add_argument(
+        "--raster",
+        metavar="H,V",
+        type=numbers(2),
+        help="rows and columns of equal angles ahead, H degrees wide and V degrees high, with "
+        "--rows and --columns",
+    )
+    which.add_argument(
+        "--rosette",
+        metavar="FOV",
+        type=numbers(1),
+        help="two prisms that turn, whose beam draws a rose in a circle of FOV degrees, with "
+        "--frequencies, --points and --point-rate",
+    )
+    which.add_argument(
+        "--lissajous",
+        metavar="H,V",
+        type=numbers(2),
+        help="a mirror that swings about two axes, H degrees wide and V degrees high, with "
+        "--frequencies, --points and --point-rate",
+    )
+    which.add_argument(
         "--pattern",
         metavar="FILE",
         type=Path,
         help="a table of beams (CSV): the columns azimuth and elevation in degrees and, where "
         "there are some, time in seconds and ring",
     )
-    add = group.add_argument
+    _add_spinning(group.add_argument)
+    _add_ahead(group.add_argument)
+    group.add_argument(
+        "--start",
+        metavar="SECONDS",
+        type=numbers(1),
+        help="the time of the first firing [default: the trajectory's first time, else 0]",
+    )
+    how_long = group.add_mutually_exclusive_group()
+    how_long.add_argument(
+        "--turns",
+        metavar="N",
+        type=whole(1),
+        help="how often the head turns, or how many pictures a raster has, or how often the "
+        "--points of a rose or a Lissajous figure follow [default: as often as fits into the "
+        "trajectory, else once]",
+    )
+    how_long.add_argument(
+        "--duration",
+        metavar="SECONDS",
+        type=positive,
+        help="as many whole turns as fit into this time",
+    )
+
+
+def _add_spinning(add: Callable[..., object]) -> None:
+    """Add the options of heads that turn, some of which a raster has too."""
     add(
         "--columns",
         metavar="N",
         type=whole(1),
         help="how often each laser fires in a turn [default: as often as the scanner of --lidar "
-        "does, else 1024]",
+        "does, else 1024]; with --raster: points across, without a default",
     )
-    add("--rate", metavar="HZ", type=positive, help="turns in a second [default: 10]")
+    add(
+        "--rate",
+        metavar="HZ",
+        type=positive,
+        help="turns in a second, or pictures of a raster [default: 10]",
+    )
     add(
         "--azimuth-start",
         metavar="DEGREES",
@@ -93,24 +166,45 @@ def add_scanner(parser: Parser) -> None:
         choices=get_args(Turn),
         help="with --elevations: which way the head turns, seen from above [default: clockwise]",
     )
+
+
+def _add_ahead(add: Callable[..., object]) -> None:
+    """Add the options of scanners that look ahead."""
+    add("--rows", metavar="N", type=whole(1), help="with --raster: points down")
+    # Flags without a default are None, as options that are not given.
     add(
-        "--start",
-        metavar="SECONDS",
+        "--serpentine",
+        action="store_true",
+        default=None,
+        help="with --raster: scan every other row from the right",
+    )
+    add(
+        "--flash",
+        action="store_true",
+        default=None,
+        help="with --raster: all points of a picture are at its first time",
+    )
+    add(
+        "--frequencies",
+        metavar="F1,F2",
+        type=numbers(2),
+        help="turns of the prisms, or swings of the mirror, in a second; a prism with a negative "
+        "number turns the other way",
+    )
+    add("--points", metavar="N", type=whole(1), help="how many points a turn has")
+    add("--point-rate", metavar="HZ", type=positive, help="points in a second")
+    add(
+        "--share",
+        metavar="SHARE",
         type=numbers(1),
-        help="the time of the first firing [default: the trajectory's first time, else 0]",
+        help="with --rosette: the first prism's share of the deflection, from 0 to 1 "
+        "[default: 0.5]",
     )
-    how_long = group.add_mutually_exclusive_group()
-    how_long.add_argument(
-        "--turns",
-        metavar="N",
-        type=whole(1),
-        help="how often the head turns [default: as often as fits into the trajectory, else once]",
-    )
-    how_long.add_argument(
-        "--duration",
-        metavar="SECONDS",
-        type=positive,
-        help="as many whole turns as fit into this time",
+    add(
+        "--phase",
+        metavar="DEGREES",
+        type=numbers(1),
+        help="with --lissajous: the phase of the upward swing at the time 0 [default: 90]",
     )
 
 
@@ -135,7 +229,9 @@ def add_place(parser: Parser) -> None:
         "--up",
         metavar="X,Y,Z",
         type=numbers(3),
-        help="the direction that is upwards, as far as --aim allows [default: that of the 3D file]",
+        help="the direction that is upwards, as far as --aim allows [default: as the 3D file says; "
+        "OBJ has 0,1,0 and PLY and STL have 0,0,1, unless the model clearly stands on a flat base "
+        "along the other of the two]",
     )
     add(
         "--pose",
@@ -195,12 +291,13 @@ def scanner(arguments: argparse.Namespace, up: Sequence[float]) -> Scanner:
     """Return the scanner of the options; ``up`` is that of the 3D file."""
     drive = _drive(arguments)
     where = _place(arguments, up, drive)
+    kind = next(kind for kind in _OPTIONS if getattr(arguments, kind) is not None)
+    _check_options(arguments, kind)
     try:
-        if arguments.pattern is not None:
-            _refuse(arguments, (*_OF_TURNS, *_OF_ELEVATIONS), "must be left out with --pattern")
+        if kind == "pattern":
             beams = Lidar.from_csv(arguments.pattern, **where)
             return Scanner(lambda _: beams, 1)
-        made = _turning(arguments, where, drive)
+        made = _turning(arguments, kind, where, drive)
         # What is wrong with the first and the last turn is wrong usage, before any is scanned.
         for turn in {0, made.turns - 1}:
             made.at(turn)
@@ -211,45 +308,96 @@ def scanner(arguments: argparse.Namespace, up: Sequence[float]) -> Scanner:
     return made
 
 
+def _check_options(arguments: argparse.Namespace, kind: str) -> None:
+    """Refuse options of other scanners."""
+    for name in dict.fromkeys(name for names in _OPTIONS.values() for name in names):
+        if name in _OPTIONS[kind]:
+            continue
+        if kind == "pattern":
+            _refuse(arguments, (name,), "must be left out with --pattern")
+        takers = [f"--{each}" for each, names in _OPTIONS.items() if name in names]
+        _refuse(arguments, (name,), f"needs {' or '.join(takers)}")
+
+
 def _turning(
-    arguments: argparse.Namespace, where: dict[str, Any], drive: Trajectory | None
+    arguments: argparse.Namespace, kind: str, where: dict[str, Any], drive: Trajectory | None
 ) -> Scanner:
-    rate = 10.0 if arguments.rate is None else arguments.rate
     start = drive.start if drive is not None else 0.0
     if arguments.start is not None:
         (start,) = arguments.start
-    if arguments.lidar is not None:
-        _refuse(arguments, _OF_ELEVATIONS, "needs --elevations")
-        name = arguments.lidar.lower()
-        if name not in MODELS:
-            raise UsageError(f"--lidar must be one of {', '.join(MODELS)}, got {arguments.lidar}")
+    if kind in ("rosette", "lissajous"):
+        return _curve(arguments, kind, start, where, drive)
+    rate = 10.0 if arguments.rate is None else arguments.rate
+    make = {"lidar": _named, "elevations": _spinning, "raster": _raster}[kind](arguments, rate)
 
-        def at(turn: int) -> Lidar:
-            return Lidar.named(name, rate, arguments.columns, start=start + turn / rate, **where)
+    def at(turn: int) -> Lidar:
+        return make(start=start + turn / rate, **where)
 
-    else:
-        low, high, lasers = arguments.elevations
-        if lasers != int(lasers) or lasers < 1:
-            raise UsageError(f"--elevations must have a whole number of lasers, got {lasers:g}")
-        if low > high:
-            raise UsageError(f"--elevations must be LOW,HIGH,N, got {low:g} above {high:g}")
-        elevations = np.linspace(low, high, int(lasers))
-        options: dict[str, Any] = {}
-        for name in ("columns", *_OF_ELEVATIONS):
-            value = getattr(arguments, name)
-            if value is not None:
-                options[name] = value[0] if name.startswith("azimuth") else value
-
-        def at(turn: int) -> Lidar:
-            when = start + turn / rate
-            return Lidar.spinning(elevations, rate=rate, start=when, **options, **where)
-
-    return Scanner(at, _turns(arguments, rate, start, drive))
+    noun = "picture" if kind == "raster" else "turn"
+    too_long = f"a {noun} of {1.0 / rate:g} s: say --turns or another --rate"
+    return Scanner(at, _turns(arguments, _Period(rate, start, too_long), drive))
 
 
-def _turns(
-    arguments: argparse.Namespace, rate: float, start: float, drive: Trajectory | None
-) -> int:
+def _named(arguments: argparse.Namespace, rate: float) -> Callable[..., Lidar]:
+    name = arguments.lidar.lower()
+    if name not in MODELS:
+        raise UsageError(f"--lidar must be one of {', '.join(MODELS)}, got {arguments.lidar}")
+    return partial(Lidar.named, name, rate, arguments.columns)
+
+
+def _spinning(arguments: argparse.Namespace, rate: float) -> Callable[..., Lidar]:
+    low, high, lasers = arguments.elevations
+    if lasers != int(lasers) or lasers < 1:
+        raise UsageError(f"--elevations must have a whole number of lasers, got {lasers:g}")
+    if low > high:
+        raise UsageError(f"--elevations must be LOW,HIGH,N, got {low:g} above {high:g}")
+    elevations = np.linspace(low, high, int(lasers))
+    options: dict[str, Any] = {}
+    for name in ("columns", "azimuth_start", "azimuth_end", "direction"):
+        value = getattr(arguments, name)
+        if value is not None:
+            options[name] = value[0] if name.startswith("azimuth") else value
+    return partial(Lidar.spinning, elevations, rate=rate, **options)
+
+
+def _raster(arguments: argparse.Namespace, rate: float) -> Callable[..., Lidar]:
+    _need(arguments, "raster", ("rows", "columns"))
+    if arguments.flash and arguments.serpentine:
+        raise UsageError("--serpentine must be left out with --flash, whose points are at once")
+    when, is_serpentine = None if arguments.flash else rate, bool(arguments.serpentine)
+    across, down = arguments.raster
+    size = arguments.rows, arguments.columns
+    return partial(Lidar.raster, across, down, *size, rate=when, serpentine=is_serpentine)
+
+
+def _curve(
+    arguments: argparse.Namespace,
+    kind: str,
+    start: float,
+    where: dict[str, Any],
+    drive: Trajectory | None,
+) -> Scanner:
+    """Return a scanner of points; its curve goes on from turn to turn."""
+    _need(arguments, kind, ("frequencies", "points", "point_rate"))
+    points, rate = arguments.points, arguments.point_rate
+    option = {"rosette": "share", "lissajous": "phase"}[kind]
+    given, frequencies = getattr(arguments, option), tuple(arguments.frequencies)
+    how: dict[str, Any] = where if given is None else {**where, option: given[0]}
+
+    def at(turn: int) -> Lidar:
+        when = start + turn * points / rate
+        if kind == "rosette":
+            (fov,) = arguments.rosette
+            return Lidar.rosette(fov, frequencies, points, rate, start=when, **how)
+        across, down = arguments.lissajous
+        return Lidar.lissajous(across, down, frequencies, points, rate, start=when, **how)
+
+    too_long = f"the {points / rate:g} s of {points} points: say --turns or fewer --points"
+    period = _Period(rate / points, start, too_long)
+    return Scanner(at, _turns(arguments, period, drive))
+
+
+def _turns(arguments: argparse.Namespace, period: _Period, drive: Trajectory | None) -> int:
     """Return how many turns there are."""
     if arguments.turns is not None:
         turns: int = arguments.turns
@@ -257,14 +405,13 @@ def _turns(
     if arguments.duration is not None:
         what, seconds = "--duration", arguments.duration
     elif drive is not None:
-        what, seconds = "--trajectory, after the start,", drive.end - start
+        what, seconds = "--trajectory, after the start,", drive.end - period.start
     else:
         return 1
     # A turn that is longer by rounding alone fits.
-    turns = math.floor(seconds * rate + 1e-6)
+    turns = math.floor(seconds * period.rate + 1e-6)
     if turns < 1:
-        each = f"a turn of {1.0 / rate:g} s: say --turns or another --rate"
-        raise UsageError(f"{what} has {seconds:g} s, less than {each}")
+        raise UsageError(f"{what} has {seconds:g} s, less than {period.too_long}")
     return turns
 
 
@@ -330,6 +477,12 @@ def _matrix(path: Path) -> npt.NDArray[np.float64]:
         expected = "expected the 12 or 16 numbers of a 3 x 4 or 4 x 4 matrix"
         raise FileFormatError(f"{path}: {expected}", str(path))
     return np.array(values).reshape(-1, 4)
+
+
+def _need(arguments: argparse.Namespace, kind: str, names: Sequence[str]) -> None:
+    for name in names:
+        if getattr(arguments, name) is None:
+            raise UsageError(f"--{kind} needs --{name.replace('_', '-')}")
 
 
 def _refuse(arguments: argparse.Namespace, names: Sequence[str], why: str) -> None:

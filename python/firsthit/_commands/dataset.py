@@ -11,10 +11,13 @@ from typing import TYPE_CHECKING, Any
 from firsthit.datasets import Plan, dataset
 from firsthit.datasets._check import checked
 
+from ._directions import direction
 from ._program import Parser, UsageError, run
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from firsthit.datasets._check import Checked
 
 _ABOUT = """\
 Make the frames and annotations of a plan: scenes, sensors and poses.
@@ -100,7 +103,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
 
 
 def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
-    marks = checked(plan, arguments.threads)
+    scenes = checked(plan, arguments.threads)
     cost = plan.cost()
     lines = [
         f"{_count(plan.frames, 'frame')}: {_count(len(plan.scenes), 'scene')}, "
@@ -108,12 +111,14 @@ def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dic
         f"sensors: {', '.join(plan.sensors)}",
         f"rays: {cost.rays}",
         f"bytes: at most about {_size(cost.bytes)} without annotations",
+        *_ups(plan, scenes),
     ]
     report = {
         "frames": plan.frames,
         "poses_per_scene": plan.poses_per_scene,
         "scenes": [
-            {"name": name, **mark._asdict()} for name, mark in zip(plan.scenes, marks, strict=True)
+            {"name": name, **one.mark._asdict(), "up": list(one.up), "up_source": one.up_source}
+            for name, one in zip(plan.scenes, scenes, strict=True)
         ],
         "sensors": list(plan.sensors),
         "rays": cost.rays,
@@ -121,6 +126,14 @@ def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dic
         "plan": plan.digest,
     }
     return None if arguments.quiet else "\n".join(lines), report
+
+
+def _ups(plan: Plan, scenes: Sequence[Checked]) -> list[str]:
+    """Return lines on which way is up: one if it is the same in all scenes, else one for each."""
+    said = [f"{direction(one.up)} ({one.up_source})" for one in scenes]
+    if len(set(said)) == 1:
+        return [f"up: {said[0]}"]
+    return [f"up in {name}: {words}" for name, words in zip(plan.scenes, said, strict=True)]
 
 
 def _part(text: str) -> tuple[int, int]:

@@ -13,6 +13,7 @@ from firsthit._progress import following, later
 from firsthit._scan import ScanSettings
 from firsthit._types import Returns
 
+from ._directions import direction
 from ._program import Parser, UsageError, run
 from ._scanner import add_place, add_scanner, scanner, with_values
 from ._values import memory, numbers, whole
@@ -34,6 +35,9 @@ Examples:
   firsthit scan city.glb --lidar VLP-16 --position 0,1.8,0
   firsthit scan city.ply --lidar os1-64 --trajectory drive.csv -o drive.las
   firsthit scan part.stl --elevations -25,15,64 --columns 2048 -o part.pcd
+  firsthit scan hall.ply --raster 70,40 --rows 96 --columns 160 -o hall.npz
+  firsthit scan yard.ply --rosette 38.4 --frequencies 121.6,-77.7 \\
+      --points 10000 --point-rate 100000 --turns 5 -o yard.pcd
   firsthit scan wood.obj --lidar HDL-32E --divergence 3 --returns all \\
       --noise 0.02 --seed 1 -o wood.laz -o wood.npz
 
@@ -178,15 +182,17 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     outputs = _outputs(arguments)
     how = _settings(arguments)
     scene = fh.load(arguments.file, strict=arguments.strict, max_memory=arguments.max_memory)
-    made = scanner(arguments, scene.up)
+    made, guessed = scanner(arguments, scene.up), _guessed(arguments, scene)
     scan = _turns(scene, made, how, arguments)
     for output in outputs:
         scan.save(output)
     rows, columns = scan.shape
-    turns = "" if made.turns == 1 else f" in {made.turns} turns"
-    lines = [
-        f"{output}: {len(scan):,} returns of {rows} x {columns} beams{turns}" for output in outputs
-    ]
+    what = f"{len(scan):,} returns of {rows} x {columns} beams"
+    if made.turns > 1:
+        what += f" in {made.turns} turns"
+    if guessed:
+        what += f"; guessed: {', '.join(guessed)}"
+    lines = [f"{output}: {what}" for output in outputs]
     report = {
         "file": arguments.file,
         "outputs": [str(output) for output in outputs],
@@ -195,9 +201,18 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         "rows": rows,
         "columns": columns,
         "returns": len(scan),
+        "guessed": guessed,
         "scene": scan.metadata["scene"],
     }
     return None if arguments.quiet else "\n".join(lines), report
+
+
+def _guessed(arguments: argparse.Namespace, scene: Scene) -> list[str]:
+    """Return what was guessed, in words, each with the option that says otherwise."""
+    is_placed = arguments.pose is not None or arguments.trajectory is not None
+    if is_placed or arguments.up is not None or not scene._up_is_guessed:
+        return []
+    return [f"up {direction(scene.up)} (--up)"]
 
 
 def _turns(

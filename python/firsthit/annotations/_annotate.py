@@ -11,6 +11,7 @@ from firsthit import _firsthit
 from firsthit._arrays import flag, threads_or_all
 from firsthit._camera import Camera
 from firsthit._frame import Frame
+from firsthit._lines import PictureSensor, standing
 from firsthit._object import chosen
 from firsthit._queries import shoot_camera
 from firsthit._scene import Scene
@@ -21,7 +22,7 @@ from ._classes import grouped
 from ._extent import Corners
 from ._keypoints import points_of, seen, settled
 from ._mask import Mask
-from ._silhouette import silhouette
+from ._silhouette import silhouette, silhouette_by_lines
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 
 def annotate(
     scene: Scene,
-    camera: Camera,
+    camera: PictureSensor,
     *,
     frame: Frame | None = None,
     classes: Classes | None = None,
@@ -59,8 +60,9 @@ def annotate(
     ----------
     scene : Scene
         The scene.
-    camera : Camera
-        The camera.
+    camera : Camera, RollingShutter or Pushbroom
+        The camera. What a moving one has no number for is NaN or ``None``, and its boxes in space
+        are of the pose at its middle line.
     frame : Frame, optional
         The same picture with the channel ``object``, if there is one already.
     classes : mapping of str to str or None, or callable, optional
@@ -114,8 +116,11 @@ def annotate(
     >>> found.occlusions
     (Occlusion(object=0, front=0, behind=1, pixels=324),)
     """
-    if not isinstance(scene, Scene) or not isinstance(camera, Camera):
-        raise TypeError("annotate takes a Scene and a Camera")
+    if not isinstance(scene, Scene) or not isinstance(camera, PictureSensor):
+        raise TypeError(
+            "annotate takes a Scene, and a Camera, a RollingShutter or a Pushbroom, got "
+            f"{scene!r} and {camera!r}"
+        )
     flag("unseen", unseen)
     whole = scene._ready()
     if objects is None:
@@ -136,13 +141,16 @@ def annotate(
         instance_of[list(group.objects)] = number
     shown = instance_of[identifiers]
     pixels = np.bincount(identifiers.reshape(-1) + 1, minlength=len(built.objects) + 1)[1:]
-    corners, instances, occlusions = Corners(), [], []
+    corners, instances, occlusions, stands = Corners(), [], [], standing(camera)
     for number, group in enumerate(groups):
         if not unseen and not pixels[list(group.objects)].any():
             continue
         own = [built.objects[k] for k in group.objects]
-        box, in_camera = boxes(own, camera, corners)
-        alone = silhouette(built, camera, group.objects, in_camera, threads)
+        box, in_camera = boxes(own, stands, corners)
+        if isinstance(camera, Camera):
+            alone = silhouette(built, camera, group.objects, in_camera, threads)
+        else:
+            alone = silhouette_by_lines(built, camera, group.objects, box, threads)
         amodal, part = alone.mask, alone.mask.part
         visible = shown[part] == number
         if np.count_nonzero(visible) != pixels[list(group.objects)].sum():
@@ -172,7 +180,7 @@ def annotate(
     return Annotations._of(camera, tuple(instances), tuple(occlusions), names, shown, points)
 
 
-def _identifiers(frame: Frame, built: Built, camera: Camera) -> Identifiers:
+def _identifiers(frame: Frame, built: Built, camera: PictureSensor) -> Identifiers:
     """Return the objects in a picture that a user gave, if it is that of the scene."""
     if not isinstance(frame, Frame):
         raise TypeError(f"frame must be a Frame, got {frame!r}")
@@ -183,8 +191,8 @@ def _identifiers(frame: Frame, built: Built, camera: Camera) -> Identifiers:
     said = frame.metadata
     if said:
         wanted = json.loads(_firsthit.origin(built.native, camera._native, ["object"]))
-        for what in ("scene", "camera"):
-            if said.get(what) != wanted[what]:
+        for what in ("scene", "camera", "sensor"):
+            if said.get(what) != wanted.get(what):
                 raise _other(f"its metadata name another {what}")
     identifiers: Identifiers = frame["object"]
     if identifiers.dtype.kind not in "iu" or identifiers.ndim != 2:

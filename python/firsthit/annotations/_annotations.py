@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._camera import Camera
+    from firsthit._lines import PictureSensor
 
     from ._box import Box3D
     from ._coco import MaskForm, MaskKind
@@ -95,7 +95,8 @@ class Instance:
     truncated : float
         The share of these that are beyond the border, from 0 to 1. It is 1 where there is no end to
         them, as for what reaches the plane of the eye, and NaN where there are none. Where more
-        than a million pixels would have to be asked, it is that of a regular grid of them.
+        than a million pixels would have to be asked, it is that of a regular grid of them. NaN also
+        for a moving camera, which has no lines beyond the border.
     box3d : Box3D or None
         The boxes in space, with the pose; ``None`` for what is infinite.
     keypoints : tuple of Keypoint
@@ -164,7 +165,7 @@ class Annotations:
 
     Attributes
     ----------
-    camera : Camera
+    camera : Camera, RollingShutter or Pushbroom
         The camera.
     shape : pair of int
         Rows and columns.
@@ -180,7 +181,7 @@ class Annotations:
         The points that were asked for, by class or object.
     """
 
-    camera: Camera
+    camera: PictureSensor
     shape: tuple[int, int]
     instances: tuple[Instance, ...]
     occlusions: tuple[Occlusion, ...]
@@ -194,7 +195,7 @@ class Annotations:
     @classmethod
     def _of(
         cls,
-        camera: Camera,
+        camera: PictureSensor,
         instances: tuple[Instance, ...],
         occlusions: tuple[Occlusion, ...],
         classes: tuple[str, ...],

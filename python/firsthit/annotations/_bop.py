@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Any
 from firsthit._arrays import count, number
 from firsthit._project import camera_from_world, intrinsic_matrix
 
-from ._files import as_json, as_png, class_numbers, class_of, meters, named, refused, stems, write
+from ._files import (
+    as_json,
+    as_png,
+    class_numbers,
+    class_of,
+    meters,
+    named,
+    refused,
+    stems,
+    still,
+    write,
+)
 from ._rigid import is_uniform, rotation_and_scale
 
 if TYPE_CHECKING:
@@ -54,10 +65,10 @@ def save_bop(
     Raises
     ------
     ValueError
-        For a projection without a matrix K; an instance without a class or a number, with an
-        infinite silhouette, or one whose pixels beyond the border are too many to be counted; for a
-        transform that shears, mirrors or scales differently along the axes; for models of one class
-        whose sizes in millimetres differ; and for names that are no numbers.
+        For a moving camera, and a projection without a matrix K; an instance without a class or a
+        number, with an infinite silhouette, or one whose pixels beyond the border are too many to
+        be counted; for a transform that shears, mirrors or scales differently along the axes; for
+        models of one class whose sizes in millimetres differ; and for names that are no numbers.
     TypeError
         For pictures that are no annotations.
     FileWriteError
@@ -115,11 +126,12 @@ def _numbers(pictures: Mapping[str, Annotations], object_ids: Mapping[str, int])
 
 
 def _camera(name: str, picture: Annotations, millimeters: float, scale: float) -> dict[str, Any]:
-    matrix = intrinsic_matrix(picture.camera)
+    camera = still(name, picture, "BOP")
+    matrix = intrinsic_matrix(camera)
     if matrix is None:
-        raise ValueError(f"{name}: a {picture.camera.projection} camera has no matrix K for BOP")
+        raise ValueError(f"{name}: a {camera.projection} camera has no matrix K for BOP")
     matrix[:2, 2] -= 0.5
-    pose = camera_from_world(picture.camera)
+    pose = camera_from_world(camera)
     return {
         "cam_K": matrix.reshape(-1).tolist(),
         "depth_scale": scale,

@@ -40,7 +40,8 @@ class Box3D:
     world_from_object : (4, 4) array of float64
         The object's transform, for columns; it may scale.
     camera_from_object : (4, 4) array of float64
-        The same to the camera's frame.
+        The same to the camera's frame; of a moving camera as it is when its middle line is seen,
+        number ``lines // 2``.
     """
 
     in_world: Floats

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from firsthit._arrays import number, text
+from firsthit._camera import Camera
 from firsthit._errors import FileWriteError
 
 from ._annotations import Annotations
@@ -91,6 +92,14 @@ def refused(picture: str, instance: Instance, why: str) -> ValueError:
     """Return the error for an instance that a format cannot hold."""
     what = f"instance {instance.id}" + (f" ({instance.name!r})" if instance.name else "")
     return ValueError(f"{picture}: {what} cannot be written: {why}")
+
+
+def still(picture: str, annotations: Annotations, form: str) -> Camera:
+    """Return the camera of a picture, for formats that have one pose for all of it."""
+    if not isinstance(annotations.camera, Camera):
+        kind = type(annotations.camera).__name__
+        raise ValueError(f"{picture}: {form} has one pose for a picture, and a {kind} many")
+    return annotations.camera
 
 
 def meters(unit: float | str) -> float:

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 import numpy as np
 
 from firsthit._arrays import index, number, settle, text, vector
-from firsthit._project import in_camera, picture, project, starts_towards
+from firsthit._lines import sight
+from firsthit._project import picture
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import numpy.typing as npt
 
-    from firsthit._camera import Camera
+    from firsthit._lines import PictureSensor
     from firsthit._scene import Scene
     from firsthit._types import Vector
 
@@ -105,9 +106,10 @@ class Keypoint(NamedTuple):
         Where it is, in world space; NaN if it is not labelled.
     pixel : (2,) tuple of float
         Where it is in the picture, columns from the left edge and rows from the upper edge, also
-        beyond them; NaN where the projection does not see it.
+        beyond them; NaN where the projection, or no line of a moving camera, does not see it.
     z : float
-        Its distance from the camera's position along its aim, in scene units.
+        Its distance from the camera's position along its aim, in scene units; of a moving camera as
+        it is at the time of the line that sees the point, NaN if none does.
     visibility : int
         2: it is in the picture and seen. 1: it is in the picture, and something hides it. 0: it is
         not labelled, not in the picture, or before the start of rays.
@@ -151,7 +153,7 @@ def seen(
     given: Keypoints,
     world_from_object: Floats,
     scene: Scene,
-    camera: Camera,
+    camera: PictureSensor,
     parts: Sequence[Part],
     there: Sequence[int],
     threads: int | None,
@@ -160,8 +162,7 @@ def seen(
     points = np.array([*given.points.values()], np.float64).reshape(-1, 3)
     if given.frame == "object":
         points = points @ world_from_object[:3, :3].T + world_from_object[:3, 3]
-    pixels, z = project(camera, points), in_camera(camera, points)[:, 2]
-    starts = starts_towards(camera, points)
+    pixels, starts, z = sight(camera, points)
     whole = picture(camera)
     with np.errstate(invalid="ignore"):
         is_in = (pixels >= 0.0).all(axis=1) & (pixels < (whole.right, whole.bottom)).all(axis=1)

@@ -11,7 +11,7 @@ import numpy as np
 from firsthit._arrays import number
 
 from ._coco import MaskKind
-from ._files import class_of, meters, named, refused, stems, write
+from ._files import class_of, meters, named, refused, stems, still, write
 from ._rigid import rotation_and_scale
 
 if TYPE_CHECKING:
@@ -71,10 +71,10 @@ def save_kitti(
     Raises
     ------
     ValueError
-        For a projection other than perspective; an instance without a class or with a space in it,
-        without a pixel of that box, with an infinite box, or one that leans; for a transform that
-        shears or mirrors; for axes that are not at a right angle, and thresholds that are not in
-        order.
+        For a moving camera, and a projection other than perspective; an instance without a class or
+        with a space in it, without a pixel of that box, with an infinite box, or one that leans;
+        for a transform that shears or mirrors; for axes that are not at a right angle, and
+        thresholds that are not in order.
     TypeError
         For pictures that are no annotations.
     FileWriteError
@@ -126,8 +126,9 @@ def labels(
     last = "" if score is None else f" {number('score', score):.4f}"
     texts = {}
     for name, picture in pictures.items():
-        if picture.camera.projection != "perspective":
-            got = f"one of the projection {picture.camera.projection}"
+        camera = still(name, picture, "KITTI")
+        if camera.projection != "perspective":
+            got = f"one of the projection {camera.projection}"
             raise ValueError(f"{name}: KITTI's cameras are perspective, got {got}")
         lines = []
         for instance in picture.instances:

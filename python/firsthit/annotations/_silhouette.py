@@ -10,6 +10,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._arrays import CHUNK, chunks, threads_or_all
 from firsthit._filters import Filters
+from firsthit._lines import Lines
 from firsthit._project import Plane, Reach, picture, plane, rays_at, reach, sees_everything
 from firsthit._rays import Rays
 
@@ -21,7 +22,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._camera import Camera
+    from firsthit._moving import Pushbroom, RollingShutter
+    from firsthit._sensor import Sensor
     from firsthit._traceable import Built
+
+    from ._box import Box3D
 
     Floats = npt.NDArray[np.float64]
     Bools = npt.NDArray[np.bool_]
@@ -85,7 +90,27 @@ def silhouette(
     return _beyond(camera, flat, mask, span, alone)
 
 
-def _of_picture(camera: Camera, part: Reach, alone: _Alone) -> Mask:
+def silhouette_by_lines(
+    built: Built,
+    camera: RollingShutter | Pushbroom,
+    objects: Sequence[int],
+    box: Box3D | None,
+    threads: int | None,
+) -> Silhouette:
+    """Return the silhouette of an instance in the picture of a moving camera.
+
+    A ray is asked for each pixel in which a line could see the instance's box. Beyond the border
+    there are no lines, and so no pixels.
+    """
+    part = picture(camera) if box is None else Lines(camera).part(box.corners_in_world)
+
+    def alone(rays: tuple[Floats, Floats]) -> Bools:
+        return _met(built, objects, *rays, threads)
+
+    return Silhouette(_of_picture(camera, part, alone), None, None, math.nan)
+
+
+def _of_picture(camera: Sensor, part: Reach, alone: _Alone) -> Mask:
     """Return the mask of what the camera's own rays of a part of the picture meet."""
     shape = camera.rows, camera.columns
     if part.size == 0:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    import numpy.typing as npt
+
     from firsthit._scene import Scene
 
     from ._sampling import Axes, Vector
@@ -120,6 +122,10 @@ class Sphere:
 
         return self.free.first(scene, draw)
 
+    def places(self, scene: Scene, seconds: float) -> tuple[npt.NDArray[np.float64], float]:
+        """Return the centre, and the largest radius."""
+        return np.array([self.center or _middle(scene)]), self.radius[1]
+
 
 @dataclass(frozen=True)
 class Inside:
@@ -166,6 +172,11 @@ class Inside:
             return Pose((x, y, z), rolled(axes, uniforms.between(self.roll)))
 
         return self.free.first(scene, draw)
+
+    def places(self, scene: Scene, seconds: float) -> tuple[npt.NDArray[np.float64], float]:
+        """Return the corners of the box."""
+        box = np.array(self.box or _bounds(scene))
+        return np.stack(np.meshgrid(*box.T), axis=-1).reshape(-1, 3), 0.0
 
 
 def _vector(table: Table, key: str) -> Vector | None:

@@ -2,18 +2,45 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ._job import check, check_packages
 from ._scenes import Loaded
 
 if TYPE_CHECKING:
+    from firsthit._scene import Scene
+    from firsthit._types import Vector
+
     from ._mark import Mark
     from ._plan import Plan
+    from ._scenes import PlannedScene
 
 
-def checked(plan: Plan, threads: int | None) -> list[Mark]:
-    """Read all scenes, try what the plan asks of them, and return their marks."""
+class Checked(NamedTuple):
+    """What a check knows of a scene."""
+
+    mark: Mark
+    #: Which way is up in it.
+    up: Vector
+    #: Who says so, in the words of ``firsthit info``.
+    up_source: str
+
+
+def checked(plan: Plan, threads: int | None) -> list[Checked]:
+    """Read all scenes, try what the plan asks of them, and return what is known of each."""
     check_packages(plan)
-    loaded = Loaded(plan._scenes)
-    return [check(plan, number, loaded, threads) for number in range(len(plan.scenes))]
+    loaded, found = Loaded(plan._scenes), []
+    for number, planned in enumerate(plan._scenes):
+        mark, scene = check(plan, number, loaded, threads), loaded.scene(number)
+        found.append(Checked(mark, scene.up, _up_source(planned, scene)))
+    return found
+
+
+def _up_source(planned: PlannedScene, scene: Scene) -> str:
+    if planned.up is not None:
+        return "as the plan says"
+    if not scene._up_is_guessed:
+        return "as the file says"
+    if scene.up == scene._up:
+        return "by the format's convention"
+    return "guessed from a flat base"

@@ -17,7 +17,6 @@ from ._fragments import fragments, instances, save_masks
 from ._lidars import LidarSensor
 from ._part import name_of, seal
 from ._sampling import POSES, Uniforms
-from ._sensors import CameraSensor
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
 
     from firsthit._camera import Camera
     from firsthit._frame import Frame
+    from firsthit._moving import Pushbroom, RollingShutter
     from firsthit._scene import Scene
 
     from ._mark import Mark
@@ -67,7 +67,7 @@ class FrameMaker:
                 continue
             picture = self._picture(folder, sensor, scene, place)
             arrays |= {f"{sensor.name}/{name}": array for name, array in picture.items()}
-            if isinstance(sensor, CameraSensor) and plan._output.annotates:
+            if sensor.is_annotated and plan._output.annotates:
                 made = self._annotated(folder, sensor, frame, scene, sensor.at(place), picture)
                 text = np.frombuffer(canonical(made), np.uint8)
                 arrays[f"{sensor.name}/annotations"] = text
@@ -105,10 +105,10 @@ class FrameMaker:
     def _annotated(
         self,
         folder: Path,
-        sensor: CameraSensor,
+        sensor: PictureSensor,
         frame: int,
         scene: Scene,
-        camera: Camera,
+        camera: Camera | RollingShutter | Pushbroom,
         picture: Frame,
     ) -> dict[str, Any]:
         plan = self._plan

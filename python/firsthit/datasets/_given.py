@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 RIG: BodyName = "forwards-left-up"
 
 _MOST_FRAMES = 10**9
+#: How many frames' places are computed at most where a bound is asked for.
+_MOST_PLACES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +100,15 @@ class Path:
             # The last one is at the end, however its product was rounded.
             time = min(time, max(self.trajectory.end, self.start))
         return time
+
+    def places(self, scene: Scene, seconds: float) -> tuple[npt.NDArray[np.float64], float]:
+        """Return where it is in the frames, or in many of very many, and some seconds later."""
+        which = np.linspace(0, self.count - 1, min(self.count, _MOST_PLACES)).round()
+        times = np.array([self.time(int(index)) for index in which])
+        later = times + seconds
+        if self.trajectory.extrapolation == "refuse":
+            later = np.clip(later, self.trajectory.start, self.trajectory.end)
+        return self.trajectory.at(np.concatenate((times, later)))[:, :3, 3], 0.0
 
     def refuse_beyond(self, table: Table, sensors: Sequence[PlannedSensor]) -> None:
         """Refuse sensors that would see before or after the trajectory, in any frame."""
@@ -177,6 +188,11 @@ class Listed:
     def place(self, seed: int, frame: int, index: int, scene: Scene) -> Place:
         """Return where the rig is in a frame."""
         return Place(self.matrices[index].tolist())
+
+    def places(self, scene: Scene, seconds: float) -> tuple[npt.NDArray[np.float64], float]:
+        """Return where the matrices have it."""
+        places: npt.NDArray[np.float64] = self.matrices[:, :3, 3]
+        return places, 0.0
 
 
 def _matrices(table: Table) -> npt.NDArray[np.float64]:

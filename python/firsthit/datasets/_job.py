@@ -15,6 +15,7 @@ from firsthit.annotations import annotate
 from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import write
 
+from ._depth import warn_of_distances
 from ._frame import FrameMaker
 from ._lidars import LidarSensor
 from ._mark import Mark, mark_of
@@ -114,7 +115,7 @@ def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> Mark:
     """Read a scene and try what the plan asks of it; return its mark.
 
     The sensors are built at the first pose, a pixel of each picture is made, and classes and
-    keypoints are looked up.
+    keypoints are looked up. A warning tells of distances that may not fit into PNGs.
     """
     scene, planned = loaded.scene(number), plan._scenes[number]
     first = number * plan.poses_per_scene
@@ -140,6 +141,7 @@ def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> Mark:
                 TOLD_OF.reset(telling)
     except (ValueError, IndexError, TypeError) as error:
         raise ValueError(f"scene {planned.name!r}: {error}") from None
+    warn_of_distances(plan, number, scene)
     return mark_of(scene)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from firsthit import _firsthit
+from firsthit._channel_hints import hint
 from firsthit._files import attribute_of, in_path
 from firsthit._lidar_scan import LidarScan
 from firsthit._lights import background_native
@@ -17,7 +18,7 @@ from ._output_formats import KINDS, Merged, merged
 from ._sensors import CameraSensor
 
 if TYPE_CHECKING:
-    from ._sensors import PlannedSensor
+    from ._sensors import PictureSensor, PlannedSensor
     from ._table import Table
 
 #: The formats of a picture's channels, and of a scan's returns.
@@ -84,8 +85,9 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...]) -> Output:
     clouds = table.texts("clouds", ["npz"], CLOUDS) if lidars else []
     if lidars and not clouds:
         raise table.refused("clouds", "`clouds` must be one format or several, got none")
-    if not any(isinstance(one, CameraSensor) for one in sensors):
-        _refuse(table, ("masks", *KINDS), 'annotations are of sensors with kind = "camera"')
+    if not _annotated(sensors):
+        why = 'annotations are of sensors with kind = "camera", or with `annotate = true`'
+        _refuse(table, ("masks", *KINDS), why)
     masks = table.texts("masks", [], ("visible", "amodal"))
     joined = merged(table)
     if joined.kinds and not (pictures or frames):
@@ -101,8 +103,18 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...]) -> Output:
         tuple(masks),
         joined,
     )
+    for one in sensors:
+        if not (isinstance(one, LidarSensor) or one.annotate is None or made.annotates):
+            why = f"`annotate` of sensor {one.name!r} does nothing here: no annotations are written"
+            raise table.refused(None, why)
     table.finish()
     return made
+
+
+def _annotated(sensors: tuple[PlannedSensor, ...]) -> list[PictureSensor]:
+    """Return the sensors whose pictures are annotated, where any are."""
+    pictured = (one for one in sensors if not isinstance(one, LidarSensor))
+    return [one for one in pictured if one.is_annotated]
 
 
 def _refuse_lenses(table: Table, sensors: tuple[PlannedSensor, ...], joined: Merged) -> None:
@@ -110,10 +122,10 @@ def _refuse_lenses(table: Table, sensors: tuple[PlannedSensor, ...], joined: Mer
     for kind in ("bop", "kitti"):
         if getattr(joined, kind) is None:
             continue
-        for one in sensors:
+        for one in _annotated(sensors):
             if not isinstance(one, CameraSensor):
-                continue
-            if one.camera.projection != "perspective":
+                why = "has one pose for a picture, and this sensor moves while it sees"
+            elif one.camera.projection != "perspective":
                 why = f"takes perspective cameras, and its projection is {one.camera.projection}"
             elif plane(one.camera) is None:
                 why = "needs what is beyond the border, which a tilted viewplane does not tell"
@@ -158,7 +170,8 @@ def _channels(table: Table, key: str, default: list[str], known: list[str]) -> l
     for name in names:
         if name not in known and attribute_of(name) is None:
             there = f"{', '.join(known)}, attribute:NAME"
-            raise table.refused(key, f"`{key}` must be among {there}, got {name!r}")
+            meant = hint(name, known)
+            raise table.refused(key, f"`{key}` must be among {there}, got {name!r}{meant}")
     return names
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import numpy as np
     import numpy.typing as npt
 
     from firsthit._scene import Scene
@@ -47,4 +48,11 @@ class Poses(Protocol):
 
         ``frame`` counts the frames of all scenes, ``index`` those of one. A ``ValueError`` where
         there is no such place.
+        """
+
+    def places(self, scene: Scene, seconds: float) -> tuple[npt.NDArray[np.float64], float]:
+        """Return where the origin of the rig may be in the frames of a scene.
+
+        It is never farther from the hull of the points, (n, 3), than the length that is returned.
+        Sensors see for some seconds after the time of a frame.
         """

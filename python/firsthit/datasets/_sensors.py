@@ -35,8 +35,14 @@ class CameraSensor:
 
     name: str
     camera: Camera
+    annotate: bool | None
 
     needs_path: ClassVar[bool] = False
+
+    @property
+    def is_annotated(self) -> bool:
+        """Whether its pictures are, where any are: unless the plan says otherwise."""
+        return self.annotate is not False
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -60,8 +66,14 @@ class RollingSensor:
     camera: Camera
     readout: float
     direction: Readout
+    annotate: bool | None
 
     needs_path: ClassVar[bool] = True
+
+    @property
+    def is_annotated(self) -> bool:
+        """Whether its pictures are, where any are: if the plan says so."""
+        return self.annotate is True
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -95,8 +107,14 @@ class PushbroomSensor:
     camera: Camera
     lines: int
     line_rate: float
+    annotate: bool | None
 
     needs_path: ClassVar[bool] = True
+
+    @property
+    def is_annotated(self) -> bool:
+        """Whether its pictures are, where any are: if the plan says so."""
+        return self.annotate is True
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -141,12 +159,13 @@ def _sensor(table: Table, folder: Path) -> PlannedSensor:
         )
     if kind == "lidar":
         return lidar(table, name, folder)
+    annotate = table.flag("annotate", default=None)
     if kind == "camera":
-        return CameraSensor(name, camera(table))
+        return CameraSensor(name, camera(table), annotate)
     if kind == "rolling_shutter":
         readout = table.number("readout", least=0.0)
         direction = table.text("direction", "top_down", get_args(Readout))
-        return RollingSensor(name, camera(table), readout, direction)
+        return RollingSensor(name, camera(table), readout, direction, annotate)
     lines = table.whole("lines", least=1)
     rate = table.number("line_rate", above=0.0)
-    return PushbroomSensor(name, camera(table, one_row=True), lines, rate)
+    return PushbroomSensor(name, camera(table, one_row=True), lines, rate, annotate)
