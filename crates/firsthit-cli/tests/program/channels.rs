@@ -74,8 +74,7 @@ fn every_pixel_has_the_distances_of_the_formula() {
 #[test]
 fn arrays_have_the_types_and_shapes_that_are_documented() {
     let lab = Lab::with_square();
-    let names =
-        "color,t,range,z,object,primitive,face,normal,incidence,position,barycentric,uv,base_color,front";
+    let names = "color,t,range,z,object,primitive,face,normal,incidence,position,barycentric,uv,base_color,front";
     lab.ok(&format!(
         "render square.ply --size 32x24 --channels {names} -o all.npz"
     ));
