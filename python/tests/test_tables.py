@@ -86,7 +86,7 @@ def test_the_length_is_that_of_the_first_axis():
 
 def test_items_are_the_channels_in_their_order():
     named = ("node", "mesh", "material")
-    rest = ("normal", "position", "barycentric", "uv")
+    rest = ("normal", "incidence", "position", "barycentric", "uv")
     of_rays = ("t", "object", "primitive", "face", *named, *rest)
     hits = scene().shoot(*CAMERA.rays())
     assert (
@@ -118,7 +118,7 @@ def test_tables_have_a_row_for_each_ray_and_the_columns_of_the_program_s_csv():
     hits = ball().shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
     table = hits.to_dict()
     names = "t object primitive face node mesh material"
-    expected = f"{names} normal_x normal_y normal_z position_x position_y position_z"
+    expected = f"{names} normal_x normal_y normal_z incidence position_x position_y position_z"
     more = "barycentric_0 barycentric_1 barycentric_2 uv_u uv_v base_color_r base_color_g"
     assert list(table) == f"{expected} {more} base_color_b front".split()
     assert {(column.ndim, len(column)) for column in table.values()} == {(1, 2)}
@@ -143,7 +143,7 @@ def test_pandas_takes_tables():
     pandas = pytest.importorskip("pandas")
     hits = scene().shoot(CAMERA)
     frame = pandas.DataFrame(hits.to_dict())
-    assert frame.shape == (192, 26)
+    assert frame.shape == (192, 27)
     nearest = frame[frame.object >= 0].groupby("object").z.min()
     for number in (0, 1):
         assert nearest[number] == hits.z[hits.object == number].min()
