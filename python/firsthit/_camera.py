@@ -81,31 +81,35 @@ class Camera(Sensor):
     the centre of the first pixel is at (0.5, 0.5). Angles of fields of view and tilts are in
     degrees. ``docs/cameras.md`` has the formulas and their sources.
 
-    ======================== ===================================================================
-    projection               parameters
-    ======================== ===================================================================
-    ``perspective``          ``shift_x``, ``shift_y``: from where the aim meets the viewplane to
-                             its middle, to the right and upwards; ``tilt_x``, ``tilt_y``: how it
-                             is turned; ``skew``
-    ``orthographic``         ``shift_x``, ``shift_y``, ``skew``
-    ``equirectangular``      ``horizontal_fov``, ``vertical_fov``
-    ``cylindrical``          the same
-    ``cube_map``             none; the picture's shape says how the faces lie
-    ``octahedral``           none
-    all below                ``fx``, ``fy``, ``cx``, ``cy``, ``skew``: the intrinsic matrix, and:
-    ``opencv``               ``k1`` to ``k6``, ``p1``, ``p2``, ``s1`` to ``s4``, ``tau_x``,
-                             ``tau_y``
-    ``opencv_fisheye``       ``k1`` to ``k4``
-    ``kannala_brandt``       ``k1`` to ``k5``
-    ``double_sphere``        ``xi``, ``alpha``
-    ``eucm``                 ``alpha``, ``beta``
-    ``ucm``                  ``alpha``
-    ``mei``                  ``xi``, ``k1``, ``k2``, ``p1``, ``p2``
-    ``equidistant``,         ``fov``, beyond which nothing is seen
+    ============================== ================================================================
+    projection                     parameters
+    ============================== ================================================================
+    ``perspective``                ``shift_x``, ``shift_y``: from where the aim meets the viewplane
+                                   to its middle, to the right and upwards; ``tilt_x``, ``tilt_y``:
+                                   how it is turned; ``skew``
+    ``orthographic``               ``shift_x``, ``shift_y``, ``skew``
+    ``equirectangular``            ``horizontal_fov``, ``vertical_fov``
+    ``cylindrical``                the same
+    ``cube_map``                   none; the picture's shape says how the faces lie
+    ``octahedral``                 none
+    all below                      ``fx``, ``fy``, ``cx``, ``cy``, ``skew``: the intrinsic matrix,
+                                   and:
+    ``opencv``                     ``k1`` to ``k6``, ``p1``, ``p2``, ``s1`` to ``s4``, ``tau_x``,
+                                   ``tau_y``
+    ``opencv_fisheye``             ``k1`` to ``k4``
+    ``kannala_brandt``             ``k1`` to ``k5``
+    ``double_sphere``              ``xi``, ``alpha``
+    ``eucm``                       ``alpha``, ``beta``
+    ``ucm``                        ``alpha``
+    ``mei``                        ``xi``, ``k1``, ``k2``, ``p1``, ``p2``
+    ``fov``                        ``omega``
+    ``thin_prism_fisheye``         ``k1`` to ``k4``, ``p1``, ``p2``, ``sx1``, ``sy1``
+    ``rad_tan_thin_prism_fisheye`` ``k0`` to ``k5``, ``p0``, ``p1``, ``s0`` to ``s3``
+    ``equidistant``,               ``fov``, beyond which nothing is seen
     ``equisolid``,
     ``stereographic``,
     ``orthographic_fisheye``
-    ======================== ===================================================================
+    ============================== ================================================================
 
     A pixel that no direction is seen at, beyond a fold of the distortion or outside a fisheye's
     circle, has a ray of NaN, which is a miss; the channel ``valid`` is false there.

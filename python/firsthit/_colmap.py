@@ -33,15 +33,28 @@ _MODELS: dict[int, tuple[str, tuple[str, ...], str]] = {
         ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
         "opencv",
     ),
+    7: ("FOV", ("fx", "fy", "cx", "cy", "omega"), "fov"),
     8: ("SIMPLE_RADIAL_FISHEYE", ("f", "cx", "cy", "k1"), "opencv_fisheye"),
     9: ("RADIAL_FISHEYE", ("f", "cx", "cy", "k1", "k2"), "opencv_fisheye"),
+    10: (
+        "THIN_PRISM_FISHEYE",
+        ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"),
+        "thin_prism_fisheye",
+    ),
+    11: (
+        "RAD_TAN_THIN_PRISM_FISHEYE",
+        (
+            *("fx", "fy", "cx", "cy", "k0", "k1", "k2", "k3", "k4", "k5"),
+            *("p0", "p1", "s0", "s1", "s2", "s3"),
+        ),
+        "rad_tan_thin_prism_fisheye",
+    ),
+    14: ("SIMPLE_FISHEYE", ("f", "cx", "cy"), "equidistant"),
+    15: ("FISHEYE", ("fx", "fy", "cx", "cy"), "equidistant"),
+    16: ("EUCM", ("fx", "fy", "cx", "cy", "alpha", "beta"), "eucm"),
 }
 #: Those that are known and that no projection here is.
-_OTHERS = {
-    7: ("FOV", 5),
-    10: ("THIN_PRISM_FISHEYE", 12),
-    11: ("RAD_TAN_THIN_PRISM_FISHEYE", 16),
-}
+_OTHERS = {12: "SIMPLE_DIVISION", 13: "DIVISION", 17: "EQUIRECTANGULAR"}
 
 
 @dataclass(frozen=True)
@@ -92,6 +105,8 @@ def from_camera(camera: Camera) -> ColmapCamera:
         )
     numbers.update(fx=k[0][0], fy=k[1][1], cx=k[0][2], cy=k[1][2])
     used = {name for name, value in numbers.items() if value and name not in _PLACE}
+    # COLMAP's fisheyes have no edge.
+    used -= {"fov"} if numbers.get("fov") == 360.0 else set()
     for name, parameters, projection in _MODELS.values():
         is_simple = "f" in parameters
         if is_simple or projection != camera.projection:
@@ -229,9 +244,8 @@ def _matrix(
 
 
 def _unknown(number: int | None, name: str) -> str:
-    others = {each[0] for each in _OTHERS.values()}
-    if (number in _OTHERS) or name in others:
-        name = _OTHERS[number][0] if number in _OTHERS else name
+    name = name if number is None else _OTHERS.get(number, name)
+    if name in _OTHERS.values():
         return f"the model {name} is not supported"
     known = ", ".join(model[0] for model in _MODELS.values())
     return f"the model must be one of {known}, got {name!r}"

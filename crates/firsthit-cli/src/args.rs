@@ -154,8 +154,8 @@ pub(crate) struct CameraArgs {
     pub(crate) convention: Option<String>,
     /// Perspective rays go through a viewplane, and orthographic ones are parallel. Panoramas: equirectangular, cylindrical,
     /// cube_map, octahedral. Fisheyes: equidistant, equisolid, stereographic, orthographic_fisheye, with --fov, by default 180.
-    /// Calibrated, with --intrinsics and --parameters: opencv, opencv_fisheye, kannala_brandt, double_sphere, eucm, ucm, mei
-    /// [default: perspective, or the file's]
+    /// Calibrated, with --intrinsics and --parameters: opencv, opencv_fisheye, kannala_brandt, double_sphere, eucm, ucm, mei, fov,
+    /// thin_prism_fisheye, rad_tan_thin_prism_fisheye [default: perspective, or the file's]
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), hide_possible_values = true, conflicts_with = "orthographic")]
     pub(crate) projection: Option<String>,
     /// The numbers of the projection by their names, as docs/cameras.md lists them; those left out are 0. For the distortion of
