@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import TYPE_CHECKING, get_args
 
 import numpy as np
@@ -14,7 +15,6 @@ from ._sensor import Sensor
 from ._types import Projection
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Mapping
 
     import numpy.typing as npt
@@ -562,26 +562,12 @@ class Camera(Sensor):
         FileReadError
             If the system refuses to read a file; also an `OSError`.
         FileFormatError
-            For what no such file has, and for a model that is not known, with its name; also a
-            `ValueError`.
+            For what no such file has: counts beyond the file's end, numbers that are not finite, a
+            camera or a name that is there twice, a model that is not known; also a `ValueError`.
         """
-        known, made = _colmap.read_cameras(cameras), {}
-        for image in _colmap.read_images(images):
-            if image.camera not in known:
-                raise _colmap._wrong(
-                    images, f"image {image.name!r}: there is no camera {image.camera}"
-                )
-            numbers_ = known[image.camera]
-            made[image.name] = cls.from_intrinsics(
-                numbers_.matrix,
-                rows=numbers_.rows,
-                columns=numbers_.columns,
-                convention="colmap",
-                pose=np.array(image.matrix),
-                projection=numbers_.projection,  # type: ignore[arg-type]
-                parameters=dict(numbers_.parameters),
-            )
-        return made
+        content = _colmap.content(cameras), _colmap.content(images)
+        read = _firsthit.Camera.of_colmap(content, (os.fspath(cameras), os.fspath(images)))
+        return {name: cls._of(native) for name, native in read}
 
     @classmethod
     def from_projection_matrix(

@@ -388,16 +388,23 @@ def test_rays_of_colmap_cameras_project_back_to_their_pixels(model, projection, 
 @pytest.mark.parametrize(
     ("name", "content", "what"),
     [
-        ("cameras.txt", "1 PINHOLE 640 480 1 2 3\n", "line 1: PINHOLE must have 4 parameters"),
+        ("cameras.txt", "1 PINHOLE 640 480 1 2 3\n", "txt:1: PINHOLE must have 4 parameters"),
         ("cameras.txt", "1 DIVISION 640 480 1 2 3 4 5\n", "the model DIVISION is not supported"),
         ("cameras.txt", "1 PINHOLE 640 480 1 2 3 x\n", "expected a number, got 'x'"),
         ("cameras.txt", "1 NOTHING 640 480\n", "got 'NOTHING'"),
         ("cameras.txt", b"\xff\xfe", "UTF-8"),
         ("cameras.bin", b"\x01", "the file is cut off"),
         ("cameras.bin", b"\xff" * 8, "entries"),
-        ("images.txt", "1 0 0 0 0 0 0 0 1 a.png\n\n", "line 1: a pose must be"),
+        ("images.txt", "1 0 0 0 0 0 0 0 1 a.png\n\n", "txt:1: a pose must be"),
+        (
+            "images.txt",
+            "1 1 0 0 0 0 0 0 1 a.png\n\n" * 2,
+            "txt:3: image 'a.png': the name is there",
+        ),
+        ("cameras.txt", "1 PINHOLE 640 480 1 2 3 nan\n", "parameters must be finite"),
+        ("cameras.txt", "1 PINHOLE 640 480 1 2 3 4\n" * 2, "txt:2: camera 1 is there twice"),
         ("images.txt", "1 1 0 0 0 0 0 0 7 a.png\n\n", "there is no camera 7"),
-        ("images.bin", b"\x01" + b"\0" * 7, "the file is cut off"),
+        ("images.bin", b"\x01" + b"\0" * 7, "1 entries, and is too short"),
     ],
 )
 def test_colmap_files_that_are_wrong_are_refused(tmp_path, name, content, what):
