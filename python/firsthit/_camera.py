@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import TYPE_CHECKING, get_args
 
 import numpy as np
@@ -14,7 +15,6 @@ from ._sensor import Sensor
 from ._types import Projection
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Mapping
 
     import numpy.typing as npt
@@ -81,31 +81,35 @@ class Camera(Sensor):
     the centre of the first pixel is at (0.5, 0.5). Angles of fields of view and tilts are in
     degrees. ``docs/cameras.md`` has the formulas and their sources.
 
-    ======================== ===================================================================
-    projection               parameters
-    ======================== ===================================================================
-    ``perspective``          ``shift_x``, ``shift_y``: from where the aim meets the viewplane to
-                             its middle, to the right and upwards; ``tilt_x``, ``tilt_y``: how it
-                             is turned; ``skew``
-    ``orthographic``         ``shift_x``, ``shift_y``, ``skew``
-    ``equirectangular``      ``horizontal_fov``, ``vertical_fov``
-    ``cylindrical``          the same
-    ``cube_map``             none; the picture's shape says how the faces lie
-    ``octahedral``           none
-    all below                ``fx``, ``fy``, ``cx``, ``cy``, ``skew``: the intrinsic matrix, and:
-    ``opencv``               ``k1`` to ``k6``, ``p1``, ``p2``, ``s1`` to ``s4``, ``tau_x``,
-                             ``tau_y``
-    ``opencv_fisheye``       ``k1`` to ``k4``
-    ``kannala_brandt``       ``k1`` to ``k5``
-    ``double_sphere``        ``xi``, ``alpha``
-    ``eucm``                 ``alpha``, ``beta``
-    ``ucm``                  ``alpha``
-    ``mei``                  ``xi``, ``k1``, ``k2``, ``p1``, ``p2``
-    ``equidistant``,         ``fov``, beyond which nothing is seen
+    ============================== ================================================================
+    projection                     parameters
+    ============================== ================================================================
+    ``perspective``                ``shift_x``, ``shift_y``: from where the aim meets the viewplane
+                                   to its middle, to the right and upwards; ``tilt_x``, ``tilt_y``:
+                                   how it is turned; ``skew``
+    ``orthographic``               ``shift_x``, ``shift_y``, ``skew``
+    ``equirectangular``            ``horizontal_fov``, ``vertical_fov``
+    ``cylindrical``                the same
+    ``cube_map``                   none; the picture's shape says how the faces lie
+    ``octahedral``                 none
+    all below                      ``fx``, ``fy``, ``cx``, ``cy``, ``skew``: the intrinsic matrix,
+                                   and:
+    ``opencv``                     ``k1`` to ``k6``, ``p1``, ``p2``, ``s1`` to ``s4``, ``tau_x``,
+                                   ``tau_y``
+    ``opencv_fisheye``             ``k1`` to ``k4``
+    ``kannala_brandt``             ``k1`` to ``k5``
+    ``double_sphere``              ``xi``, ``alpha``
+    ``eucm``                       ``alpha``, ``beta``
+    ``ucm``                        ``alpha``
+    ``mei``                        ``xi``, ``k1``, ``k2``, ``p1``, ``p2``
+    ``fov``                        ``omega``
+    ``thin_prism_fisheye``         ``k1`` to ``k4``, ``p1``, ``p2``, ``sx1``, ``sy1``
+    ``rad_tan_thin_prism_fisheye`` ``k0`` to ``k5``, ``p0``, ``p1``, ``s0`` to ``s3``
+    ``equidistant``,               ``fov``, beyond which nothing is seen
     ``equisolid``,
     ``stereographic``,
     ``orthographic_fisheye``
-    ======================== ===================================================================
+    ============================== ================================================================
 
     A pixel that no direction is seen at, beyond a fold of the distortion or outside a fisheye's
     circle, has a ray of NaN, which is a miss; the channel ``valid`` is false there.
@@ -558,26 +562,12 @@ class Camera(Sensor):
         FileReadError
             If the system refuses to read a file; also an `OSError`.
         FileFormatError
-            For what no such file has, and for a model that is not known, with its name; also a
-            `ValueError`.
+            For what no such file has: counts beyond the file's end, numbers that are not finite, a
+            camera or a name that is there twice, a model that is not known; also a `ValueError`.
         """
-        known, made = _colmap.read_cameras(cameras), {}
-        for image in _colmap.read_images(images):
-            if image.camera not in known:
-                raise _colmap._wrong(
-                    images, f"image {image.name!r}: there is no camera {image.camera}"
-                )
-            numbers_ = known[image.camera]
-            made[image.name] = cls.from_intrinsics(
-                numbers_.matrix,
-                rows=numbers_.rows,
-                columns=numbers_.columns,
-                convention="colmap",
-                pose=np.array(image.matrix),
-                projection=numbers_.projection,  # type: ignore[arg-type]
-                parameters=dict(numbers_.parameters),
-            )
-        return made
+        content = _colmap.content(cameras), _colmap.content(images)
+        read = _firsthit.Camera.of_colmap(content, (os.fspath(cameras), os.fspath(images)))
+        return {name: cls._of(native) for name, native in read}
 
     @classmethod
     def from_projection_matrix(

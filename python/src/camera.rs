@@ -1,6 +1,10 @@
 //! The camera.
 
-use firsthit::camera::{Convention, Description, PixelMatrix, Projection};
+use std::path::PathBuf;
+
+use firsthit::camera::{
+    ColmapImages, ColmapModel, Convention, Description, PixelMatrix, Projection,
+};
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
 use firsthit::render::{Sample, framing_camera};
@@ -10,6 +14,7 @@ use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
 use rayon::prelude::*;
 
 use crate::arrays::{collected, not_contiguous};
@@ -112,6 +117,35 @@ impl Camera {
         let k = matrix.map(|matrix| convention.own_pixel_matrix(matrix).matrix());
         let k = k.map(|k| [0, 1, 2].map(|row| k.row(row).to_array()));
         Ok((k, convention.matrix(&self.0.world_from_camera())))
+    }
+
+    /// COLMAP's models: name, parameters and projection.
+    #[staticmethod]
+    fn colmap_models() -> Vec<(&'static str, Vec<&'static str>, &'static str)> {
+        let models = ColmapModel::ALL.iter();
+        let models = models.map(|model| {
+            let projection = model.projection.name();
+            (model.name, model.parameters.to_vec(), projection)
+        });
+        models.collect()
+    }
+
+    /// The cameras of a reconstruction by COLMAP, with their images' names: from the content of two files and their paths.
+    #[staticmethod]
+    fn of_colmap(
+        py: Python<'_>,
+        content: [PyBackedBytes; 2],
+        paths: [PathBuf; 2],
+    ) -> PyResult<Vec<(String, Self)>> {
+        let read = || {
+            let [cameras, images] = &content;
+            let paths = paths.each_ref().map(PathBuf::as_path);
+            let images = ColmapImages::read([cameras, images], paths)?;
+            let named = images.names().zip(images.cameras());
+            let made = named.map(|(name, camera)| Ok((name.to_owned(), Self(camera?))));
+            made.collect::<firsthit::Result<Vec<_>>>()
+        };
+        py.detach(read).map_err(|error| raise(py, &error))
     }
 
     /// The camera that made an output, from the JSON of its record.

@@ -22,6 +22,8 @@ OTHERS = {
     "skewed parallel": ("orthographic", {"skew": 0.2}),
     "opencv": ("opencv", {**K, "k1": -0.1, "p1": 0.01}),
     "opencv_fisheye": ("opencv_fisheye", {**K, "k1": 0.01}),
+    "fov": ("fov", {**K, "omega": 0.9}),
+    "thin_prism_fisheye": ("thin_prism_fisheye", {**K, "k1": 0.01, "sx1": 0.01}),
     "equidistant": ("equidistant", {**K, "fov": 120}),
     "cylindrical": ("cylindrical", {"horizontal_fov": 150, "vertical_fov": 60}),
     "part of a panorama": ("equirectangular", {"horizontal_fov": 180, "vertical_fov": 90}),

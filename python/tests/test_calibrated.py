@@ -171,6 +171,54 @@ def of_angle(radius):
     return model
 
 
+def thin_prism_fisheye(x, y, z, p):
+    off = mpmath.hypot(x, y)
+    angle = mpmath.atan2(off, z)
+    x, y, q = x * angle / off, y * angle / off, angle**2
+    radial = 1 + p["k1"] * q + p["k2"] * q**2 + p["k3"] * q**3 + p["k4"] * q**4
+    return (
+        x * radial + 2 * p["p1"] * x * y + p["p2"] * (q + 2 * x**2) + p["sx1"] * q,
+        y * radial + p["p1"] * (q + 2 * y**2) + 2 * p["p2"] * x * y + p["sy1"] * q,
+    )
+
+
+def rad_tan_thin_prism_fisheye(x, y, z, p):
+    off = mpmath.hypot(x, y)
+    angle = mpmath.atan2(off, z)
+    radius = angle * (1 + sum(p[f"k{k}"] * angle ** (2 * k + 2) for k in range(6)))
+    x, y, q = x * radius / off, y * radius / off, radius**2
+    across = p["p0"] * (q + 2 * x**2) + 2 * p["p1"] * x * y
+    down = p["p1"] * (q + 2 * y**2) + 2 * p["p0"] * x * y
+    return (
+        x + across + p["s0"] * q + p["s1"] * q**2,
+        y + down + p["s2"] * q + p["s3"] * q**2,
+    )
+
+
+THIN_PRISM = {
+    "k1": -0.04,
+    "k2": 0.01,
+    "p1": 0.002,
+    "p2": -0.003,
+    "k3": -0.002,
+    "k4": 0.0004,
+    "sx1": 0.003,
+    "sy1": -0.002,
+}
+RAD_TAN_THIN_PRISM = {
+    "k0": -0.04,
+    "k1": 0.02,
+    "k2": -0.01,
+    "k3": 0.003,
+    "k4": -0.0005,
+    "k5": 0.00003,
+    "p0": 0.002,
+    "p1": -0.001,
+    "s0": -0.002,
+    "s1": 0.0003,
+    "s2": 0.001,
+    "s3": -0.0002,
+}
 MODELS = {
     "double_sphere": (double_sphere, {"xi": -0.2, "alpha": 0.59}),
     "eucm": (eucm, {"alpha": 0.62, "beta": 1.1}),
@@ -180,6 +228,14 @@ MODELS = {
         of_angle(lambda a, p: sum(p[f"k{k}"] * a ** (2 * k - 1) for k in range(1, 6))),
         {"k1": 0.99, "k2": -0.02, "k3": 0.003, "k4": -0.001, "k5": 0.0001},
     ),
+    "fov": (
+        of_angle(
+            lambda a, p: mpmath.atan(2 * mpmath.tan(p["omega"] / 2) * mpmath.tan(a)) / p["omega"]
+        ),
+        {"omega": 0.93},
+    ),
+    "thin_prism_fisheye": (thin_prism_fisheye, THIN_PRISM),
+    "rad_tan_thin_prism_fisheye": (rad_tan_thin_prism_fisheye, RAD_TAN_THIN_PRISM),
     "equidistant": (of_angle(lambda a, _: a), {"fov": 220}),
     "equisolid": (of_angle(lambda a, _: 2 * mpmath.sin(a / 2)), {"fov": 220}),
     "stereographic": (of_angle(lambda a, _: 2 * mpmath.tan(a / 2)), {"fov": 220}),
@@ -235,6 +291,12 @@ def test_colmap_files_are_read_and_written(tmp_path):
         "FULL_OPENCV": (400.0, 410.0, 310.0, 250.0, -0.1, 0.02, 0.001, 0.002, 0.01, 0.1, 0.02, 0),
         "SIMPLE_RADIAL_FISHEYE": (300.0, 310.0, 250.0, -0.03),
         "RADIAL_FISHEYE": (300.0, 310.0, 250.0, -0.03, 0.01),
+        "FOV": (300.0, 310.0, 310.0, 250.0, 0.9),
+        "THIN_PRISM_FISHEYE": (300.0, 310.0, 310.0, 250.0, *THIN_PRISM.values()),
+        "RAD_TAN_THIN_PRISM_FISHEYE": (300.0, 310.0, 310.0, 250.0, *RAD_TAN_THIN_PRISM.values()),
+        "SIMPLE_FISHEYE": (300.0, 310.0, 250.0),
+        "FISHEYE": (300.0, 310.0, 310.0, 250.0),
+        "EUCM": (300.0, 310.0, 310.0, 250.0, 0.6, 1.1),
     }
     reconstruction = pycolmap.Reconstruction()
     for number, (model, params) in enumerate(sizes.items(), 1):
@@ -270,18 +332,79 @@ def test_colmap_files_are_read_and_written(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("model", "projection", "names", "sizes"),
+    [
+        ("FOV", "fov", "omega", [0.6]),
+        (
+            "THIN_PRISM_FISHEYE",
+            "thin_prism_fisheye",
+            "k1 k2 p1 p2 k3 k4 sx1 sy1",
+            [0.05, 0.02, 0.01, 0.01, 0.005, 0.001, 0.01, 0.01],
+        ),
+        (
+            "RAD_TAN_THIN_PRISM_FISHEYE",
+            "rad_tan_thin_prism_fisheye",
+            "k0 k1 k2 k3 k4 k5 p0 p1 s0 s1 s2 s3",
+            [0.05, 0.02, 0.01, 0.003, 0.001, 0.0003, 0.01, 0.01, 0.01, 0.003, 0.01, 0.003],
+        ),
+    ],
+)
+def test_rays_of_colmap_cameras_project_back_to_their_pixels(model, projection, names, sizes):
+    pycolmap = pytest.importorskip("pycolmap")
+    rng = np.random.default_rng(len(sizes))
+    worst, count = 0.0, 0
+    for _ in range(200):
+        k = random_k(rng)
+        numbers = rng.normal(size=len(sizes)) * sizes
+        if model == "FOV":
+            # Below 0.01 COLMAP has a series, with its terms of the second order in the wrong sign.
+            numbers += np.copysign(0.02, numbers)
+        camera = fh.Camera.from_intrinsics(
+            k,
+            rows=ROWS,
+            columns=COLUMNS,
+            convention="colmap",
+            projection=projection,
+            parameters=dict(zip(names.split(), numbers, strict=True)),
+        )
+        theirs = pycolmap.Camera(
+            model=model,
+            width=COLUMNS,
+            height=ROWS,
+            params=[k[0, 0], k[1, 1], k[0, 2], k[1, 2], *numbers],
+        )
+        pixels, points = some_points(camera, 60, rng)
+        # COLMAP sees nothing behind the camera.
+        in_front = points[:, 2] > 1e-3
+        expected = np.array(theirs.img_from_cam(points[in_front]))
+        worst = max(worst, np.abs(expected - pixels[in_front] - 0.5).max())
+        count += in_front.sum()
+        assert np.abs(camera.project(points) - pixels - 0.5).max() < 1e-9
+    assert count > 10_000
+    # Near the middle COLMAP's FOV is a series too.
+    assert worst < (1e-6 if model == "FOV" else 1e-9)
+
+
+@pytest.mark.parametrize(
     ("name", "content", "what"),
     [
-        ("cameras.txt", "1 PINHOLE 640 480 1 2 3\n", "line 1: PINHOLE must have 4 parameters"),
-        ("cameras.txt", "1 FOV 640 480 1 2 3 4 5\n", "the model FOV is not supported"),
+        ("cameras.txt", "1 PINHOLE 640 480 1 2 3\n", "txt:1: PINHOLE must have 4 parameters"),
+        ("cameras.txt", "1 DIVISION 640 480 1 2 3 4 5\n", "the model DIVISION is not supported"),
         ("cameras.txt", "1 PINHOLE 640 480 1 2 3 x\n", "expected a number, got 'x'"),
         ("cameras.txt", "1 NOTHING 640 480\n", "got 'NOTHING'"),
         ("cameras.txt", b"\xff\xfe", "UTF-8"),
         ("cameras.bin", b"\x01", "the file is cut off"),
         ("cameras.bin", b"\xff" * 8, "entries"),
-        ("images.txt", "1 0 0 0 0 0 0 0 1 a.png\n\n", "line 1: a pose must be"),
+        ("images.txt", "1 0 0 0 0 0 0 0 1 a.png\n\n", "txt:1: a pose must be"),
+        (
+            "images.txt",
+            "1 1 0 0 0 0 0 0 1 a.png\n\n" * 2,
+            "txt:3: image 'a.png': the name is there",
+        ),
+        ("cameras.txt", "1 PINHOLE 640 480 1 2 3 nan\n", "parameters must be finite"),
+        ("cameras.txt", "1 PINHOLE 640 480 1 2 3 4\n" * 2, "txt:2: camera 1 is there twice"),
         ("images.txt", "1 1 0 0 0 0 0 0 7 a.png\n\n", "there is no camera 7"),
-        ("images.bin", b"\x01" + b"\0" * 7, "the file is cut off"),
+        ("images.bin", b"\x01" + b"\0" * 7, "1 entries, and is too short"),
     ],
 )
 def test_colmap_files_that_are_wrong_are_refused(tmp_path, name, content, what):

@@ -472,7 +472,8 @@ def test_every_projection_can_be_planned(projection):
     shape = {"cube_map": (24, 144), "equirectangular": (9, 18)}.get(projection, (20, 30))
     one = {"name": "lens", "kind": "camera", "rows": shape[0], "columns": shape[1]}
     one["projection"] = projection
-    calibrated = "opencv", "opencv_fisheye", "kannala_brandt", "double_sphere", "eucm", "ucm", "mei"
+    calibrated = {"opencv", "opencv_fisheye", "kannala_brandt", "double_sphere", "eucm", "ucm"}
+    calibrated |= {"mei", "fov", "thin_prism_fisheye", "rad_tan_thin_prism_fisheye"}
     if projection in calibrated:
         one |= {"fx": 20.0, "fy": 20.0, "cx": 15.0, "cy": 10.0, "convention": "colmap"}
         more = {"kannala_brandt": {"k1": 1.0}, "eucm": {"alpha": 0.5, "beta": 1.0}}

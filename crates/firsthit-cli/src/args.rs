@@ -103,6 +103,18 @@ pub(crate) struct CameraArgs {
     /// scene file, none of other files]
     #[arg(long, value_name = "NAME|NUMBER|FILE", allow_hyphen_values = true)]
     pub(crate) camera: Option<String>,
+    /// The folder of a COLMAP reconstruction, with cameras.bin and images.bin, or else cameras.txt and images.txt: the camera is that
+    /// of the --image. The options below override what it says
+    #[arg(long, value_name = "FOLDER", conflicts_with = "camera")]
+    pub(crate) colmap: Option<PathBuf>,
+    /// The image of the reconstruction, by its name, such as frames/0001.jpg
+    #[arg(
+        long,
+        value_name = "NAME",
+        requires = "colmap",
+        allow_hyphen_values = true
+    )]
+    pub(crate) image: Option<String>,
     /// Look at the model from a standard side, so that it fills the picture. This replaces the file's camera. The front
     /// is the side that faces -y if z is up, and +z if y is up [default: iso, a three-quarter view from above]
     #[arg(long, value_name = "VIEW", value_parser = values::view(), conflicts_with_all = ["position", "aim", "look_at"])]
@@ -154,8 +166,8 @@ pub(crate) struct CameraArgs {
     pub(crate) convention: Option<String>,
     /// Perspective rays go through a viewplane, and orthographic ones are parallel. Panoramas: equirectangular, cylindrical,
     /// cube_map, octahedral. Fisheyes: equidistant, equisolid, stereographic, orthographic_fisheye, with --fov, by default 180.
-    /// Calibrated, with --intrinsics and --parameters: opencv, opencv_fisheye, kannala_brandt, double_sphere, eucm, ucm, mei
-    /// [default: perspective, or the file's]
+    /// Calibrated, with --intrinsics and --parameters: opencv, opencv_fisheye, kannala_brandt, double_sphere, eucm, ucm, mei, fov,
+    /// thin_prism_fisheye, rad_tan_thin_prism_fisheye [default: perspective, or the file's]
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), hide_possible_values = true, conflicts_with = "orthographic")]
     pub(crate) projection: Option<String>,
     /// The numbers of the projection by their names, as docs/cameras.md lists them; those left out are 0. For the distortion of
@@ -531,8 +543,8 @@ pub(crate) struct ProbeArgs {
     pub(crate) pixel: Option<(usize, usize)>,
     /// The ray itself: its origin and its direction, of any length
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", value_parser = values::ray, allow_hyphen_values = true,
-        conflicts_with_all = ["camera", "view", "position", "aim", "look_at", "up", "fov", "focal_length", "viewplane",
-        "projection", "orthographic", "ray_start", "size"])]
+        conflicts_with_all = ["camera", "colmap", "image", "view", "position", "aim", "look_at", "up", "fov", "focal_length",
+        "viewplane", "intrinsics", "pose", "projection", "orthographic", "ray_start", "size"])]
     pub(crate) ray: Option<(DVec3, DVec3)>,
     /// Hits have a t above this. With a negative one, the ray also meets what is behind its start [default: 0]
     #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]

@@ -1,9 +1,9 @@
 //! From the command line's words to a camera.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use firsthit::camera::{
-    Aim, Convention, Description, Lens, Opening, PixelMatrix, StandardView, Viewplane,
+    Aim, ColmapImages, Convention, Description, Lens, Opening, PixelMatrix, StandardView, Viewplane,
 };
 use firsthit::error::{escape_controls, escaped};
 use firsthit::sensor::camera_of;
@@ -37,7 +37,11 @@ pub(crate) fn camera(
     model: &World,
 ) -> Result<Chosen, Failure> {
     let bounds = scene.bounds();
-    let base = &match of_output(args)? {
+    let known = match of_colmap(args)? {
+        Some(camera) => Some(camera),
+        None => of_output(args)?,
+    };
+    let base = &match known {
         Some(camera) if !overrides(args) => {
             let camera = match args.size {
                 Some((columns, rows)) => {
@@ -132,6 +136,8 @@ fn axis(direction: DVec3) -> String {
 fn overrides(args: &CameraArgs) -> bool {
     let CameraArgs {
         camera: _,
+        colmap: _,
+        image: _,
         size: _,
         view,
         position,
@@ -192,9 +198,73 @@ fn of_output(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
     Ok(Some(camera_of(&record)?))
 }
 
+/// The camera of an image of a reconstruction, if one is named.
+fn of_colmap(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
+    /// Of each file, in bytes: the points of ten thousand images may come to half of it.
+    const LARGEST: u64 = 1 << 32;
+    let Some(folder) = &args.colmap else {
+        return Ok(None);
+    };
+    let paths = colmap_files(folder)?;
+    let [cameras, images] = &paths;
+    let read = |path: &Path| firsthit::image::read_regular(path, LARGEST);
+    let content = [&*read(cameras)?, &*read(images)?];
+    let reconstruction = ColmapImages::read(content, [cameras, images])?;
+    let named = args.image.as_ref().map(|name| reconstruction.camera(name));
+    if let Some(Some(camera)) = named {
+        return Ok(Some(camera?));
+    }
+    let what = match &args.image {
+        Some(name) => format!("--image '{}'", escape_controls(name)),
+        None => "--colmap needs --image".to_owned(),
+    };
+    let names = reconstruction.names();
+    let there = if names.len() == 0 {
+        "no images".to_owned()
+    } else {
+        in_words(names.map(escape_controls))
+    };
+    let images = escaped(images);
+    Err(Failure::usage(format!("{what}: {images} has {there}")))
+}
+
+/// The two files of a reconstruction's folder, in binary or else in text. Neither may be elsewhere, as by a symbolic link.
+fn colmap_files(folder: &Path) -> Result<[PathBuf; 2], Failure> {
+    let wrong = |what: &str| Failure::bad_input(format!("{}: {what}", escaped(folder)));
+    let refuse = |source| firsthit::Error::Read {
+        path: folder.to_owned(),
+        source,
+    };
+    let top = folder.canonicalize().map_err(refuse)?;
+    if !top.is_dir() {
+        return Err(wrong("expected the folder of a COLMAP reconstruction"));
+    }
+    let named = |suffix| ["cameras", "images"].map(|name| folder.join(name).with_extension(suffix));
+    let mut pairs = ["bin", "txt"].into_iter().map(named);
+    let is_there = |pair: &[PathBuf; 2]| pair.iter().all(|path| path.symlink_metadata().is_ok());
+    let Some(pair) = pairs.find(is_there) else {
+        return Err(wrong(
+            "expected cameras.bin and images.bin, or cameras.txt and images.txt in the folder",
+        ));
+    };
+    for path in &pair {
+        let there = path
+            .canonicalize()
+            .map_err(|source| firsthit::Error::Read {
+                path: path.clone(),
+                source,
+            })?;
+        if !there.starts_with(&top) {
+            let what = "refused: it leads outside the reconstruction's folder";
+            return Err(Failure::bad_input(format!("{}: {what}", escaped(path))));
+        }
+    }
+    Ok(pair)
+}
+
 /// What the file says of the camera that is asked for, or that it is to be looked through.
 pub(crate) fn of_file(args: &CameraArgs, model: &World) -> Result<Description, Failure> {
-    if output(args).is_some() {
+    if args.colmap.is_some() || output(args).is_some() {
         return Ok(Description::default());
     }
     let camera = match &args.camera {

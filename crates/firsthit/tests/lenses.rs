@@ -84,6 +84,31 @@ fn lenses() -> Vec<(Projection, Lens, [usize; 2])> {
             Projection::Eucm => &[("alpha", 0.6), ("beta", 1.1)],
             Projection::Ucm => &[("alpha", 0.55)],
             Projection::Mei => &[("xi", 1.4), ("k1", -0.2), ("k2", 0.1), ("p1", 0.001)],
+            Projection::Fov => &[("omega", 0.92)],
+            Projection::ThinPrismFisheye => &[
+                ("k1", -0.05),
+                ("k2", 0.01),
+                ("p1", 0.001),
+                ("p2", -0.002),
+                ("k3", -0.002),
+                ("k4", 0.0005),
+                ("sx1", 0.002),
+                ("sy1", -0.001),
+            ],
+            Projection::RadTanThinPrismFisheye => &[
+                ("k0", -0.03),
+                ("k1", 0.02),
+                ("k2", -0.01),
+                ("k3", 0.003),
+                ("k4", -0.0005),
+                ("k5", 0.00002),
+                ("p0", 0.001),
+                ("p1", -0.0005),
+                ("s0", -0.001),
+                ("s1", 0.0002),
+                ("s2", 0.0005),
+                ("s3", -0.0001),
+            ],
             Projection::Equidistant | Projection::Equisolid => &[("fov", 210.0)],
             Projection::Stereographic => &[("fov", 200.0)],
             Projection::OrthographicFisheye => &[("fov", 170.0)],
@@ -358,6 +383,164 @@ fn beyond_the_fold_there_is_no_ray() {
     assert!(aside(1.5).is_none());
 }
 
+/// A camera whose normalised image is `pixels` to a unit, with the middle of the picture ahead.
+fn calibrated(projection: Projection, pixels: f64, own: &[(&str, f64)]) -> Camera {
+    let middle = [("fx", pixels), ("fy", pixels), ("cx", 100.0), ("cy", 100.0)];
+    let lens = Lens::named(projection, &[&middle[..], own].concat()).unwrap();
+    Camera::new(View {
+        rows: 200,
+        columns: 200,
+        lens,
+        ..View::default()
+    })
+    .unwrap()
+}
+
+#[test]
+fn a_field_of_view_of_zero_is_a_pinhole() {
+    let pinhole = calibrated(Projection::OpenCv, 90.0, &[]);
+    for omega in [0.0, 1e-200, 1e-9, -1e-9] {
+        let camera = calibrated(Projection::Fov, 90.0, &[("omega", omega)]);
+        for (row, column) in [(0, 0), (199, 7), (100, 100), (31, 160)] {
+            let (own, flat) = (camera.ray(row, column), pinhole.ray(row, column));
+            assert!((own.direction - flat.direction).length() < 1e-15, "{omega}");
+            let [own, flat] =
+                [&camera, &pinhole].map(|camera| camera.project(flat.at(2.0)).unwrap());
+            assert!((own - flat).length() < 1e-11, "{omega}: {own} {flat}");
+        }
+    }
+}
+
+/// An undistorted radius of 1/2 is the one that the model keeps, whatever `omega` is; radii are then angles in units of `omega`.
+#[test]
+fn half_a_unit_off_the_middle_stays_where_it_is() {
+    for omega in [0.3_f64, 1.0, 2.5, -1.0] {
+        let camera = calibrated(Projection::Fov, 100.0, &[("omega", omega)]);
+        let pixel = camera.project(DVec3::new(0.5, 0.0, -1.0)).unwrap();
+        assert!(
+            (pixel - DVec2::new(150.0, 100.0)).length() < 1e-11,
+            "{omega}: {pixel}"
+        );
+        // A right angle to the axis is at pi / (2 omega), and nothing is behind it.
+        let edge = 100.0 * std::f64::consts::FRAC_PI_2 / omega.abs();
+        for column in 0..200 {
+            let ray = camera.ray_within(99, column, DVec2::new(0.5, 0.0));
+            let off = (column as f64 + 0.5 - 100.0).abs();
+            assert_eq!(ray.is_valid(), off < edge, "{omega} {column}");
+        }
+        assert_eq!(camera.project(DVec3::new(1.0, 0.0, 1e-9)), None);
+    }
+}
+
+/// A radial fold of the polynomials: a (1 - 0.1 a²) is largest at a² = 10 / 3.
+#[test]
+fn thin_prism_fisheyes_end_at_the_fold() {
+    let cases: [(_, &[(&str, f64)], f64); 4] = [
+        (Projection::ThinPrismFisheye, &[("k1", -0.1)], 0.0),
+        (Projection::RadTanThinPrismFisheye, &[("k0", -0.1)], 0.0),
+        (
+            Projection::ThinPrismFisheye,
+            &[("k1", -0.1), ("p1", 1e-4), ("sx1", -2e-4)],
+            0.1,
+        ),
+        (
+            Projection::RadTanThinPrismFisheye,
+            &[("k0", -0.1), ("p0", 1e-4), ("s2", 2e-4)],
+            0.1,
+        ),
+    ];
+    let angle = (10.0_f64 / 3.0).sqrt();
+    let fold = 60.0 * angle * 2.0 / 3.0;
+    for (projection, own, blurred) in cases {
+        let camera = calibrated(projection, 60.0, own);
+        for row in 0..200 {
+            for column in 0..200 {
+                let off = DVec2::new(column as f64 - 99.5, row as f64 - 99.5).length();
+                if (off - fold).abs() > blurred {
+                    let is_valid = camera.ray(row, column).is_valid();
+                    assert_eq!(is_valid, off < fold, "{projection:?} {row} {column}");
+                }
+            }
+        }
+        for k in 0..40 {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 40.0).sin_cos();
+            let toward = |angle: f64| {
+                let aside = angle.sin();
+                camera.project(DVec3::new(aside * cos, aside * sin, -angle.cos()))
+            };
+            assert!(toward(0.99 * angle).is_some(), "{projection:?}");
+            assert!(toward(1.01 * angle).is_none(), "{projection:?}");
+            assert!(toward(3.1).is_none(), "{projection:?}");
+        }
+    }
+}
+
+/// Without a fold they see all directions but the one straight back, each once.
+#[test]
+fn thin_prism_fisheyes_see_behind_the_camera() {
+    for (projection, own) in [
+        (Projection::ThinPrismFisheye, [("k1", 0.002), ("sx1", 1e-3)]),
+        (
+            Projection::RadTanThinPrismFisheye,
+            [("k0", 0.002), ("s0", 1e-3)],
+        ),
+    ] {
+        let camera = calibrated(projection, 25.0, &own);
+        let mut behind = 0;
+        for row in 0..200 {
+            for column in 0..200 {
+                let ray = camera.ray(row, column);
+                if !ray.is_valid() {
+                    continue;
+                }
+                behind += usize::from(ray.direction.z > 0.0);
+                let pixel = camera.project(ray.at(1.0)).unwrap();
+                let expected = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                let off = (pixel - expected).length();
+                assert!(off < 1e-10, "{projection:?} {row} {column}: {off}");
+            }
+        }
+        assert!(behind > 12_000, "{projection:?}: {behind}");
+        assert_eq!(camera.project(DVec3::Z), None);
+    }
+}
+
+/// Without tangential and thin prism distortion they are OpenCV's fisheye, and without radial distortion in front of it equidistant.
+#[test]
+fn thin_prism_fisheyes_without_a_prism_are_opencvs() {
+    let series = [0.03, -0.01, 0.002, -0.0003];
+    let named =
+        |names: [&'static str; 4]| std::array::from_fn::<_, 4, _>(|k| (names[k], series[k]));
+    let reference = calibrated(
+        Projection::OpenCvFisheye,
+        70.0,
+        &named(["k1", "k2", "k3", "k4"]),
+    );
+    for (projection, names) in [
+        (Projection::ThinPrismFisheye, ["k1", "k2", "k3", "k4"]),
+        (Projection::RadTanThinPrismFisheye, ["k0", "k1", "k2", "k3"]),
+    ] {
+        let camera = calibrated(projection, 70.0, &named(names));
+        let mut seen = 0;
+        for row in 0..200 {
+            for column in 0..200 {
+                let [own, other] =
+                    [&camera, &reference].map(|camera| camera.ray(row, column).direction);
+                assert_eq!(
+                    own.is_nan(),
+                    other.is_nan(),
+                    "{projection:?} {row} {column}"
+                );
+                if !own.is_nan() {
+                    seen += 1;
+                    assert!((own - other).length() < 1e-14, "{projection:?}");
+                }
+            }
+        }
+        assert!(seen > 20_000, "{seen}");
+    }
+}
+
 #[test]
 fn numbers_that_make_no_lens_are_refused() {
     let bad: &[(Projection, &[(&str, f64)])] = &[
@@ -373,6 +556,10 @@ fn numbers_that_make_no_lens_are_refused() {
         (
             Projection::KannalaBrandt,
             &[("fx", 1.0), ("fy", 1.0), ("k1", -1.0)],
+        ),
+        (
+            Projection::Fov,
+            &[("fx", 1.0), ("fy", 1.0), ("omega", std::f64::consts::PI)],
         ),
         (Projection::Equirectangular, &[("horizontal_fov", 400.0)]),
         (Projection::Cylindrical, &[("vertical_fov", 180.0)]),

@@ -363,6 +363,132 @@ fn what_makes_no_camera_is_told() {
     lab.fails(&pose, 3, "without a scale or a mirror");
 }
 
+/// Two images of the camera of `an_intrinsic_matrix_and_a_pose_make_the_camera`: from above and from nearer.
+const CAMERAS_OF_COLMAP: &str = "1 PINHOLE 5 3 4 4 2.5 1.5\n2 FOV 5 3 4 4 2.5 1.5 0.9\n";
+const IMAGES_OF_COLMAP: &str =
+    "1 0 1 0 0 0 0 5 1 from above.png\n\n2 0 1 0 0 0 0 3 2 near/by.png\n1 2 -1\n";
+
+/// A folder with those cameras and images.
+fn reconstruction(lab: &Lab, folder: &str, images: &str) {
+    std::fs::create_dir(lab.path(folder)).unwrap();
+    lab.write(&format!("{folder}/cameras.txt"), CAMERAS_OF_COLMAP);
+    lab.write(&format!("{folder}/images.txt"), images);
+}
+
+#[test]
+fn an_image_of_a_colmap_reconstruction_is_a_camera() {
+    let lab = Lab::with_square();
+    reconstruction(&lab, "sparse", IMAGES_OF_COLMAP);
+    let of = |name: &str, options: &str| {
+        let render = "render square.ply --channels z,range -o z.npz -q --colmap sparse";
+        let mut command = lab.command(&format!("{render} {options}"));
+        let ran = command.arg("--image").arg(name).output().unwrap();
+        let ran = crate::support::Outcome::of(ran);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        lab.npz("z.npz")
+    };
+    let above = of("from above.png", "");
+    assert_eq!(above["z"].shape, [3, 5]);
+    assert_eq!(above["z"].values[7], 5.0);
+    assert_eq!(of("near/by.png", "")["z"].values[7], 3.0);
+    // The same camera by its numbers.
+    lab.write("pose.txt", ABOVE_IN_OPENCV);
+    lab.ok("render square.ply --channels z,range -o same.npz -q --size 5x3 --intrinsics 4,4,2.5,1.5 --pose pose.txt --convention colmap");
+    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    let same = lab.npz("same.npz");
+    assert_eq!(bits(&above["range"].values), bits(&same["range"].values));
+    // Its picture in another size, and options that override it.
+    assert_eq!(of("from above.png", "--size 10x6")["z"].shape, [6, 10]);
+    assert_eq!(of("from above.png", "--position 0,0,7")["z"].values[7], 7.0);
+    let probed = lab.ok("probe square.ply --pixel 2,1 --colmap sparse --image near/by.png --json");
+    let probed = String::from_utf8_lossy(&probed.stdout).into_owned();
+    assert!(
+        probed.contains("\"z\": 3") || probed.contains("\"z\":3"),
+        "{probed}"
+    );
+}
+
+#[test]
+fn what_is_no_image_of_a_reconstruction_is_told() {
+    let lab = Lab::with_square();
+    reconstruction(&lab, "sparse", IMAGES_OF_COLMAP);
+    let render = "render square.ply -o x.png";
+    for (options, code, words) in [
+        (
+            "--colmap sparse --image by.png",
+            2,
+            "--image 'by.png': sparse/images.txt has from above.png, near/by.png",
+        ),
+        (
+            "--colmap sparse",
+            2,
+            "--colmap needs --image: sparse/images.txt has from above.png, near/by.png",
+        ),
+        ("--image by.png", 2, "--colmap"),
+        ("--colmap sparse --camera 0", 2, "cannot be used with"),
+        ("--colmap nowhere --image a", 3, "nowhere"),
+        ("--colmap square.ply --image a", 3, "expected the folder"),
+        (
+            "--colmap . --image a",
+            3,
+            "expected cameras.bin and images.bin, or cameras.txt and images.txt",
+        ),
+    ] {
+        lab.fails(&format!("{render} {options}"), code, words);
+    }
+    // Binary files come first, and half of a pair is none.
+    lab.write("sparse/cameras.bin", [1]);
+    lab.ok(&format!("{render} -q --colmap sparse --image near/by.png"));
+    lab.write("sparse/images.bin", [1]);
+    lab.fails(
+        &format!("{render} --colmap sparse --image near/by.png"),
+        3,
+        "sparse/cameras.bin @ byte 0: the file is cut off",
+    );
+    for (folder, images, words) in [
+        (
+            "twice",
+            "1 0 1 0 0 0 0 5 1 a\n\n2 0 1 0 0 0 0 3 1 a\n",
+            "twice/images.txt:3: image 'a': the name is there twice",
+        ),
+        (
+            "nan",
+            "1 0 1 0 0 nan 0 5 1 a\n",
+            "nan/images.txt:1: a pose must be",
+        ),
+        (
+            "none",
+            "1 0 1 0 0 0 0 5 9 a\n",
+            "none/images.txt:1: image 'a': there is no camera 9",
+        ),
+        ("empty", "", "--image 'a': empty/images.txt has no images"),
+    ] {
+        reconstruction(&lab, folder, images);
+        let code = if folder == "empty" { 2 } else { 3 };
+        lab.fails(
+            &format!("{render} --colmap {folder} --image a"),
+            code,
+            words,
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn no_file_outside_a_reconstructions_folder_is_opened() {
+    let lab = Lab::with_square();
+    reconstruction(&lab, "elsewhere", IMAGES_OF_COLMAP);
+    reconstruction(&lab, "sparse", IMAGES_OF_COLMAP);
+    let link = lab.path("sparse/cameras.txt");
+    std::fs::remove_file(&link).unwrap();
+    std::os::unix::fs::symlink("../elsewhere/cameras.txt", link).unwrap();
+    lab.fails(
+        "render square.ply -o x.png --colmap sparse --image near/by.png",
+        3,
+        "sparse/cameras.txt: refused: it leads outside the reconstruction's folder",
+    );
+}
+
 #[test]
 fn an_output_is_a_camera() {
     let lab = Lab::with("cube_binary.stl", "part.stl");

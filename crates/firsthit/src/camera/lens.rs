@@ -5,8 +5,8 @@ use super::central::Central;
 use super::cube_map::CubeMap;
 use super::cylindrical::Cylindrical;
 use super::distortion::{
-    DoubleSphere, Equidistant, Equisolid, Eucm, KannalaBrandt, Mei, OpenCv, OpenCvFisheye,
-    OrthographicFisheye, Stereographic, Ucm,
+    DoubleSphere, Equidistant, Equisolid, Eucm, Fov, KannalaBrandt, Mei, OpenCv, OpenCvFisheye,
+    OrthographicFisheye, RadTanThinPrismFisheye, Stereographic, ThinPrismFisheye, Ucm,
 };
 use super::equirectangular::Equirectangular;
 use super::octahedral::Octahedral;
@@ -183,6 +183,12 @@ lenses! {
     "ucm" => Ucm(Calibrated<Ucm>);
     /// A calibrated fisheye or mirror: Mei's model, that of `cv2.omnidir`.
     "mei" => Mei(Calibrated<Mei>);
+    /// A calibrated wide-angle camera: Devernay and Faugeras's field-of-view model, which is COLMAP's FOV.
+    "fov" => Fov(Calibrated<Fov>);
+    /// A calibrated fisheye with tangential and thin prism distortion, as COLMAP has it.
+    "thin_prism_fisheye" => ThinPrismFisheye(Calibrated<ThinPrismFisheye>);
+    /// A calibrated fisheye of Project Aria: a polynomial, then tangential and thin prism distortion.
+    "rad_tan_thin_prism_fisheye" => RadTanThinPrismFisheye(Calibrated<RadTanThinPrismFisheye>);
     /// A fisheye: distances from the middle are angles.
     "equidistant" => Equidistant(Calibrated<Equidistant>);
     /// A fisheye: areas are solid angles.
@@ -290,6 +296,35 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, View};
 
+    /// Some numbers of the projection's own.
+    fn distortion(projection: Projection) -> &'static [(&'static str, f64)] {
+        match projection {
+            Projection::OpenCv => &[
+                ("k1", -0.3),
+                ("k2", 0.05),
+                ("k5", 0.01),
+                ("p1", 0.002),
+                ("s1", 0.001),
+            ],
+            Projection::OpenCvFisheye => &[("k1", 0.05), ("k2", -0.03)],
+            Projection::KannalaBrandt => &[("k1", 0.9), ("k2", 0.02)],
+            Projection::DoubleSphere => &[("xi", -0.2), ("alpha", 0.6)],
+            Projection::Eucm => &[("alpha", 0.6), ("beta", 1.1)],
+            Projection::Ucm => &[("alpha", 0.6)],
+            Projection::Mei => &[("xi", 1.3), ("k1", -0.1), ("p2", 0.01)],
+            Projection::Fov => &[("omega", 0.9)],
+            Projection::ThinPrismFisheye => &[("k1", -0.05), ("p1", 0.003), ("sx1", 0.004)],
+            Projection::RadTanThinPrismFisheye => &[
+                ("k0", -0.04),
+                ("k3", 0.002),
+                ("p0", 0.003),
+                ("s0", -0.002),
+                ("s3", 0.001),
+            ],
+            _ => &[],
+        }
+    }
+
     /// Every instruction set makes the rays that one by one are made, to the bit.
     #[test]
     fn directions_of_rows_are_those_one_by_one() {
@@ -301,22 +336,7 @@ mod tests {
             ("skew", 0.3),
         ];
         for &projection in Projection::ALL {
-            let own: &[(&str, f64)] = match projection {
-                Projection::OpenCv => &[
-                    ("k1", -0.3),
-                    ("k2", 0.05),
-                    ("k5", 0.01),
-                    ("p1", 0.002),
-                    ("s1", 0.001),
-                ],
-                Projection::OpenCvFisheye => &[("k1", 0.05), ("k2", -0.03)],
-                Projection::KannalaBrandt => &[("k1", 0.9), ("k2", 0.02)],
-                Projection::DoubleSphere => &[("xi", -0.2), ("alpha", 0.6)],
-                Projection::Eucm => &[("alpha", 0.6), ("beta", 1.1)],
-                Projection::Ucm => &[("alpha", 0.6)],
-                Projection::Mei => &[("xi", 1.3), ("k1", -0.1), ("p2", 0.01)],
-                _ => &[],
-            };
+            let own = distortion(projection);
             let has_matrix = projection
                 .lens()
                 .parameters()

@@ -8,6 +8,7 @@
 mod aim_at;
 mod calibrated;
 mod central;
+mod colmap;
 mod convention;
 mod cube_map;
 mod cylindrical;
@@ -27,6 +28,7 @@ mod thin_lens;
 mod viewplane;
 
 pub use calibrated::Calibrated;
+pub use colmap::{ColmapImages, ColmapModel};
 pub use convention::{Convention, rotation};
 pub use cube_map::CubeMap;
 pub use cylindrical::Cylindrical;

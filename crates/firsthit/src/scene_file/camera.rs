@@ -1,6 +1,6 @@
 //! Cameras of a scene file.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::form::matrix;
 use super::section::Section;
@@ -235,6 +235,57 @@ const MEI: &[Key] = keys! {
     p2: optional(Form::Number),
 };
 
+const OMEGA: &[Key] = keys! {
+    /// The field of view of an ideal fisheye, in radians. Default: 0, a pinhole.
+    omega: optional(Form::Between(-PI, PI)),
+};
+
+const THIN_PRISM: &[Key] = keys! {
+    /// Radial distortion, of the square of the angle to the axis.
+    k1: optional(Form::Number),
+    /// Radial distortion, of its fourth power.
+    k2: optional(Form::Number),
+    /// Tangential distortion.
+    p1: optional(Form::Number),
+    /// Tangential distortion.
+    p2: optional(Form::Number),
+    /// Radial distortion, of the sixth power.
+    k3: optional(Form::Number),
+    /// Radial distortion, of the eighth power.
+    k4: optional(Form::Number),
+    /// Thin prism distortion, across.
+    sx1: optional(Form::Number),
+    /// Thin prism distortion, down.
+    sy1: optional(Form::Number),
+};
+
+const RAD_TAN_THIN_PRISM: &[Key] = keys! {
+    /// A coefficient of the polynomial in the angle to the axis.
+    k0: optional(Form::Number),
+    /// The next.
+    k1: optional(Form::Number),
+    /// The next.
+    k2: optional(Form::Number),
+    /// The next.
+    k3: optional(Form::Number),
+    /// The next.
+    k4: optional(Form::Number),
+    /// The last.
+    k5: optional(Form::Number),
+    /// Tangential distortion.
+    p0: optional(Form::Number),
+    /// Tangential distortion.
+    p1: optional(Form::Number),
+    /// Thin prism distortion, across.
+    s0: optional(Form::Number),
+    /// Thin prism distortion, across.
+    s1: optional(Form::Number),
+    /// Thin prism distortion, down.
+    s2: optional(Form::Number),
+    /// Thin prism distortion, down.
+    s3: optional(Form::Number),
+};
+
 /// A calibrated lens with its own keys.
 macro_rules! calibrated {
     ($name:literal, $($own:expr),*) => {
@@ -341,6 +392,9 @@ pub(super) static CAMERA: Record = Record {
         calibrated!("eucm", ALPHA, BETA),
         calibrated!("ucm", ALPHA),
         calibrated!("mei", MEI_XI, MEI),
+        calibrated!("fov", OMEGA),
+        calibrated!("thin_prism_fisheye", THIN_PRISM),
+        calibrated!("rad_tan_thin_prism_fisheye", RAD_TAN_THIN_PRISM),
         uncalibrated!("equidistant", WHOLE_SPHERE),
         uncalibrated!("equisolid", WHOLE_SPHERE),
         uncalibrated!("stereographic", NEARLY_WHOLE_SPHERE),

@@ -16,11 +16,14 @@ fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
     };
     let opencv = [("k1", -0.3), ("k2", 0.05), ("p1", 0.01), ("s1", -0.01)];
     let double_sphere = [("xi", -0.2), ("alpha", 0.6)];
+    let prism = [("k1", 0.05), ("p1", 0.01), ("sx1", -0.01)];
     let lenses = [
         calibrated(Projection::OpenCv, 40.0, &opencv),
         calibrated(Projection::OpenCv, 90.0, &opencv),
         calibrated(Projection::DoubleSphere, 20.0, &double_sphere),
         calibrated(Projection::OpenCvFisheye, 12.0, &[("k1", 0.05)]),
+        calibrated(Projection::Fov, 40.0, &[("omega", 1.1)]),
+        calibrated(Projection::ThinPrismFisheye, 14.0, &prism),
         Lens::with_fov(Projection::Equidistant, 150.0, 34, 48).unwrap(),
         Lens::with_fov(Projection::Equidistant, 60.0, 34, 48).unwrap(),
         Lens::with_fov(Projection::Equisolid, 320.0, 34, 48).unwrap(),

@@ -9,20 +9,25 @@
     reason = "inlined into a kernel, it is compiled for the kernel's instruction set"
 )]
 
+mod brown;
 mod double_sphere;
+mod fov;
 mod mei;
 mod newton;
 mod opencv;
 mod polynomial;
 mod radial;
+mod thin_prism;
 mod unified;
 
 pub use double_sphere::DoubleSphere;
+pub use fov::Fov;
 pub use mei::Mei;
 pub use opencv::OpenCv;
 pub use radial::{
     Equidistant, Equisolid, KannalaBrandt, OpenCvFisheye, OrthographicFisheye, Stereographic,
 };
+pub use thin_prism::{RadTanThinPrismFisheye, ThinPrismFisheye};
 pub use unified::{Eucm, Ucm};
 
 use super::parameters::Parameters;

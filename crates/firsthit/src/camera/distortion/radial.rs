@@ -8,7 +8,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::newton::invert;
-use super::polynomial::sign_changes;
+use super::polynomial::{sign_changes, value};
 use super::{Distortion, Limit};
 use crate::camera::parameters::{Parameters, parameters};
 use crate::camera::quick::{Start, negative, polynomial, sincos};
@@ -17,7 +17,7 @@ use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, require};
 
 /// A radius for each angle to the axis, in radians, that rises up to the limit.
-trait RadialModel: Parameters + Copy + Send + Sync {
+pub(super) trait RadialModel: Parameters + Copy + Send + Sync {
     /// Checks the parameters, and says up to which angle the radius rises.
     fn largest_angle(&self) -> Result<f64>;
     /// The radius of an angle.
@@ -292,57 +292,79 @@ parameters! {
     }
 }
 
-/// A polynomial in odd powers of the angle.
-trait AnglePolynomial: Parameters + Copy + Send + Sync {
-    /// The coefficients of the odd powers.
-    fn odd(&self) -> [f64; 5];
+/// The radius is a polynomial in odd powers of the angle, with these coefficients: a part of another model, which names them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AngleSeries(pub(super) [f64; 7]);
+
+impl Parameters for AngleSeries {
+    fn each(&mut self, _: &mut dyn FnMut(&'static str, &mut f64)) {}
 }
 
-impl AnglePolynomial for KannalaBrandt {
+/// A polynomial in `N` odd powers of the angle.
+trait AnglePolynomial<const N: usize>: Parameters + Copy + Send + Sync {
+    /// The coefficients of the odd powers.
+    fn odd(&self) -> [f64; N];
+}
+
+impl AnglePolynomial<5> for KannalaBrandt {
     fn odd(&self) -> [f64; 5] {
         [self.k1, self.k2, self.k3, self.k4, self.k5]
     }
 }
 
-impl AnglePolynomial for OpenCvFisheye {
+impl AnglePolynomial<5> for OpenCvFisheye {
     fn odd(&self) -> [f64; 5] {
         [1.0, self.k1, self.k2, self.k3, self.k4]
     }
 }
 
+impl AnglePolynomial<7> for AngleSeries {
+    fn odd(&self) -> [f64; 7] {
+        self.0
+    }
+}
+
+/// The coefficients of the slope, by even powers of the angle.
+#[inline(always)]
+fn slope_of<const N: usize>(odd: &[f64; N]) -> [f64; N] {
+    let mut slope = *odd;
+    for (k, coefficient) in slope.iter_mut().enumerate() {
+        *coefficient *= (2 * k + 1) as f64;
+    }
+    slope
+}
+
 /// The radius of an angle, and its slope.
-fn radius_and_slope([a, b, c, d, e]: [f64; 5], angle: f64) -> [f64; 2] {
+fn radius_and_slope<const N: usize>(odd: &[f64; N], angle: f64) -> [f64; 2] {
     let q = angle * angle;
-    [
-        angle * (a + q * (b + q * (c + q * (d + q * e)))),
-        a + q * (3.0 * b + q * (5.0 * c + q * (7.0 * d + q * 9.0 * e))),
-    ]
+    [angle * value(odd, q), value(&slope_of(odd), q)]
 }
 
 /// The angle up to which the radius rises; pi at most.
-fn largest_angle([a, b, c, d, e]: [f64; 5]) -> Result<f64> {
-    require("k1", "positive", a > 0.0, a)?;
-    let folds = sign_changes(&[a, 3.0 * b, 5.0 * c, 7.0 * d, 9.0 * e]);
+fn largest_angle<const N: usize>(odd: &[f64; N]) -> Result<f64> {
+    require("k1", "positive", odd[0] > 0.0, odd[0])?;
+    let folds = sign_changes(&slope_of(odd));
     Ok(folds.first().map_or(PI, |q| q.sqrt()).min(PI))
 }
 
 /// Newton's method from the prepared start; known where it has settled on this side of the fold.
 #[inline(always)]
-fn angle_by_newton<A: Arithmetic>(
+fn angle_by_newton<A: Arithmetic, const N: usize>(
     of: A,
-    [a, b, c, d, e]: [f64; 5],
+    odd: &[f64; N],
     limit: &Limit,
     radius: A::Number,
 ) -> ([A::Number; 2], A::Mask) {
     const MOST_STEPS: usize = 8;
     /// A step of this share leaves less than rounding.
     const SETTLED: f64 = 1e-10;
+    let slope_of_odd = slope_of(odd);
     let mut angle = of.mul(radius, limit.start.at(of, of.mul(radius, radius)));
     let mut settled = of.lt(angle, angle);
     for _ in 0..MOST_STEPS {
         let q = of.mul(angle, angle);
-        let there = of.mul(angle, polynomial(of, &[a, b, c, d, e], q));
-        let slope = polynomial(of, &[a, 3.0 * b, 5.0 * c, 7.0 * d, 9.0 * e], q);
+        let there = of.mul(angle, polynomial(of, odd, q));
+        let slope = polynomial(of, &slope_of_odd, q);
         let step = of.div(of.sub(there, radius), slope);
         let next = of.sub(angle, step);
         let allowed = of.mul(of.number(SETTLED), next);
@@ -363,17 +385,17 @@ macro_rules! polynomial_models {
     ($($model:ty),*) => {$(
         impl RadialModel for $model {
             fn largest_angle(&self) -> Result<f64> {
-                largest_angle(self.odd())
+                largest_angle(&self.odd())
             }
 
             fn radius(&self, angle: f64) -> f64 {
-                radius_and_slope(self.odd(), angle)[0]
+                radius_and_slope(&self.odd(), angle)[0]
             }
 
             fn angle(&self, radius: f64, largest: f64) -> f64 {
                 let odd = self.odd();
                 let start = (radius / odd[0]).min(FRAC_PI_2);
-                invert(radius, [0.0, largest], start, |angle| radius_and_slope(odd, angle))
+                invert(radius, [0.0, largest], start, |angle| radius_and_slope(&odd, angle))
             }
 
             #[inline(always)]
@@ -383,9 +405,9 @@ macro_rules! polynomial_models {
                 limit: &Limit,
                 radius: A::Number,
             ) -> ([A::Number; 2], A::Mask) {
-                angle_by_newton(of, self.odd(), limit, radius)
+                angle_by_newton(of, &self.odd(), limit, radius)
             }
         }
     )*};
 }
-polynomial_models!(KannalaBrandt, OpenCvFisheye);
+polynomial_models!(KannalaBrandt, OpenCvFisheye, AngleSeries);

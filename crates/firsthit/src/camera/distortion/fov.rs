@@ -1,0 +1,81 @@
+//! The field-of-view model: the radius in the image is about proportional to the angle, as of a wide-angle lens of few parameters.
+//!
+//! A direction at the angle a to the axis is seen at the radius atan(2 tan(omega / 2) tan(a)) / omega.
+//!
+//! Devernay and Faugeras, "Straight Lines Have to Be Straight", Machine Vision and Applications 13(1), 2001 (equation 13).
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::Limit;
+use super::radial::RadialModel;
+use crate::camera::parameters::parameters;
+use crate::camera::quick::{sincos, square};
+use crate::error::Result;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
+use crate::geometry::require;
+
+parameters! {
+    /// The field-of-view model, which sees what is in front.
+    pub struct Fov {
+        /// The field of view of an ideal fisheye, in radians, between -pi and pi, where the sign does not matter; 0 is a pinhole.
+        omega = 0.0,
+    }
+}
+
+impl Fov {
+    /// `2 tan(omega / 2)`.
+    fn stretch(self) -> f64 {
+        2.0 * libm::tan(0.5 * self.omega)
+    }
+
+    /// Whether it is a pinhole to the last digit, for which the formulas would come to 0 / 0.
+    fn is_pinhole(self) -> bool {
+        self.omega.abs() < 1e-100
+    }
+
+    /// Numbers in the ratio of sine and cosine of a radius' angle, of which neither is large.
+    #[inline(always)]
+    fn ratio<A: Arithmetic>(self, of: A, radius: A::Number) -> [A::Number; 2] {
+        if self.is_pinhole() {
+            return [radius, of.number(1.0)];
+        }
+        let [sine, cosine] = sincos(of, of.mul(of.number(self.omega), radius));
+        let cosine = of.mul(of.number(self.stretch() / self.omega), cosine);
+        [of.mul(of.number(self.omega.recip()), sine), cosine]
+    }
+}
+
+impl RadialModel for Fov {
+    fn largest_angle(&self) -> Result<f64> {
+        let fine = self.omega.abs() < PI;
+        require("omega", "between -pi and pi", fine, self.omega)?;
+        Ok(FRAC_PI_2)
+    }
+
+    fn radius(&self, angle: f64) -> f64 {
+        let (sine, cosine) = libm::sincos(angle);
+        if self.is_pinhole() {
+            return sine / cosine;
+        }
+        libm::atan2(self.stretch().abs() * sine, cosine) / self.omega.abs()
+    }
+
+    fn angle(&self, radius: f64, largest: f64) -> f64 {
+        let [sine, cosine] = self.ratio(Scalar, radius);
+        libm::atan2(sine, cosine).min(largest)
+    }
+
+    #[inline(always)]
+    fn sine_and_cosine<A: Arithmetic>(
+        &self,
+        of: A,
+        _: &Limit,
+        radius: A::Number,
+    ) -> ([A::Number; 2], A::Mask) {
+        let [sine, cosine] = self.ratio(of, radius);
+        let length = of.sqrt(square(of, sine, cosine));
+        let inverse = of.div(of.number(1.0), length);
+        let known = of.lt(inverse, of.number(f64::INFINITY)) & of.lt(of.number(0.0), inverse);
+        ([of.mul(sine, inverse), of.mul(cosine, inverse)], known)
+    }
+}
