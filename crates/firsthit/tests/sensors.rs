@@ -299,7 +299,8 @@ fn a_lidar_that_is_carried_fires_each_beam_from_where_it_then_is() {
         assert_eq!(it.time, time);
         assert_eq!(it.ring, lidar.pattern().rings()[pixel]);
         let [_, columns] = lidar.shape();
-        assert_eq!(it.row as usize * columns + it.column as usize, pixel);
+        let place = [it.row, it.column].map(|x| usize::try_from(x).unwrap());
+        assert_eq!(place, [pixel / columns, pixel % columns]);
     }
     let late = LidarModel::Vlp16.pattern(10.0, None, 11.95).unwrap();
     assert!(Lidar::carried(late.clone(), mount, &body).is_err());

@@ -55,6 +55,7 @@ fn every_pixel_has_the_distances_of_the_formula() {
             near(&all["t"], k, 1.5 * to_viewplane);
             near(&all["range"], k, 2.5 * to_viewplane);
             near(&all["z"], k, 5.0);
+            #[expect(clippy::disallowed_methods, reason = "the test allows for rounding")]
             near(&all["incidence"], k, (2.0 / to_viewplane).acos());
             for (axis, expected) in [hit_x, hit_y, 0.0].into_iter().enumerate() {
                 near(&all["position"], 3 * k + axis, expected);
