@@ -62,8 +62,9 @@ class Camera(Sensor):
     parameters : mapping of str to float, optional
         The other numbers of the projection, which the notes list.
     aperture : float
-        The diameter of the lens of a perspective camera; 0 is a pinhole. Only the colours of
-        pictures with several samples see it: `thin_lens` says how.
+        The diameter of the lens of a camera with the projection ``perspective``, ``opencv`` or
+        ``fov``; 0 is a pinhole. Only the colours of pictures with several samples see it:
+        `thin_lens` says how.
     focus : float, optional
         With an aperture: the distance along the aim at which the picture is sharp.
 
@@ -1062,8 +1063,8 @@ class Camera(Sensor):
         Raises
         ------
         ValueError
-            For an aperture that is negative, a focus that is not ahead of the camera, and a camera
-            other than a perspective one without tilt.
+            For an aperture that is negative, a focus that is not ahead of the camera, a projection
+            other than ``perspective``, ``opencv`` and ``fov``, and a tilted viewplane or sensor.
 
         Notes
         -----
@@ -1071,7 +1072,9 @@ class Camera(Sensor):
         pixel; the first from the middle of both. A point at the distance z along the aim becomes a
         disc, whose diameter on the viewplane is
         ``aperture * abs(z - focus) / (z * focus) * focal_length``. With few samples one sees so
-        many sharp pictures over each other: 64 or more make the blur smooth.
+        many sharp pictures over each other: 64 or more make the blur smooth. With distortion the
+        disc is that of the undistorted image: each ray goes from its point of the lens to where the
+        pixel's own ray is in focus.
 
         Examples
         --------
@@ -1165,8 +1168,8 @@ def _thin_lens(
         if diameter != 0.0:
             raise ValueError(f"focus must be given with an aperture, got {focus} with {diameter}")
         return {}
-    if projection != "perspective":
-        what = "only perspective cameras have a thin lens"
+    if projection not in ("perspective", "opencv", "fov"):
+        what = "only perspective cameras, opencv and fov have a thin lens"
         raise ValueError(f"aperture must be left out: {what}, got {projection}")
     far = number("focus", focus)
     if not far > 0.0:

@@ -82,8 +82,10 @@ def from_camera(camera: Camera) -> ColmapCamera:
     )
 
 
-#: What is in K, or says where a viewplane is.
-_PLACE = frozenset(("fx", "fy", "cx", "cy", "skew", "focal_length", "width", "height"))
+#: What is in K, says where a viewplane is, or is a thin lens.
+_PLACE = frozenset(
+    ("fx", "fy", "cx", "cy", "skew", "focal_length", "width", "height", "aperture", "focus")
+)
 
 
 def content(path: str | os.PathLike[str]) -> bytes:

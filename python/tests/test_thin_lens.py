@@ -92,9 +92,60 @@ def test_what_is_no_lens_is_refused(given, message):
         fh.Camera((0, 0, 0), (0, 0, -1), (0, 1, 0), 1, 1, 1, 10, 10, **given)
 
 
+@pytest.mark.parametrize(
+    ("projection", "parameters"),
+    [("opencv", {"k1": -0.2, "p1": 0.01}), ("fov", {"omega": 0.9})],
+)
+def test_distorted_cameras_have_a_lens(tmp_path, projection, parameters):
+    pinhole = fh.Camera.from_intrinsics(
+        [40, 42, 24, 21],
+        rows=40,
+        columns=50,
+        convention="colmap",
+        pose=[[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 5]],
+        projection=projection,
+        parameters=parameters,
+    )
+    lens = pinhole.thin_lens(0.5, (3, 2, 1))
+    assert (lens.aperture, lens.focus) == (0.5, 4.0)
+    assert pickle.loads(pickle.dumps(lens)) == lens
+    assert eval(repr(lens), {"Camera": fh.Camera}) == lens
+    assert np.array_equal(pinhole.rays()[1], lens.rays()[1], equal_nan=True)
+    assert lens.to_colmap().params == pinhole.to_colmap().params
+    if projection == "opencv":
+        assert np.array_equal(lens.to_opencv().distortion, pinhole.to_opencv().distortion)
+    own, sharp = (fh.render(dots(), each, samples=16) for each in (lens, pinhole))
+    assert not np.array_equal(own["color"], sharp["color"])
+    own.save(tmp_path / "a.exr")
+    assert fh.Camera.load(tmp_path / "a.exr") == lens
+
+
+def test_a_ball_out_of_focus_is_distorted_as_all_else():
+    # The circle of confusion is one of the undistorted image, around the axis the same all around.
+    rows = columns = 200
+    camera = fh.Camera.from_intrinsics(
+        [150, 150, 100, 100],
+        rows=rows,
+        columns=columns,
+        convention="gltf",
+        projection="opencv",
+        parameters={"k1": -0.3},
+    )
+    lens = camera.thin_lens(1.5, 2.0)
+    scene = fh.Scene()
+    scene.add(fh.Sphere(center=(0, 0, -20), radius=0.02))
+    covered = fh.render(scene, lens, background="transparent", samples=1024)["color"][..., 3]
+    blur = 1.5 * (20 - 2) / (20 * 2) / 2
+    edge = 150 * blur * (1 - 0.3 * blur**2)
+    assert edge < 0.97 * 150 * blur
+    v, u = np.nonzero(covered)
+    farthest = np.hypot(u + 0.5 - 100, v + 0.5 - 100).max()
+    assert farthest == pytest.approx(edge, abs=1.5)
+
+
 def test_other_projections_have_none():
     panorama = fh.Camera.equirectangular((0, 0, 0), (0, 1, 0), (0, 0, 1), 10, 20)
-    with pytest.raises(ValueError, match="only perspective cameras have a thin lens, got equirec"):
+    with pytest.raises(ValueError, match="opencv and fov have a thin lens, got equirec"):
         panorama.thin_lens(0.1, 2)
     with pytest.raises(ValueError, match="focus must be positive and finite, got -1"):
         camera().thin_lens(0.1, (0, 0, 6))

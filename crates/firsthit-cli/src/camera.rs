@@ -362,7 +362,7 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
     };
     let projection = projection(args).or(base.projection);
     let has_viewplane = is_flat(projection.unwrap_or_default());
-    let has_lens = projection.unwrap_or_default() == Projection::Perspective;
+    let has_lens = projection.unwrap_or_default().has_thin_lens();
     let described = Description {
         position: args.position.or(base.position),
         aim,
@@ -390,7 +390,7 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
 /// Refuses a lens of which half is missing.
 fn check_lens(described: &Description) -> Result<(), Failure> {
     let own = match described.opening {
-        Some(Opening::Lens { lens, .. }) => lens.viewplane().map_or(0.0, |own| own.aperture),
+        Some(Opening::Lens { lens, .. }) => lens.aperture(),
         _ => 0.0,
     };
     let aperture = described.aperture.unwrap_or(own);

@@ -8,7 +8,9 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
-use firsthit::camera::{Aim, Description, Equirectangular, Focus, Opening, PixelMatrix};
+use firsthit::camera::{
+    Aim, Calibrated, Description, Equirectangular, Focus, Opening, PixelMatrix, distortion,
+};
 use firsthit::channel::{KINDS, Kind, kind};
 use firsthit::geometry::Bounds;
 use firsthit::image::Frame;
@@ -18,7 +20,8 @@ use firsthit::sensor::{Pushbroom, Readout, RollingShutter, Sensor, camera_of, ca
 use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{
     Camera, Color, Cuboid, DAffine3, DVec2, DVec3, Disc, InstructionSet, Lens, Object, Pose,
-    RayStart, Rays, Render, Scene, Shader, Trajectory, View, Viewplane, example, render,
+    Projection, RayStart, Rays, Render, Scene, Shader, Trajectory, View, Viewplane, example,
+    render,
 };
 
 /// A thin lens, off the middle and with a skew.
@@ -188,6 +191,211 @@ fn rays_of_a_sample_meet_those_of_the_pinhole_in_focus() {
     }
 }
 
+/// Cameras with the distortions that may have a thin lens.
+fn distorted() -> [Camera; 2] {
+    let matrix = [
+        ("fx", 30.0),
+        ("fy", 28.0),
+        ("cx", 26.3),
+        ("cy", 19.1),
+        ("skew", 0.7),
+    ];
+    let opencv = [("k1", -0.25), ("k2", 0.06), ("p1", 0.01), ("s3", -0.005)];
+    let cases: [(_, &[(&str, f64)]); 2] = [
+        (Projection::OpenCv, &opencv),
+        (Projection::Fov, &[("omega", 1.1)]),
+    ];
+    cases.map(|(projection, own)| {
+        let lens = Lens::named(projection, &[&matrix[..], own].concat()).unwrap();
+        Camera::new(View {
+            lens,
+            ..*skewed(40, 50).view()
+        })
+        .unwrap()
+    })
+}
+
+/// With distortion too each ray goes from its sample's point of the lens to where the pixel's ray through the middle is in focus.
+#[test]
+fn rays_through_a_distorted_lens_meet_the_chief_rays_in_focus() {
+    for pinhole in distorted() {
+        let camera = pinhole.thin_lens(0.5, 4.0).unwrap();
+        for number in 0..40 {
+            let (sample, sharp) = (Sample::new(&camera, number), Sample::new(&pinhole, number));
+            let mut seen = 0;
+            for pixel in 0..2000 {
+                let (ray, own) = (sample.ray(pixel), sharp.ray(pixel));
+                assert_eq!(ray.is_valid(), own.is_valid());
+                if !own.is_valid() {
+                    continue;
+                }
+                if number == 0 {
+                    assert_eq!(ray, own);
+                }
+                seen += 1;
+                assert!((ray.direction.length() - 1.0).abs() < 1e-15);
+                let from = ray.origin - camera.position();
+                assert!(from.dot(camera.aim()).abs() < 1e-14 && from.length() < 0.25);
+                assert_eq!(from.length() > 0.0, number > 0);
+                // The closed form: the point of the chief ray at the depth in focus.
+                let slope = own.direction.dot(camera.aim());
+                let point = own.at(4.0 / slope);
+                let expected = (point - ray.origin).normalize();
+                // Far off the axis the point is far away.
+                assert!(expected.abs_diff_eq(ray.direction, 1e-13), "{pixel}");
+            }
+            assert!(seen > 1900, "{seen}");
+        }
+    }
+}
+
+/// A point out of focus is seen, from a point of the lens, where the pinhole sees the point in focus behind it.
+#[test]
+fn the_camera_at_a_point_of_a_distorted_lens_projects_what_its_rays_meet() {
+    for pinhole in distorted() {
+        let camera = pinhole.thin_lens(0.5, 4.0).unwrap();
+        let point = DVec2::new(0.6, -0.7);
+        let eye = camera.through(point).unwrap();
+        assert_eq!(eye.lens().aperture(), 0.0);
+        let aside = 0.25 * (point.x * camera.right() + point.y * camera.upwards());
+        assert!(eye.position().abs_diff_eq(camera.position() + aside, 1e-15));
+        for pixel in (0..2000).step_by(7) {
+            let ray = Rays::ray(&eye, pixel);
+            if !ray.is_valid() {
+                continue;
+            }
+            let seen = eye.project(ray.at(2.5)).unwrap();
+            let expected = DVec2::new((pixel % 50) as f64 + 0.5, (pixel / 50) as f64 + 0.5);
+            assert!((seen - expected).length() < 1e-9, "{pixel}");
+            let depth = ray.direction.dot(camera.aim());
+            let in_focus = ray.at(4.0 / depth);
+            let by_pinhole = pinhole.project(in_focus).unwrap();
+            assert!((by_pinhole - expected).length() < 1e-9, "{pixel}");
+        }
+    }
+}
+
+/// Without distortion it is the viewplane's thin lens.
+#[test]
+fn a_calibrated_lens_without_distortion_blurs_as_a_viewplane() {
+    let flat = skewed(30, 40);
+    let matrix = flat.pixel_matrix().unwrap();
+    let lens = Calibrated::new(matrix, distortion::OpenCv::default());
+    let view = View {
+        lens: Lens::OpenCv(lens),
+        ..*flat.view()
+    };
+    let calibrated = Camera::new(view).unwrap().thin_lens(0.5, 4.0).unwrap();
+    for number in 0..20 {
+        let [own, other] = [&calibrated, &flat].map(|camera| Sample::new(camera, number));
+        for pixel in 0..1200 {
+            let (own, other) = (own.ray(pixel), other.ray(pixel));
+            assert!(own.origin.abs_diff_eq(other.origin, 1e-14));
+            assert!(own.direction.abs_diff_eq(other.direction, 1e-14));
+        }
+    }
+}
+
+#[test]
+fn a_distorted_picture_is_blurred_the_same_by_every_engine() {
+    let scene = example::scene().unwrap();
+    let view = *example::camera(30, 40).unwrap().view();
+    for camera in distorted() {
+        let part = camera.crop(12..27, 15..35).unwrap();
+        let part = View {
+            rows: part.rows(),
+            columns: part.columns(),
+            lens: *part.lens(),
+            ..view
+        };
+        let pinhole = Camera::new(part).unwrap();
+        let camera = pinhole.thin_lens(0.8, 6.0).unwrap();
+        let picture = |camera, engine: &dyn Engine| {
+            let picture = Render::new(&scene).camera(camera).samples(3).engine(engine);
+            picture.channels(&["color", "z"]).frame().unwrap()
+        };
+        let blurred = picture(camera, Cpu::shared());
+        for set in InstructionSet::ALL {
+            let other = picture(camera, &Cpu::with(set));
+            assert!(bits(&other, "color") == bits(&blurred, "color"), "{set:?}");
+        }
+        let slow = picture(camera, &BruteForce);
+        assert!(bits(&slow, "color") == bits(&blurred, "color"));
+        let sharp = picture(pinhole, Cpu::shared());
+        assert!(bits(&sharp, "color") != bits(&blurred, "color"));
+        assert!(bits(&sharp, "z") == bits(&blurred, "z"));
+    }
+}
+
+#[test]
+fn a_distorted_lens_is_kept_by_records_and_descriptions() {
+    for camera in distorted() {
+        assert!(!camera_record(&camera).parameters.contains_key("aperture"));
+        let camera = camera.thin_lens(0.5, 4.0).unwrap();
+        let record = camera_record(&camera);
+        let numbers = (record.parameters["aperture"], record.parameters["focus"]);
+        assert_eq!(numbers, (0.5, 4.0));
+        assert_eq!(camera_of(&record).unwrap(), camera);
+        let bounds = Bounds {
+            low: DVec3::NEG_ONE,
+            high: DVec3::ONE,
+        };
+        let support = |direction: DVec3| direction.abs().element_sum();
+        let described = Description::of(camera.view());
+        let again = described.camera(bounds, support, DVec3::Z).unwrap();
+        assert_eq!(again, camera);
+        let pinhole = Description {
+            aperture: Some(0.0),
+            ..described
+        };
+        let pinhole = pinhole.camera(bounds, support, DVec3::Z).unwrap();
+        assert_eq!(
+            (pinhole.lens().aperture(), pinhole.lens().focus()),
+            (0.0, 4.0)
+        );
+        let part = camera.crop(2..20, 3..30).unwrap();
+        let moved = camera.moved(&DAffine3::from_translation(DVec3::X)).unwrap();
+        for camera in [part, moved, camera.resize(60, 80).unwrap()] {
+            let lens = camera.lens();
+            assert_eq!((lens.aperture(), lens.focus()), (0.5, 4.0));
+        }
+    }
+}
+
+#[test]
+fn fisheyes_and_tilted_sensors_have_no_thin_lens() {
+    let matrix = [("fx", 30.0), ("fy", 30.0), ("cx", 20.0), ("cy", 15.0)];
+    for &projection in Projection::ALL {
+        let lens = Lens::named(projection, &matrix);
+        let Ok(lens) = lens else { continue };
+        let view = View {
+            rows: 30,
+            columns: 40,
+            lens,
+            ..View::default()
+        };
+        let made = Camera::new(view).unwrap().thin_lens(0.1, 2.0);
+        assert_eq!(made.is_ok(), projection.has_thin_lens(), "{projection:?}");
+        if let Err(error) = made {
+            let words = "only perspective cameras, opencv and fov have a thin lens, got";
+            assert!(error.to_string().contains(words), "{error}");
+            let named = Lens::named(projection, &[("aperture", 0.1)]);
+            assert!(named.is_err(), "{projection:?}");
+        }
+    }
+    let tilted = [&matrix[..], &[("tau_x", 0.1)]].concat();
+    let lens = Lens::named(Projection::OpenCv, &tilted).unwrap();
+    let camera = Camera::new(View {
+        lens,
+        ..View::default()
+    });
+    let error = camera.unwrap().thin_lens(0.1, 2.0).unwrap_err().to_string();
+    assert!(
+        error.starts_with("aperture must be zero for a tilted sensor"),
+        "{error}"
+    );
+}
+
 fn small() -> (Scene, Camera) {
     let camera = example::camera(30, 40).unwrap();
     (
@@ -340,7 +548,7 @@ fn what_is_no_thin_lens_is_refused() {
         ),
         (
             Lens::Equirectangular(Equirectangular::default()),
-            "aperture must be left out: only perspective cameras have a thin lens, got equirectangular",
+            "aperture must be left out: only perspective cameras, opencv and fov have a thin lens, got equirectangular",
         ),
     ] {
         let error = refused(&with(lens), 0.1, 2.0);

@@ -582,6 +582,58 @@ fn an_aperture_blurs_colours_and_nothing_else() {
 }
 
 #[test]
+fn a_distorted_camera_has_an_aperture_on_the_command_line_and_in_scene_files() {
+    let lab = Lab::with_square();
+    lab.write("pose.txt", "1 0 0 0 0 1 0 0 0 0 1 5");
+    let render = "--channels color,z --samples 16 -q";
+    let given =
+        "--intrinsics 20,20,12,9 --pose pose.txt --convention gltf --size 24x18 --projection";
+    for (projection, parameters, keys) in [
+        ("opencv", "k1=-0.1", "k1 = -0.1"),
+        ("fov", "omega=0.8", "omega = 0.8"),
+    ] {
+        let given = format!("{given} {projection} --parameters {parameters}");
+        lab.ok(&format!("render square.ply {render} -o sharp.npz {given}"));
+        let lens = "--aperture 1 --focus 2";
+        lab.ok(&format!(
+            "render square.ply {render} -o a.npz {given} {lens}"
+        ));
+        lab.ok(&format!(
+            "render square.ply {render} -o b.npz --camera a.npz"
+        ));
+        lab.write(
+            "scene.toml",
+            format!(
+                "[camera]\nprojection = \"{projection}\"\n{keys}\naperture = 1\nfocus = 2\ncolumns = 24\nrows = 18\n\
+                 fx = 20\nfy = 20\ncx = 12\ncy = 9\nconvention = \"gltf\"\n\
+                 pose = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5]]\n[[objects]]\nfile = \"square.ply\"\n"
+            ),
+        );
+        lab.ok(&format!("render scene.toml {render} -o c.npz --channels z"));
+        let [sharp, first, again, scene] =
+            ["sharp.npz", "a.npz", "b.npz", "c.npz"].map(|name| lab.npz(name));
+        assert_ne!(sharp["color"].values, first["color"].values, "{projection}");
+        assert_eq!(sharp["z"].values, first["z"].values);
+        assert_eq!(first["color"].values, again["color"].values);
+        assert_eq!(first["z"].values, scene["z"].values);
+        let said = lab.ok("info scene.toml").stdout;
+        let said = String::from_utf8_lossy(&said).into_owned();
+        assert!(said.contains("aperture 1 focus 2"), "{said}");
+    }
+    lab.write(
+        "scene.toml",
+        "[camera]\nprojection = \"opencv\"\ntau_x = 0.1\naperture = 1\nfocus = 2\ncolumns = 24\nrows = 18\nfx = 20\n\
+         fy = 20\ncx = 12\ncy = 9\nconvention = \"gltf\"\n[[objects]]\nfile = \"square.ply\"\n",
+    );
+    lab.fails("render scene.toml -o d.png", 3, "tau_x");
+    lab.fails(
+        "render square.ply -o d.png --intrinsics 20,20,12,9 --convention ros --size 24x18 --projection opencv_fisheye --aperture 1 --focus 2",
+        2,
+        "only perspective cameras, opencv and fov have a thin lens, got opencv_fisheye",
+    );
+}
+
+#[test]
 fn half_a_lens_is_refused() {
     let lab = Lab::with_square();
     for (options, error) in [
@@ -603,7 +655,7 @@ fn half_a_lens_is_refused() {
         ),
         (
             "--aperture 0.5 --focus 3 --projection equidistant",
-            "aperture must be left out: only perspective cameras have a thin lens, got equidistant",
+            "aperture must be left out: only perspective cameras, opencv and fov have a thin lens, got equidistant",
         ),
         (
             "--aperture 0.5 --focus 0",

@@ -9,9 +9,11 @@ use super::central::Central;
 use super::distortion::{Distortion, Limit};
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
+use super::quick::square;
+use super::thin_lens::check_thin_lens;
 use crate::error::Result;
-use crate::geometry::arithmetic::Arithmetic;
-use crate::geometry::{DVec2, DVec3};
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
+use crate::geometry::{DVec2, DVec3, require};
 
 /// A calibrated camera with one of the models of [`distortion`](super::distortion). Rays start at the camera.
 ///
@@ -33,17 +35,26 @@ pub struct Calibrated<D> {
     pub matrix: PixelMatrix,
     /// From directions to the normalised image.
     pub distortion: D,
+    /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole. See
+    /// [`Camera::thin_lens`](super::Camera::thin_lens).
+    pub aperture: f64,
+    /// The distance along the aim from the camera to what is in focus; 0 where nobody says, as of a pinhole.
+    pub focus: f64,
     limit: Limit,
+    /// What is taken from x / z and y / z of directions, where the camera is at a point of a lens.
+    shear: DVec2,
 }
 
 impl<D> Calibrated<D> {
     /// The two together. [`Camera::new`](super::Camera::new) checks them.
     pub fn new(matrix: PixelMatrix, distortion: D) -> Self {
-        let limit = Limit::default();
         Self {
             matrix,
             distortion,
-            limit,
+            aperture: 0.0,
+            focus: 0.0,
+            limit: Limit::default(),
+            shear: DVec2::ZERO,
         }
     }
 }
@@ -68,14 +79,61 @@ pub(super) fn within<D: Distortion>(
 /// The limit follows from the others.
 impl<D: PartialEq> PartialEq for Calibrated<D> {
     fn eq(&self, other: &Self) -> bool {
-        self.matrix == other.matrix && self.distortion == other.distortion
+        let lens = |of: &Self| (of.aperture, of.focus, of.shear);
+        self.matrix == other.matrix
+            && self.distortion == other.distortion
+            && lens(self) == lens(other)
     }
 }
 
-impl<D: Parameters> Parameters for Calibrated<D> {
+impl<D: Distortion> Parameters for Calibrated<D> {
     fn each(&mut self, visit: &mut dyn FnMut(&'static str, &mut f64)) {
         self.matrix.each(visit);
         self.distortion.each(visit);
+        if D::IS_PERSPECTIVE {
+            visit("aperture", &mut self.aperture);
+            visit("focus", &mut self.focus);
+        }
+    }
+
+    /// Cameras without a lens do not speak of one.
+    fn is_silent(&self, name: &str) -> bool {
+        matches!(name, "aperture" | "focus") && self.aperture == 0.0 && self.focus == 0.0
+    }
+}
+
+impl<D: Copy> Calibrated<D> {
+    /// The lens as it is from a point of its aperture, so much to the right and upwards of the camera's position: what is in focus is
+    /// seen at the same places. It is a pinhole's.
+    ///
+    /// Let a pixel's ray go to the point `focus (x, y, 1)`. From the point (a, -b, 0) that is in the direction of
+    /// (x - a / focus, y + b / focus, 1).
+    pub(super) fn seen_from(&self, point: DVec2) -> Self {
+        Self {
+            aperture: 0.0,
+            focus: 0.0,
+            shear: DVec2::new(point.x, -point.y) / self.focus,
+            ..*self
+        }
+    }
+
+    /// A direction of the distortion's to one of the camera at its point of the lens.
+    #[inline(always)]
+    fn sheared<A: Arithmetic>(&self, of: A, [x, y, z]: [A::Number; 3]) -> [A::Number; 3]
+    where
+        D: Distortion,
+    {
+        if self.shear == DVec2::ZERO {
+            return [x, y, z];
+        }
+        let x = of.sub(x, of.mul(of.number(self.shear.x), z));
+        let y = of.sub(y, of.mul(of.number(self.shear.y), z));
+        if !D::IS_UNIT {
+            return [x, y, z];
+        }
+        let length = of.sqrt(of.add(square(of, x, y), of.mul(z, z)));
+        let inverse = of.div(of.number(1.0), length);
+        [of.mul(x, inverse), of.mul(y, inverse), of.mul(z, inverse)]
     }
 }
 
@@ -87,10 +145,14 @@ impl<D: Distortion> Central for Calibrated<D> {
         let mut fine = Ok(());
         self.distortion.each(&mut |name, value| {
             if fine.is_ok() {
-                fine = crate::geometry::require(name, "finite", value.is_finite(), *value);
+                fine = require(name, "finite", value.is_finite(), *value);
             }
         });
         fine?;
+        check_thin_lens(self.aperture, self.focus)?;
+        let expected = "zero for a tilted sensor: what is in focus would be tilted too";
+        let fine = self.aperture == 0.0 || !self.distortion.is_tilted();
+        require("aperture", expected, fine, self.aperture)?;
         let ends = |count: usize| [0.0, count as f64];
         let corners = ends(columns).map(|x| ends(rows).map(|y| DVec2::new(x, y)));
         let corners = corners.iter().flatten();
@@ -117,16 +179,19 @@ impl<D: Distortion> Central for Calibrated<D> {
         let y = of.mul(of.sub(v, of.number(cy)), of.number(fy.recip()));
         let across = of.sub(of.sub(u, of.number(cx)), of.mul(of.number(skew), y));
         let x = of.mul(across, of.number(fx.recip()));
-        self.distortion.directions(of, &self.limit, [x, y])
+        let (direction, known) = self.distortion.directions(of, &self.limit, [x, y]);
+        (self.sheared(of, direction), known)
     }
 
     fn direction(&self, _: [usize; 2], pixel: DVec2) -> Option<DVec3> {
-        self.distortion
-            .unproject(&self.limit, self.matrix.point(pixel))
+        let point = self.matrix.point(pixel);
+        let direction = self.distortion.unproject(&self.limit, point)?;
+        Some(self.sheared(Scalar, direction.to_array()).into())
     }
 
     fn pixel(&self, _: [usize; 2], direction: DVec3) -> Option<DVec2> {
-        let point = self.distortion.project(&self.limit, direction)?;
+        let whole = direction + (self.shear * direction.z).extend(0.0);
+        let point = self.distortion.project(&self.limit, whole)?;
         Some(self.matrix.pixel(point))
     }
 

@@ -144,15 +144,13 @@ impl Description {
 
     /// The camera with the lens that is described.
     fn focused(&self, camera: Camera) -> Result<Camera> {
-        let own = camera.lens().viewplane();
-        let aperture = self
-            .aperture
-            .or(own.map(|own| own.aperture).filter(|&own| own > 0.0));
+        let given = |own: f64| (own > 0.0).then_some(own);
+        let aperture = self.aperture.or(given(camera.lens().aperture()));
         let focus = self.focus.map(|focus| match focus {
             Focus::Distance(distance) => distance,
             Focus::At(point) => camera.depth(point),
         });
-        let focus = focus.or(own.map(|own| own.focus).filter(|&own| own > 0.0));
+        let focus = focus.or(given(camera.lens().focus()));
         match (aperture, focus) {
             // A pinhole needs no focus.
             (None | Some(0.0), None) => Ok(camera),
@@ -188,12 +186,10 @@ impl Description {
             }),
             projection: Some(view.lens.projection()),
             ray_start: viewplane.map(|viewplane| viewplane.ray_start),
-            aperture: viewplane
-                .map(|viewplane| viewplane.aperture)
-                .filter(|&aperture| aperture > 0.0),
-            focus: viewplane
-                .filter(|viewplane| viewplane.focus > 0.0)
-                .map(|viewplane| Focus::Distance(viewplane.focus)),
+            aperture: Some(view.lens.aperture()).filter(|&aperture| aperture > 0.0),
+            focus: Some(view.lens.focus())
+                .filter(|&focus| focus > 0.0)
+                .map(Focus::Distance),
             columns: None,
             rows: None,
         }

@@ -2,9 +2,10 @@
 //!
 //! Every point of the lens is the eye of a pinhole camera whose viewplane is shifted so that what is in focus stays where it is: a
 //! picture is the mean of those of many points (Potmesil and Chakravarty, "A Lens and Aperture Camera Model for Synthetic Image
-//! Generation", SIGGRAPH 1981; Haeberli and Akeley, "The Accumulation Buffer", SIGGRAPH 1990). So each sample is a grid of rays.
+//! Generation", SIGGRAPH 1981; Haeberli and Akeley, "The Accumulation Buffer", SIGGRAPH 1990). So each sample is a grid of rays. Of a
+//! lens with distortion it is that of the undistorted image: a ray goes to where its pixel's, through the middle, is in focus.
 
-use super::{Camera, Lens, View};
+use super::{Camera, Lens, Projection, View};
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, require};
 
@@ -28,22 +29,27 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an aperture that is negative or not finite, a `focus` that is not positive, and a camera other than a
-    /// perspective one without tilt.
+    /// [`Error::Argument`] for an aperture that is negative or not finite, a `focus` that is not positive, and a camera that may have no
+    /// aperture: one that is tilted, and all projections of which
+    /// [`has_thin_lens`](super::Projection::has_thin_lens) is false.
     pub fn thin_lens(&self, aperture: f64, focus: f64) -> Result<Self> {
         let fine = focus > 0.0 && focus.is_finite();
         require("focus", "positive and finite", fine, focus)?;
-        let Lens::Flat(viewplane) = self.view.lens else {
-            let expected = "left out: only perspective cameras have a thin lens";
-            let name = self.view.lens.projection().name();
-            return Err(Error::argument("aperture", expected, name));
+        let mut lens = self.view.lens;
+        let numbers = match &mut lens {
+            Lens::Flat(lens) => [&mut lens.aperture, &mut lens.focus],
+            Lens::OpenCv(lens) => [&mut lens.aperture, &mut lens.focus],
+            Lens::Fov(lens) => [&mut lens.aperture, &mut lens.focus],
+            _ => {
+                let expected =
+                    "left out: only perspective cameras, opencv and fov have a thin lens";
+                let name = lens.projection().name();
+                return Err(Error::argument("aperture", expected, name));
+            }
         };
-        let mut viewplane = viewplane;
-        (viewplane.aperture, viewplane.focus) = (aperture, focus);
-        Self::again(View {
-            lens: Lens::Flat(viewplane),
-            ..self.view
-        })
+        let [own_aperture, own_focus] = numbers;
+        (*own_aperture, *own_focus) = (aperture, focus);
+        Self::again(View { lens, ..self.view })
     }
 
     /// How far ahead of the camera a point is: the component along the aim of (point - `position`), which [`thin_lens`](Self::thin_lens)
@@ -55,18 +61,66 @@ impl Camera {
     /// The pinhole camera at a point of the lens, in units of its radius: to the right and upwards. `None` where the camera is a
     /// pinhole's.
     pub fn through(&self, point: DVec2) -> Option<Self> {
-        let Lens::Flat(viewplane) = self.view.lens else {
-            return None;
-        };
-        if viewplane.aperture == 0.0 {
+        let aperture = self.view.lens.aperture();
+        if aperture == 0.0 {
             return None;
         }
         let mut camera = *self;
-        let point = 0.5 * viewplane.aperture * point;
+        let point = 0.5 * aperture * point;
         let moved = point.x * self.pose.right + point.y * self.pose.upwards;
         camera.pose.position += moved;
         camera.view.position = camera.pose.position;
-        camera.view.lens = Lens::Flat(viewplane.seen_from(point));
+        camera.view.lens = match self.view.lens {
+            Lens::Flat(lens) => Lens::Flat(lens.seen_from(point)),
+            Lens::OpenCv(lens) => Lens::OpenCv(lens.seen_from(point)),
+            Lens::Fov(lens) => Lens::Fov(lens.seen_from(point)),
+            _ => return None,
+        };
         Some(camera)
     }
+}
+
+impl Lens {
+    /// The diameter of its aperture; 0 of a pinhole, and of all that have none.
+    pub fn aperture(&self) -> f64 {
+        self.thin_lens()[0]
+    }
+
+    /// The distance along the aim to what is in focus; 0 where nobody says.
+    pub fn focus(&self) -> f64 {
+        self.thin_lens()[1]
+    }
+
+    fn thin_lens(&self) -> [f64; 2] {
+        match self {
+            Self::Flat(lens) => [lens.aperture, lens.focus],
+            Self::OpenCv(lens) => [lens.aperture, lens.focus],
+            Self::Fov(lens) => [lens.aperture, lens.focus],
+            _ => [0.0; 2],
+        }
+    }
+}
+
+impl Projection {
+    /// Whether its cameras may have an aperture: all rays come through one point, less than a right angle off the aim.
+    ///
+    /// ```
+    /// use firsthit::Projection;
+    ///
+    /// assert!(Projection::OpenCv.has_thin_lens());
+    /// assert!(!Projection::OpenCvFisheye.has_thin_lens());
+    /// ```
+    pub fn has_thin_lens(self) -> bool {
+        matches!(self, Self::Perspective | Self::OpenCv | Self::Fov)
+    }
+}
+
+/// Refuses numbers that no thin lens has.
+pub(super) fn check_thin_lens(aperture: f64, focus: f64) -> Result<()> {
+    let is_length = |length: f64| length >= 0.0 && length.is_finite();
+    let expected = "finite and not negative";
+    require("aperture", expected, is_length(aperture), aperture)?;
+    require("focus", expected, is_length(focus), focus)?;
+    let expected = "a positive distance for a camera with an aperture";
+    require("focus", expected, aperture == 0.0 || focus > 0.0, focus)
 }

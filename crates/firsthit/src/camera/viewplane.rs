@@ -4,6 +4,7 @@ use super::lens::{Model, Reach};
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
 use super::pose::Pose;
+use super::thin_lens::check_thin_lens;
 use crate::error::Result;
 use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray, named, require, require_positive};
 
@@ -153,18 +154,11 @@ impl Viewplane {
 
     /// Refuses what is no thin lens.
     fn check_lens(&self) -> Result<()> {
-        let Self {
-            aperture, focus, ..
-        } = *self;
-        let is_length = |length: f64| length >= 0.0 && length.is_finite();
-        let expected = "finite and not negative";
-        require("aperture", expected, is_length(aperture), aperture)?;
-        require("focus", expected, is_length(focus), focus)?;
+        let aperture = self.aperture;
+        check_thin_lens(aperture, self.focus)?;
         if aperture == 0.0 {
             return Ok(());
         }
-        let expected = "a positive distance for a camera with an aperture";
-        require("focus", expected, focus > 0.0, focus)?;
         let expected = "zero for parallel rays, which come through no lens";
         require("aperture", expected, !self.parallel, aperture)?;
         let expected = "zero for a tilted viewplane: what is in focus would be tilted too";

@@ -286,13 +286,16 @@ const RAD_TAN_THIN_PRISM: &[Key] = keys! {
     s3: optional(Form::Number),
 };
 
-/// A calibrated lens with its own keys.
+/// A calibrated lens with its own keys and its own rules.
 macro_rules! calibrated {
     ($name:literal, $($own:expr),*) => {
+        calibrated!($name, $($own),*;)
+    };
+    ($name:literal, $($own:expr),*; $($rule:expr),*) => {
         Variant {
             pick: Pick::Tag(PROJECTION, $name),
             keys: &[VIEW, POSE, NEEDED_CONVENTION, BOTH_PIXELS, MATRIX, $($own),*],
-            rules: view_rules![],
+            rules: view_rules![$($rule),*],
         }
     };
 }
@@ -385,14 +388,22 @@ pub(super) static CAMERA: Record = Record {
         uncalibrated!("cylindrical", CYLINDRICAL),
         uncalibrated!("cube_map",),
         uncalibrated!("octahedral",),
-        calibrated!("opencv", OPENCV),
+        calibrated!("opencv", OPENCV, THIN_LENS;
+            Rule::Needs("focus", "aperture"),
+            Rule::Needs("aperture", "focus"),
+            Rule::NotBoth("aperture", "tau_x"),
+            Rule::NotBoth("aperture", "tau_y")
+        ),
         calibrated!("opencv_fisheye", ANGLE_POLYNOMIAL),
         calibrated!("kannala_brandt", KANNALA_BRANDT),
         calibrated!("double_sphere", XI, ALPHA),
         calibrated!("eucm", ALPHA, BETA),
         calibrated!("ucm", ALPHA),
         calibrated!("mei", MEI_XI, MEI),
-        calibrated!("fov", OMEGA),
+        calibrated!("fov", OMEGA, THIN_LENS;
+            Rule::Needs("focus", "aperture"),
+            Rule::Needs("aperture", "focus")
+        ),
         calibrated!("thin_prism_fisheye", THIN_PRISM),
         calibrated!("rad_tan_thin_prism_fisheye", RAD_TAN_THIN_PRISM),
         uncalibrated!("equidistant", WHOLE_SPHERE),

@@ -46,6 +46,8 @@ impl Fov {
 }
 
 impl RadialModel for Fov {
+    const IS_PERSPECTIVE: bool = true;
+
     fn largest_angle(&self) -> Result<f64> {
         let fine = self.omega.abs() < PI;
         require("omega", "between -pi and pi", fine, self.omega)?;

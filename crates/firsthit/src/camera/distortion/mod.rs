@@ -68,6 +68,13 @@ pub(super) trait Distortion: Parameters + Copy + Send + Sync {
     /// Whether its directions have length one, but for rounding.
     const IS_UNIT: bool = false;
 
+    /// Whether it is a perspective camera's, all of whose directions are less than a right angle off the axis: it may have a thin lens.
+    const IS_PERSPECTIVE: bool = false;
+
+    /// Whether the sensor is tilted, so that what is in focus would be too.
+    fn is_tilted(&self) -> bool {
+        false
+    }
     /// Checks its parameters, which are finite, and finds out where it folds over.
     ///
     /// `farthest` is how far from the middle the image's points are that will be asked for, about: a start for these is prepared.

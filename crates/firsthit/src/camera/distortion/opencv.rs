@@ -64,10 +64,6 @@ impl OpenCv {
         }
     }
 
-    fn is_tilted(&self) -> bool {
-        self.tau_x != 0.0 || self.tau_y != 0.0
-    }
-
     /// Takes a homogeneous point of the sensor that is not tilted to the one that is.
     fn tilt(&self) -> DMat3 {
         let (sin_x, cos_x) = libm::sincos(self.tau_x);
@@ -91,6 +87,12 @@ fn through(map: &DMat3, point: DVec2) -> Option<DVec2> {
 }
 
 impl Distortion for OpenCv {
+    const IS_PERSPECTIVE: bool = true;
+
+    fn is_tilted(&self) -> bool {
+        self.tau_x != 0.0 || self.tau_y != 0.0
+    }
+
     fn limit(&self, farthest: f64) -> Result<Limit> {
         const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
         for (name, tilt) in [("tau_x", self.tau_x), ("tau_y", self.tau_y)] {

@@ -18,6 +18,9 @@ use crate::geometry::{DVec2, DVec3, require};
 
 /// A radius for each angle to the axis, in radians, that rises up to the limit.
 pub(super) trait RadialModel: Parameters + Copy + Send + Sync {
+    /// That of [`Distortion`].
+    const IS_PERSPECTIVE: bool = false;
+
     /// Checks the parameters, and says up to which angle the radius rises.
     fn largest_angle(&self) -> Result<f64>;
     /// The radius of an angle.
@@ -41,6 +44,7 @@ fn everywhere<A: Arithmetic>(of: A) -> A::Mask {
 
 impl<M: RadialModel> Distortion for M {
     const IS_UNIT: bool = true;
+    const IS_PERSPECTIVE: bool = M::IS_PERSPECTIVE;
 
     fn limit(&self, farthest: f64) -> Result<Limit> {
         let undistorted = self.largest_angle()?;
