@@ -3,7 +3,6 @@
 mod asked;
 mod attribute;
 mod kinds;
-mod prefetch;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -15,7 +14,6 @@ pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
 pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS, VISIBLE};
 
 use asked::Silent;
-use prefetch::Prefetched;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
@@ -23,7 +21,7 @@ use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
 use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
 use crate::sensor::Sensor;
-use crate::shoot::Hits;
+use crate::shoot::{Hits, Prefetched};
 use crate::watch::Watch;
 
 /// Rays, what they met, and all that channels are made from.
@@ -375,7 +373,7 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
     }
     // Nothing is fetched for hits that are not looked up.
     let fetched = if needs_surface { count } else { 0 };
-    let mut prefetched = Prefetched::new(shots, first, fetched);
+    let mut prefetched = Prefetched::new(shots.scene, shots.hits, first, fetched);
     for k in 0..count {
         prefetched.advance(k);
         let hit = shots.hits.get(first + k);

@@ -16,6 +16,7 @@ mod filter;
 mod from_points;
 mod hit_order;
 mod hits;
+mod prefetch;
 mod query;
 mod ray_query;
 mod scaled_ray;
@@ -29,6 +30,7 @@ pub(crate) use encounter::{Encounter, Encounters, Rejection};
 pub use engine::{Cpu, Engine};
 pub(crate) use from_points::FromPoints;
 pub use hits::{HitSlices, Hits};
+pub(crate) use prefetch::Prefetched;
 pub use query::{All, Answers, Any, Count, First, Query};
 pub use visible::{Viewpoint, visible};
 

@@ -4,16 +4,12 @@
 //! triangle has come. So three blocks of hits are in work at a time: the triangles of the block after the next are
 //! asked for, the corners of the next block, whose triangles have come meanwhile, and the present one is looked up.
 
-#![expect(
-    clippy::inline_always,
-    reason = "what is not inlined into a kernel is not compiled for its instruction set"
-)]
+use std::ops::Range;
 
-use super::Shots;
+use super::{Cpu, Hits};
 use crate::geometry::Hit;
-use crate::scene::Object;
+use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Positions, Shape};
-use crate::shoot::Cpu;
 use crate::simd::{self, Kernel, Lanes};
 
 /// How many hits are asked for at a time: their lines fit into a first-level cache, and take longer to look up than
@@ -21,17 +17,19 @@ use crate::simd::{self, Kernel, Lanes};
 const BLOCK: usize = 32;
 
 /// Asks for what hits need, in their order.
-pub(super) struct Prefetched<'a> {
-    shots: &'a Shots<'a>,
+pub(crate) struct Prefetched<'a> {
+    scene: &'a Scene,
+    hits: &'a Hits,
     first: usize,
     count: usize,
 }
 
 impl<'a> Prefetched<'a> {
     /// For the hits from `first` on.
-    pub(super) fn new(shots: &'a Shots<'a>, first: usize, count: usize) -> Self {
+    pub(crate) fn new(scene: &'a Scene, hits: &'a Hits, first: usize, count: usize) -> Self {
         let made = Self {
-            shots,
+            scene,
+            hits,
             first,
             count,
         };
@@ -43,7 +41,7 @@ impl<'a> Prefetched<'a> {
 
     /// To be called with each hit in turn, before it is looked up.
     #[inline]
-    pub(super) fn advance(&mut self, k: usize) {
+    pub(crate) fn advance(&mut self, k: usize) {
         if k.is_multiple_of(BLOCK) && k < self.count {
             self.ask(k + BLOCK, Stage::Corners);
             self.ask(k + 2 * BLOCK, Stage::Triangles);
@@ -55,8 +53,9 @@ impl<'a> Prefetched<'a> {
         let end = (start + BLOCK).min(self.count);
         if start < end {
             let block = Block {
-                shots: self.shots,
-                hits: self.first + start..self.first + end,
+                scene: self.scene,
+                hits: self.hits,
+                range: self.first + start..self.first + end,
                 stage,
             };
             simd::run(Cpu::shared().instruction_set(), block);
@@ -74,8 +73,9 @@ enum Stage {
 }
 
 struct Block<'a> {
-    shots: &'a Shots<'a>,
-    hits: std::ops::Range<usize>,
+    scene: &'a Scene,
+    hits: &'a Hits,
+    range: Range<usize>,
     stage: Stage,
 }
 
@@ -84,9 +84,9 @@ impl Kernel for Block<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        for index in self.hits {
-            let hit = self.shots.hits.get(index);
-            let Some((mesh, triangle)) = triangle_of(self.shots, &hit) else {
+        for index in self.range {
+            let hit = self.hits.get(index);
+            let Some((mesh, triangle)) = triangle_of(self.scene, &hit) else {
                 continue;
             };
             match self.stage {
@@ -113,8 +113,8 @@ fn ask<L: Lanes, T>(l: L, what: Option<&T>) {
 
 /// The mesh and the triangle that were hit, if that is what was hit.
 #[inline(always)]
-fn triangle_of<'a>(shots: &Shots<'a>, hit: &Hit) -> Option<(&'a Mesh, usize)> {
-    match shots.scene.object(hit).map(Object::shape) {
+fn triangle_of<'a>(scene: &'a Scene, hit: &Hit) -> Option<(&'a Mesh, usize)> {
+    match scene.object(hit).map(Object::shape) {
         Some(Shape::Mesh(mesh)) => Some((mesh, usize::try_from(hit.primitive).ok()?)),
         _ => None,
     }
