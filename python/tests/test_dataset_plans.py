@@ -9,6 +9,7 @@ from typing import get_args
 import firsthit as fh
 import pytest
 from dataset_support import PLAN, PLANS, ROOT, plan, record
+from firsthit.datasets import _cameras
 from firsthit.typing import Projection
 
 GOOD = """\
@@ -494,7 +495,29 @@ def test_every_projection_can_be_planned(projection):
     scene = fh.load(PLANS / "yard.toml")
     camera = made._sensors[0].at(made._poses.place(3, 0, 0, scene))
     assert camera.projection == projection
+    # Each number of the projection is a key.
+    own = {"fx", "fy", "cx", "cy", "skew", "fov", "focal_length", "width", "height"}
+    for name in set(camera.parameters) - own:
+        assert name in _cameras._PARAMETERS or name in ("aperture", "focus"), name
     assert (fh.render(scene, camera, channels="object")["object"] > 0).any()
+
+
+def test_a_plan_s_camera_has_its_numbers_and_its_thin_lens():
+    one = {"name": "lens", "kind": "camera", "rows": 20, "columns": 30, "projection": "fov"}
+    one |= {"fx": 20.0, "fy": 20.0, "cx": 15.0, "cy": 10.0, "convention": "colmap"}
+
+    def with_lens(made, more):
+        made["sensors"] = [one | more]
+        made["output"] = {"channels": ["range", "object"]}
+
+    more = {"omega": 0.9, "aperture": 0.3, "focus": 5.0}
+    made = fh.Plan.from_dict(plan(lambda made: with_lens(made, more)), PLANS)
+    parameters = made._sensors[0].camera.parameters
+    assert {name: parameters[name] for name in more} == more
+    with pytest.raises(ValueError, match="missing key `focus`"):
+        fh.Plan.from_dict(plan(lambda made: with_lens(made, {"aperture": 0.3})), PLANS)
+    with pytest.raises(ValueError, match="unknown key `focus`"):
+        fh.Plan.from_dict(plan(lambda made: with_lens(made, {"focus": 5.0})), PLANS)
 
 
 #: The modules that read keys of plans.

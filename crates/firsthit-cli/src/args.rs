@@ -211,8 +211,8 @@ pub(crate) struct PictureArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// The channels to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
-    /// node, mesh, material, normal, position, barycentric, uv, base_color, front, valid (whether the lens sees anything), and
-    /// attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position, normal, color, object]
+    /// node, mesh, material, normal, incidence, position, barycentric, uv, base_color, front, valid (whether the lens sees
+    /// anything), crypto_object, crypto_material, and attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position, normal, color, object]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(Source::Camera), hide_possible_values = true)]
     pub(crate) channels: Vec<String>,
     /// Write a table that explains a picture of the channel object: the number of each object, its name, its colour in the

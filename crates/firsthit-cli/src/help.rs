@@ -238,5 +238,5 @@ pub(crate) fn render() -> String {
     let text = format!("{RENDER_EXAMPLES}\n\nChannels:") + &table(rows, 15);
     let attribute = [("attribute:NAME", ATTRIBUTES)];
     let text = text + &table(attribute.into_iter(), 15);
-    text + "\n\nA PNG shows distances from yellow (near) to violet, and misses in black; with --png-scale it holds them in 16 bits."
+    text + "\n\nA PNG shows distances from yellow (near) to violet, other quantities from violet (small) to yellow, and misses in black; with --png-scale it holds them in 16 bits."
 }

@@ -38,7 +38,7 @@ Examples:
   firsthit scan hall.ply --raster 70,40 --rows 96 --columns 160 -o hall.npz
   firsthit scan yard.ply --rosette 38.4 --frequencies 121.6,-77.7 \\
       --points 10000 --point-rate 100000 --turns 5 -o yard.pcd
-  firsthit scan wood.obj --lidar HDL-32E --divergence 3 --returns all \\
+  firsthit scan wood.obj --lidar HDL-32E --divergence 3 --range-gate 0.3 --returns all \\
       --noise 0.02 --seed 1 -o wood.laz -o wood.npz
 
 Lengths are in the unit of the 3D file. Azimuths count from forwards to the

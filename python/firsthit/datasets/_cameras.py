@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 #: The numbers of lenses that are keys of their own, as `docs/cameras.md` lists them.
 _PARAMETERS = (
     *("horizontal_fov", "vertical_fov", "shift_x", "shift_y", "tilt_x", "tilt_y"),
-    *("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "s1", "s2", "s3", "s4", "tau_x", "tau_y"),
-    *("xi", "alpha", "beta"),
+    *("k0", "k1", "k2", "k3", "k4", "k5", "k6", "p0", "p1", "p2", "s0", "s1", "s2", "s3", "s4"),
+    *("sx1", "sy1", "tau_x", "tau_y", "xi", "alpha", "beta", "omega"),
 )
 _FISHEYES = ("equidistant", "equisolid", "stereographic", "orthographic_fisheye")
 _FLAT = ("perspective", "orthographic")
@@ -47,6 +47,8 @@ def camera(table: Table, *, one_row: bool = False) -> Camera:
             lens = _by_matrix(table, projection, convention, (rows, columns), given)
         else:
             lens = _by_angle(table, projection, start, (rows, columns), given)
+        if "aperture" in table:
+            lens = lens.thin_lens(table.number("aperture"), table.number("focus"))
         # The axes of a convention are a permutation: these products do not round.
         return lens.moved(placed @ _inverse(lens.world_from_camera))
 
