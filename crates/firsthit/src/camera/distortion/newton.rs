@@ -4,16 +4,20 @@ use crate::geometry::DVec2;
 
 /// Solves `f(x) = y` for an `f` that rises from below `y` at `low` to above it at `high`; `f` gives value and slope.
 ///
-/// Newton's steps, or halves of the interval where those would leave it.
+/// Newton's steps, or halves of the interval where those would leave it, or do not get smaller by half: towards the root of a high
+/// power they take as many steps as there are digits on the way.
 pub(super) fn invert(
     y: f64,
     [mut low, mut high]: [f64; 2],
     start: f64,
     f: impl Fn(f64) -> [f64; 2],
 ) -> f64 {
-    /// Bisection alone would be done by then.
-    const MOST_STEPS: usize = 200;
+    /// Bisection alone would be done by then, from the largest number to the smallest.
+    const MOST_STEPS: usize = 2200;
+    /// Steps as small as this are rounding, which does not get smaller.
+    const SMALL: f64 = 16.0 * f64::EPSILON;
     let mut x = start.clamp(low, high);
+    let mut last_step = f64::INFINITY;
     for _ in 0..MOST_STEPS {
         let [value, slope] = f(x);
         let off = value - y;
@@ -27,11 +31,15 @@ pub(super) fn invert(
             break;
         }
         // Written so that a NaN leads to the middle.
-        x = if newton > low && newton < high {
+        let is_inside = newton > low && newton < high;
+        let allowed = (0.5 * last_step).max(SMALL * x.abs());
+        let next = if is_inside && (newton - x).abs() <= allowed {
             newton
         } else {
             low.midpoint(high)
         };
+        last_step = (next - x).abs();
+        x = next;
     }
     x
 }
@@ -92,4 +100,28 @@ pub(super) fn invert_in_plane(
     }
     let size = y.abs().max_element().max(x.abs().max_element());
     (off(&at) <= 1e-13 * size.max(f64::MIN_POSITIVE)).then_some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roots_of_high_powers_are_found_however_far_the_start_is() {
+        for (k, power) in [
+            (0.1, 5),
+            (1e100, 5),
+            (1e300, 5),
+            (1e120, 3),
+            (1e90, 11),
+            (1e300, 2),
+        ] {
+            let f = |r: f64| {
+                let high = k * libm::pow(r, f64::from(power - 1));
+                [r + r * high, 1.0 + f64::from(power) * high]
+            };
+            let r = invert(0.7, [0.0, 0.7], 0.7, f);
+            assert!((f(r)[0] - 0.7).abs() < 1e-13, "{k:e} {power}: {r:e}");
+        }
+    }
 }
