@@ -604,7 +604,7 @@ class Lidar(OtherSensor):
         max_returns : int, optional
             With all returns: how many of a beam are told at most, the nearest.
         min_range, max_range : float
-            Hits outside of these limits are none, in scene units.
+            Hits beyond ``min_range`` and up to ``max_range`` count, in scene units.
         intensity : bool
             Whether each return has an intensity: the mean over the beam's lines of the luminance
             (Rec. 709) of the surface's ``base_color`` times the cosine of incidence. It does not

@@ -143,6 +143,8 @@ class LidarScan:
         >>> fh.LidarScan.joined(turns)
         LidarScan(17280 returns of 16 x 1080 beams)
         """
+        if isinstance(scans, LidarScan):
+            raise TypeError(f"joined takes several LidarScans, got {scans!r}")
         parts = list(scans)
         for part in parts:
             if not isinstance(part, LidarScan):

@@ -334,6 +334,8 @@ def test_every_format_holds_the_returns(room, tmp_path):
         ("room.toml --lidar vlp-16 --max-returns 4", 2, "--max-returns needs --returns all"),
         ("room.toml --lidar vlp-16 --noise 0.1", 2, "seed must be given with noise"),
         ("room.toml --lidar vlp-16 --seed 1", 2, "--seed needs --noise or --dropout"),
+        ("room.toml --lidar vlp-16 --duration 1e9", 2, "fewer than 2^31 columns"),
+        (f"room.toml --lidar vlp-16 --turns 2 --noise 0.1 --seed {2**63 - 1}", 2, "leave a number"),
         ("room.toml --lidar vlp-16 --divergence -3", 2, "divergence must be from 0"),
         ("room.toml --lidar vlp-16 --min-range 5 --max-range 4", 2, "must be from 0 on and incre"),
         ("room.toml --lidar vlp-16 --body forwards-left-up", 2, "--body needs --trajectory"),

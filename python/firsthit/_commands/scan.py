@@ -101,7 +101,7 @@ def _add_returns(parser: Parser) -> None:
         metavar="LENGTH",
         type=numbers(1),
         default=[0.0],
-        help="hits less than this behind the nearest of a return belong to it, in scene units "
+        help="hits up to this far behind the nearest of a return belong to it, in scene units "
         "[default: 0]",
     )
     add(
@@ -109,7 +109,7 @@ def _add_returns(parser: Parser) -> None:
         metavar="LENGTH",
         type=numbers(1),
         default=[0.0],
-        help="the shortest range, in scene units [default: 0]",
+        help="ranges are longer than this, in scene units [default: 0]",
     )
     add(
         "--max-range",
@@ -183,6 +183,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     how = _settings(arguments)
     scene = fh.load(arguments.file, strict=arguments.strict, max_memory=arguments.max_memory)
     made, guessed = scanner(arguments, scene.up), _guessed(arguments, scene)
+    _check_turns(made, how["seed"])
     scan = _turns(scene, made, how, arguments)
     for output in outputs:
         scan.save(output)
@@ -213,6 +214,17 @@ def _guessed(arguments: argparse.Namespace, scene: Scene) -> list[str]:
     if is_placed or arguments.up is not None or not scene._up_is_guessed:
         return []
     return [f"up {direction(scene.up)} (--up)"]
+
+
+def _check_turns(made: Scanner, seed: int | None) -> None:
+    """Refuse more turns than a scan can have, before any is scanned."""
+    columns = made.at(0).columns
+    if made.turns * columns >= 2**31:
+        raise UsageError(
+            f"all turns must have fewer than 2^31 columns, got {made.turns} turns of {columns}"
+        )
+    if seed is not None and seed + made.turns > 2**63:
+        raise UsageError(f"--seed must leave a number below 2^63 to each turn, got {seed}")
 
 
 def _turns(
