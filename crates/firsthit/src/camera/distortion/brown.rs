@@ -317,15 +317,26 @@ impl<const N: usize> Brown<N> {
     }
 
     /// Whether there is no fold on the way from the middle to a point: past it there may be other places that are not turned over.
+    ///
+    /// The way is looked at from where a fold may be on. A step is a sixteenth of the way at most, and a quarter of the radius: what
+    /// folds near the middle is as wide as its radius, however far out the point is.
     fn is_before_fold(&self, limit: &Limit, point: DVec2) -> bool {
-        const LOOKS: u32 = 16;
+        let end = point.length();
+        let mut radius = limit.certain;
+        if end <= radius {
+            return true;
+        }
+        if radius == 0.0 {
+            radius = end / 256.0;
+        }
         // Written so that a NaN is looked at.
-        let is_certain = point.length() <= limit.certain;
-        is_certain
-            || (1..=LOOKS).all(|k| {
-                let on_the_way = f64::from(k) / f64::from(LOOKS) * point;
-                self.distorted(limit, on_the_way).is_some()
-            })
+        while radius < end {
+            if self.distorted(limit, radius / end * point).is_none() {
+                return false;
+            }
+            radius += (end / 16.0).min(radius / 4.0);
+        }
+        self.distorted(limit, point).is_some()
     }
 
     /// The point, or the first on the way to the middle that is on this side of the fold.
@@ -367,4 +378,53 @@ fn prism<A: Arithmetic>(of: A, first: f64, second: f64, q: A::Number) -> [A::Num
         of.mul(q, of.add(of.number(first), of.mul(of.number(second), q))),
         of.add(of.number(2.0 * first), of.mul(of.number(4.0 * second), q)),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What folds within a quarter of its radius may be passed over; nothing else is, however far out the point is.
+    #[test]
+    fn a_fold_near_the_middle_is_seen_from_far_out() {
+        let mut state = 7_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f64 / f64::from(1 << 24) - 0.5
+        };
+        let (mut folded, mut kept) = (0, 0);
+        for _ in 0..300 {
+            let lens = Brown {
+                radial: [1.0],
+                divisor: [1.0, 0.0, 0.0, 0.0],
+                tangential: [0.02 * random(), 0.02 * random()],
+                prism: std::array::from_fn(|_| 0.1 * random()),
+            };
+            let limit = lens.limit(2.0);
+            for far in [2.0, 10.0, 100.0, 1e4] {
+                let point = far * DVec2::new(random(), random());
+                // The first turned stretch of the way, in radii from the middle.
+                let end = point.length();
+                let radii: Vec<f64> = (0..=4000)
+                    .map(|k| end * libm::pow(1e-3, 1.0 - f64::from(k) / 4000.0))
+                    .collect();
+                let is_turned =
+                    |radius: &f64| lens.distorted(&limit, *radius / end * point).is_none();
+                let own = lens.is_before_fold(&limit, point);
+                match radii.iter().position(is_turned) {
+                    None => {
+                        assert!(own, "{lens:?} {point}");
+                        kept += 1;
+                    }
+                    Some(start) => {
+                        let turned = radii[start..].iter().take_while(|r| is_turned(r));
+                        let width = turned.last().unwrap() / radii[start];
+                        assert!(!own || width < 1.25, "{lens:?} {point}: {width}");
+                        folded += 1;
+                    }
+                }
+            }
+        }
+        assert!(folded > 300 && kept > 300, "{folded} {kept}");
+    }
 }
