@@ -544,14 +544,15 @@ class Camera(Sensor):
 
     @classmethod
     def from_colmap(
-        cls, cameras: str | os.PathLike[str], images: str | os.PathLike[str]
+        cls, cameras: str | os.PathLike[str], images: str | os.PathLike[str] | None = None
     ) -> dict[str, Camera]:
         """Read the cameras of a COLMAP reconstruction.
 
         Parameters
         ----------
         cameras, images : path-like
-            ``cameras.txt`` and ``images.txt``, or ``cameras.bin`` and ``images.bin``.
+            ``cameras.bin`` and ``images.bin``, or ``cameras.txt`` and ``images.txt``; or only the
+            folder that has them. Of a folder that has both pairs the binary one is read.
 
         Returns
         -------
@@ -564,8 +565,12 @@ class Camera(Sensor):
             If the system refuses to read a file; also an `OSError`.
         FileFormatError
             For what no such file has: counts beyond the file's end, numbers that are not finite, a
-            camera or a name that is there twice, a model that is not known; also a `ValueError`.
+            camera or a name that is there twice, a model that COLMAP does not have, an image of
+            the models ``SIMPLE_DIVISION``, ``DIVISION`` and ``EQUIRECTANGULAR``, which are not
+            supported, and a folder without the files; also a `ValueError`.
         """
+        if images is None:
+            cameras, images = _colmap.files(cameras)
         content = _colmap.content(cameras), _colmap.content(images)
         read = _firsthit.Camera.of_colmap(content, (os.fspath(cameras), os.fspath(images)))
         return {name: cls._of(native) for name, native in read}

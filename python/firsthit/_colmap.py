@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from . import _firsthit
 from ._conventions import quaternion
-from ._errors import FileReadError
+from ._errors import FileFormatError, FileReadError
 
 if TYPE_CHECKING:
     from ._camera import Camera
@@ -86,6 +87,24 @@ def from_camera(camera: Camera) -> ColmapCamera:
 _PLACE = frozenset(
     ("fx", "fy", "cx", "cy", "skew", "focal_length", "width", "height", "aperture", "focus")
 )
+
+
+def files(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
+    """Return the files of cameras and images in a folder, neither of which may be elsewhere."""
+    top = Path(folder)
+    for suffix in ("bin", "txt"):
+        cameras, images = top / f"cameras.{suffix}", top / f"images.{suffix}"
+        if not (cameras.exists() and images.exists()):
+            continue
+        for path in (cameras, images):
+            if not path.resolve().is_relative_to(top.resolve()):
+                why = "refused: it leads outside the reconstruction's folder"
+                raise FileFormatError(f"{path}: {why}", str(path))
+        return cameras, images
+    if not top.exists():
+        raise FileReadError(f"{top}: {os.strerror(errno.ENOENT)}", str(top))
+    expected = "cameras.bin and images.bin, or cameras.txt and images.txt in a folder"
+    raise FileFormatError(f"{top}: expected {expected}", str(top))
 
 
 def content(path: str | os.PathLike[str]) -> bytes:

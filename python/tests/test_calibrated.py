@@ -314,7 +314,8 @@ def test_colmap_files_are_read_and_written(tmp_path):
     reconstruction.write_text(str(tmp_path))
     reconstruction.write_binary(str(tmp_path))
     for suffix in ("txt", "bin"):
-        read = fh.Camera.from_colmap(tmp_path / f"cameras.{suffix}", tmp_path / f"images.{suffix}")
+        files = tmp_path / f"cameras.{suffix}", tmp_path / f"images.{suffix}"
+        read = fh.Camera.from_colmap(*files)
         assert len(read) == len(sizes)
         for number, model in enumerate(sizes, 1):
             camera = read[f"{model.lower()}.png"]
@@ -389,7 +390,7 @@ def test_rays_of_colmap_cameras_project_back_to_their_pixels(model, projection, 
     ("name", "content", "what"),
     [
         ("cameras.txt", "1 PINHOLE 640 480 1 2 3\n", "txt:1: PINHOLE must have 4 parameters"),
-        ("cameras.txt", "1 DIVISION 640 480 1 2 3 4 5\n", "the model DIVISION is not supported"),
+        ("cameras.txt", "1 DIVISION 640 480 1 2 3 4\n", "DIVISION must have 5 parameters"),
         ("cameras.txt", "1 PINHOLE 640 480 1 2 3 x\n", "expected a number, got 'x'"),
         ("cameras.txt", "1 NOTHING 640 480\n", "got 'NOTHING'"),
         ("cameras.txt", b"\xff\xfe", "UTF-8"),
@@ -646,3 +647,28 @@ def test_a_shifted_and_tilted_viewplane_is_the_chapters():
 def test_what_makes_no_camera_is_refused(make, what):
     with pytest.raises(ValueError, match=what):
         make()
+
+
+def test_a_colmap_folder_is_read_without_its_files_names(tmp_path):
+    folder = tmp_path / "sparse"
+    with pytest.raises(fh.FileReadError, match="sparse: No such file"):
+        fh.Camera.from_colmap(folder)
+    folder.mkdir()
+    (folder / "cameras.txt").write_text("1 PINHOLE 640 480 1 2 3 4\n2 DIVISION 6 4 1 2 3 4 5\n")
+    with pytest.raises(fh.FileFormatError, match=r"sparse: expected cameras\.bin and images\.bin"):
+        fh.Camera.from_colmap(folder)
+    (folder / "images.txt").write_text("1 1 0 0 0 0 0 0 1 a.png\n\n")
+    assert list(fh.Camera.from_colmap(folder)) == ["a.png"]
+    # Of both pairs it is the binary one, as COLMAP itself takes it.
+    for name in ("cameras", "images"):
+        (folder / f"{name}.bin").write_bytes(bytes(8))
+    assert fh.Camera.from_colmap(folder) == {}
+    for name in ("cameras", "images"):
+        (folder / f"{name}.bin").unlink()
+    (tmp_path / "images.txt").write_text("1 1 0 0 0 0 0 0 2 b.png\n\n")
+    with pytest.raises(fh.FileFormatError, match=r"model DIVISION of image 'b.png' is not suppor"):
+        fh.Camera.from_colmap(folder / "cameras.txt", tmp_path / "images.txt")
+    (folder / "images.txt").unlink()
+    (folder / "images.txt").symlink_to(tmp_path / "images.txt")
+    with pytest.raises(fh.FileFormatError, match="outside the reconstruction's folder"):
+        fh.Camera.from_colmap(folder)

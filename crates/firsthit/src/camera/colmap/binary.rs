@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{ColmapModel, Image, Intrinsics, wrong};
+use super::{Image, Intrinsics, Model, wrong};
 use crate::error::{Error, Place, Result};
 
 /// The cameras by their numbers, in the order of the file.
@@ -16,19 +16,20 @@ pub(super) fn cameras(data: &[u8], path: &Path) -> Result<Vec<(u32, Intrinsics)>
         let wrong_here = |what| wrong(path, place.clone(), what);
         let number = u32::from_le_bytes(file.take()?);
         let model = i32::from_le_bytes(file.take()?);
-        let model = ColmapModel::of(&format!("number {model}"), |own, _| own == model);
+        let model = Model::of(&format!("number {model}"), |own, _| own == model);
         let model = model.map_err(wrong_here)?;
         let size = [
             u64::from_le_bytes(file.take()?),
             u64::from_le_bytes(file.take()?),
         ];
         let mut numbers = Vec::new();
-        for _ in model.parameters {
+        for _ in model.parameters() {
             numbers.push(f64::from_le_bytes(file.take()?));
         }
         let camera = Intrinsics::new(model, size, numbers, place.clone());
         cameras.push((number, camera.map_err(wrong_here)?));
     }
+    file.end()?;
     Ok(cameras)
 }
 
@@ -54,6 +55,7 @@ pub(super) fn images(data: &[u8], path: &Path) -> Result<Vec<Image>> {
         let image = Image::new(name, camera, pose, place.clone());
         images.push(image.map_err(|what| wrong(path, place, what))?);
     }
+    file.end()?;
     Ok(images)
 }
 
@@ -115,6 +117,15 @@ impl<'a> Bytes<'a> {
         };
         self.rest = rest;
         Ok(String::from_utf8_lossy(text).into_owned())
+    }
+
+    /// That all has been read. More would say that the count is too small, and that images are missing.
+    fn end(&self) -> Result<()> {
+        if self.rest.is_empty() {
+            return Ok(());
+        }
+        let more = self.rest.len();
+        Err(self.wrong(format!("expected the file to end, got {more} more bytes")))
     }
 
     /// Leaves out so many of so many bytes.

@@ -80,30 +80,67 @@ models! {
     16 EUCM => Eucm: fx fy cx cy alpha beta;
 }
 
-/// Those that COLMAP has, and that no projection here is.
-const OTHERS: [(i32, &str); 3] = [
-    (12, "SIMPLE_DIVISION"),
-    (13, "DIVISION"),
-    (17, "EQUIRECTANGULAR"),
+/// The model of a camera in a file.
+#[derive(Debug, Clone, Copy)]
+enum Model {
+    /// One that a projection of this library is.
+    Known(&'static ColmapModel),
+    /// One that none is: a camera of it can be passed over, and not be used.
+    Other(&'static Unsupported),
+}
+
+/// A model that COLMAP has, and that no projection here is.
+#[derive(Debug)]
+struct Unsupported {
+    number: i32,
+    name: &'static str,
+    parameters: &'static [&'static str],
+}
+
+const UNSUPPORTED: &[Unsupported] = &[
+    Unsupported {
+        number: 12,
+        name: "SIMPLE_DIVISION",
+        parameters: &["f", "cx", "cy", "k"],
+    },
+    Unsupported {
+        number: 13,
+        name: "DIVISION",
+        parameters: &["fx", "fy", "cx", "cy", "k"],
+    },
+    Unsupported {
+        number: 17,
+        name: "EQUIRECTANGULAR",
+        parameters: &["w", "h"],
+    },
 ];
 
-impl ColmapModel {
+impl Model {
     /// The model that `is_it` says is the one.
     ///
     /// # Errors
     ///
-    /// In words, why there is none of the name or number that is `shown`.
-    fn of(shown: &str, is_it: impl Fn(i32, &str) -> bool) -> InWords<&'static Self> {
-        let mut all = Self::ALL.iter();
-        if let Some(model) = all.find(|model| is_it(model.number, model.name)) {
-            return Ok(model);
+    /// In words, that there is none of the name or number that is `shown`.
+    fn of(shown: &str, is_it: impl Fn(i32, &str) -> bool) -> InWords<Self> {
+        let mut known = ColmapModel::ALL.iter();
+        if let Some(model) = known.find(|model| is_it(model.number, model.name)) {
+            return Ok(Self::Known(model));
         }
-        if let Some((_, name)) = OTHERS.iter().find(|(number, name)| is_it(*number, name)) {
-            return Err(format!("the model {name} is not supported"));
+        let mut others = UNSUPPORTED.iter();
+        if let Some(model) = others.find(|model| is_it(model.number, model.name)) {
+            return Ok(Self::Other(model));
         }
-        let known: Vec<&str> = Self::ALL.iter().map(|model| model.name).collect();
-        let known = known.join(", ");
-        Err(format!("the model must be one of {known}, got {shown}"))
+        let names: Vec<&str> = ColmapModel::ALL.iter().map(|model| model.name).collect();
+        let names = names.join(", ");
+        Err(format!("the model must be one of {names}, got {shown}"))
+    }
+
+    /// The names of its parameters, in the file's order.
+    fn parameters(self) -> &'static [&'static str] {
+        match self {
+            Self::Known(model) => model.parameters,
+            Self::Other(model) => model.parameters,
+        }
     }
 }
 
@@ -133,7 +170,7 @@ pub struct ColmapImages {
 /// A camera of the first file.
 #[derive(Debug, Clone)]
 struct Intrinsics {
-    model: &'static ColmapModel,
+    model: Model,
     /// Rows and columns.
     size: [usize; 2],
     numbers: Vec<f64>,
@@ -157,7 +194,7 @@ impl ColmapImages {
     /// # Errors
     ///
     /// [`Error::Parse`] with its place for what is wrong in a file: what is cut off or no number, counts that the file has no room for,
-    /// numbers that are not finite, a model that is not known, a camera or an image's name that is there twice, and an image of a
+    /// numbers that are not finite, a model that COLMAP does not have, a camera or an image's name that is there twice, and an image of a
     /// camera that is not there.
     pub fn read([cameras, images]: [&[u8]; 2], paths: [&Path; 2]) -> Result<Self> {
         let is_binary = |path: &Path| path.extension().is_some_and(|name| name == "bin");
@@ -212,7 +249,8 @@ impl ColmapImages {
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`] for numbers that no camera has, as [`Camera::new`] refuses them.
+    /// [`Error::Parse`] for numbers that no camera has, as [`Camera::new`] refuses them, and for the models that are not in
+    /// [`ColmapModel::ALL`].
     pub fn camera(&self, name: &str) -> Option<Result<Camera>> {
         let image = self.images.iter().find(|image| image.name == name)?;
         Some(self.camera_of(image))
@@ -237,7 +275,15 @@ impl ColmapImages {
             let place = intrinsics.place.clone();
             wrong(of_cameras, place, error.to_string())
         };
-        let lens = intrinsics.lens().map_err(in_file)?;
+        let model = match intrinsics.model {
+            Model::Known(model) => model,
+            Model::Other(model) => {
+                let (model, image) = (model.name, shown(&image.name));
+                let what = format!("the model {model} of image {image} is not supported");
+                return Err(wrong(of_cameras, intrinsics.place.clone(), what));
+            }
+        };
+        let lens = intrinsics.lens(model).map_err(in_file)?;
         let [rows, columns] = intrinsics.size;
         // The lens alone, so that what is wrong with it is told of its own file.
         Camera::new(super::View {
@@ -260,7 +306,7 @@ impl Intrinsics {
     ///
     /// In words, why they cannot.
     fn new(
-        model: &'static ColmapModel,
+        model: Model,
         [columns, rows]: [u64; 2],
         numbers: Vec<f64>,
         place: Place,
@@ -282,17 +328,17 @@ impl Intrinsics {
         })
     }
 
-    fn lens(&self) -> Result<Lens> {
+    fn lens(&self, model: &ColmapModel) -> Result<Lens> {
         let mut named = Vec::new();
-        for (&name, &value) in self.model.parameters.iter().zip(&self.numbers) {
+        for (&name, &value) in model.parameters.iter().zip(&self.numbers) {
             if name == "f" {
                 named.extend([("fx", value), ("fy", value)]);
             } else {
                 named.push((name, value));
             }
         }
-        if self.model.projection != Projection::Perspective {
-            return Lens::named(self.model.projection, &named);
+        if model.projection != Projection::Perspective {
+            return Lens::named(model.projection, &named);
         }
         let of = |name| {
             let found = named.iter().find(|(own, _)| *own == name);
@@ -335,8 +381,7 @@ impl Image {
     }
 
     fn wrong(&self, path: &Path, what: impl AsRef<str>) -> Error {
-        let name = escape_controls(&self.name);
-        let what = format!("image '{name}': {}", what.as_ref());
+        let what = format!("image {}: {}", shown(&self.name), what.as_ref());
         wrong(path, self.place.clone(), what)
     }
 }
@@ -366,6 +411,14 @@ fn matrix(&[w, x, y, z, ref t @ ..]: &[f64; 7]) -> [[f64; 4]; 4] {
         ],
         [0.0, 0.0, 0.0, 1.0],
     ]
+}
+
+/// A word of a file for a message, within quotes; of a long one its beginning.
+fn shown(word: &str) -> String {
+    const MOST: usize = 80;
+    let start: String = word.chars().take(MOST).collect();
+    let more = if start.len() < word.len() { "..." } else { "" };
+    format!("'{}{more}'", escape_controls(&start))
 }
 
 /// That something is wrong at a place of a file.

@@ -37,7 +37,7 @@ fn as_binary(images: &ColmapImages) -> [Vec<u8>; 2] {
     let mut of_cameras = (images.cameras.len() as u64).to_le_bytes().to_vec();
     for (number, camera) in &images.cameras {
         of_cameras.extend(number.to_le_bytes());
-        of_cameras.extend(camera.model.number.to_le_bytes());
+        of_cameras.extend(number_of(camera.model).to_le_bytes());
         let [rows, columns] = camera.size;
         of_cameras.extend((columns as u64).to_le_bytes());
         of_cameras.extend((rows as u64).to_le_bytes());
@@ -54,6 +54,13 @@ fn as_binary(images: &ColmapImages) -> [Vec<u8>; 2] {
         of_images.extend(vec![9; 24 * k]);
     }
     [of_cameras, of_images]
+}
+
+fn number_of(model: Model) -> i32 {
+    match model {
+        Model::Known(model) => model.number,
+        Model::Other(model) => model.number,
+    }
 }
 
 #[test]
@@ -119,7 +126,10 @@ fn what_is_wrong_in_cameras_is_told_with_its_line() {
         ),
         ("1 NO 640 480 1\n", "RADIAL_FISHEYE"),
         ("1 NO 640 480 1\n", ", EUCM, got 'NO'"),
-        ("1 DIVISION 6 4 1 1 1\n", "DIVISION is not supported"),
+        (
+            "1 DIVISION 6 4 1 1 1\n",
+            ":1: DIVISION must have 5 parameters (fx, fy, cx, cy, k), got 3",
+        ),
         ("1 PINHOLE 6 4 5 nan 3 2\n", ":1: parameters must be finite"),
         ("1 PINHOLE 6 4 5 x 3 2\n", "expected a number, got 'x'"),
         ("1 PINHOLE 6 -1 5 1 3 2\n", "a whole number, got '-1'"),
@@ -252,18 +262,41 @@ fn counts_that_the_file_has_no_room_for_are_refused_at_once() {
         assert!(error.ends_with("the file is cut off"), "{error}");
     }
     let mut wrong = cameras.clone();
-    wrong[12..16].copy_from_slice(&13_i32.to_le_bytes());
-    let error = binary(&wrong, &images).unwrap_err().to_string();
-    assert_eq!(
-        error,
-        "cameras.bin @ byte 8: the model DIVISION is not supported"
-    );
     wrong[12..16].copy_from_slice(&(-1_i32).to_le_bytes());
     let error = binary(&wrong, &images).unwrap_err().to_string();
     assert!(error.ends_with(", got number -1"), "{error}");
 }
 
 /// Bytes that are changed, cut out and put in anywhere are read or refused, in a line.
+/// COLMAP has models that are no lens here. Images of other cameras can be used all the same.
+#[test]
+fn cameras_of_other_models_are_passed_over() {
+    let cameras = "\
+1 SIMPLE_DIVISION 640 480 500 320 240 -0.1
+2 DIVISION 640 480 500 510 320 240 -0.1
+3 EQUIRECTANGULAR 640 320 640 320
+4 PINHOLE 640 480 500 510 320 240
+";
+    let lines = (1..5).map(|k| format!("{k} 1 0 0 0 0 0 0 {k} {k}.jpg\n\n"));
+    let of_text = text(cameras, &lines.collect::<String>()).unwrap();
+    let [of_cameras, of_images] = as_binary(&of_text);
+    let of_binary = binary(&of_cameras, &of_images).unwrap();
+    for images in [of_text, of_binary] {
+        for (name, model) in [
+            ("1.jpg", "SIMPLE_DIVISION"),
+            ("2.jpg", "DIVISION"),
+            ("3.jpg", "EQUIRECTANGULAR"),
+        ] {
+            let error = images.camera(name).unwrap().unwrap_err().to_string();
+            assert!(error.starts_with("cameras."), "{error}");
+            let said = format!(": the model {model} of image '{name}' is not supported");
+            assert!(error.ends_with(&said), "{error}");
+        }
+        assert!(images.camera("4.jpg").unwrap().is_ok());
+        assert_eq!(images.cameras().flatten().count(), 1);
+    }
+}
+
 #[test]
 fn files_with_changed_bytes_are_read_or_refused() {
     let [cameras, images] = as_binary(&text(CAMERAS, IMAGES).unwrap());

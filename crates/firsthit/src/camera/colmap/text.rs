@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use super::{ColmapModel, Image, InWords, Intrinsics, wrong};
-use crate::error::{Place, Result, escape_controls};
+use super::{Image, InWords, Intrinsics, Model, shown, wrong};
+use crate::error::{Place, Result};
 
 /// The cameras by their numbers, in the order of the file.
 pub(super) fn cameras(data: &[u8], path: &Path) -> Result<Vec<(u32, Intrinsics)>> {
@@ -55,8 +55,8 @@ fn camera(line: &str, place: Place) -> InWords<(u32, Intrinsics)> {
     let [number, name, width, height, ref parameters @ ..] = words[..] else {
         return Err("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS".to_owned());
     };
-    let model = ColmapModel::of(&shown(name), |_, own| own == name)?;
-    let wanted = model.parameters;
+    let model = Model::of(&shown(name), |_, own| own == name)?;
+    let wanted = model.parameters();
     if parameters.len() != wanted.len() {
         return Err(format!(
             "{name} must have {} parameters ({}), got {}",
@@ -102,10 +102,4 @@ const NUMBER: &str = "a number";
 fn parsed<T: FromStr>(word: &str, expected: &str) -> InWords<T> {
     word.parse()
         .map_err(|_| format!("expected {expected}, got {}", shown(word)))
-}
-
-/// A word for a message, within quotes; of a long one its beginning.
-fn shown(word: &str) -> String {
-    let start: String = word.chars().take(40).collect();
-    format!("'{}'", escape_controls(&start))
 }
