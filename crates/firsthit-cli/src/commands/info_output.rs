@@ -92,6 +92,14 @@ fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>) {
     if let Some(sensor) = &metadata.sensor {
         describe_sensor(sensor, &mut say);
     }
+    if let Some(Value::Object(settings)) = &metadata.scan {
+        let settings = settings.iter().filter(|(_, value)| !value.is_null());
+        let settings = settings.map(|(name, value)| format!("{name} {}", setting(value)));
+        say("scan", settings.collect::<Vec<_>>().join(", "));
+    }
+    if let Some(Value::Array(scans)) = &metadata.scans {
+        say("scans", format!("{} put together", scans.len()));
+    }
     if let Some(samples) = metadata.samples {
         say("samples", format!("{samples} for each pixel's colour"));
     }
@@ -99,6 +107,16 @@ fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>) {
     let channels = metadata.channels.iter().map(channel);
     let channels = channels.map(|line| escape_controls(&line));
     lines.extend(listed(most, "  ", channels));
+}
+
+/// A setting of a scan: words without quotes, numbers as they are written elsewhere.
+fn setting(value: &Value) -> String {
+    match value {
+        Value::String(word) => word.clone(),
+        Value::Array(values) => values.iter().map(setting).collect::<Vec<_>>().join(" "),
+        Value::Number(given) => given.as_f64().map_or_else(|| value.to_string(), number),
+        _ => value.to_string(),
+    }
 }
 
 fn describe_sensor(sensor: &SensorRecord, say: &mut impl FnMut(&str, String)) {
@@ -122,6 +140,18 @@ fn describe_sensor(sensor: &SensorRecord, say: &mut impl FnMut(&str, String)) {
         );
     }
 }
+
+/// Parameters of lenses that the viewplane and K tell.
+const TOLD: [&str; 8] = [
+    "focal_length",
+    "width",
+    "height",
+    "fx",
+    "fy",
+    "cx",
+    "cy",
+    "skew",
+];
 
 fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
     let triple = |v: [f64; 3]| triple(v.into());
@@ -159,6 +189,15 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
                 intrinsics.axes
             ),
         );
+    }
+    // Those that are zero change nothing.
+    let parameters = camera.parameters.iter();
+    let own = parameters.filter(|(name, value)| **value != 0.0 && !TOLD.contains(&name.as_str()));
+    let own: Vec<String> = own
+        .map(|(name, &x)| format!("{name} {}", number(x)))
+        .collect();
+    if !own.is_empty() {
+        say("  lens", own.join(", "));
     }
     say(
         "  pose",

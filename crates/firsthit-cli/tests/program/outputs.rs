@@ -23,6 +23,41 @@ fn info(lab: &Lab, file: &str) -> Value {
 }
 
 #[test]
+fn info_tells_what_a_lens_has_beside_k_and_how_a_scan_was_made() {
+    let lab = Lab::with_square();
+    let distorted =
+        "--intrinsics 20,20,12,9 --convention ros --projection opencv --parameters k1=-0.1,p1=0.01";
+    lab.ok(&format!(
+        "render square.ply -o a.npz --size 24x18 {distorted} --aperture 0.5 --focus 3"
+    ));
+    let outcome = lab.ok("info a.npz");
+    let text = outcome.text();
+    assert!(
+        text.contains("\n  lens         aperture 0.5, focus 3, k1 -0.1, p1 0.01\n"),
+        "{text}"
+    );
+    lab.ok(&format!("render square.ply {ABOVE} -o b.npz"));
+    assert!(!lab.ok("info b.npz").text().contains("\n  lens"));
+    // As `firsthit scan` writes it.
+    let said = json!({
+        "metadata_version": 1, "firsthit": "0.1.0", "scene": null, "shape": [0], "pixels": null, "camera": null,
+        "sensor": null, "samples": null, "channels": [],
+        "scan": {"returns": "all", "divergence": 0.003, "max_returns": null, "noise": [0.5, 0.25], "seed": 7},
+        "scans": [{}, {}],
+    });
+    lab.write(
+        "c.ply",
+        format!("ply\nformat binary_little_endian 1.0\ncomment firsthit {said}\nelement vertex 0\nproperty double x\nproperty double y\nproperty double z\nend_header\n"),
+    );
+    let outcome = lab.ok("info c.ply");
+    let text = outcome.text();
+    assert!(
+        text.contains("\nscan           divergence 0.003, noise 0.5 0.25, returns all, seed 7\nscans          2 put together\n"),
+        "{text}"
+    );
+}
+
+#[test]
 fn info_reads_the_camera_and_the_channels_back_from_every_format() {
     let lab = lab();
     let mut scenes = Vec::new();
