@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import json
 import struct
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 #: The sizes of the header, of that of a variable length record, of a description of extra bytes.
 _HEADER, _RECORD_HEADER, _DESCRIPTION = 375, 54, 192
+
+#: Whose the record of the metadata is, and its number.
+_METADATA = (b"firsthit", 1)
 
 #: A point of format 6.
 _POINT = [
@@ -77,9 +81,19 @@ def encode(scan: LidarScan) -> bytes:
     start = _HEADER + _RECORD_HEADER + length
     stored = steps * scale + offset
     box = _bounds(stored)
-    header = _header(len(scan), start, records.dtype.itemsize, returned, (scale, offset, box))
+    content = records.tobytes()
+    header = _header(
+        len(scan),
+        (start, start + len(content)),
+        records.dtype.itemsize,
+        returned,
+        (scale, offset, box),
+    )
     about = struct.pack("<H16sHH32s", 0, b"LASF_Spec", 4, length, b"firsthit")
-    return header + about + b"".join(map(_described, _EXTRA)) + records.tobytes()
+    # Behind the points a record may be longer than 64 KiB, as that of a long drive is.
+    said = json.dumps(scan.metadata).encode()
+    after = struct.pack("<H16sHQ32s", 0, *_METADATA, len(said), b"metadata, JSON")
+    return header + about + b"".join(map(_described, _EXTRA)) + content + after + said
 
 
 def compress(content: bytes) -> bytes:
@@ -119,12 +133,13 @@ def _scale(low: npt.NDArray[np.float64], high: npt.NDArray[np.float64]) -> float
 
 def _header(
     count: int,
-    start: int,
+    places: tuple[int, int],
     record: int,
     returned: npt.NDArray[np.int32],
     place: tuple[float, npt.NDArray[Any], tuple[npt.NDArray[Any], npt.NDArray[Any]]],
 ) -> bytes:
-    """Return the header of a file of so many points."""
+    """Return the header of a file of so many points, which begin and end at ``places``."""
+    start, end = places
     scale, offset, (low, high) = place
     by_return = [int(np.count_nonzero(returned == k)) for k in range(1, _MOST_RETURNS + 1)]
     software = f"firsthit {_firsthit.version()}".encode()
@@ -136,7 +151,7 @@ def _header(
     )  # fmt: skip
     header += struct.pack("<6d", scale, scale, scale, *offset)
     header += struct.pack("<6d", *(x for axis in range(3) for x in (high[axis], low[axis])))
-    return header + struct.pack("<QQIQ15Q", 0, 0, 0, count, *by_return)
+    return header + struct.pack("<QQIQ15Q", 0, end, 1, count, *by_return)
 
 
 def _described(extra: tuple[str, str, int, str]) -> bytes:

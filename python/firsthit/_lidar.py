@@ -635,6 +635,12 @@ class Lidar(OtherSensor):
         MemoryError
             If the returns do not fit into memory.
 
+        Warns
+        -----
+        FirsthitWarning
+            For cones without a ``range_gate`` whose further returns or intensities are asked for:
+            each of their lines is a return of its own.
+
         Examples
         --------
         >>> import firsthit as fh

@@ -14,6 +14,7 @@ import numpy as np
 
 from . import _firsthit, _las
 from ._arrays import lock
+from ._scan_file import read_scan
 from ._scan_metadata import metadata
 
 if TYPE_CHECKING:
@@ -70,12 +71,12 @@ class LidarScan:
     They are beam by beam in the order of the picture's rows, and each beam's by range without its
     noise. A beam that met nothing has none.
 
-    ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans, and `joined` one of
-    several.
+    ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans, `joined` one of
+    several, and `load` reads them.
     """
 
     def __init__(self) -> None:
-        raise TypeError("LidarScans are made by Lidar.scan")
+        raise TypeError("LidarScans are made by Lidar.scan and LidarScan.load")
 
     #: The extensions that `save` knows.
     EXTENSIONS: ClassVar[tuple[str, ...]] = (
@@ -120,7 +121,7 @@ class LidarScan:
         LidarScan
             All returns of the first scan, then all of the next. ``column`` counts on from scan to
             scan: the pictures are beside one another. ``metadata`` has the first scan's scanner and
-            scene, and under ``scans`` the digests and settings of each.
+            scene, and under ``scans`` the digests, columns and settings of each.
 
         Raises
         ------
@@ -167,17 +168,41 @@ class LidarScan:
         said["scans"] = [digests for part in parts for digests in part._digests()]
         return cls._of(arrays, (parts[0].shape[0], int(before[-1])), json.dumps(said))
 
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> LidarScan:
+        """Read a scan from an ``.npz`` that `save` wrote, as it was.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
+
+        Returns
+        -------
+        LidarScan
+            The scan, with the same arrays and metadata.
+
+        Raises
+        ------
+        FileReadError
+            If the system refuses to read it; also an `OSError`.
+        FileFormatError
+            For what is no such file; also a `ValueError`.
+        """
+        return cls._of(*read_scan(path))
+
     def _said(self) -> str:
         """Return what was scanned, and how, as JSON."""
         origin = self._origin
         return origin if isinstance(origin, str) else origin.text()
 
     def _digests(self) -> list[dict[str, Any]]:
-        """Return the digests of the scanner and the scene, and the settings, of each scan here."""
+        """Return of each scan here the digests of the scanner and the scene, and the settings."""
         said: dict[str, Any] = json.loads(self._said())
         alone = [
             {
                 "sensor": said["sensor"]["digest"],
+                "columns": said["sensor"]["columns"],
                 "scene": said["scene"],
                 "scan": said.get("scan"),
             }

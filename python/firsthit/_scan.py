@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import numpy as np
 
 from ._arrays import count, flag, number, numbers, threads_or_all
+from ._errors import warn
 from ._lidar_scan import LidarScan, ScanOrigin
 from ._progress import following, later
 from ._types import Returns
@@ -125,6 +126,13 @@ class ScanSettings(NamedTuple):
         }
 
     @property
+    def splits(self) -> bool:
+        """Whether a cone's lines end as returns of their own, which no receiver does."""
+        is_cone = self.divergence is not None and self.subrays > 1
+        is_told = self.returns != "first" or self.intensity
+        return is_cone and is_told and self.range_gate == 0.0
+
+    @property
     def needs_surfaces(self) -> bool:
         """Whether it matters how bright each hit is."""
         return self.intensity or self.returns == "strongest"
@@ -169,6 +177,11 @@ def scanned(
     if not isinstance(scene, KindOfScene):
         raise TypeError(f"scan takes a Scene, got {scene!r}")
     beams = lidar.rows * lidar.columns
+    if settings.splits:
+        warn(
+            f"each of the {settings.subrays} lines of a beam is a return of its own: give a "
+            "range_gate, what the receiver resolves"
+        )
     if settings.divergence is None:
         parts = [_of_lines(lidar, scene, settings, threads, progress)]
     else:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _firsthit
 
 if TYPE_CHECKING:
@@ -12,6 +14,26 @@ if TYPE_CHECKING:
 
 #: The version of the form, which is that of frames.
 _VERSION = 1
+
+#: The arrays of a scan, with their types.
+ARRAYS = {
+    "point": np.dtype((np.float64, 3)),
+    "sensor_point": np.dtype((np.float64, 3)),
+    "range": np.dtype(np.float64),
+    "object": np.dtype(np.int32),
+    "primitive": np.dtype(np.int32),
+    "incidence": np.dtype(np.float64),
+    "ring": np.dtype(np.int32),
+    "row": np.dtype(np.int32),
+    "column": np.dtype(np.int32),
+    "time": np.dtype(np.float64),
+    "return_number": np.dtype(np.int32),
+    "number_of_returns": np.dtype(np.int32),
+    "intensity": np.dtype(np.float64),
+}
+
+#: The entries that say where a scan comes from; the last two need not be there.
+FORM = ("scene", "sensor", "scan", "scans")
 
 #: What each array is, in which unit and frame.
 _ABOUT: dict[str, tuple[str, str | None, str | None]] = {

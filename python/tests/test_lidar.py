@@ -4,6 +4,7 @@ import io
 import json
 import pickle
 import sys
+import warnings
 
 import firsthit as fh
 import numpy as np
@@ -458,3 +459,90 @@ def test_the_same_scan_has_the_same_bytes_and_writing_is_whole(scan, tmp_path):
         scan.save(tmp_path / "none" / "a.las")
     out = io.BytesIO((tmp_path / "a.las").read_bytes())
     assert out.read(4) == b"LASF"
+
+
+def test_an_npz_is_read_back_as_it_was(scan, tmp_path):
+    other = fh.Lidar.named("vlp-16", columns=18).scan(
+        layers(), returns="all", intensity=True, noise=0.1, seed=2
+    )
+    for written in (scan, other, fh.LidarScan.joined([other, other])):
+        written.save(tmp_path / "a.npz")
+        read = fh.LidarScan.load(tmp_path / "a.npz")
+        assert (read.shape, read.keys(), read.metadata) == (
+            written.shape,
+            written.keys(),
+            written.metadata,
+        )
+        for name in written.keys():  # noqa: SIM118 - a scan has no other names
+            assert read[name].dtype == written[name].dtype
+            np.testing.assert_array_equal(read[name], written[name])
+        np.testing.assert_array_equal(read.to_image("time"), written.to_image("time"))
+        again = fh.LidarScan.joined([read, written])
+        assert again.shape[1] == 2 * written.shape[1]
+        assert not read.range.flags.writeable
+
+
+def test_what_is_no_npz_of_a_scan_is_refused(scan, tmp_path):
+    scan.save(tmp_path / "good.npz")
+    with np.load(tmp_path / "good.npz") as file:
+        good = {name: file[name] for name in file.files}
+    said = json.loads(str(good["metadata"]))
+
+    def refused(what, **changed):
+        arrays = {name: array for name, array in {**good, **changed}.items() if array is not None}
+        np.savez(tmp_path / "bad.npz", **arrays)
+        with pytest.raises(fh.FileFormatError, match=what):
+            fh.LidarScan.load(tmp_path / "bad.npz")
+
+    def with_words(**changed):
+        return np.array(json.dumps({**said, **changed}))
+
+    refused("names? no lidar", metadata=None)
+    refused("name no lidar", metadata=with_words(sensor=None))
+    refused(
+        r"\[1099511627776\] columns",
+        metadata=with_words(sensor=said["sensor"] | {"columns": 1 << 40}),
+    )
+    refused(
+        "4611686018427387904 x ", metadata=with_words(sensor=said["sensor"] | {"rows": 1 << 62})
+    )
+    refused("scans have no columns", metadata=with_words(scans=[{}]))
+    refused("row must be from 0", metadata=with_words(sensor={**said["sensor"], "rows": 1}))
+    refused("column must be from 0", column=np.full_like(good["column"], -1))
+    refused("it has no ring", ring=None)
+    refused("time must be float64", time=good["time"].astype(np.float32))
+    refused(r"point must be float64 of the shape \(\d+, 3\)", point=good["point"][1:])
+    for name in ("none.npz", "good.ply"):
+        with pytest.raises(fh.FileError):
+            fh.LidarScan.load(tmp_path / name)
+
+
+def test_a_las_says_what_it_is(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    # So many turns that the metadata are longer than the 64 KiB of a record before the points.
+    turn = fh.Lidar.named("vlp-16", columns=2).scan(layers())
+    scan = fh.LidarScan.joined([turn] * 400)
+    for name in ("a.las", "a.laz") if laspy.LazBackend.detect_available() else ("a.las",):
+        scan.save(tmp_path / name)
+        records = laspy.read(tmp_path / name).evlrs
+        (own,) = (record for record in records if record.user_id == "firsthit")
+        assert json.loads(own.record_data) == scan.metadata
+    assert len(json.dumps(scan.metadata)) > 1 << 16
+
+
+@pytest.mark.parametrize(
+    ("how", "warns"),
+    [
+        ({"returns": "all"}, True),
+        ({"intensity": True}, True),
+        ({}, False),
+        ({"returns": "all", "range_gate": 0.2}, False),
+        ({"returns": "all", "subrays": 1}, False),
+    ],
+)
+def test_a_cone_without_a_gate_warns_where_it_is_seen(how, warns):
+    lidar = fh.Lidar.named("vlp-16", columns=18)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        lidar.scan(layers(), divergence=0.01, **how)
+    assert [("range_gate" in str(each.message)) for each in caught] == [True] * warns

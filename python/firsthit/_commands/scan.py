@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 import firsthit as fh
-from firsthit._errors import FileWriteError
+from firsthit._errors import FileWriteError, warn
 from firsthit._lidar_scan import lacking
 from firsthit._progress import following, later
 from firsthit._scan import ScanSettings
 from firsthit._types import Returns
 
-from ._directions import direction
+from ._directions import direction, triple
 from ._program import Parser, UsageError, run
 from ._scanner import add_place, add_scanner, scanner, with_values
 from ._values import memory, numbers, whole
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from firsthit import LidarScan, Scene
+    from firsthit import Lidar, LidarScan, Scene
 
     from ._scanner import Scanner
 
@@ -194,6 +194,8 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     if guessed:
         what += f"; guessed: {', '.join(guessed)}"
     lines = [f"{output}: {what}" for output in outputs]
+    if not len(scan):
+        warn(_why_none(scene, made.at(0), how))
     report = {
         "file": arguments.file,
         "outputs": [str(output) for output in outputs],
@@ -214,6 +216,16 @@ def _guessed(arguments: argparse.Namespace, scene: Scene) -> list[str]:
     if is_placed or arguments.up is not None or not scene._up_is_guessed:
         return []
     return [f"up {direction(scene.up)} (--up)"]
+
+
+def _why_none(scene: Scene, lidar: Lidar, how: dict[str, Any]) -> str:
+    """Return where things are, for a scan that met nothing."""
+    low, high = scene.bounds
+    limits = f"{how['min_range']:g} to {how['max_range']:g}"
+    return (
+        f"no beam met anything: the scanner starts at {triple(lidar.poses()[0, 0, :3, 3])}, the "
+        f"scene goes from {triple(low)} to {triple(high)}, and ranges of {limits} count"
+    )
 
 
 def _check_turns(made: Scanner, seed: int | None) -> None:
