@@ -389,7 +389,9 @@ mod tests {
     fn a_fold_near_the_middle_is_seen_from_far_out() {
         let mut state = 7_u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
             (state >> 40) as f64 / f64::from(1 << 24) - 0.5
         };
         let (mut folded, mut kept) = (0, 0);
