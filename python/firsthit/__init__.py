@@ -13,7 +13,7 @@ identifiers and ``nan`` elsewhere.
 (array([ 4., inf]), array([ 0, -1], dtype=int32))
 """
 
-from . import _firsthit, annotations, datasets
+from . import _firsthit, annotations, datasets, many
 from ._all_hits import AllHits
 from ._camera import Camera
 from ._cameras import NamedCamera
@@ -45,6 +45,7 @@ from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 from ._trajectory import Trajectory
 from .annotations import annotate
 from .datasets import Plan, dataset
+from .many import parts, render_many, shoot_many, visible_many
 
 # Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
 __version__ = _firsthit.version()
@@ -106,7 +107,12 @@ __all__ = [
     "info",
     "lint",
     "load",
+    "many",
     "optical_flow",
+    "parts",
     "read_metadata",
     "render",
+    "render_many",
+    "shoot_many",
+    "visible_many",
 ]

@@ -14,7 +14,8 @@ import firsthit as fh
 import numpy as np
 import pytest
 from dataset_support import PLANS, plan, record, tree
-from firsthit.datasets._digest import of_arrays
+from firsthit._parts import _scene_store
+from firsthit._parts._digest import of_arrays
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
 
@@ -367,7 +368,7 @@ def test_progress_counts_frames_and_an_exception_from_it_ends_the_run(tmp_path):
 
 def test_progress_on_a_terminal_has_the_time_left(tmp_path, capsys, monkeypatch):
     clock = iter(range(0, 1000, 10))
-    monkeypatch.setattr("firsthit.datasets._time_left.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("firsthit._parts._time_left.time.monotonic", lambda: next(clock))
     fh.dataset(fh.Plan.from_dict(plan(), PLANS), tmp_path, progress=True)
     said = capsys.readouterr().err
     assert "1 of 7 frames, 14 %, 2 min left" in said
@@ -421,9 +422,9 @@ def test_a_plan_of_a_billion_frames_begins_at_once(tmp_path):
 
 def test_scenes_of_a_job_are_read_once_more_only_where_they_are_needed(tmp_path, monkeypatch):
     read = []
-    load = fh.datasets._scenes.load
+    load = _scene_store.load
     monkeypatch.setattr(
-        "firsthit.datasets._scenes.load", lambda path: read.append(path.name) or load(path)
+        "firsthit._parts._scene_store.load", lambda path: read.append(path.name) or load(path)
     )
 
     def three(made):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from dataset_support import PLANS, plan, record
 from firsthit.datasets._sampling import Uniforms
-from firsthit.datasets._scenes import Loaded
 
 MASK = 2**64 - 1
 
@@ -306,7 +305,7 @@ def test_a_scene_s_up_is_the_plan_s_where_it_has_one(tmp_path):
         data = {"scenes": [{"file": "one.obj"} | keys], "sensors": [{"columns": 8, "rows": 6}]}
         data["poses"] = {"kind": "sphere", "count": 1, "radius": 9, "elevation": 0}
         made = fh.Plan.from_dict(data, tmp_path)
-        scene = Loaded(made._scenes).scene(0)
+        scene = made._scenes[0].load()
         folder = tmp_path / f"out{len(keys)}"
         fh.dataset(made, folder)
         return tuple(scene.up), np.array(record(folder, 0)["world_from_rig"])[:3, 2]

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from ._job import check, check_packages
-from ._scenes import Loaded
 
 if TYPE_CHECKING:
+    from firsthit._parts._mark import Mark
     from firsthit._scene import Scene
     from firsthit._types import Vector
 
-    from ._mark import Mark
     from ._plan import Plan
     from ._scenes import PlannedScene
 
@@ -29,9 +28,10 @@ class Checked(NamedTuple):
 def checked(plan: Plan, threads: int | None) -> list[Checked]:
     """Read all scenes, try what the plan asks of them, and return what is known of each."""
     check_packages(plan)
-    loaded, found = Loaded(plan._scenes), []
+    found = []
     for number, planned in enumerate(plan._scenes):
-        mark, scene = check(plan, number, loaded, threads), loaded.scene(number)
+        scene = planned.load()
+        mark = check(plan, number, scene, threads)
         found.append(Checked(mark, scene.up, _up_source(planned, scene)))
     return found
 

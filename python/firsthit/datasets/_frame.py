@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit._files import in_path
+from firsthit._parts._digest import canonical, of_arrays
+from firsthit._parts._part import name_of
 from firsthit._render import render
 from firsthit.annotations import annotate
 from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import meters
 
-from ._digest import canonical, of_arrays
 from ._fragments import fragments, instances, save_masks
 from ._lidars import LidarSensor
-from ._part import name_of, seal
 from ._sampling import POSES, Uniforms
 
 if TYPE_CHECKING:
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from firsthit._camera import Camera
     from firsthit._frame import Frame
     from firsthit._moving import Pushbroom, RollingShutter
+    from firsthit._parts._mark import Mark
     from firsthit._scene import Scene
 
-    from ._mark import Mark
     from ._place import Place
     from ._plan import Plan
     from ._sensors import PictureSensor
@@ -50,8 +50,8 @@ class FrameMaker:
         plan = self._plan
         return plan._poses.place(plan._seed, frame, plan.scene_of(frame).pose, scene)
 
-    def make(self, folder: Path, frame: int, scene: Scene, mark: Mark) -> None:
-        """Write all files of a frame, and its record."""
+    def make(self, folder: Path, frame: int, scene: Scene, mark: Mark) -> dict[str, Any]:
+        """Write all files of a frame; return its record."""
         plan = self._plan
         number, place = plan.scene_of(frame), self.place(frame, scene)
         pose = np.array(place.pose, np.float64)
@@ -72,7 +72,7 @@ class FrameMaker:
                 text = np.frombuffer(canonical(made), np.uint8)
                 arrays[f"{sensor.name}/annotations"] = text
                 annotations[sensor.name] = made
-        record = {
+        return {
             "plan": plan.digest,
             "frame": frame,
             "scene": plan.scenes[number.scene],
@@ -83,7 +83,6 @@ class FrameMaker:
             "digest": of_arrays(arrays),
             "annotations": annotations,
         }
-        seal(folder, record)
 
     def _picture(self, folder: Path, sensor: PictureSensor, scene: Scene, place: Place) -> Frame:
         output = self._plan._output

@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-import json
 import os
 from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
 from firsthit._camera import Camera
-from firsthit._errors import FileFormatError, FileReadError, FileWriteError
+from firsthit._errors import FileFormatError
 from firsthit._lidar_scan import lacking
+from firsthit._parts._job import JOB, known_job, refuse_other, refuse_strange, write_job
+from firsthit._parts._mark import Mark, mark_of
+from firsthit._parts._scene_store import keep
 from firsthit._render import render
 from firsthit.annotations import annotate
 from firsthit.annotations._classes import TOLD_OF
-from firsthit.annotations._files import write
 
 from ._depth import warn_of_distances
+from ._form import FORM
 from ._frame import FrameMaker
 from ._lidars import LidarSensor
-from ._mark import Mark, mark_of
 from ._output_formats import KINDS
-from ._records import read
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from ._plan import Plan
-    from ._scenes import Loaded
+    from firsthit._scene import Scene
 
-#: The file in the folder.
-JOB = "job.json"
+    from ._plan import Plan
 
 #: Counts up when the same plan makes other frames.
 ANSWER = 1
@@ -51,7 +49,7 @@ def job_of(plan: Plan, marks: list[Mark]) -> dict[str, Any]:
     }
 
 
-def claim(folder: Path, plan: Plan, loaded: Loaded, threads: int | None) -> list[Mark]:
+def claim(run: str, folder: Path, plan: Plan, threads: int | None) -> list[Mark]:
     """Make a folder that of a plan, or find that it is; return the scenes' marks.
 
     All scenes are read, and checked against the plan, by the first that comes alone. So nothing is
@@ -63,45 +61,33 @@ def claim(folder: Path, plan: Plan, loaded: Loaded, threads: int | None) -> list
         If the folder is another job's, or cannot be written to.
     """
     path = folder / JOB
-    known = _known(path)
+    known = known_job(path)
     if known is None:
-        if folder.exists() and not folder.is_dir():
-            raise FileWriteError(f"{folder}: a file, not a folder", os.fspath(folder))
-        if (folder / "frames").exists():
-            why = f"there are frames without a {JOB}, of which nobody knows the plan"
-            raise FileWriteError(f"{folder}: {why}; take another folder", os.fspath(folder))
+        refuse_strange(folder, FORM.folder)
         check_packages(plan)
-        marks = [check(plan, k, loaded, threads) for k in range(len(plan.scenes))]
-        content = json.dumps(job_of(plan, marks), indent=2) + "\n"
-        write(path, content.encode())
-        known = _known(path)
+        marks = []
+        for number, planned in enumerate(plan._scenes):
+            scene = planned.load()
+            marks.append(check(plan, number, scene, threads))
+            keep(run, planned.path, marks[number], scene)
+        write_job(path, job_of(plan, marks))
+        known = known_job(path)
         assert known is not None  # it was just written
-    marks = [Mark(scene["fingerprint"], scene["setting"]) for scene in known["scenes"]]
+    marks = _marks(path, known)
     is_alike = len(marks) == len(plan.scenes)
     wanted = job_of(plan, marks) if is_alike else {"plan": plan.digest, "scenes": plan.scenes}
-    for key, value in wanted.items():
-        if known.get(key) != value:
-            why = f"the folder is another job's: its {key} is {known.get(key)}, this one's {value}"
-            raise FileWriteError(f"{path}: {why}; take another folder", os.fspath(path))
+    refuse_other(path, known, wanted)
     return marks
 
 
-def _known(path: Path) -> dict[str, Any] | None:
-    name = os.fspath(path)
+def _marks(path: Path, known: dict[str, Any]) -> list[Mark]:
     try:
-        said = read(path)
-        for each in said["scenes"]:
-            if not isinstance(each["fingerprint"] + each["setting"], str):
-                raise TypeError("a fingerprint is no text")
-    except FileNotFoundError:
-        return None
-    except NotADirectoryError:
-        return None
-    except OSError as error:
-        raise FileReadError(f"{name}: {error.strerror or error}", name) from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise FileFormatError(f"{name}: no job of firsthit: {error}", name) from None
-    return dict(said)
+        marks = [Mark(scene["fingerprint"], scene["setting"]) for scene in known["scenes"]]
+        if not all(isinstance(part, str) for mark in marks for part in mark):
+            raise TypeError("a fingerprint is no text")
+    except (KeyError, TypeError) as error:
+        raise FileFormatError(f"{path}: no job of firsthit: {error}", os.fspath(path)) from None
+    return marks
 
 
 def check_packages(plan: Plan) -> None:
@@ -111,13 +97,13 @@ def check_packages(plan: Plan) -> None:
             raise ImportError(why)
 
 
-def check(plan: Plan, number: int, loaded: Loaded, threads: int | None) -> Mark:
-    """Read a scene and try what the plan asks of it; return its mark.
+def check(plan: Plan, number: int, scene: Scene, threads: int | None) -> Mark:
+    """Try what the plan asks of a scene; return its mark.
 
     The sensors are built at the first pose, a pixel of each picture is made, and classes and
     keypoints are looked up. A warning tells of distances that may not fit into PNGs.
     """
-    scene, planned = loaded.scene(number), plan._scenes[number]
+    planned = plan._scenes[number]
     first = number * plan.poses_per_scene
     output = plan._output
     try:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 import os
-import secrets
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from firsthit._errors import FileWriteError
+from firsthit._parts._link import link
+from firsthit._parts._part import name_of, remove_leftovers
+from firsthit._parts._records import read
 from firsthit.annotations._bop import SAME_SIZE
 from firsthit.annotations._files import as_json, write
 from firsthit.annotations._yolo import _yaml
@@ -21,8 +21,6 @@ from firsthit.annotations._yolo import _yaml
 from ._coco_merge import save_coco
 from ._frame import picture_name
 from ._job import merged_names
-from ._part import name_of, remove_leftovers
-from ._records import read
 from ._sampling import Uniforms
 
 if TYPE_CHECKING:
@@ -123,11 +121,11 @@ class _Joined:
             (into / name).mkdir(parents=True, exist_ok=True)
             for k in range(len(truth)):
                 mask = frame / f"{sensor}.{kind}" / f"{k:06d}.png"
-                _link(mask, into / name / f"{index:06d}_{k:06d}.png")
+                link(mask, into / name / f"{index:06d}_{k:06d}.png")
         for channel, name in (("color", "rgb"), ("z", "depth")):
             if channel in self._plan._output.pictures:
                 picture = frame / picture_name(sensor, channel)
-                _link(picture, into / name / f"{index:06d}.png")
+                link(picture, into / name / f"{index:06d}.png")
 
     def _write_bop(self, scenes: dict[int, list[dict[str, Any]]]) -> None:
         names = "scene_gt.json", "scene_gt_info.json", "scene_camera.json"
@@ -162,7 +160,7 @@ class _Joined:
 
     def _link_colors(self, record: dict[str, Any], sensor: str, path: Path) -> None:
         if "color" in self._plan._output.pictures:
-            _link(self._frame(record) / picture_name(sensor, "color"), path)
+            link(self._frame(record) / picture_name(sensor, "color"), path)
 
     def _name(self, record: dict[str, Any]) -> str:
         return name_of(record["frame"], self._plan.frames)
@@ -180,23 +178,3 @@ def _same_sizes(held: dict[str, Any], sizes: dict[str, float]) -> None:
                 f"a unit of the model {name!r} is {sizes[name]} mm in one frame, {size} in another"
             )
             raise ValueError(f"output.bop: {why}")
-
-
-def _link(source: Path, path: Path) -> None:
-    """Give a file a second name, which takes no room; a copy where that cannot be."""
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(16)}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if path.exists() and path.samefile(source):
-            return
-        try:
-            try:
-                os.link(source, beside)
-            except OSError:
-                shutil.copyfile(source, beside)
-            beside.replace(path)
-        finally:
-            # Where somebody else was faster, both are names of one file, and none is replaced.
-            beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error

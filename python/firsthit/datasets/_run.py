@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-import os
+import uuid
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit._arrays import count, flag, threads_or_all
-from firsthit._errors import FileError, FileFormatError
+from firsthit._arrays import flag, threads_or_all
+from firsthit._errors import FileError
+from firsthit._parts._drive import drive
+from firsthit._parts._folder import Parts
+from firsthit._parts._job import range_of
+from firsthit._parts._part import remove_leftovers
+from firsthit._parts._scene_store import opened
 
+from ._form import FORM
 from ._frame import FrameMaker
-from ._frames import Frames
 from ._job import claim
-from ._mark import Mark, mark_of
 from ._merge import merge
-from ._part import remove_leftovers, writing
 from ._plan import Plan
-from ._scenes import Loaded
-from ._time_left import following
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterator
 
+    from firsthit._parts._engine import On, Task
+    from firsthit._parts._mark import Mark
     from firsthit._types import Progress
-
-    from ._time_left import Report
 
 
 class Made(NamedTuple):
@@ -57,6 +59,7 @@ def dataset(
     plan: Plan | str | os.PathLike[str],
     out: str | os.PathLike[str],
     *,
+    on: On = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
     verify: bool = False,
@@ -74,12 +77,17 @@ def dataset(
         The plan, or its file.
     out : path-like
         The folder; it is made.
+    on : executor, or function that makes one, optional
+        What makes the frames: anything with ``submit`` as `concurrent.futures.Executor` has it, of
+        processes or of machines that share the folder, as for `render_many`. This process if left
+        out.
     part : pair of int, optional
         ``(k, n)``, k from 1 to n: make the k-th of n parts of the frames only. The parts of a plan
         may be made in any order, at the same time, and on several machines that share the folder.
         The run that finds all frames there puts the annotations together.
     threads : int, optional
-        The number of threads; all cores if left out. The bytes are the same for any number.
+        The number of threads of each process; all cores if left out. The bytes are the same for
+        any number.
     verify : bool
         Whether to compare the bytes of frames that are there with their sha256, not only the sizes
         of their files. Frames that do not fit are made again in either case.
@@ -105,6 +113,8 @@ def dataset(
         For clouds as ``.laz`` or ``.parquet`` where the package is missing that they take.
     MemoryError
         If memory is short.
+    RuntimeError
+        As `render_many`.
 
     Warns
     -----
@@ -129,19 +139,20 @@ def dataset(
     """
     made = plan if isinstance(plan, Plan) else Plan.load(plan)
     threads_or_all(threads)
-    run = _Run(made, Path(out), threads, verify=flag("verify", verify))
-    return run.go(_range(part, made.frames), progress)
-
-
-def _range(part: tuple[int, int] | None, frames: int) -> range:
-    """Return the frames of a part: as many as of any other, or one less."""
-    if part is None:
-        return range(frames)
-    if not isinstance(part, tuple | list) or len(part) != 2:
-        raise ValueError(f"part must be two whole numbers, k of n, got {part!r}")
-    parts = count("part", part[1], 1)
-    k = count("part", part[0], 1, parts)
-    return range((k - 1) * frames // parts, k * frames // parts)
+    folder, is_verified = Path(out), flag("verify", verify)
+    wanted = range_of(part, made.frames)
+    run = uuid.uuid4().hex
+    marks = claim(run, folder, made, threads)
+    remove_leftovers(folder)
+    frames = Parts(folder, FORM, made.digest, made.frames)
+    maker = _Frames(run, made, marks, threads)
+    count, kept = drive(
+        frames, FORM, maker, wanted, on=on, verify=is_verified, progress=progress, unit="frames"
+    )
+    missing, digest = frames.state()
+    if digest is not None:
+        merge(folder, made, frames.records, digest)
+    return Made(made.frames, count, kept, missing, digest)
 
 
 @contextmanager
@@ -155,52 +166,17 @@ def _of(frame: int) -> Iterator[None]:
         raise ValueError(f"frame {frame}: {error}") from None
 
 
-class _Run:
-    def __init__(self, plan: Plan, out: Path, threads: int | None, *, verify: bool) -> None:
-        self._plan, self._out, self._threads, self._verify = plan, out, threads, verify
-        self._frames = Frames(out / "frames", plan.digest, plan.frames)
+class _Frames(NamedTuple):
+    """Makes the frames of a plan, also in other processes: each reads the scenes of its frames."""
 
-    def go(self, wanted: range, progress: Progress | None) -> Made:
-        loaded = Loaded(self._plan._scenes)
-        marks = claim(self._out, self._plan, loaded, self._threads)
-        remove_leftovers(self._out)
-        self._frames.open()
-        kept = self._frames.whole(wanted, verify=self._verify)
-        with following(progress, len(wanted), len(kept)) as report:
-            made = self._make(wanted, kept, loaded, marks, report)
-        missing, digest = self._frames.state()
-        if digest is not None:
-            merge(self._out, self._plan, self._frames.records, digest)
-        return Made(self._plan.frames, made, len(kept), missing, digest)
+    run: str
+    plan: Plan
+    marks: list[Mark]
+    threads: int | None
 
-    def _make(
-        self,
-        wanted: range,
-        kept: set[int],
-        loaded: Loaded,
-        marks: list[Mark],
-        report: Report | None,
-    ) -> int:
-        """Make the frames that are not there; return how many these were."""
-        maker, made, last = FrameMaker(self._plan, self._threads), 0, -1
-        for frame in wanted:
-            if frame in kept:
-                continue
-            number = self._plan.scene_of(frame).scene
-            scene = loaded.scene(number)
-            if number != last:
-                self._check(number, mark_of(scene), marks[number])
-                last = number
-            with writing(self._frames.path(frame)) as folder, _of(frame):
-                maker.make(folder, frame, scene, marks[number])
-            made += 1
-            if report is not None:
-                report(len(kept) + made)
-        return made
-
-    def _check(self, number: int, found: Mark, wanted: Mark) -> None:
-        for name, value in found._asdict().items():
-            if value != getattr(wanted, name):
-                path = os.fspath(self._plan._scenes[number].path)
-                why = f"its {name} is {value}, not {getattr(wanted, name)}"
-                raise FileFormatError(f"{path}: not what it was when the job began: {why}", path)
+    def make(self, folder: Path, task: Task) -> dict[str, Any]:
+        number = self.plan.scene_of(task.number).scene
+        planned, mark = self.plan._scenes[number], self.marks[number]
+        scene = opened(self.run, planned.path, mark, planned.up)
+        with _of(task.number):
+            return FrameMaker(self.plan, self.threads).make(folder, task.number, scene, mark)

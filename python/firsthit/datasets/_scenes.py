@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from firsthit._load import load
+from firsthit._parts._scene_store import read
 from firsthit.annotations import Keypoints
 
 from ._paths import inside
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
     from ._table import Table
 
-#: How many scenes stay in memory: a run goes from one to the next.
-_KEPT = 2
-
 
 class PlannedScene(NamedTuple):
     """A scene of a plan, not yet read."""
@@ -29,6 +26,10 @@ class PlannedScene(NamedTuple):
     by: Literal["object", "node"]
     keypoints: dict[str | int, Keypoints]
     up: list[float] | None
+
+    def load(self) -> Scene:
+        """Read it."""
+        return read(self.path, self.up)
 
     @property
     def annotate_options(self) -> dict[str, Any]:
@@ -87,23 +88,3 @@ def _keypoints(table: Table) -> dict[str | int, Keypoints]:
             made[key] = Keypoints(points, frame=frame, skeleton=skeleton, tolerance=tolerance)
         one.finish()
     return made
-
-
-class Loaded:
-    """Scenes that were read, of which the last few are kept."""
-
-    def __init__(self, planned: tuple[PlannedScene, ...]) -> None:
-        self._planned = planned
-        self._kept: dict[int, Scene] = {}
-
-    def scene(self, number: int) -> Scene:
-        """Return a scene; it is read if it was not among the last."""
-        if number not in self._kept:
-            while len(self._kept) >= _KEPT:
-                del self._kept[next(iter(self._kept))]
-            planned = self._planned[number]
-            scene = load(planned.path)
-            if planned.up is not None:
-                scene.up = planned.up
-            self._kept[number] = scene
-        return self._kept[number]

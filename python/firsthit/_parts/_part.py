@@ -1,4 +1,4 @@
-"""Parts: a folder per frame, which has its name when it is whole.
+"""Parts: a folder each, which has its name when it is whole.
 
 A part is written to a folder beside it, ``.NUMBER.UUID``, synced to the disk and renamed. So
 whoever finds the name finds all of the part, whatever was killed, and two that make the same part
@@ -14,7 +14,7 @@ import time
 import uuid
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit._errors import FileError, FileWriteError
 
@@ -24,17 +24,32 @@ from ._records import read
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: The file of a part that says what is in it.
-RECORD = "frame.json"
-
 #: What killed runs leave behind, and when it is removed: somebody else may still be at it before.
 _LEFT = re.compile(r"\..*\.([0-9a-f]{32}|[0-9a-f]{16}\.tmp)")
 _OLD_SECONDS = 24 * 3600
 
 
-def name_of(frame: int, frames: int) -> str:
-    """Return the name of a frame's folder: its number, as wide as the last one's."""
-    return f"{frame:0{max(6, len(str(frames - 1)))}d}"
+class Form(NamedTuple):
+    """What the parts of a kind of job are called.
+
+    Attributes
+    ----------
+    folder : str
+        The folder that has them.
+    record : str
+        The file of a part that says what is in it.
+    job : str
+        The record's key that says of which job it is.
+    """
+
+    folder: str
+    record: str
+    job: str
+
+
+def name_of(number: int, count: int) -> str:
+    """Return the name of a part's folder: its number, as wide as the last one's."""
+    return f"{number:0{max(6, len(str(count - 1)))}d}"
 
 
 @contextmanager
@@ -78,14 +93,14 @@ def _sync(path: Path) -> None:
         os.close(opened)
 
 
-def seal(folder: Path, record: dict[str, Any]) -> None:
-    """Write what a part holds beside it: its files' sizes and sha256, and a check of the record."""
+def seal(folder: Path, record: dict[str, Any], name: str) -> None:
+    """Write the record ``name``: what is given, sizes and sha256 of the files, and a check."""
     files = {
-        name: {"bytes": (folder / name).stat().st_size, "sha256": of_file(folder / name)}
-        for name in _files(folder)
+        file: {"bytes": (folder / file).stat().st_size, "sha256": of_file(folder / file)}
+        for file in _files(folder)
     }
     said = {**record, "files": files}
-    (folder / RECORD).write_bytes(canonical({**said, "check": of_json(said)}) + b"\n")
+    (folder / name).write_bytes(canonical({**said, "check": of_json(said)}) + b"\n")
 
 
 def _files(folder: Path) -> list[str]:
@@ -93,8 +108,8 @@ def _files(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in there)
 
 
-def record_of(path: Path, plan: str, *, verify: bool = False) -> dict[str, Any] | None:
-    """Return the record of a part that is whole; ``None`` if it is not, or of another plan.
+def record_of(path: Path, form: Form, job: str, *, verify: bool = False) -> dict[str, Any] | None:
+    """Return the record of a part that is whole; ``None`` if it is not, or of another job.
 
     A record proves itself by its check. Files must be there with their sizes; with ``verify`` their
     bytes are compared as well.
@@ -102,9 +117,9 @@ def record_of(path: Path, plan: str, *, verify: bool = False) -> dict[str, Any] 
     if path.is_symlink():
         return None
     try:
-        said = read(path / RECORD)
+        said = read(path / form.record)
         check = said.pop("check")
-        if said["plan"] != plan or check != of_json(said):
+        if said[form.job] != job or check != of_json(said):
             return None
         for name, known in said["files"].items():
             if (path / name).stat().st_size != known["bytes"]:

@@ -1,4 +1,4 @@
-"""Progress in frames, with the time that is left."""
+"""Progress in parts, with the time that is left."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from firsthit._types import Progress
 
-    #: Takes how many frames are done.
+    #: Takes how many parts are done.
     Report = Callable[[int], object]
 
 #: How often the line changes, in seconds.
@@ -20,12 +20,14 @@ _PAUSE = 0.1
 
 
 @contextmanager
-def following(progress: Progress | None, total: int, kept: int) -> Iterator[Report | None]:
-    """Yield the report for ``progress``; ``None`` if none is wanted. ``kept`` frames are there."""
+def following(
+    progress: Progress | None, total: int, kept: int, unit: str
+) -> Iterator[Report | None]:
+    """Yield the report for ``progress``; ``None`` if none is wanted. ``kept`` parts are there."""
     if progress is None or progress is False:
         yield None
     elif progress is True:
-        line = _Line(total, kept)
+        line = _Line(total, kept, unit)
         try:
             line.to(kept)
             yield line.to
@@ -41,8 +43,8 @@ def following(progress: Progress | None, total: int, kept: int) -> Iterator[Repo
 class _Line:
     """A line on standard error that is written anew."""
 
-    def __init__(self, total: int, kept: int) -> None:
-        self._total, self._kept = total, kept
+    def __init__(self, total: int, kept: int, unit: str) -> None:
+        self._total, self._kept, self._unit = total, kept, unit
         self._began = time.monotonic()
         self._shown = -1.0
         self._width = 0
@@ -53,7 +55,7 @@ class _Line:
             return
         self._shown = now
         share = 100 * done // max(self._total, 1)
-        text = f"{done} of {self._total} frames, {share} %"
+        text = f"{done} of {self._total} {self._unit}, {share} %"
         if self._kept < done < self._total:
             left = (now - self._began) / (done - self._kept) * (self._total - done)
             text += f", {in_words(left)} left"

@@ -1,0 +1,1 @@
+"""Parts of a job in a folder: whole or not there, each with the digest of what it holds."""

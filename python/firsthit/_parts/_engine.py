@@ -1,0 +1,200 @@
+"""Work on tasks in this process, or by whatever has `concurrent.futures.Executor`'s ``submit``.
+
+The order in which tasks end is nobody's promise: results come with their tasks' numbers.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+#: What does the work: nothing for this process, an executor, or what makes one.
+On = Executor | Callable[[], Executor] | None
+
+#: How often a task is tried whose worker was lost.
+_TRIES = 3
+
+#: How many tasks are with a worker or wait before it: enough that none is idle, few enough that a
+#: driver of a million tasks stays small.
+_WAITING = 4
+
+#: How many workers there may be where an executor does not say it.
+_MANY = 64
+
+
+class Task(NamedTuple):
+    """A task: its number, and what its work needs beside the number."""
+
+    number: int
+    given: Any = None
+
+
+#: Does a task and returns its result. Both must be picklable for workers in other processes.
+Work = Callable[[Task], Any]
+
+
+def results(work: Work, tasks: Iterable[Task], on: On) -> Iterator[tuple[int, Any]]:
+    """Yield the number and the result of each task, when it is done.
+
+    A task that was lost with its worker, by a kill or a crash, is tried three times. An error of
+    the work itself is raised at once. Tasks are drawn as they are needed.
+
+    Raises
+    ------
+    RuntimeError
+        If a task was lost three times, or a pool broke that nobody can make anew.
+    """
+    if on is None:
+        for task in tasks:
+            yield task.number, work(task)
+        return
+    pool = _Pool(work, on)
+    try:
+        yield from pool.results(iter(tasks))
+    finally:
+        pool.close()
+
+
+class _Outcome(NamedTuple):
+    """What came of a task that was not lost."""
+
+    result: Any = None
+    error: Exception | None = None
+
+
+def _tried(work: Work, task: Task) -> _Outcome:
+    """Do a task. Its errors are results, so that what an executor raises is a loss."""
+    try:
+        return _Outcome(work(task))
+    except Exception as error:
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception:
+            return _Outcome(error=RuntimeError(f"{type(error).__name__}: {error}"))
+        return _Outcome(error=error)
+
+
+class _Pool:
+    """An executor, and the tasks that are with it."""
+
+    def __init__(self, work: Work, on: Executor | Callable[[], Executor]) -> None:
+        self._work = work
+        self._make: Callable[[], Executor] | None = None
+        self._executor: Executor
+        if hasattr(on, "submit"):
+            self._executor = cast("Executor", on)
+        else:
+            self._make = on
+            self._executor = self._made()
+        #: In the order in which they were given.
+        self._waiting: dict[Future[_Outcome], Task] = {}
+        self._again: deque[Task] = deque()
+        self._losses: dict[int, int] = {}
+
+    def _made(self) -> Executor:
+        assert self._make is not None
+        executor = self._make()
+        if not hasattr(executor, "submit"):
+            expected = "an executor or a function that makes one"
+            raise TypeError(f"on must be {expected}, got {executor!r}")
+        return executor
+
+    @property
+    def _workers(self) -> int | None:
+        found = getattr(self._executor, "_max_workers", None)
+        return found if isinstance(found, int) and found > 0 else None
+
+    def results(self, tasks: Iterator[Task]) -> Iterator[tuple[int, Any]]:
+        while True:
+            self._fill(tasks)
+            if not self._waiting:
+                return
+            done, _ = wait(self._waiting, return_when=FIRST_COMPLETED)
+            if any(isinstance(_failure(future), BrokenExecutor) for future in done):
+                yield from self._mended()
+                continue
+            for future in done:
+                task = self._waiting.pop(future)
+                failure = _failure(future)
+                if failure is None:
+                    yield task.number, _result(future)
+                else:
+                    self._lose(task, failure)
+
+    def _fill(self, tasks: Iterator[Task]) -> None:
+        most = _WAITING * (self._workers or _MANY)
+        while len(self._waiting) < most:
+            task = self._again.popleft() if self._again else next(tasks, None)
+            if task is None:
+                return
+            try:
+                future = self._executor.submit(_tried, self._work, task)
+            except BrokenExecutor:
+                # Those that wait are told of it as well, and all are given to the next pool.
+                self._again.appendleft(task)
+                if not self._waiting:
+                    self._remake()
+                    continue
+                return
+            self._waiting[future] = task
+
+    def _mended(self) -> Iterator[tuple[int, Any]]:
+        """Take the tasks out of a broken pool, and make another."""
+        waiting, self._waiting = self._waiting, {}
+        broken = [task for future, task in waiting.items() if _failure(future) is not None]
+        for future, task in waiting.items():
+            if _failure(future) is None:
+                yield task.number, _result(future)
+        # Workers take tasks in their order: only the first ones were with a worker that was lost.
+        began = broken[: self._workers]
+        self._again.extendleft(reversed(broken[len(began) :]))
+        for task in reversed(began):
+            self._lose(task, BrokenExecutor("a worker was killed or has crashed"))
+        self._remake()
+
+    def _lose(self, task: Task, failure: BaseException) -> None:
+        lost = self._losses.get(task.number, 0) + 1
+        self._losses[task.number] = lost
+        if lost >= _TRIES:
+            what = f"part {task.number} was lost {lost} times with its worker"
+            raise RuntimeError(f"{what}: {type(failure).__name__}: {failure}") from failure
+        self._again.appendleft(task)
+
+    def _remake(self) -> None:
+        if self._make is None:
+            raise RuntimeError(
+                "the pool is broken, since a worker was killed or has crashed; what is done is "
+                "kept. With a function that makes a pool, `on` goes on with another"
+            )
+        self._executor.shutdown(wait=False)
+        self._executor = self._made()
+
+    def close(self) -> None:
+        """Have nothing begin any more. Of a pool that was made here, wait for what has begun."""
+        for future in self._waiting:
+            future.cancel()
+        if self._make is not None:
+            self._executor.shutdown(wait=True, cancel_futures=True)
+
+
+def _failure(future: Future[_Outcome]) -> BaseException | None:
+    """Return why there is no outcome; waits for one."""
+    try:
+        return future.exception()
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt):
+            raise
+        return error
+
+
+def _result(future: Future[_Outcome]) -> Any:
+    outcome = future.result()
+    if outcome.error is not None:
+        raise outcome.error
+    return outcome.result

@@ -1,0 +1,30 @@
+"""The same job on many workers: parts in a folder, with the same bytes after any kill.
+
+`render_many`, `shoot_many` and `visible_many` make the parts that are missing; `parts` says which
+are there. A worker is a process with all its threads and one scene, in this machine or in another
+that shares the folder.
+"""
+
+from ._fold import Bits, Fold, Histogram, Minimum, Sum
+from ._made import Made
+from ._parts_of import JobState, parts
+from ._processes import processes
+from ._render import render_many
+from ._shoot import shoot_many
+from ._visible import bits, visible_many
+
+__all__ = [
+    "Bits",
+    "Fold",
+    "Histogram",
+    "JobState",
+    "Made",
+    "Minimum",
+    "Sum",
+    "bits",
+    "parts",
+    "processes",
+    "render_many",
+    "shoot_many",
+    "visible_many",
+]

@@ -1,0 +1,237 @@
+"""What all kinds of jobs do: claim a folder, share the scene, make what is missing."""
+
+from __future__ import annotations
+
+import os
+import uuid
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+import numpy as np
+
+from firsthit import _firsthit
+from firsthit._arrays import flag, threads_or_all
+from firsthit._errors import FileWriteError
+from firsthit._parts._digest import of_json
+from firsthit._parts._drive import Work, drive, is_here
+from firsthit._parts._engine import Task, results
+from firsthit._parts._folder import Parts
+from firsthit._parts._job import (
+    JOB,
+    checked_part,
+    known_job,
+    range_of,
+    refuse_other,
+    refuse_strange,
+    write_job,
+)
+from firsthit._parts._mark import mark_of
+from firsthit._parts._part import Form, discard, remove_leftovers
+from firsthit._parts._scene_store import BUILT, SharedScene, read
+from firsthit._scene import Scene
+
+from ._made import Made
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from firsthit._parts._drive import Maker
+    from firsthit._parts._engine import On
+    from firsthit._types import Progress, Selection
+
+#: What parts are called in the folder of a job.
+FORM = Form("parts", "part.json", "job")
+
+#: Counts up when the same job makes other bytes.
+ANSWER = 1
+
+#: So many parts may come one after the other, whose number nobody knows before.
+MOST_IN_A_STREAM = 10**9
+
+#: The scene that workers open, where no file was given that they can.
+_SCENE = f"scene{BUILT}"
+
+
+class How(NamedTuple):
+    """How a job is done, which changes no byte of it."""
+
+    on: On
+    part: tuple[int, int] | None
+    threads: int | None
+    verify: bool
+    progress: Progress | None
+
+    @classmethod
+    def of(
+        cls,
+        on: On,
+        part: tuple[int, int] | None,
+        threads: int | None,
+        verify: bool,  # noqa: FBT001 - as it was given
+        progress: Progress | None,
+    ) -> How:
+        """Check what a user gave."""
+        threads_or_all(threads)
+        if on is not None and not hasattr(on, "submit") and not callable(on):
+            raise TypeError(f"on must be an executor or a function that makes one, got {on!r}")
+        range_of(part, 1)
+        return cls(on, part, threads, flag("verify", verify), progress)
+
+
+def shared(scene: Scene | str | os.PathLike[str]) -> SharedScene:
+    """Return a scene for workers, of a scene or its file."""
+    run = uuid.uuid4().hex
+    if isinstance(scene, Scene):
+        return SharedScene(run, None, mark_of(scene), scene)
+    path = Path(scene).absolute()
+    opened = read(path)
+    return SharedScene(run, path, mark_of(opened), opened)
+
+
+def listed(objects: Selection | None) -> Any:
+    """Return a selection as the file of a job has it."""
+    if objects is None or isinstance(objects, str):
+        return objects
+    if isinstance(objects, int | np.integer):
+        return int(objects)
+    return [one if isinstance(one, str) else int(one) for one in cast("list[Any]", objects)]
+
+
+class Job:
+    """A job in a folder.
+
+    Parameters
+    ----------
+    out : path-like
+        The folder.
+    scene : SharedScene
+        The scene.
+    said : dict
+        What the job is of, beside the scene: JSON.
+    count : int
+        How many parts it has.
+    """
+
+    def __init__(
+        self, out: str | os.PathLike[str], scene: SharedScene, said: dict[str, Any], count: int
+    ) -> None:
+        self.out, self.scene, self.count = Path(out), scene, count
+        about = {
+            "answer": ANSWER,
+            "firsthit": _firsthit.version(),
+            **said,
+            "scene": scene.mark._asdict(),
+        }
+        self.digest = of_json(about)
+        self._said = {**about, "job": self.digest, "parts": count}
+        self.parts = Parts(self.out, FORM, self.digest, count)
+
+    def claim(self) -> None:
+        """Make the folder that of this job, or find that it is.
+
+        Raises
+        ------
+        FileWriteError
+            If the folder is another job's, or cannot be written to.
+        """
+        path = self.out / JOB
+        known = known_job(path)
+        if known is None:
+            refuse_strange(self.out, FORM.folder)
+            write_job(path, self._said)
+            known = known_job(path)
+            assert known is not None  # it was just written
+        refuse_other(path, known, self._said)
+        remove_leftovers(self.out)
+
+    def do(
+        self,
+        maker: Maker,
+        how: How,
+        unit: str,
+        given: Callable[[int], Any] | None = None,
+    ) -> tuple[int, int]:
+        """Make what is missing; return how many parts were made, and how many kept."""
+        wanted = range_of(how.part, self.count)
+        if not is_here(how.on):
+            self.scene.save(self.out / _SCENE)
+        return drive(
+            self.parts,
+            FORM,
+            maker,
+            wanted,
+            on=how.on,
+            verify=how.verify,
+            progress=how.progress,
+            unit=unit,
+            given=given,
+        )
+
+    def made(self, counts: tuple[int, int], result: Any = None) -> Made:
+        """Return what a run came to."""
+        missing, digest = self.parts.state()
+        return Made(self.count, *counts, missing, digest, result)
+
+
+class Stream(Job):
+    """A job whose parts come one after the other, so that nobody knows how many there are.
+
+    Only when all have come does ``job.json`` say how many.
+    """
+
+    def __init__(
+        self, out: str | os.PathLike[str], scene: SharedScene, said: dict[str, Any]
+    ) -> None:
+        super().__init__(out, scene, said, MOST_IN_A_STREAM)
+        self._said["parts"] = None
+
+    def claim(self) -> None:
+        known = known_job(self.out / JOB)
+        if known is not None and known.get("job") == self.digest:
+            # An earlier run may have come to the end.
+            self._said["parts"] = known.get("parts")
+        super().claim()
+
+    def do_all(self, maker: Maker, how: How, batches: Iterator[tuple[Any, str]]) -> tuple[int, int]:
+        """Make the parts that are missing; each comes with what it is made of, and its digest."""
+        if not is_here(how.on):
+            self.scene.save(self.out / _SCENE)
+        self.parts.open()
+        k, n = checked_part(how.part)
+        kept = total = 0
+
+        def tasks() -> Iterator[Task]:
+            nonlocal kept, total
+            for number, (given, digest) in enumerate(batches):
+                if number >= MOST_IN_A_STREAM:
+                    raise ValueError(f"rays must come in fewer than {MOST_IN_A_STREAM} batches")
+                total = number + 1
+                if number % n != k - 1:
+                    continue
+                record = self.parts.record(number, verify=how.verify)
+                if record is None:
+                    if self.parts.path(number).exists():
+                        discard(self.parts.path(number))
+                    yield Task(number, given)
+                elif record.get("rays_digest") == digest:
+                    kept += 1
+                else:
+                    path = os.fspath(self.parts.path(number))
+                    why = "it has other rays than those that came now; take another folder"
+                    raise FileWriteError(f"{path}: {why}", path)
+
+        made = 0
+        for _ in results(Work(maker, self.parts, FORM), tasks(), how.on):
+            made += 1
+            if callable(how.progress):
+                how.progress(kept + made, total)
+        if self._said["parts"] != total:
+            self._said["parts"] = total
+            write_job(self.out / JOB, self._said)
+        self.count = total
+        return made, kept
+
+    def made(self, counts: tuple[int, int], result: Any = None) -> Made:
+        known = self.parts.first(self.count)
+        missing, digest = known.state()
+        return Made(self.count, *counts, missing, digest, result)

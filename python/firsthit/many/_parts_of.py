@@ -1,0 +1,120 @@
+"""What is in the folder of a job."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from firsthit._arrays import flag
+from firsthit._errors import FileFormatError
+from firsthit._parts._folder import Parts
+from firsthit._parts._job import JOB, known_job
+from firsthit.datasets._form import FORM as FRAMES
+
+from ._jobs import FORM, MOST_IN_A_STREAM
+
+if TYPE_CHECKING:
+    from firsthit._parts._part import Form
+
+#: More parts than this no folder has.
+_MOST = 10**12
+
+
+class JobState(NamedTuple):
+    """What is in the folder of a job.
+
+    Attributes
+    ----------
+    job : dict
+        What ``job.json`` says: the scene, what the parts are of, the version that makes them.
+    parts : int
+        How many parts the job has.
+    done : int
+        How many of them are whole.
+    missing : tuple of range
+        The numbers of the others.
+    digest : str or None
+        The digest of the job; ``None`` while parts are missing.
+    """
+
+    job: dict[str, Any]
+    parts: int
+    done: int
+    missing: tuple[range, ...]
+    digest: str | None
+
+
+def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
+    """Say which parts of a job are there; nothing is changed.
+
+    Parameters
+    ----------
+    folder : path-like
+        The folder of `render_many`, `shoot_many`, `visible_many` or `dataset`.
+    verify : bool
+        Whether to compare the bytes of all files with their sha256, not only their sizes.
+
+    Returns
+    -------
+    JobState
+        What is there and what is missing.
+
+    Raises
+    ------
+    FileReadError, FileFormatError
+        For a folder that cannot be read, or is that of no job.
+    TypeError
+        For ``verify`` that is not ``True`` or ``False``.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+    0
+    >>> rays = [(0, 0, 5)] * 10, [(0, 0, -1)] * 10
+    >>> made = fh.shoot_many(scene, rays, "hits", part_size=4, part=(2, 3))
+    >>> state = fh.parts("hits")
+    >>> (state.parts, state.done, state.missing)
+    (3, 1, (range(0, 1), range(2, 3)))
+    """
+    out, is_verified = Path(folder), flag("verify", verify)
+    said = known_job(out / JOB)
+    if said is None:
+        path = os.fspath(out)
+        raise FileFormatError(f"{path}: there is no {JOB}, so no job of firsthit", path)
+    form, job, count = _form_of(out, said)
+    there = Parts(out, form, job, count)
+    if _is_stream(said):
+        there = Parts(out, form, job, MOST_IN_A_STREAM).first(count)
+    whole = sorted(
+        number
+        for number in (there.there() if (out / form.folder).is_dir() else ())
+        if there.record(number, verify=is_verified) is not None
+    )
+    missing, last = [], 0
+    for number in (*whole, count):
+        if number > last:
+            missing.append(range(last, number))
+        last = number + 1
+    digest = None if missing else there.state()[1]
+    return JobState(said, count, len(whole), tuple(missing), digest)
+
+
+def _is_stream(said: dict[str, Any]) -> bool:
+    rays = said.get("rays")
+    return isinstance(rays, dict) and rays.get("kind") == "stream"
+
+
+def _form_of(out: Path, said: dict[str, Any]) -> tuple[Form, str, int]:
+    """Return what the parts of a job are called, its digest, and how many parts it has."""
+    for form, key in ((FORM, "parts"), (FRAMES, "frames")):
+        job, count = said.get(form.job), said.get(key)
+        if count is None and _is_stream(said):
+            # Nobody knows before it has come to its end.
+            count = MOST_IN_A_STREAM
+        if isinstance(job, str) and type(count) is int and 0 <= count <= _MOST:
+            return form, job, count
+    path = os.fspath(out / JOB)
+    raise FileFormatError(f"{path}: no job of firsthit: it does not say how many parts", path)

@@ -1,0 +1,239 @@
+"""Pictures of many cameras."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from firsthit import _firsthit
+from firsthit._arrays import color_of, count
+from firsthit._files import distinct, files
+from firsthit._lights import background_native
+from firsthit._parts._digest import Digests, of_arrays, of_json
+from firsthit._parts._part import name_of
+from firsthit._render import render
+from firsthit._scene import Scene
+from firsthit._sensor import Sensor
+
+from ._jobs import How, Job, listed, shared
+from ._names import file_name, function_name
+
+if TYPE_CHECKING:
+    import os
+    from pathlib import Path
+
+    import numpy.typing as npt
+
+    from firsthit._lights import Sky
+    from firsthit._parts._engine import On, Task
+    from firsthit._parts._scene_store import SharedScene
+    from firsthit._types import Asked, Progress, Selection, Side
+    from firsthit.typing import OwnShade, ShaderName
+
+    from ._made import Made
+
+#: The files of pictures.
+EXTENSIONS = (".npz", ".exr", ".png", ".npy", ".ply", ".pcd")
+
+
+def render_many(
+    scene: Scene | str | os.PathLike[str],
+    cameras: Sequence[Sensor] | Mapping[str, Sensor],
+    out: str | os.PathLike[str],
+    *,
+    channels: Asked | Sequence[Asked] = ("color",),
+    save: str | Sequence[str] = ".npz",
+    part_size: int = 1,
+    background: Sky | npt.ArrayLike | None = None,
+    samples: int | None = None,
+    cull: Side | None = None,
+    objects: Selection | None = None,
+    shade: ShaderName | OwnShade | None = None,
+    ambient: npt.ArrayLike | None = None,
+    shadows: bool | None = None,
+    on: On = None,
+    part: tuple[int, int] | None = None,
+    threads: int | None = None,
+    verify: bool = False,
+    progress: Progress | None = None,
+) -> Made:
+    """Make pictures of many cameras, on one machine or on many, and go on after any kill.
+
+    A part is a range of cameras. Each has a folder in ``out/parts``, which is there when it is
+    whole; a run makes those that are missing. The bytes are those of `render`, whoever makes them.
+    ``docs/cluster.md`` has the same job on processes, Dask, Ray and SLURM.
+
+    Parameters
+    ----------
+    scene : Scene or path-like
+        The scene, or its file. Workers in other processes open the file if one is given, and else
+        ``out/scene.fhs``, which is written for them: a built scene, which they share.
+    cameras : sequence of Camera or other sensors, or mapping of them by name
+        The cameras. A picture's file has its name or, from a sequence, its number. A sequence of
+        your own may make each camera when it is asked for: only those of a few parts are held.
+    out : path-like
+        The folder; it is made. A folder of another job is refused.
+    channels : str or sequence of str
+        As for `render`.
+    save : str or sequence of str
+        The extensions of the files of each picture: ``.npz`` and ``.exr`` hold all channels,
+        ``.png`` and ``.npy`` have a file for each, ``.ply`` and ``.pcd`` are point clouds.
+    part_size : int
+        How many cameras are a part. A part should take a second or more.
+    background, samples, cull, objects, shade, ambient, shadows
+        As for `render`. A shader of one's own must be a function of a module that workers can
+        import.
+    on : executor, or function that makes one, optional
+        What makes the parts: anything with ``submit`` as `concurrent.futures.Executor` has it, such
+        as ``dask_client.get_executor()`` or `firsthit.ray.executor`. With a function that makes
+        it, such as `many.processes`, a pool that breaks is made anew. This process if left out.
+    part : pair of int, optional
+        ``(k, n)``, k from 1 to n: make the k-th of n ranges of parts only, as a task of a SLURM
+        array does. They may be made at the same time, and in any order.
+    threads : int, optional
+        The number of threads of each worker; all cores if left out.
+    verify : bool
+        Whether to compare the bytes of parts that are there with their sha256, not only the sizes
+        of their files.
+    progress : bool or callable, optional
+        ``True`` for a line on standard error with the time left, or a function that is called with
+        the parts that are done and those of this run. An exception that it raises ends the run.
+
+    Returns
+    -------
+    Made
+        How many parts were made and kept, and the digest.
+
+    Raises
+    ------
+    ValueError, TypeError, IndexError
+        As `render`; also for extensions that are none, and names that are none of files.
+    FileReadError, FileFormatError
+        If the scene's file cannot be read, or is not what it was when the job began.
+    FileWriteError
+        If the system refuses to write, and if the folder is another job's.
+    RuntimeError
+        If a part was lost three times with its worker, or a pool broke that was not made here.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+    0
+    >>> cameras = [
+    ...     fh.Camera.look_at((x, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=3, columns=3)
+    ...     for x in range(4)
+    ... ]
+    >>> made = fh.render_many(scene, cameras, "pictures", channels=["z", "object"])
+    >>> (made.parts, made.made, made.kept)
+    (4, 4, 0)
+    >>> fh.render_many(scene, cameras, "pictures", channels=["z", "object"]).kept
+    4
+    """
+    how = How.of(on, part, threads, verify, progress)
+    if not isinstance(cameras, Mapping | Sequence) or isinstance(cameras, str | bytes):
+        raise TypeError(f"cameras must be a sequence or a mapping of cameras, got {cameras!r}")
+    names = [file_name(name) for name in cameras] if isinstance(cameras, Mapping) else None
+    views = list(cameras.values()) if isinstance(cameras, Mapping) else cameras
+    known: list[str] = [name for name, _ in _firsthit.channel_names()]
+    wanted = distinct(channels, known)
+    extensions = _extensions(save, wanted)
+    size = count("part_size", part_size, 1)
+    look = {
+        "background": background,
+        "samples": samples,
+        "cull": cull,
+        "objects": objects,
+        "shade": shade,
+        "ambient": ambient,
+        "shadows": shadows,
+    }
+    said = {
+        "kind": "render",
+        "cameras": _digest(views),
+        "names": None if names is None else of_json(names),
+        "channels": wanted,
+        "save": extensions,
+        "part_size": size,
+        "look": {**look, **_as_json(background, shade, ambient), "objects": listed(objects)},
+    }
+    job = Job(out, shared(scene), said, math.ceil(len(views) / size))
+    job.claim()
+    maker = _Pictures(job.scene, job.digest, len(views), wanted, extensions, look, how.threads)
+
+    def given(number: int) -> list[tuple[str, Sensor]]:
+        """Return the names and the cameras of a part."""
+        first = number * size
+        return [
+            (name_of(k, len(views)) if names is None else names[k], views[k])
+            for k in range(first, min(first + size, len(views)))
+        ]
+
+    return job.made(job.do(maker, how, "parts", given))
+
+
+class _Pictures(NamedTuple):
+    """Makes the pictures of a part."""
+
+    scene: SharedScene
+    job: str
+    cameras: int
+    channels: list[Any]
+    extensions: list[str]
+    look: dict[str, Any]
+    threads: int | None
+
+    def make(self, folder: Path, task: Task) -> dict[str, Any]:
+        scene = self.scene.get()
+        arrays: dict[str, npt.NDArray[Any]] = {}
+        for name, camera in task.given:
+            frame = render(scene, camera, channels=self.channels, threads=self.threads, **self.look)
+            for extension in self.extensions:
+                of_one = extension in _OF_ONE and len(self.channels) > 1
+                frame.save(folder / f"{name}{'.{channel}' if of_one else ''}{extension}")
+            arrays |= {f"{name}/{channel}": array for channel, array in frame.items()}
+        return {
+            "job": self.job,
+            "part": task.number,
+            "pictures": [name for name, _ in task.given],
+            "digest": of_arrays(arrays),
+        }
+
+
+#: The extensions of files that hold one channel.
+_OF_ONE = (".png", ".npy")
+
+
+def _extensions(save: str | Sequence[str], channels: list[str]) -> list[str]:
+    given = [save] if isinstance(save, str) else list(save)
+    for extension in given:
+        if extension not in EXTENSIONS:
+            known = ", ".join(EXTENSIONS)
+            raise ValueError(f"save must be among {known}, got {extension!r}")
+        if extension in _OF_ONE:
+            files(f"{{channel}}{extension}", channels)
+    if not given:
+        raise ValueError("save must be one extension or more, got none")
+    return [*dict.fromkeys(given)]
+
+
+def _digest(cameras: Sequence[Sensor]) -> str:
+    """Return the digest of cameras in their order."""
+    made, nothing = Digests(), Scene()._ready().native
+    for camera in cameras:
+        if not isinstance(camera, Sensor):
+            raise TypeError(f"cameras must be cameras or other sensors, got {camera!r}")
+        said = json.loads(_firsthit.origin(nothing, camera._native, []))
+        made.add(of_json([said.get("camera"), said.get("sensor")]))
+    return made.text()
+
+
+def _as_json(background: Any, shade: Any, ambient: Any) -> dict[str, Any]:
+    """Return colours and functions as the file of a job has them."""
+    named = None if background is None else background_native(background)
+    light = None if ambient is None else list(color_of("ambient", ambient))
+    called = shade if shade is None or isinstance(shade, str) else function_name("shade", shade)
+    return {"background": named, "ambient": light, "shade": called}

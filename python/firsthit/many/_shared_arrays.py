@@ -1,0 +1,71 @@
+"""Arrays that workers in other processes map, from files beside the parts."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from firsthit._errors import FileWriteError
+from firsthit._parts._digest import of_arrays
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    import numpy.typing as npt
+
+
+class SharedArrays:
+    """Arrays by name. Pickled they are the names of files, which `share` writes before."""
+
+    def __init__(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        self._arrays = dict(arrays)
+        self._digest = of_arrays(self._arrays)
+        self._folder: Path | None = None
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        """Return an array."""
+        return self._arrays[name]
+
+    def digest(self) -> str:
+        """Return the sha256 of all."""
+        return self._digest
+
+    def share(self, folder: Path) -> None:
+        """Write the files, each whole or not at all, where they are not there."""
+        self._folder = folder.absolute()
+        for name, array in self._arrays.items():
+            path = self._path(name)
+            beside = path.with_name(f".{path.name}.{os.urandom(16).hex()}")
+            try:
+                if path.exists():
+                    continue
+                try:
+                    with beside.open("wb") as file:
+                        np.save(file, array, allow_pickle=False)
+                    beside.replace(path)
+                finally:
+                    beside.unlink(missing_ok=True)
+            except OSError as error:
+                text = os.fspath(path)
+                raise FileWriteError(f"{text}: {error.strerror or error}", text) from error
+
+    def _path(self, name: str) -> Path:
+        assert self._folder is not None  # shared before it is pickled
+        return self._folder / f"{name}-{self._digest[:16]}.npy"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {
+            "_digest": self._digest,
+            "_folder": self._folder,
+            "_arrays": {name: self._path(name) for name in self._arrays},
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._arrays = {
+            name: np.load(path, mmap_mode="r", allow_pickle=False)
+            for name, path in state["_arrays"].items()
+        }

@@ -1,0 +1,87 @@
+"""Jobs for tests: what workers run must be in a module that they can import."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import firsthit as fh
+import numpy as np
+
+
+def scene():
+    made = fh.Scene()
+    made.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
+    made.add(fh.Box((-4, -4, -2), (4, 4, -1.5)), name="floor")
+    return made
+
+
+def cameras(count=12):
+    angles = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return [
+        fh.Camera.look_at(
+            (5 * np.cos(a), 5 * np.sin(a), 2), (0, 0, 0), (0, 0, 1), 45, rows=20, columns=30
+        )
+        for a in angles
+    ]
+
+
+def rays(count=10_000, seed=3):
+    rng = np.random.default_rng(seed)
+    origins = rng.normal(size=(count, 3))
+    origins *= 6 / np.linalg.norm(origins, axis=-1, keepdims=True)
+    return origins, rng.normal(size=(count, 3)) - origins
+
+
+class Suicide:
+    """A fold whose worker is killed, at the first try of a part or at all."""
+
+    def __init__(self, marks, *, is_always=False):
+        self.marks, self.is_always = marks, is_always
+
+    def __call__(self, hits):
+        mark = Path(self.marks) / f"{hits.origin[0, 0]:.17g}"
+        if self.is_always or not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return {"hits": np.array((hits.object >= 0).sum())}
+
+    def merge(self, first, second):
+        return {"hits": first["hits"] + second["hits"]}
+
+    def __repr__(self):
+        return "Suicide"
+
+
+class Slow:
+    """A fold that takes its time."""
+
+    def __call__(self, hits):
+        time.sleep(0.05)
+        return {"hits": np.array((hits.object >= 0).sum())}
+
+    def merge(self, first, second):
+        return {"hits": first["hits"] + second["hits"]}
+
+    def __repr__(self):
+        return "Slow"
+
+
+class Wrong:
+    """A fold that fails."""
+
+    def __call__(self, hits):
+        raise ValueError("this fold is wrong")
+
+    def merge(self, first, second):
+        return first
+
+
+def red(hits):
+    """A shader of one's own."""
+    return np.broadcast_to(np.float32([1, 0, 0]), (*hits.shape, 3))
+
+
+def slowly(out, workers):
+    on = fh.many.processes(int(workers)) if int(workers) else None
+    fh.shoot_many(scene(), rays(), out, fold=Slow(), part_size=200, on=on)

@@ -1,0 +1,517 @@
+"""Jobs in parts: the same bytes whoever makes them, and after any kill."""
+
+import io
+import itertools
+import multiprocessing
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import firsthit as fh
+import many_support
+import numpy as np
+import pytest
+from many_support import Slow, Suicide, Wrong, cameras, rays, red, scene
+
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
+
+
+@pytest.fixture(autouse=True)
+def workers_find_the_tests(monkeypatch):
+    """Processes that are started anew import `many_support`."""
+    here = str(Path(many_support.__file__).parent)
+    path = os.environ.get("PYTHONPATH")
+    monkeypatch.setenv("PYTHONPATH", here if path is None else f"{here}{os.pathsep}{path}")
+
+
+class OneByOne:
+    """Anything with ``submit`` will do."""
+
+    def submit(self, work, *given):
+        future = Future()
+        future.set_result(work(*given))
+        return future
+
+
+def of_processes(workers, method):
+    context = multiprocessing.get_context(method)
+    return lambda: ProcessPoolExecutor(workers, mp_context=context)
+
+
+ENGINES = {
+    "none": lambda: None,
+    "submit": OneByOne,
+    "threads": lambda: ThreadPoolExecutor(2),
+    "spawn-1": lambda: of_processes(1, "spawn"),
+    "forkserver-4": lambda: of_processes(4, "forkserver"),
+    "processes-2": lambda: fh.many.processes(2),
+}
+if "fork" in multiprocessing.get_all_start_methods():
+    ENGINES["fork-2"] = lambda: ProcessPoolExecutor(
+        2, mp_context=multiprocessing.get_context("fork")
+    )
+
+
+def tree(folder):
+    """What is in the files of the parts."""
+    files = sorted(path for path in Path(folder, "parts").rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pictures")
+    made = fh.render_many(scene(), cameras(), folder, channels=["z", "color"], part_size=5)
+    assert (made.parts, made.made, made.kept, made.missing) == (3, 3, 0, 0)
+    return made.digest, tree(folder)
+
+
+@pytest.fixture(scope="module")
+def hits(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hits")
+    made = fh.shoot_many(scene(), rays(), folder, channels=["t", "normal"], part_size=900)
+    assert (made.parts, made.made) == (12, 12)
+    return made.digest, tree(folder)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_pictures_have_the_same_bytes_on_every_engine(pictures, engine, tmp_path):
+    made = fh.render_many(
+        scene(), cameras(), tmp_path, channels=["z", "color"], part_size=5, on=ENGINES[engine]()
+    )
+    assert made.digest == pictures[0]
+    assert tree(tmp_path) == pictures[1]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_hits_have_the_same_bytes_on_every_engine(hits, engine, tmp_path):
+    made = fh.shoot_many(
+        scene(), rays(), tmp_path, channels=["t", "normal"], part_size=900, on=ENGINES[engine]()
+    )
+    assert made.digest == hits[0]
+    assert tree(tmp_path) == hits[1]
+
+
+def test_pictures_are_those_of_render(tmp_path):
+    views = cameras(3)
+    made = fh.render_many(
+        scene(), views, tmp_path, channels=["z", "object"], save=[".npz", ".png", ".exr"]
+    )
+    for k, view in enumerate(views):
+        frame = fh.render(scene(), view, channels=["z", "object"])
+        folder = tmp_path / "parts" / f"{k:06d}"
+        for name in ("z", "object"):
+            npz, exr = (fh.Frame.load(folder / f"{k:06d}{end}")[name] for end in (".npz", ".exr"))
+            np.testing.assert_array_equal(npz, frame[name])
+            np.testing.assert_array_equal(exr, frame[name].astype(np.float32))
+        names = {path.name for path in folder.iterdir()}
+        assert names == {
+            "part.json",
+            *(f"{k:06d}{end}" for end in (".npz", ".exr", ".z.png", ".object.png")),
+        }
+    assert fh.parts(tmp_path).digest == made.digest
+
+
+def test_cameras_by_name_and_looks_are_those_of_render(tmp_path):
+    (view,) = cameras(1)
+    look = {"samples": 2, "shade": red, "objects": ["ball"]}
+    fh.render_many(scene(), {"front": view}, tmp_path, on=fh.many.processes(1), **look)
+    read = fh.Frame.load(tmp_path / "parts" / "000000" / "front.npz")
+    np.testing.assert_array_equal(read["color"], fh.render(scene(), view, **look)["color"])
+    with pytest.raises(fh.FileWriteError, match="the folder is another job's"):
+        fh.render_many(scene(), {"back": view}, tmp_path, **look)
+    with pytest.raises(fh.FileWriteError, match="another job's: its look"):
+        fh.render_many(scene(), {"front": view}, tmp_path, **{**look, "samples": 1})
+
+
+def test_hits_are_those_of_shoot(hits):
+    origins, directions = rays()
+    found = scene().shoot(origins, directions)
+    for k in range(12):
+        with np.load(io.BytesIO(hits[1][f"parts/{k:06d}/hits.npz"])) as file:
+            part = slice(900 * k, 900 * (k + 1))
+            np.testing.assert_array_equal(file["t"], found.t[part])
+            np.testing.assert_array_equal(file["normal"], found.normal[part])
+
+
+def sources(folder):
+    """The same rays in every form."""
+    origins, directions = rays()
+    folder.mkdir(exist_ok=True)
+    cuts = [0, 3_333, 10_000]
+    for k, (first, last) in enumerate(itertools.pairwise(cuts)):
+        named = {"origins": origins[first:last], "directions": directions[first:last]}
+        np.savez(folder / f"{k}.npz", **named)
+        both = np.concatenate([origins[first:last], directions[first:last]], axis=1)
+        np.save(folder / f"{k}.npy", both)
+    yield "mapping", {"origins": origins, "directions": directions, "t_min": 0}
+    yield "pattern", str(folder / "*.npz")
+    yield "list", [folder / "0.npy", folder / "1.npy"]
+
+
+def all_hits(folder, name="t"):
+    parts = sorted(Path(folder, "parts").iterdir())
+    return np.concatenate([np.load(part / "hits.npz")[name] for part in parts])
+
+
+def test_rays_come_in_many_forms(tmp_path):
+    t = scene().shoot(*rays()).t
+    for name, source in sources(tmp_path / "rays"):
+        for engine in (None, fh.many.processes(2)):
+            out = tmp_path / f"{name}{engine}"
+            fh.shoot_many(scene(), source, out, part_size=1_234, on=engine)
+            np.testing.assert_array_equal(all_hits(out), t)
+
+
+def test_rays_of_sensors_are_those_of_their_pixels(tmp_path):
+    views = [*cameras(2), fh.Lidar.named("vlp-16", columns=40)]
+    fh.shoot_many(scene(), views, tmp_path, part_size=700, on=ThreadPoolExecutor(2))
+    expected = [scene().shoot(view).t.ravel() for view in views]
+    np.testing.assert_array_equal(all_hits(tmp_path), np.concatenate(expected))
+
+
+def test_rays_of_parquet_files(tmp_path):
+    pyarrow = pytest.importorskip("pyarrow")
+    import pyarrow.parquet as parquet
+
+    both = np.concatenate(rays(), axis=1)
+    columns = dict(zip(("ox", "oy", "oz", "dx", "dy", "dz"), both.T, strict=True))
+    table = pyarrow.table({**columns, "other": both[:, 0], "t_max": np.full(10_000, 5.5)})
+    parquet.write_table(table, tmp_path / "r.parquet", row_group_size=1_100)
+    out = tmp_path / "out"
+    fh.shoot_many(
+        scene(),
+        tmp_path / "r.parquet",
+        out,
+        channels=["t", "normal"],
+        save=".parquet",
+        part_size=2_500,
+    )
+    read = parquet.ParquetDataset(sorted(out.glob("parts/*/hits.parquet"))).read()
+    found = scene().shoot(*rays(), t_max=5.5)
+    np.testing.assert_array_equal(read["t"].to_numpy(), found.t)
+    np.testing.assert_array_equal(read["normal_y"].to_numpy(), found.normal[:, 1])
+
+
+def batches(count=10_000, size=1_500):
+    origins, directions = rays(count)
+    for first in range(0, count, size):
+        yield origins[first : first + size], directions[first : first + size]
+
+
+def test_rays_of_a_generator_are_a_part_for_each_batch(tmp_path):
+    first = fh.shoot_many(scene(), batches(), tmp_path, part=(2, 3))
+    assert (first.parts, first.made, first.digest) == (7, 2, None)
+    made = fh.shoot_many(scene(), batches(), tmp_path, on=fh.many.processes(2))
+    assert (made.parts, made.made, made.kept, made.missing) == (7, 5, 2, 0)
+    np.testing.assert_array_equal(all_hits(tmp_path), scene().shoot(*rays()).t)
+    state = fh.parts(tmp_path)
+    assert (state.parts, state.done, state.digest) == (7, 7, made.digest)
+    with pytest.raises(fh.FileWriteError, match="other rays than those that came now"):
+        fh.shoot_many(scene(), batches(size=1_400), tmp_path)
+
+
+FOLDS = [
+    fh.many.Sum("t"),
+    fh.many.Sum("normal"),
+    fh.many.Minimum("t"),
+    fh.many.Histogram("t", [0, 3, 4.5, 5, 7]),
+    fh.many.Bits(),
+]
+
+
+@pytest.mark.parametrize("fold", FOLDS, ids=repr)
+def test_folds_are_what_numpy_makes_of_all_hits(fold, tmp_path):
+    made = fh.shoot_many(scene(), rays(), tmp_path / "a", fold=fold, part_size=1_000)
+    found = scene().shoot(*rays())
+    met = found.object >= 0
+    result = made.result
+    if isinstance(fold, fh.many.Sum):
+        values = found.channel(fold.channel)[met]
+        assert result["count"] == met.sum()
+        np.testing.assert_allclose(result["sum"], values.sum(axis=0), rtol=1e-12)
+    elif isinstance(fold, fh.many.Minimum):
+        assert (result["value"], result["ray"]) == (found.t.min(), found.t.argmin())
+    elif isinstance(fold, fh.many.Histogram):
+        counts, _ = np.histogram(found.t[met], fold.edges)
+        assert result["counts"].tolist() == counts.tolist()
+        outside = result["below"], result["above"]
+        assert outside == ((found.t[met] < 0).sum(), (found.t[met] >= 7).sum())
+    else:
+        bits = np.unpackbits(result["bits"], count=int(result["rays"]), bitorder="little")
+        np.testing.assert_array_equal(bits.astype(bool), met)
+    again = fh.shoot_many(
+        scene(), rays(), tmp_path / "b", fold=fold, part_size=1_000, on=fh.many.processes(2)
+    )
+    assert again.digest == made.digest
+    for name, array in made.result.items():
+        assert again.result[name].tobytes() == array.tobytes()
+    assert (tmp_path / "a" / "fold.npz").read_bytes() == (tmp_path / "b" / "fold.npz").read_bytes()
+
+
+def test_a_matrix_of_sights_is_that_of_visible(tmp_path):
+    a, b = rays(100)[0], rays(77, seed=5)[0]
+    seen = scene().visible(a[:, None], b)
+    digests = set()
+    for k, engine in enumerate((None, fh.many.processes(2))):
+        out = tmp_path / str(k)
+        made = fh.visible_many(scene(), a, b, out, block=(32, 24), on=engine)
+        assert made.parts == 16
+        digests.add(made.digest)
+        np.testing.assert_array_equal(fh.many.bits(out), seen)
+        np.testing.assert_array_equal(fh.many.bits(out, rows=slice(30, 70)), seen[30:70])
+    assert len(digests) == 1
+
+
+def test_a_matrix_is_zarr(tmp_path):
+    zarr = pytest.importorskip("zarr")
+    a, b = rays(100)[0], rays(77, seed=5)[0]
+    fh.visible_many(scene(), a, b, tmp_path, block=(32, 24))
+    read = zarr.open_array(tmp_path / "visible.zarr", mode="r")
+    bits = np.unpackbits(read[:], axis=1, count=read.attrs["columns"], bitorder="little")
+    np.testing.assert_array_equal(bits.astype(bool), scene().visible(a[:, None], b))
+
+
+@pytest.mark.parametrize("order", [(1, 2, 3), (3, 1, 2)])
+def test_parts_of_a_job_in_any_order_come_to_the_same(hits, order, tmp_path):
+    how = {"channels": ["t", "normal"], "part_size": 900}
+    runs = [fh.shoot_many(scene(), rays(), tmp_path, part=(k, 3), **how) for k in order]
+    assert [run.digest for run in runs] == [None, None, hits[0]]
+    assert [run.missing for run in runs] == [8, 4, 0]
+    assert tree(tmp_path) == hits[1]
+
+
+def test_what_is_missing_is_told(tmp_path):
+    how = {"part_size": 1_000, "channels": "t"}
+    fh.shoot_many(scene(), rays(), tmp_path, part=(2, 5), **how)
+    shutil.rmtree(tmp_path / "parts" / "000002")
+    state = fh.parts(tmp_path)
+    assert (state.parts, state.done, state.digest) == (10, 1, None)
+    assert state.missing == (range(3), range(4, 10))
+    assert state.job["kind"] == "shoot"
+    with pytest.raises(fh.FileFormatError, match=r"there is no job\.json"):
+        fh.parts(tmp_path / "parts")
+
+
+@pytest.mark.parametrize("verify", [False, True])
+def test_damaged_parts_are_made_again(hits, verify, tmp_path):
+    how = {"channels": ["t", "normal"], "part_size": 900}
+    fh.shoot_many(scene(), rays(), tmp_path, **how)
+    (tmp_path / "parts" / "000003" / "part.json").write_text("{}")
+    (tmp_path / "parts" / "000004" / "hits.npz").unlink()
+    file = tmp_path / "parts" / "000005" / "hits.npz"
+    content = bytearray(file.read_bytes())
+    content[1000] ^= 1
+    file.write_bytes(content)
+    made = fh.shoot_many(scene(), rays(), tmp_path, verify=verify, **how)
+    assert made.made == 2 + verify
+    assert made.digest == hits[0]
+    assert (tree(tmp_path) == hits[1]) == verify
+
+
+def test_another_job_in_the_folder_is_refused(tmp_path):
+    fh.shoot_many(scene(), rays(), tmp_path, part_size=5_000)
+    for other, what in (
+        (lambda: fh.shoot_many(scene(), rays(), tmp_path, part_size=4_000), "part_size"),
+        (lambda: fh.shoot_many(scene(), rays(seed=4), tmp_path, part_size=5_000), "rays"),
+        (lambda: fh.shoot_many(scene(), rays(), tmp_path, part_size=5_000, cull="back"), "cull"),
+        (lambda: fh.render_many(scene(), cameras(1), tmp_path), "kind"),
+    ):
+        with pytest.raises(fh.FileWriteError, match=f"another job's: its {what} is"):
+            other()
+    changed = scene()
+    changed.add(fh.Sphere((3, 0, 0), 0.1))
+    with pytest.raises(fh.FileWriteError, match="its scene is"):
+        fh.shoot_many(changed, rays(), tmp_path, part_size=5_000)
+
+
+def test_a_scene_may_be_a_file(hits, tmp_path):
+    scene().save(tmp_path / "s.fhs")
+    how = {"channels": ["t", "normal"], "part_size": 900}
+    out = tmp_path / "out"
+    made = fh.shoot_many(tmp_path / "s.fhs", rays(), out, on=fh.many.processes(2), **how)
+    assert made.digest == hits[0]
+    assert not (out / "scene.fhs").exists()
+    other = fh.Scene()
+    other.add(fh.Sphere((0, 0, 0), 2))
+    other.save(tmp_path / "s.fhs")
+    with pytest.raises(fh.FileWriteError, match="its scene is"):
+        fh.shoot_many(tmp_path / "s.fhs", rays(), out, **how)
+
+
+@POSIX
+def test_a_part_whose_worker_is_killed_is_tried_again(tmp_path):
+    (tmp_path / "marks").mkdir()
+    fold = Suicide(str(tmp_path / "marks"))
+    made = fh.shoot_many(
+        scene(), rays(), tmp_path / "out", fold=fold, part_size=2_500, on=fh.many.processes(2)
+    )
+    assert made.made == 4
+    assert made.result["hits"] == (scene().shoot(*rays()).object >= 0).sum()
+
+
+@POSIX
+def test_a_part_that_kills_its_worker_three_times_is_an_error(tmp_path):
+    (tmp_path / "marks").mkdir()
+    fold = Suicide(str(tmp_path / "marks"), is_always=True)
+    with pytest.raises(RuntimeError, match=r"part [01] was lost 3 times with its worker"):
+        fh.shoot_many(
+            scene(), rays(), tmp_path / "out", fold=fold, part_size=5_000, on=fh.many.processes(1)
+        )
+
+
+@POSIX
+def test_a_given_pool_that_breaks_is_an_error(tmp_path):
+    (tmp_path / "marks").mkdir()
+    fold = Suicide(str(tmp_path / "marks"), is_always=True)
+    with (
+        of_processes(1, "spawn")() as pool,
+        pytest.raises(RuntimeError, match="the pool is broken"),
+    ):
+        fh.shoot_many(scene(), rays(), tmp_path / "out", fold=fold, part_size=5_000, on=pool)
+
+
+@pytest.mark.parametrize("engine", ["none", "threads", "spawn-1"])
+def test_an_error_of_the_work_is_raised_at_once(engine, tmp_path):
+    with pytest.raises(ValueError, match="this fold is wrong"):
+        fh.shoot_many(scene(), rays(), tmp_path, fold=Wrong(), part_size=100, on=ENGINES[engine]())
+    assert list((tmp_path / "parts").glob("[0-9]*")) == []
+
+
+#: A driver of fifty parts that take their time.
+SLOWLY = "import many_support, sys; many_support.slowly(*sys.argv[1:])"
+
+
+@POSIX
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_driver_that_is_killed_at_any_time_goes_on(workers, tmp_path):
+    """Finished parts are kept, and nobody works on for a driver that is dead."""
+    out = tmp_path / "out"
+    program = [sys.executable, "-c", SLOWLY, str(out), str(workers)]
+    chance = random.Random(workers)
+    stamps = {}
+    for _ in range(4):
+        running = subprocess.Popen(program, start_new_session=True)
+        time.sleep(chance.uniform(0.6, 2.0))
+        running.kill()
+        running.wait()
+        for part in out.glob("parts/[0-9]*/part.json"):
+            assert stamps.setdefault(part, part.stat().st_mtime_ns) == part.stat().st_mtime_ns
+        _wait_for_the_end_of_session(running.pid)
+    made = fh.shoot_many(scene(), rays(), out, fold=Slow(), part_size=200)
+    assert made.kept >= len(stamps) > 0
+    assert made.kept + made.made == 50
+    whole = fh.shoot_many(scene(), rays(), tmp_path / "whole", fold=Slow(), part_size=200)
+    assert made.digest == whole.digest
+    assert tree(out).keys() - tree(tmp_path / "whole").keys() == _left(out)
+
+
+def _left(out):
+    """The files of what a killed run left behind; a day later they are removed."""
+    return {str(p.relative_to(out)) for p in out.glob("parts/.*/*") if p.is_file()}
+
+
+def _wait_for_the_end_of_session(leader):
+    """Wait until no process of a session is there."""
+    end = time.monotonic() + 20
+    while time.monotonic() < end:
+        try:
+            os.killpg(leader, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    raise AssertionError("a worker outlives its driver")
+
+
+@POSIX
+def test_ctrl_c_keeps_what_is_finished(tmp_path):
+    program = [sys.executable, "-c", SLOWLY, str(tmp_path), "2"]
+    running = subprocess.Popen(program, stderr=subprocess.PIPE, start_new_session=True, text=True)
+    while len(list(tmp_path.glob("parts/[0-9]*"))) < 4:
+        time.sleep(0.05)
+    os.killpg(running.pid, signal.SIGINT)
+    _, said = running.communicate(timeout=30)
+    assert running.returncode != 0
+    assert said.count("Traceback") == 1
+    state = fh.parts(tmp_path)
+    assert 4 <= state.done < 50
+    assert list(tmp_path.glob("parts/.*")) == []
+
+
+def test_progress_counts_parts_that_were_kept(tmp_path):
+    told = []
+    how = {"part_size": 2_500, "progress": lambda done, total: told.append((done, total))}
+    fh.shoot_many(scene(), rays(), tmp_path, part=(1, 2), **how)
+    assert told == [(0, 2), (1, 2), (2, 2)]
+    told.clear()
+    fh.shoot_many(scene(), rays(), tmp_path, on=ThreadPoolExecutor(2), **how)
+    assert told == [(2, 4), (3, 4), (4, 4)]
+
+    def stop(done, total):
+        raise KeyError(done)
+
+    with pytest.raises(KeyError):
+        fh.shoot_many(scene(), rays(), tmp_path / "b", progress=stop)
+
+
+def test_cameras_are_drawn_as_they_are_needed(tmp_path):
+    """A sequence of one's own makes a camera at a time."""
+    asked = []
+
+    class Turning:
+        def __len__(self):
+            return 40
+
+        def __getitem__(self, k):
+            if not 0 <= k < 40:
+                raise IndexError(k)
+            asked.append(k)
+            return cameras(40)[k]
+
+    from collections.abc import Sequence
+
+    Sequence.register(Turning)
+    made = fh.render_many(scene(), Turning(), tmp_path, channels="z", part=(4, 8))
+    assert made.made == 5
+    assert asked == [*range(40), *range(15, 20)]
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "what"),
+    [
+        (lambda out: fh.render_many(scene(), [1], out), TypeError, "cameras must be"),
+        (lambda out: fh.render_many(scene(), {"../a": cameras(1)[0]}, out), ValueError, "names"),
+        (lambda out: fh.render_many(scene(), cameras(1), out, save=".jpg"), ValueError, "save"),
+        (lambda out: fh.render_many(scene(), cameras(1), out, save=[]), ValueError, "save"),
+        (lambda out: fh.render_many(scene(), cameras(1), out, channels="x"), ValueError, "channel"),
+        (lambda out: fh.render_many(scene(), cameras(1), out, on=3), TypeError, "on must be"),
+        (lambda out: fh.render_many(3, cameras(1), out), TypeError, "PathLike"),
+        (lambda out: fh.shoot_many(scene(), 3, out), TypeError, "rays must be"),
+        (lambda out: fh.shoot_many(scene(), ([1, 2], [3]), out), ValueError, "origins must have"),
+        (lambda out: fh.shoot_many(scene(), {"origins": 1}, out), ValueError, "rays must have"),
+        (lambda out: fh.shoot_many(scene(), rays(), out, fold=len), TypeError, "fold must be"),
+        (lambda out: fh.shoot_many(scene(), rays(), out, save=".csv"), ValueError, "save must"),
+        (lambda out: fh.shoot_many(scene(), rays(), out, channels="z"), ValueError, "channels"),
+        (lambda out: fh.shoot_many(scene(), rays(), out, part_size=0), ValueError, "part_size"),
+        (lambda out: fh.shoot_many(scene(), rays(), out, part=(0, 3)), ValueError, "part must"),
+        (lambda out: fh.shoot_many(scene(), "none*.npz", out), fh.FileReadError, "no such files"),
+        (lambda out: fh.shoot_many(scene(), __file__, out), fh.FileFormatError, "rays are read"),
+        (lambda out: fh.visible_many(scene(), [0, 0, 0], [(1, 1, 1)], out), ValueError, "a must"),
+        (
+            lambda out: fh.visible_many(scene(), [(0, 0, 0)], [(1, 1, 1)], out, block=(1, 9)),
+            ValueError,
+            "multiple of 8",
+        ),
+    ],
+)
+def test_what_makes_no_job_is_refused_before_a_folder_is_made(call, error, what, tmp_path):
+    out = tmp_path / "out"
+    with pytest.raises(error, match=what):
+        call(out)
+    assert not out.exists()
