@@ -85,7 +85,7 @@ def drive(
     kept = sum(whole)
 
     def tasks() -> Iterator[Task]:
-        for number, is_whole in zip(wanted, chain(whole, repeat(False)), strict=False):
+        for number, is_whole in zip(wanted, chain(whole, repeat(0)), strict=False):
             if not is_whole:
                 yield Task(number, None if given is None else given(number))
 
