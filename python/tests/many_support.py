@@ -54,10 +54,13 @@ class Suicide:
 
 
 class Slow:
-    """A fold that takes its time."""
+    """A fold that takes its time; what it comes to does not depend on that."""
+
+    def __init__(self, seconds=0.05):
+        self.seconds = seconds
 
     def __call__(self, hits):
-        time.sleep(0.05)
+        time.sleep(self.seconds)
         return {"hits": np.array((hits.object >= 0).sum())}
 
     def merge(self, first, second):

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import firsthit as fh
@@ -16,6 +17,7 @@ import pytest
 from dataset_support import PLANS, plan, record, tree
 from firsthit._parts import _scene_store
 from firsthit._parts._digest import of_arrays
+from firsthit._parts._job import known_job, write_job
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
 
@@ -34,6 +36,15 @@ def test_the_bytes_are_the_same_for_any_number_of_threads(whole, tmp_path, threa
     made = fh.dataset(fh.Plan.from_dict(plan(), PLANS), tmp_path, threads=threads)
     assert made.digest == whole[1]
     assert tree(tmp_path) == tree(whole[0])
+
+
+@pytest.mark.parametrize("on", [ThreadPoolExecutor(2), fh.many.processes(2)], ids=["threads", "2"])
+def test_the_bytes_are_the_same_for_any_workers(whole, tmp_path, on):
+    made = fh.dataset(fh.Plan.from_dict(plan(), PLANS), tmp_path, on=on)
+    assert (made.made, made.digest) == (7, whole[1])
+    assert tree(tmp_path) == tree(whole[0])
+    state = fh.parts(tmp_path)
+    assert (state.parts, state.done, state.digest) == (7, 7, whole[1])
 
 
 @pytest.mark.parametrize("order", [(1, 2, 3), (3, 1, 2), (2, 3, 1)])
@@ -189,11 +200,14 @@ def test_another_plan_is_refused_in_the_folder(whole, tmp_path):
 def test_another_version_of_the_answer_is_refused(tmp_path):
     made = fh.Plan.from_dict(plan(), PLANS)
     fh.dataset(made, tmp_path, part=(1, 7))
-    job = json.loads((tmp_path / "job.json").read_text())
-    (tmp_path / "job.json").write_text(json.dumps(job | {"answer": 0}))
+    path = tmp_path / "job.json"
+    write_job(path, known_job(path) | {"answer": 0})
     with pytest.raises(fh.FileWriteError, match="its answer is 0, this one's 1"):
         fh.dataset(made, tmp_path)
-    (tmp_path / "job.json").write_text("{}")
+    path.write_text(path.read_text().replace('"answer": 0', '"answer": 1'))
+    with pytest.raises(fh.FileFormatError, match="its check does not fit what it says"):
+        fh.dataset(made, tmp_path)
+    path.write_text("{}")
     with pytest.raises(fh.FileFormatError, match="no job of firsthit"):
         fh.dataset(made, tmp_path)
 

@@ -1,17 +1,21 @@
 """``firsthit dataset``: its words, its report and its exit codes."""
 
 import json
+import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import firsthit as fh
 import pytest
 from _firsthit_program import main as program
-from dataset_support import PLANS, tree
+from dataset_support import PLANS, plan, record, tree
 
 PLAN = str(PLANS / "turntable.toml")
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
 
 
 def run(monkeypatch, capsys, *arguments):
@@ -105,6 +109,8 @@ def test_a_check_says_which_way_is_up_in_each_scene(firsthit, tmp_path):
             "tip: a similar argument exists: '--threads'; see",
         ),
         ([PLAN, "--check", "-o", "x"], 2, "--check makes nothing: leave out --output"),
+        ([PLAN, "--check", "--workers", "2"], 2, "--check makes nothing: leave out --workers"),
+        ([PLAN, "-o", "x", "--workers", "0"], 2, "is not a number from 1 to 1024"),
         (["none.toml", "-o", "x"], 3, "none.toml: No such file or directory"),
         ([str(PLANS / "yard.toml"), "--check"], 3, "missing key `scenes`"),
         ([PLAN, "-o", PLAN], 4, "a file, not a folder"),
@@ -200,3 +206,283 @@ def test_the_lines_of_the_document_run(tmp_path, monkeypatch):
     with pytest.raises(fh.FileFormatError) as caught:
         fh.Plan.load("robot.toml")
     assert f"    {caught.value}\n" in text
+
+
+@pytest.fixture
+def in_workers():
+    """Start the command with two workers, in a session of its own."""
+    begun = []
+
+    def start(*arguments, **options):
+        line = [sys.executable, "-m", "firsthit", "dataset", *map(str, arguments)]
+        options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
+        options["start_new_session"] = sys.platform != "win32"
+        begun.append(subprocess.Popen([*line, "--workers", "2"], **options))
+        return begun[-1]
+
+    yield start
+    for each in begun:
+        # Only where a test has failed.
+        if each.poll() is None:
+            each.kill()
+            each.communicate()
+
+
+@pytest.fixture
+def long_plan(tmp_path):
+    """A plan of 60 frames in a file."""
+    text = PLANS.joinpath("turntable.toml").read_text()
+    text = text.replace("count = 6", "count = 60").replace("columns = 96", "columns = 240")
+    folder = tmp_path / "plan"
+    folder.mkdir()
+    (folder / "plan.toml").write_text(text)
+    shutil.copy(PLANS / "yard.toml", folder)
+    return folder / "plan.toml"
+
+
+def wait_for_frames(running, out, count):
+    end = time.monotonic() + 60
+    while len(list(out.glob("frames/[0-9]*"))) < count:
+        assert running.poll() is None
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_workers_come_to_the_bytes_of_one_process(in_workers, tmp_path):
+    fh.dataset(PLANS / "robot.toml", tmp_path / "one")
+    out = tmp_path / "two"
+    running = in_workers(PLANS / "robot.toml", "-o", out)
+    said, err = running.communicate(timeout=120)
+    assert (running.returncode, err) == (0, "")
+    assert said.startswith(f"{out}: 11 frames made, 0 kept, all 11 there\ndigest ")
+    assert tree(tmp_path / "one") == tree(out)
+
+
+@pytest.mark.parametrize(
+    ("options", "workers", "threads"),
+    [
+        ([], None, None),
+        (["--workers", 3], "processes(3)", 2),
+        (["--workers", 7], "processes(7)", 1),
+        (["--workers", 64], "processes(64)", 1),
+        (["--workers", 3, "--threads", 5], "processes(3)", 5),
+        (["--threads", 5], None, 5),
+    ],
+)
+def test_workers_share_the_cores(firsthit, monkeypatch, options, workers, threads):
+    told = []
+
+    def instead(*_, on, threads, **__):
+        told.append((None if on is None else repr(on), threads))
+        raise KeyboardInterrupt
+
+    from firsthit._commands import dataset as command
+
+    class Machine:
+        all_threads = staticmethod(lambda: 7)
+
+    monkeypatch.setattr(command, "dataset", instead)
+    monkeypatch.setattr(command, "_firsthit", Machine)
+    assert firsthit("dataset", PLAN, "-o", "x", *options)[0] == 130
+    assert told == [(workers, threads)]
+
+
+@POSIX
+def test_workers_have_a_line_of_progress_on_a_terminal(in_workers, tmp_path):
+    reader, writer = os.openpty()
+    running = in_workers(PLAN, "-o", tmp_path, stderr=writer)
+    os.close(writer)
+    running.communicate(timeout=120)
+    said = os.read(reader, 1 << 16).decode()
+    os.close(reader)
+    assert running.returncode == 0
+    assert "0 of 6 frames, 0 %" in said
+    assert "6 of 6 frames, 100 %" in said
+    # The line is gone at the end.
+    assert said.rsplit("\r", 2)[1].strip() == ""
+
+
+@POSIX
+def test_ctrl_c_with_workers_keeps_frames_and_is_a_line(in_workers, long_plan, tmp_path):
+    """The terminal sends it to all processes of the group."""
+    out = tmp_path / "out"
+    running = in_workers(long_plan, "-o", out)
+    wait_for_frames(running, out, 3)
+    os.killpg(running.pid, signal.SIGINT)
+    said, err = running.communicate(timeout=60)
+    assert (running.returncode, said, err) == (130, "", "firsthit: error: interrupted\n")
+    assert list(out.glob("frames/.*")) == []
+    kept = len(list(out.glob("frames/[0-9]*")))
+    assert 3 <= kept < 60
+    assert fh.dataset(long_plan, out).kept == kept
+
+
+@POSIX
+def test_ctrl_c_while_workers_start_is_a_line(in_workers, long_plan, tmp_path):
+    for after in (0.0, 0.05, 0.1, 0.2):
+        out = tmp_path / str(after)
+        running = in_workers(long_plan, "-o", out)
+        while not (out / "frames").is_dir():
+            assert running.poll() is None
+            time.sleep(0.001)
+        time.sleep(after)
+        os.killpg(running.pid, signal.SIGINT)
+        _, err = running.communicate(timeout=60)
+        assert (running.returncode, err) == (130, "firsthit: error: interrupted\n")
+
+
+def workers_of(pid):
+    """The processes that a driver has started to work."""
+    line = ["ps", "-Aww", "-o", "pid=,ppid=,args="]
+    listed = subprocess.run(line, capture_output=True, text=True, check=True).stdout
+    rows = [row.split(None, 2) for row in listed.splitlines()]
+    return [int(row[0]) for row in rows if row[1] == str(pid) and "spawn_main" in row[2]]
+
+
+@POSIX
+@pytest.mark.skipif(shutil.which("ps") is None, reason="ps lists the workers")
+def test_a_worker_that_is_killed_is_replaced(in_workers, long_plan, tmp_path):
+    out = tmp_path / "out"
+    running = in_workers(long_plan, "-o", out)
+    wait_for_frames(running, out, 3)
+    workers = workers_of(running.pid)
+    assert len(workers) == 2
+    os.kill(workers[0], signal.SIGKILL)
+    said, err = running.communicate(timeout=120)
+    assert (running.returncode, err) == (0, "")
+    assert f"digest {fh.dataset(long_plan, tmp_path / 'one').digest}\n" in said
+    assert tree(tmp_path / "one") == {
+        name: content for name, content in tree(out).items() if not name.startswith("frames/.")
+    }
+
+
+def test_what_workers_are_warned_of_is_said_as_ever(tmp_path):
+    """A run that goes on leaves reading of scenes to its workers."""
+    mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 nan\nf 1 2 3\nf 1 2 4\n"
+    (tmp_path / "bad.obj").write_text(mesh)
+    path = tmp_path / "plan.toml"
+    path.write_text(
+        '[[scenes]]\nfile = "bad.obj"\n[[sensors]]\ncolumns = 8\nrows = 6\n'
+        '[poses]\nkind = "sphere"\ncount = 6\nradius = 9\n'
+    )
+    line = [sys.executable, "-m", "firsthit", "dataset", str(path), "-o"]
+    told = []
+    for out, options in (("one", []), ("two", ["--workers", "2"])):
+        for part in ("1/2", "1/1"):
+            run = [*line, str(tmp_path / out), "--part", part, *options]
+            ended = subprocess.run(run, capture_output=True, text=True, check=True)
+            told.append(ended.stderr)
+    assert told[0].startswith("firsthit: warning: ")
+    assert told[0].count("\n") == 1
+    assert set(told) == {told[0]}
+
+
+def with_lines(**more):
+    def change(made):
+        made["output"] = {"pictures": ["color"], "jsonl": {}, **more}
+
+    return fh.Plan.from_dict(plan(change), PLANS)
+
+
+def lines_of(folder):
+    return [json.loads(line) for line in (folder / "annotations.jsonl").read_text().splitlines()]
+
+
+def test_lines_are_the_records_of_all_frames(tmp_path):
+    made = fh.Plan.from_dict(plan(lambda made: made["output"].update(jsonl={})), PLANS)
+    assert fh.dataset(made, tmp_path, part=(1, 2)).missing
+    assert not (tmp_path / "annotations.jsonl").exists()
+    fh.dataset(made, tmp_path)
+    records = [record(tmp_path, k) for k in range(7)]
+    for one in records:
+        assert one.pop("files")
+        assert one.pop("check")
+    assert lines_of(tmp_path) == records
+    assert [one["frame"] for one in records] == list(range(7))
+    assert {"scene", "pose_index", "time", "world_from_rig"} <= records[0].keys()
+    assert records[0]["annotations"]["eye"].keys() == {"classes", "coco", "bop", "yolo"} | {
+        "instances"
+    }
+    assert json.loads((tmp_path / "dataset.json").read_text())["merged"][-1] == "annotations.jsonl"
+
+
+def test_instances_of_lines_are_those_of_annotate(tmp_path):
+    """Lines alone need no classes."""
+
+    def change(made):
+        made["output"] = {"pictures": ["color"], "jsonl": {}}
+        del made["scenes"][0]["classes"]
+        del made["scenes"][0]["keypoints"]
+
+    fh.dataset(fh.Plan.from_dict(plan(change), PLANS), tmp_path)
+    scene, count = fh.load(PLANS / "yard.toml"), 0
+    for k, line in enumerate(lines_of(tmp_path)):
+        camera = fh.Camera.load(tmp_path / "frames" / f"{k:06d}" / "eye.npz")
+        instances = fh.annotate(scene, camera).instances
+        assert line["annotations"].keys() == {"eye"}
+        for said, one in zip(line["annotations"]["eye"]["instances"], instances, strict=True):
+            assert said == {
+                "id": one.id,
+                "class": one.class_name,
+                "name": one.name,
+                "object": one.object,
+                "visible": {"box": as_list(one.visible_box), "pixels": one.visible.pixels},
+                "amodal": {"box": as_list(one.amodal_box), "pixels": one.amodal.pixels},
+            }
+            count += 1
+    assert count > 10
+
+
+def as_list(box):
+    return None if box is None else list(box)
+
+
+def test_lines_are_whole_or_not_there(tmp_path, monkeypatch):
+    made = with_lines()
+    fh.dataset(made, tmp_path / "whole")
+    module, read = fh.datasets._merge, fh.datasets._merge.canonical
+
+    def ending(said):
+        if said["frame"] == 4:
+            raise KeyboardInterrupt
+        return read(said)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(module, "canonical", ending)
+        with pytest.raises(KeyboardInterrupt):
+            fh.dataset(made, tmp_path / "out")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["frames", "job.json"]
+    assert fh.dataset(made, tmp_path / "out").made == 0
+    assert tree(tmp_path / "out") == tree(tmp_path / "whole")
+    # Removed, they are written again.
+    (tmp_path / "out" / "annotations.jsonl").unlink()
+    fh.dataset(made, tmp_path / "out")
+    assert tree(tmp_path / "out") == tree(tmp_path / "whole")
+
+
+def test_lines_are_written_a_record_at_a_time(tmp_path, monkeypatch):
+    """Between two records that are read, the one before is written."""
+    module, order = fh.datasets._merge, []
+    write, read = module.canonical, fh._parts._folder.Parts.record
+
+    def writing(said):
+        order.append(("write", said["frame"]))
+        return write(said)
+
+    def reading(self, number, **how):
+        order.append(("read", number))
+        return read(self, number, **how)
+
+    monkeypatch.setattr(module, "canonical", writing)
+    monkeypatch.setattr(fh._parts._folder.Parts, "record", reading)
+    fh.dataset(with_lines(), tmp_path)
+    assert order[-14:] == [(what, k) for k in range(7) for what in ("read", "write")]
+
+
+def test_options_of_lines_and_plans_without_pictures_are_refused():
+    with pytest.raises(ValueError, match=r"output\.jsonl: unknown key `x`"):
+        with_lines(jsonl={"x": 1})
+    with pytest.raises(ValueError, match="`jsonl` does nothing here"):
+        fh.Plan.from_dict(
+            plan(lambda made: made.update(sensors=made["sensors"][1:], output={"jsonl": {}})), PLANS
+        )

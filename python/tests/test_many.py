@@ -5,6 +5,7 @@ import itertools
 import multiprocessing
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -17,8 +18,10 @@ import firsthit as fh
 import many_support
 import numpy as np
 import pytest
+from firsthit._parts._engine import Task, results
 from many_support import Slow, Suicide, Wrong, cameras, rays, red, scene
 
+ROOT = Path(__file__).resolve().parents[2]
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
 
 
@@ -460,6 +463,28 @@ def test_progress_counts_parts_that_were_kept(tmp_path):
         fh.shoot_many(scene(), rays(), tmp_path / "b", progress=stop)
 
 
+def test_few_tasks_wait_however_many_there_are():
+    """A driver of a million parts stays small: tasks are drawn when there is room."""
+    drawn, done, most = 0, 0, 0
+
+    def tasks():
+        nonlocal drawn, most
+        for number in range(20_000):
+            drawn += 1
+            most = max(most, drawn - done)
+            yield Task(number)
+
+    with ThreadPoolExecutor(2) as pool:
+        for _ in results(abs_of_number, tasks(), pool):
+            done += 1
+    assert done == 20_000
+    assert most <= 4 * 2 + 1
+
+
+def abs_of_number(task):
+    return abs(task.number)
+
+
 def test_cameras_are_drawn_as_they_are_needed(tmp_path):
     """A sequence of one's own makes a camera at a time."""
     asked = []
@@ -515,3 +540,22 @@ def test_what_makes_no_job_is_refused_before_a_folder_is_made(call, error, what,
     with pytest.raises(error, match=what):
         call(out)
     assert not out.exists()
+
+
+def test_the_lines_of_the_page_on_clusters_run(tmp_path, monkeypatch):
+    """Those that take no cluster; `cluster_tests` has the others."""
+    monkeypatch.chdir(tmp_path)
+    fh.Scene.save(scene(), "bunny.fhs")
+    page = (ROOT / "docs" / "cluster.md").read_text().replace("bunny.ply", "bunny.fhs")
+    told = {}
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    for block in blocks:
+        if "Client(" not in block and "ray.init" not in block:
+            # A hundredth of the rays and pixels will do.
+            small = block.replace("480, 640", "48, 64").replace("3_000_000", "30_000")
+            exec(small, told)
+    assert told["made"].result["counts"].sum() > 0
+    assert fh.parts("views").digest == fh.parts("views2").digest
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *("bunny.fhs", "views", "views2", "hits", "depths", "seen")
+    }

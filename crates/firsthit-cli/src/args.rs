@@ -59,6 +59,12 @@ pub(crate) enum Command {
     /// Make the frames and annotations of a plan: scenes, sensors and poses (Python package).
     #[command(after_help = help::DATASET_EXAMPLES)]
     Dataset(InPythonArgs),
+    /// Tell which parts of a job are there, and which are missing (Python package).
+    #[command(after_help = help::PARTS_EXAMPLES)]
+    Parts(InPythonArgs),
+    /// Pack the parts of a job, or the frames of a data set, into tar files for training (Python package).
+    #[command(after_help = help::PACK_EXAMPLES)]
+    Pack(InPythonArgs),
     /// Render the embedded example scene.
     Demo(DemoArgs),
     /// Print the JSON Schema of scene files, with which editors complete and check them.

@@ -26,10 +26,12 @@ Examples:
   firsthit probe part.stl --pixel 640,360
   firsthit scan city.glb --lidar VLP-16 a lidar's point cloud
   firsthit dataset plan.toml -o out/    all frames and annotations of a plan
+  firsthit parts out/                   which frames are there, which missing
+  firsthit pack out/ -o shards/         tar files that WebDataset reads
 
-With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, scan, dataset, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
+With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, scan, dataset, parts, pack, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
-Exit codes: 0 done, 1 the outputs differ (diff) or something was found (lint), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
+Exit codes: 0 done, 1 the outputs differ (diff), something was found (lint) or parts are missing (parts), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
 70 a bug in firsthit, 130 interrupted.";
 
 const RENDER_EXAMPLES: &str = "\
@@ -168,9 +170,28 @@ Examples:
   firsthit dataset plan.toml --check
   firsthit dataset plan.toml -o out/
   firsthit dataset plan.toml -o out/ --part 3/8
+  firsthit dataset plan.toml -o out/ --workers 4
 
 This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit. \
 docs/datasets.md has the plan's keys.";
+
+pub(crate) const PARTS_EXAMPLES: &str = "\
+Examples:
+  firsthit parts out/
+  firsthit parts out/ --verify --json
+
+Exit codes: 0 all parts are there, 1 some are missing, 2 wrong usage, 3 a folder that is that of no job.
+
+This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit.";
+
+pub(crate) const PACK_EXAMPLES: &str = "\
+Examples:
+  firsthit pack out/ -o shards/
+  firsthit pack out/ -o shards/ --size 300
+  firsthit pack out/ -o shards/ --parts 100
+
+This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit. \
+docs/datasets.md has what is in a tar file.";
 
 pub(crate) const DEMO_EXAMPLES: &str = "\
 Examples:

@@ -89,6 +89,8 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Lint(args) => commands::lint::run(&args, &interrupted),
         Command::Scan(_) => commands::in_python::run("scan"),
         Command::Dataset(_) => commands::in_python::run("dataset"),
+        Command::Parts(_) => commands::in_python::run("parts"),
+        Command::Pack(_) => commands::in_python::run("pack"),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),
         Command::Schema => commands::schema::run(),
         Command::Completions { shell } => commands::completions::run(shell),

@@ -8,11 +8,14 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any
 
+from firsthit import _firsthit
 from firsthit.datasets import Plan, dataset
 from firsthit.datasets._check import checked
+from firsthit.many import processes
 
 from ._directions import direction
 from ._program import Parser, UsageError, run
+from ._words import count, size
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,13 +26,15 @@ _ABOUT = """\
 Make the frames and annotations of a plan: scenes, sensors and poses.
 
 Frames that are there are kept, so a run that was stopped or killed goes on
-where it was. The bytes are the same for any number of runs, parts and threads."""
+where it was. The bytes are the same for any number of runs, parts, workers and
+threads."""
 
 _EXAMPLES = """\
 Examples:
   firsthit dataset plan.toml --check
   firsthit dataset plan.toml -o out/
   firsthit dataset plan.toml -o out/ --part 3/8
+  firsthit dataset plan.toml -o out/ --workers 4
 
 docs/datasets.md has the plan's keys, and what is in the folder.
 
@@ -66,10 +71,18 @@ def _parser() -> Parser:
         help="compare the bytes of frames that are there with their sha256, not only their sizes",
     )
     add(
+        "--workers",
+        metavar="N",
+        type=_threads,
+        help="make frames in N processes at the same time, each with the scene; pays where a frame "
+        "does not keep all cores busy",
+    )
+    add(
         "--threads",
         metavar="N",
         type=_threads,
-        help="the number of threads; the result is the same for any [default: all cores]",
+        help="the number of threads, with --workers of each; the result is the same for any "
+        "[default: all cores, with --workers cores / N]",
     )
     add("-q", "--quiet", action="store_true", help="print only warnings and errors")
     return parser
@@ -77,7 +90,7 @@ def _parser() -> Parser:
 
 def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     if arguments.check:
-        for name in ("output", "part", "verify"):
+        for name in ("output", "part", "verify", "workers"):
             if getattr(arguments, name):
                 raise UsageError(f"--check makes nothing: leave out --{name}")
         return _checked(Plan.load(arguments.plan), arguments)
@@ -85,15 +98,19 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         raise UsageError("--output must be given, and not empty; see firsthit dataset --help")
     began = time.monotonic()
     shows = not arguments.quiet and sys.stderr.isatty()
+    threads, workers = arguments.threads, arguments.workers
+    if workers is not None and threads is None:
+        threads = max(1, _firsthit.all_threads() // workers)
     made = dataset(
         arguments.plan,
         arguments.output,
+        on=None if workers is None else processes(workers),
         part=arguments.part,
-        threads=arguments.threads,
+        threads=threads,
         verify=arguments.verify,
         progress=True if shows else None,
     )
-    text = f"{arguments.output}: {_count(made.made, 'frame')} made, {made.kept} kept"
+    text = f"{arguments.output}: {count(made.made, 'frame')} made, {made.kept} kept"
     text += f", {made.missing} missing" if made.missing else f", all {made.frames} there"
     if made.digest is not None:
         text += f"\ndigest {made.digest}"
@@ -106,11 +123,11 @@ def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dic
     scenes = checked(plan, arguments.threads)
     cost = plan.cost()
     lines = [
-        f"{_count(plan.frames, 'frame')}: {_count(len(plan.scenes), 'scene')}, "
-        f"{_count(plan.poses_per_scene, 'pose')} each",
+        f"{count(plan.frames, 'frame')}: {count(len(plan.scenes), 'scene')}, "
+        f"{count(plan.poses_per_scene, 'pose')} each",
         f"sensors: {', '.join(plan.sensors)}",
         f"rays: {cost.rays}",
-        f"bytes: at most about {_size(cost.bytes)} without annotations",
+        f"bytes: at most about {size(cost.bytes)} without annotations",
         *_ups(plan, scenes),
     ]
     report = {
@@ -148,15 +165,3 @@ def _threads(text: str) -> int:
     if not re.fullmatch(r"[0-9]{1,4}", text) or not 1 <= int(text) <= 1024:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 1 to 1024")
     return int(text)
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
-def _size(count: int) -> str:
-    size, units = float(count), ["bytes", "KB", "MB", "GB", "TB", "PB"]
-    while size >= 1000.0 and len(units) > 1:
-        size /= 1000.0
-        del units[0]
-    return f"{size:.3g} {units[0]}"

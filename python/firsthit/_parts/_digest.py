@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -29,7 +29,8 @@ def of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
         plain = np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
         head = json.dumps([name, plain.dtype.str, list(array.shape)])
         made.update(head.encode() + b"\n")
-        made.update(plain.tobytes())
+        # Its bytes without a copy.
+        made.update(plain.reshape(-1).view(np.uint8).data)
     return made.hexdigest()
 
 
@@ -55,10 +56,15 @@ def of_json(value: Any) -> str:
 
 def of_file(path: Path) -> str:
     """Return the sha256 of a file's bytes."""
-    made = hashlib.sha256()
     with path.open("rb") as file:
-        while piece := file.read(_PIECE):
-            made.update(piece)
+        return of_stream(file)
+
+
+def of_stream(file: BinaryIO) -> str:
+    """Return the sha256 of the bytes that an open file still has."""
+    made = hashlib.sha256()
+    while piece := file.read(_PIECE):
+        made.update(piece)
     return made.hexdigest()
 
 
@@ -66,6 +72,14 @@ def canonical(value: Any) -> bytes:
     """Return a value as JSON without blanks and NaN, its keys in their order.
 
     What is read from it has them in the same order, and is the same text again.
+
+    Raises
+    ------
+    ValueError
+        For NaN, and for what is nested too deeply.
     """
-    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    try:
+        text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
     return text.encode()

@@ -6,10 +6,13 @@ The order in which tasks end is nobody's promise: results come with their tasks'
 from __future__ import annotations
 
 import pickle
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+from firsthit._errors import FirsthitWarning, warn
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -29,10 +32,14 @@ _MANY = 64
 
 
 class Task(NamedTuple):
-    """A task: its number, and what its work needs beside the number."""
+    """A task: its number, what its work needs beside the number, and how often it was lost.
+
+    Dask takes equal calls for the same, and says again that it was lost: a second try differs.
+    """
 
     number: int
     given: Any = None
+    losses: int = 0
 
 
 #: Does a task and returns its result. Both must be picklable for workers in other processes.
@@ -66,9 +73,39 @@ class _Outcome(NamedTuple):
 
     result: Any = None
     error: Exception | None = None
+    warnings: tuple[str, ...] = ()
+
+
+#: What this process was warned of since its last task, if its driver is to tell it.
+_heard: list[str] | None = None
+
+
+def keep_warnings() -> None:
+    """Have the driver warn in place of this process, to whose words nobody listens."""
+    global _heard
+    _heard = heard = []
+    told = warnings.showwarning
+
+    def hear(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
+        if issubclass(category, FirsthitWarning):
+            heard.append(str(message))
+        else:
+            told(message, category, *rest, **named)
+
+    warnings.showwarning = hear
 
 
 def _tried(work: Work, task: Task) -> _Outcome:
+    """Do a task, and return what it came to with what it warned of."""
+    outcome = _done(work, task)
+    if not _heard:
+        return outcome
+    told = tuple(_heard)
+    _heard.clear()
+    return outcome._replace(warnings=told)
+
+
+def _done(work: Work, task: Task) -> _Outcome:
     """Do a task. Its errors are results, so that what an executor raises is a loss."""
     try:
         return _Outcome(work(task))
@@ -95,7 +132,6 @@ class _Pool:
         #: In the order in which they were given.
         self._waiting: dict[Future[_Outcome], Task] = {}
         self._again: deque[Task] = deque()
-        self._losses: dict[int, int] = {}
 
     def _made(self) -> Executor:
         assert self._make is not None
@@ -159,12 +195,11 @@ class _Pool:
         self._remake()
 
     def _lose(self, task: Task, failure: BaseException) -> None:
-        lost = self._losses.get(task.number, 0) + 1
-        self._losses[task.number] = lost
+        lost = task.losses + 1
         if lost >= _TRIES:
             what = f"part {task.number} was lost {lost} times with its worker"
             raise RuntimeError(f"{what}: {type(failure).__name__}: {failure}") from failure
-        self._again.appendleft(task)
+        self._again.appendleft(task._replace(losses=lost))
 
     def _remake(self) -> None:
         if self._make is None:
@@ -195,6 +230,8 @@ def _failure(future: Future[_Outcome]) -> BaseException | None:
 
 def _result(future: Future[_Outcome]) -> Any:
     outcome = future.result()
+    for text in outcome.warnings:
+        warn(text)
     if outcome.error is not None:
         raise outcome.error
     return outcome.result

@@ -96,13 +96,16 @@ class Parts:
         return missing, None if missing else made.text()
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """Yield the records of all parts, in their order."""
-        for number in range(self.count):
-            record = self.record(number)
-            if record is None:
-                path = self.path(number)
-                raise FileFormatError(f"{path}: damaged while it was read", os.fspath(path))
-            yield record
+        """Return the records of all parts, in their order."""
+        return map(self.whole_record, range(self.count))
+
+    def whole_record(self, number: int) -> dict[str, Any]:
+        """Return the record of a part that was whole before."""
+        record = self.record(number)
+        if record is None:
+            path = self.path(number)
+            raise FileFormatError(f"{path}: damaged while it was read", os.fspath(path))
+        return record
 
     def there(self) -> Iterator[int]:
         """Yield the numbers of the parts whose names are there, in any order."""

@@ -10,6 +10,7 @@ from firsthit._arrays import count as whole_number
 from firsthit._errors import FileFormatError, FileReadError, FileWriteError
 from firsthit.annotations._files import write
 
+from ._digest import of_json
 from ._records import read
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ def known_job(path: Path) -> dict[str, Any] | None:
         said = read(path)
         if not isinstance(said, dict):
             raise TypeError("a table was expected")
+        if said.pop("check", None) != of_json(said):
+            raise ValueError("its check does not fit what it says")
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
@@ -46,8 +49,9 @@ def refuse_strange(folder: Path, parts: str) -> None:
 
 
 def write_job(path: Path, said: Mapping[str, Any]) -> None:
-    """Write the file of a job, whole or not at all."""
-    write(path, (json.dumps(said, indent=2) + "\n").encode())
+    """Write the file of a job, whole or not at all, with a check of all that it says."""
+    checked = {**said, "check": of_json(said)}
+    write(path, (json.dumps(checked, indent=2) + "\n").encode())
 
 
 def refuse_other(path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit._errors import FileError, FileWriteError
 
-from ._digest import canonical, of_file, of_json
+from ._digest import canonical, of_file, of_json, of_stream
+from ._inside import open_inside, size_of
 from ._records import read
 
 if TYPE_CHECKING:
@@ -112,7 +113,8 @@ def record_of(path: Path, form: Form, job: str, *, verify: bool = False) -> dict
     """Return the record of a part that is whole; ``None`` if it is not, or of another job.
 
     A record proves itself by its check. Files must be there with their sizes; with ``verify`` their
-    bytes are compared as well.
+    bytes are compared as well. Nothing outside the part's folder is looked at, whatever the record
+    says: neither by a name nor through a link.
     """
     if path.is_symlink():
         return None
@@ -121,11 +123,16 @@ def record_of(path: Path, form: Form, job: str, *, verify: bool = False) -> dict
         check = said.pop("check")
         if said[form.job] != job or check != of_json(said):
             return None
+        if not (isinstance(said["digest"], str) and said["digest"].isascii()):
+            return None
         for name, known in said["files"].items():
-            if (path / name).stat().st_size != known["bytes"]:
+            size, sha256 = known["bytes"], known["sha256"]
+            if size_of(path, name) != size or not isinstance(sha256, str):
                 return None
-            if verify and of_file(path / name) != known["sha256"]:
-                return None
+            if verify:
+                with open_inside(path, name) as file:
+                    if of_stream(file) != sha256:
+                        return None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
     return dict(said)

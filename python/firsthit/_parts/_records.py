@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _MOST_BYTES = 1 << 28
 
 #: No link is followed, and no pipe is waited for.
-_FLAGS = (
+FLAGS = (
     os.O_RDONLY
     | getattr(os, "O_NOFOLLOW", 0)
     | getattr(os, "O_NONBLOCK", 0)
@@ -32,7 +32,7 @@ def read(path: Path) -> Any:
     ValueError
         For what is no regular file, too large, or no JSON.
     """
-    with open(os.open(path, _FLAGS), "rb") as file:  # noqa: PTH123
+    with open(os.open(path, FLAGS), "rb") as file:  # noqa: PTH123
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise ValueError("a device, a pipe or a folder, not a regular file")
         content = file.read(_MOST_BYTES + 1)

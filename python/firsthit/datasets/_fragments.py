@@ -18,7 +18,7 @@ from firsthit.annotations._yolo import _labels
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit.annotations import Annotations
+    from firsthit.annotations import Annotations, Instance
 
     from ._output import Output
 
@@ -79,9 +79,23 @@ def save_masks(folder: Path, sensor: str, picture: Annotations, output: Output) 
             (into / f"{k:06d}.png").write_bytes(as_png(mask.array))
 
 
-def instances(picture: Annotations) -> list[dict[str, Any]]:
-    """Return what the masks of a picture are of, in their order."""
+def instances(picture: Annotations, *, with_boxes: bool) -> list[dict[str, Any]]:
+    """Return what is in a picture, in the order of the masks."""
     return [
-        {"id": one.id, "class": one.class_name, "name": one.name, "object": one.object}
+        {
+            "id": one.id,
+            "class": one.class_name,
+            "name": one.name,
+            "object": one.object,
+            **(_boxes(one) if with_boxes else {}),
+        }
         for one in picture.instances
     ]
+
+
+def _boxes(one: Instance) -> dict[str, Any]:
+    """Return where an instance is in its picture, and how many pixels it has there."""
+    return {
+        name: {"box": None if mask.box is None else list(mask.box), "pixels": mask.pixels}
+        for name, mask in (("visible", one.visible), ("amodal", one.amodal))
+    }

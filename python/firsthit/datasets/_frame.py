@@ -126,14 +126,14 @@ class FrameMaker:
             TOLD_OF.reset(telling)
         save_masks(folder, sensor.name, found, output)
         made: dict[str, Any] = {}
-        if output.merged.kinds:
+        if output.merged.has_classes:
             scale, bop = 1.0, output.merged.bop
             if bop is not None and output.png_scale is not None and "z" in output.pictures:
                 scale = output.png_scale * 1e3 * meters(bop["unit"])
             name = file_name(plan, sensor.name, frame)
             made = fragments(name, found, output, scale)
-        if output.masks:
-            made["instances"] = instances(found)
+        if output.masks or output.merged.jsonl is not None:
+            made["instances"] = instances(found, with_boxes=output.merged.jsonl is not None)
         return made
 
 

@@ -133,5 +133,5 @@ def check(plan: Plan, number: int, scene: Scene, threads: int | None) -> Mark:
 
 def merged_names(plan: Plan) -> list[str]:
     """Return the names, in the folder, of what is put together at the end."""
-    names = {"coco": "coco.json", "bop": "bop", "kitti": "kitti", "yolo": "yolo"}
-    return [names[kind] for kind in KINDS if kind in plan._output.merged.kinds]
+    names = {"coco": "coco.json", "jsonl": "annotations.jsonl"}
+    return [names.get(kind, kind) for kind in KINDS if kind in plan._output.merged.kinds]

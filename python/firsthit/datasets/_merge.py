@@ -11,9 +11,11 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from firsthit._parts._digest import canonical
 from firsthit._parts._link import link
 from firsthit._parts._part import name_of, remove_leftovers
 from firsthit._parts._records import read
+from firsthit._parts._whole_file import writing_file
 from firsthit.annotations._bop import SAME_SIZE
 from firsthit.annotations._files import as_json, write
 from firsthit.annotations._yolo import _yaml
@@ -57,6 +59,8 @@ def merge(folder: Path, plan: Plan, records: Records, digest: str) -> None:
         joined.save_kitti()
     if formats.yolo is not None:
         joined.save_yolo(formats.yolo["validation"])
+    if formats.jsonl is not None:
+        joined.save_lines()
     write(folder / DONE, json.dumps(done, indent=2).encode() + b"\n")
 
 
@@ -71,8 +75,10 @@ def _is_done(folder: Path, done: dict[str, Any]) -> bool:
 class _Joined:
     def __init__(self, folder: Path, plan: Plan, records: Records) -> None:
         self._folder, self._plan, self._records = folder, plan, records
-        found = (name for picture in self.pictures() for name in picture["classes"])
-        self.classes = [*dict.fromkeys(found)]
+        self.classes: list[str] = []
+        if plan._output.merged.has_classes:
+            found = (name for picture in self.pictures() for name in picture["classes"])
+            self.classes = [*dict.fromkeys(found)]
 
     def pictures(self) -> Iterator[dict[str, Any]]:
         """Yield the fragments of all pictures, by frame and then by sensor."""
@@ -157,6 +163,13 @@ class _Joined:
                 self._link_colors(record, sensor, into / "images" / part / f"{name}.png")
         content = _yaml(self.classes, has_validation=validation > 0.0)
         write(into / "data.yaml", content.encode())
+
+    def save_lines(self) -> None:
+        """Write ``annotations.jsonl``: the record of each frame, but for its files."""
+        with writing_file(self._folder / "annotations.jsonl") as file:
+            for record in self._records():
+                said = {key: value for key, value in record.items() if key != "files"}
+                file.write(canonical(said) + b"\n")
 
     def _link_colors(self, record: dict[str, Any], sensor: str, path: Path) -> None:
         if "color" in self._plan._output.pictures:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ._table import Table
 
 #: The formats: each is a table of the output.
-KINDS = ("coco", "bop", "kitti", "yolo")
+KINDS = ("coco", "bop", "kitti", "yolo", "jsonl")
 
 
 class Merged(NamedTuple):
@@ -26,16 +26,22 @@ class Merged(NamedTuple):
     bop: dict[str, Any] | None
     kitti: dict[str, Any] | None
     yolo: dict[str, Any] | None
+    jsonl: dict[str, Any] | None
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """The formats that are asked for."""
         return tuple(name for name in KINDS if getattr(self, name) is not None)
 
+    @property
+    def has_classes(self) -> bool:
+        """Whether one of the formats needs the class of every instance."""
+        return any(name != "jsonl" for name in self.kinds)
+
 
 def merged(table: Table) -> Merged:
     """Return the formats of annotations in a plan's output."""
-    readers = {"coco": _coco, "bop": _bop, "kitti": _kitti, "yolo": _yolo}
+    readers = {"coco": _coco, "bop": _bop, "kitti": _kitti, "yolo": _yolo, "jsonl": _jsonl}
     made: dict[str, dict[str, Any] | None] = {}
     for name, read in readers.items():
         given = table.table(name, None)
@@ -83,6 +89,11 @@ def _yolo(table: Table) -> dict[str, Any]:
         "masks": table.text("masks", "visible", get_args(MaskKind)),
         "validation": table.number("validation", 0.0, least=0.0, most=1.0),
     }
+
+
+def _jsonl(_: Table) -> dict[str, Any]:
+    """Return nothing: the lines are the records of frames, which have no options."""
+    return {}
 
 
 def _unit(table: Table) -> Any:

@@ -1,12 +1,13 @@
 """The same job on many workers: parts in a folder, with the same bytes after any kill.
 
 `render_many`, `shoot_many` and `visible_many` make the parts that are missing; `parts` says which
-are there. A worker is a process with all its threads and one scene, in this machine or in another
-that shares the folder.
+are there, and `pack` packs them for training. A worker is a process with all its threads and one
+scene, in this machine or in another that shares the folder.
 """
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum
 from ._made import Made
+from ._pack import Packed, pack
 from ._parts_of import JobState, parts
 from ._processes import processes
 from ._render import render_many
@@ -20,8 +21,10 @@ __all__ = [
     "JobState",
     "Made",
     "Minimum",
+    "Packed",
     "Sum",
     "bits",
+    "pack",
     "parts",
     "processes",
     "render_many",

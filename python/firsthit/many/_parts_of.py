@@ -15,6 +15,8 @@ from firsthit.datasets._form import FORM as FRAMES
 from ._jobs import FORM, MOST_IN_A_STREAM
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from firsthit._parts._part import Form
 
 #: More parts than this no folder has.
@@ -79,7 +81,50 @@ def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
     >>> (state.parts, state.done, state.missing)
     (3, 1, (range(0, 1), range(2, 3)))
     """
-    out, is_verified = Path(folder), flag("verify", verify)
+    return found(Path(folder), verify=flag("verify", verify)).state
+
+
+class Found(NamedTuple):
+    """The parts of a folder.
+
+    Attributes
+    ----------
+    state : JobState
+        What is there.
+    parts : Parts
+        Where.
+    digest : str
+        The digest of the job: of what the parts are, not of what is in them.
+    is_ended : bool
+        Whether the number of parts is known.
+    """
+
+    state: JobState
+    parts: Parts
+    digest: str
+    is_ended: bool
+
+    @property
+    def missing(self) -> tuple[range, ...]:
+        """What is missing, but for the rest of a stream, of which nobody knows the end."""
+        known = self.state.missing
+        return known if self.is_ended or not known else known[:-1]
+
+    def numbers(self) -> Iterator[int]:
+        """Yield the numbers of the parts that are whole."""
+        last = 0
+        for one in (*self.state.missing, range(self.state.parts, self.state.parts)):
+            yield from range(last, one.start)
+            last = one.stop
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield their records."""
+        for number in self.numbers():
+            yield self.parts.whole_record(number)
+
+
+def found(out: Path, *, verify: bool) -> Found:
+    """Return the parts of a folder, with the errors of `parts`."""
     said = known_job(out / JOB)
     if said is None:
         path = os.fspath(out)
@@ -88,10 +133,14 @@ def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
     there = Parts(out, form, job, count)
     if _is_stream(said):
         there = Parts(out, form, job, MOST_IN_A_STREAM).first(count)
+    if (out / form.folder).is_symlink():
+        # What it leads to may be anything.
+        path = os.fspath(out / form.folder)
+        raise FileFormatError(f"{path}: a link, not the folder of a job", path)
     whole = sorted(
         number
         for number in (there.there() if (out / form.folder).is_dir() else ())
-        if there.record(number, verify=is_verified) is not None
+        if there.record(number, verify=verify) is not None
     )
     missing, last = [], 0
     for number in (*whole, count):
@@ -99,7 +148,9 @@ def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
             missing.append(range(last, number))
         last = number + 1
     digest = None if missing else there.state()[1]
-    return JobState(said, count, len(whole), tuple(missing), digest)
+    state = JobState(said, count, len(whole), tuple(missing), digest)
+    is_ended = not (_is_stream(said) and said.get("parts") is None)
+    return Found(state, there, job, is_ended)
 
 
 def _is_stream(said: dict[str, Any]) -> bool:

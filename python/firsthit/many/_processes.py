@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import TYPE_CHECKING
 
 from firsthit._arrays import count
+from firsthit._parts._engine import keep_warnings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,7 +55,7 @@ class _Processes:
     def __call__(self) -> Executor:
         return ProcessPoolExecutor(
             self._workers,
-            mp_context=multiprocessing.get_context("spawn"),
+            mp_context=_Context(),
             initializer=_begin,
             initargs=(os.getpid(),),
         )
@@ -63,9 +64,32 @@ class _Processes:
         return f"processes({self._workers})"
 
 
+class _Process(SpawnProcess):
+    """A process that Ctrl-C does not reach from its first instruction on.
+
+    While Python starts, and imports what it needs, nothing could be ignored yet.
+    """
+
+    def start(self) -> None:
+        if not hasattr(signal, "pthread_sigmask"):
+            super().start()
+            return
+        # The mask is inherited.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Context(SpawnContext):
+    Process = _Process
+
+
 def _begin(driver: int) -> None:
     """Begin a worker: Ctrl-C is the driver's to hear, and nobody works for one that is dead."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    keep_warnings()
     threading.Thread(target=_end_with, args=(driver,), daemon=True).start()
 
 

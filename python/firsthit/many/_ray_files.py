@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import glob
+import hashlib
 import importlib
 import os
 import zipfile
@@ -23,6 +24,9 @@ Table = dict[str, "npt.NDArray[Any]"]
 #: The extensions of files of rays.
 FILES = (".npz", ".npy", ".parquet")
 
+#: How many bytes of a file's beginning and end are in a job's digest.
+_END = 1 << 16
+
 #: What the columns of tables are called, as in the program's CSV of rays.
 _COLUMNS = ("ox", "oy", "oz", "dx", "dy", "dz")
 _LIMITS = ("t_min", "t_max")
@@ -33,6 +37,19 @@ class RayFile(NamedTuple):
 
     path: Path
     rows: int
+
+    def ends(self) -> tuple[int, str]:
+        """Return its size in bytes, and the sha256 of its beginning and its end.
+
+        They tell one file from another without reading all of it.
+        """
+        with self.path.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            made = hashlib.sha256()
+            for start in (0, max(0, size - _END)):
+                file.seek(start)
+                made.update(file.read(_END))
+        return size, made.hexdigest()
 
     def rays(self, first: int, last: int) -> Table:
         """Return some of its rays.
@@ -121,8 +138,12 @@ _NAMES = ("origins", "directions")
 
 def _of_npy(path: Path, first: int, last: int, version: object) -> Table:
     del version
-    rows = np.array(_memory(path)[first:last])
-    return {"origins": rows[:, :3], "directions": rows[:, 3:]}
+    rows = _memory(path)[first:last]
+    # Each is copied out of the map at once, in the form in which it is shot.
+    return {
+        "origins": np.array(rows[:, :3], np.float64, order="C"),
+        "directions": np.array(rows[:, 3:], np.float64, order="C"),
+    }
 
 
 def _memory(path: Path) -> npt.NDArray[Any]:

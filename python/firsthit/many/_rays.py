@@ -192,7 +192,7 @@ class _OfFiles:
         self.parts = self._ends[-1]
 
     def said(self) -> dict[str, Any]:
-        files = [[file.path.name, file.rows, file.path.stat().st_size] for file in self._files]
+        files = [[file.path.name, file.rows, *file.ends()] for file in self._files]
         return {
             "kind": "files",
             "rays": sum(file.rows for file in self._files),

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import io
+import os
+import zipfile
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from firsthit._arrays import count
+from firsthit._errors import FileFormatError
 from firsthit._files import distinct
 from firsthit._hits import _OF_RAYS
 from firsthit._parts._digest import of_arrays
@@ -22,7 +25,6 @@ from ._names import function_name
 from ._rays import Batch, source_of
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
@@ -208,21 +210,32 @@ class _Shots(NamedTuple):
             arrays = {name: hits.channel(name) for name in self.channels}
             table = hits.to_dict(self.channels) if self.save == ".parquet" else {}
             write_hits(folder / f"hits{self.save}", arrays, table)
+        # Of other sources the job says which rays they are.
+        digest = {"rays_digest": batch.digest()} if self.source is None else {}
         return {
             "job": self.job,
             "part": task.number,
             "rays": len(batch.origins),
-            "rays_digest": batch.digest(),
+            **digest,
             "digest": of_arrays(arrays),
         }
+
+
+def _arrays_in(path: Path) -> Arrays:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        text = os.fspath(path)
+        why = f"damaged: {error}; with verify=True it is made again"
+        raise FileFormatError(f"{text}: {why}", text) from None
 
 
 def _folded(job: Job, fold: Fold) -> Arrays | None:
     """Return what a fold came to over all parts, and write it."""
     total: Arrays | None = None
     for number in range(job.parts.count):
-        with np.load(job.parts.path(number) / RESULT, allow_pickle=False) as file:
-            one = {name: file[name] for name in file.files}
+        one = _arrays_in(job.parts.path(number) / RESULT)
         total = one if total is None else checked(fold.merge(total, one))
     if total is not None:
         out = io.BytesIO()

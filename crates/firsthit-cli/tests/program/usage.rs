@@ -2,7 +2,7 @@
 
 use crate::support::Lab;
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 17] = [
     "render",
     "shoot",
     "nearest",
@@ -16,6 +16,8 @@ const COMMANDS: [&str; 15] = [
     "info",
     "scan",
     "dataset",
+    "parts",
+    "pack",
     "demo",
     "completions",
 ];
@@ -223,6 +225,8 @@ fn the_version_can_be_asked_of_every_command() {
         "probe",
         "scan",
         "dataset",
+        "parts",
+        "pack",
         "demo",
         "schema",
         "completions",
@@ -244,6 +248,10 @@ fn a_command_of_the_python_package_says_where_it_is() {
         "dataset plan.toml -o out --part 1/2",
         "scan",
         "scan part.stl --lidar VLP-16 --position -1,0,0 -o part.las",
+        "parts",
+        "parts out --verify",
+        "pack",
+        "pack out -o shards --size 300",
     ] {
         let command = arguments.split(' ').next().unwrap();
         let says = "comes with the Python package: pip install firsthit";
