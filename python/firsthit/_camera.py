@@ -11,6 +11,7 @@ import numpy as np
 from . import _colmap, _conventions, _firsthit
 from ._arrays import count, index, number, numbers, text, vector, vectors
 from ._conventions import OpenCvCamera
+from ._errors import warn
 from ._sensor import Sensor
 from ._types import Projection
 
@@ -564,15 +565,26 @@ class Camera(Sensor):
         FileReadError
             If the system refuses to read a file; also an `OSError`.
         FileFormatError
-            For what no such file has: counts beyond the file's end, numbers that are not finite, a
-            camera or a name that is there twice, a model that COLMAP does not have, an image of
-            the models ``SIMPLE_DIVISION``, ``DIVISION`` and ``EQUIRECTANGULAR``, which are not
-            supported, and a folder without the files; also a `ValueError`.
+            For a file that is cut off or has more than it says, numbers that are not finite, a
+            camera or a name that is there twice, a model that COLMAP does not have, and a folder
+            without the files; also a `ValueError`.
+
+        Warns
+        -----
+        FirsthitWarning
+            For images of the models ``SIMPLE_DIVISION``, ``DIVISION`` and ``EQUIRECTANGULAR``,
+            which are no lenses here: they are left out.
         """
         if images is None:
             cameras, images = _colmap.files(cameras)
         content = _colmap.content(cameras), _colmap.content(images)
-        read = _firsthit.Camera.of_colmap(content, (os.fspath(cameras), os.fspath(images)))
+        paths = os.fspath(cameras), os.fspath(images)
+        read, unsupported = _firsthit.Camera.of_colmap(content, paths)
+        if unsupported:
+            images_, models = zip(*unsupported, strict=True)
+            which = f"{len(images_)} images are left out, such as {images_[0]!r}"
+            known = ", ".join(sorted(set(models)))
+            warn(f"{paths[1]}: {which}: their models are not supported ({known})")
         return {name: cls._of(native) for name, native in read}
 
     @classmethod
@@ -914,7 +926,8 @@ class Camera(Sensor):
         Returns
         -------
         ColmapCamera
-            The model, its parameters, and the pose; it writes lines of the text files.
+            The model, its parameters, and the pose; it writes lines of the text files. COLMAP has
+            no aperture: that of a thin lens is left out.
 
         Raises
         ------
@@ -1173,9 +1186,9 @@ def _thin_lens(
         if diameter != 0.0:
             raise ValueError(f"focus must be given with an aperture, got {focus} with {diameter}")
         return {}
-    if projection not in ("perspective", "opencv", "fov"):
-        what = "only perspective cameras, opencv and fov have a thin lens"
-        raise ValueError(f"aperture must be left out: {what}, got {projection}")
+    expected = _firsthit.Camera.no_thin_lens(projection)
+    if expected is not None:
+        raise ValueError(f"aperture must be {expected}, got {projection}")
     far = number("focus", focus)
     if not far > 0.0:
         raise ValueError(f"focus must be a positive distance, got {far}")

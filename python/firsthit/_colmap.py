@@ -65,7 +65,7 @@ def from_camera(camera: Camera) -> ColmapCamera:
             f"the {camera.ray_start}"
         )
     numbers.update(fx=k[0][0], fy=k[1][1], cx=k[0][2], cy=k[1][2])
-    used = {name for name, value in numbers.items() if value and name not in _PLACE}
+    used = {name for name, value in numbers.items() if value and name not in _NO_DISTORTION}
     # COLMAP's fisheyes have no edge.
     used -= {"fov"} if numbers.get("fov") == 360.0 else set()
     for name, parameters, projection in _firsthit.Camera.colmap_models():
@@ -83,8 +83,8 @@ def from_camera(camera: Camera) -> ColmapCamera:
     )
 
 
-#: What is in K, says where a viewplane is, or is a thin lens.
-_PLACE = frozenset(
+#: What distorts nothing: K, the viewplane, and a thin lens, which COLMAP does not have.
+_NO_DISTORTION = frozenset(
     ("fx", "fy", "cx", "cy", "skew", "focal_length", "width", "height", "aperture", "focus")
 )
 
@@ -94,7 +94,8 @@ def files(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
     top = Path(folder)
     for suffix in ("bin", "txt"):
         cameras, images = top / f"cameras.{suffix}", top / f"images.{suffix}"
-        if not (cameras.exists() and images.exists()):
+        # A link that leads nowhere is there: it is an error, and no reason to read the others.
+        if not all(path.exists() or path.is_symlink() for path in (cameras, images)):
             continue
         for path in (cameras, images):
             if not path.resolve().is_relative_to(top.resolve()):

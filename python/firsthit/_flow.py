@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._hits import Hits
-    from ._lines import Sight
+    from ._lines import Projected
     from ._object import Object
 
     Floats = npt.NDArray[np.float64]
@@ -256,10 +256,10 @@ def _check_moving_pair(left: PictureSensor, right: PictureSensor) -> None:
             f"{type(left).__name__} and {type(right).__name__}"
         )
     for one in (left, right):
-        if isinstance(one, RollingShutter) and one._arguments[4] not in ("top_down", "bottom_up"):
+        if isinstance(one, RollingShutter) and not one.reads_rows:
             raise ValueError(
                 "left and right must be read out by rows: a column of the one is seen at another "
-                f"time than the column of the other that shows the same; got {one._arguments[4]}"
+                f"time than the column of the other that shows the same; got {one.direction}"
             )
     if not np.array_equal(left.times, right.times):
         raise ValueError("left and right must see their rows at the same times")
@@ -278,7 +278,7 @@ def _centres(camera: PictureSensor) -> Floats:
 def _sighted(
     scene: Scene,
     camera: PictureSensor,
-    seen: Sight,
+    seen: Projected,
     points: Floats,
     hits: Hits,
     threads: int | None,

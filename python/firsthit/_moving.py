@@ -91,8 +91,17 @@ class RollingShutter(OtherSensor):
     def times(self) -> npt.NDArray[np.float64]:
         """The time of each line, (rows,) or of columns (columns,) float64, in seconds."""
         times = self._times()
-        by_rows = self._arguments[4] in ("top_down", "bottom_up")
-        return np.ascontiguousarray(times[:, 0] if by_rows else times[0])
+        return np.ascontiguousarray(times[:, 0] if self.reads_rows else times[0])
+
+    @property
+    def direction(self) -> Readout:
+        """Which way the lines are read."""
+        return self._arguments[4]
+
+    @property
+    def reads_rows(self) -> bool:
+        """Whether its lines are rows, not columns."""
+        return self.direction in ("top_down", "bottom_up")
 
     def __repr__(self) -> str:
         _, trajectory, start, readout, direction = self._arguments

@@ -1,6 +1,7 @@
 """Points to pixels, and pixels to rays, also beyond the picture's border.
 
-All that annotations and flow know of projections is here.
+What annotations and flow know of the projections of one pose is here; `_lines.py` has that of
+cameras that move.
 """
 
 from __future__ import annotations

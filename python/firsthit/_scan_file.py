@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _firsthit
 from ._errors import FileFormatError
-from ._scan_metadata import ARRAYS, FORM
+from ._scan_metadata import ARRAYS, ORIGIN_KEYS
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -46,7 +46,7 @@ def _fitting(
     about = json.loads(said or "{}")
     sensor = about.get("sensor")
     if not isinstance(sensor, dict) or sensor.get("kind") != "lidar" or "scene" not in about:
-        raise ValueError("its metadata name no lidar and no scene")
+        raise ValueError("its metadata lack a lidar or a scene")
     rows, columns = sensor.get("rows"), _columns(about)
     if not (isinstance(rows, int) and rows > 0 and rows * columns < 2**62):
         raise ValueError(f"its lidar has {rows} x {columns} beams")
@@ -76,7 +76,7 @@ def _fitting(
     return (
         arrays,
         (rows, columns),
-        json.dumps({name: about[name] for name in FORM if name in about}),
+        json.dumps({name: about[name] for name in ORIGIN_KEYS if name in about}),
     )
 
 

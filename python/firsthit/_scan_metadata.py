@@ -33,7 +33,7 @@ ARRAYS = {
 }
 
 #: The entries that say where a scan comes from; the last two need not be there.
-FORM = ("scene", "sensor", "scan", "scans")
+ORIGIN_KEYS = ("scene", "sensor", "scan", "scans")
 
 #: What each array is, in which unit and frame.
 _ABOUT: dict[str, tuple[str, str | None, str | None]] = {

@@ -28,6 +28,9 @@ use crate::shoot::FEW;
 pub(crate) struct Camera(pub(crate) firsthit::Camera);
 
 /// The camera's frame: position, aim, right, upwards.
+/// Cameras by the names of their images, and the images of other models, with these.
+type ColmapOut = (Vec<(String, Camera)>, Vec<(String, &'static str)>);
+
 type CameraFrame = ([f64; 3], [f64; 3], [f64; 3], [f64; 3]);
 
 #[pymethods]
@@ -136,16 +139,30 @@ impl Camera {
         py: Python<'_>,
         content: [PyBackedBytes; 2],
         paths: [PathBuf; 2],
-    ) -> PyResult<Vec<(String, Self)>> {
+    ) -> PyResult<ColmapOut> {
         let read = || {
             let [cameras, images] = &content;
             let paths = paths.each_ref().map(PathBuf::as_path);
             let images = ColmapImages::read([cameras, images], paths)?;
-            let named = images.names().zip(images.cameras());
-            let made = named.map(|(name, camera)| Ok((name.to_owned(), Self(camera?))));
-            made.collect::<firsthit::Result<Vec<_>>>()
+            let (mut made, mut unsupported) = (Vec::new(), Vec::new());
+            let cameras = images.cameras().zip(images.unsupported());
+            for (name, (camera, unsupported_model)) in images.names().zip(cameras) {
+                match unsupported_model {
+                    Some(model) => unsupported.push((name.to_owned(), model)),
+                    None => made.push((name.to_owned(), Self(camera?))),
+                }
+            }
+            Ok((made, unsupported))
         };
         py.detach(read).map_err(|error| raise(py, &error))
+    }
+
+    /// What an aperture must be with a projection that has no thin lens.
+    #[staticmethod]
+    fn no_thin_lens(projection: &str) -> Option<&'static str> {
+        let known: Option<Projection> = projection.parse().ok();
+        let has = known.is_some_and(Projection::has_thin_lens);
+        (!has).then_some(Projection::NO_THIN_LENS)
     }
 
     /// The camera that made an output, from the JSON of its record.

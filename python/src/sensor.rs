@@ -268,21 +268,21 @@ impl Sensor {
             return Err(PyValueError::new_err("expected a range for each pixel"));
         }
         let count = pixels.len();
-        let [mut points, mut owns] = [zeros(3 * count)?, zeros(3 * count)?];
+        let [mut points, mut sensor_points] = [zeros(3 * count)?, zeros(3 * count)?];
         let [mut rings, mut rows, mut columns] = [zeros(count)?, zeros(count)?, zeros(count)?];
         let mut times = zeros(count)?;
         run(py, threads, |_| {
             let all = (
                 pixels.par_iter().zip(ranges),
                 points.par_chunks_exact_mut(3),
-                owns.par_chunks_exact_mut(3),
+                sensor_points.par_chunks_exact_mut(3),
                 (&mut rings, &mut rows, &mut columns).into_par_iter(),
                 &mut times,
             );
             let all = all.into_par_iter().with_min_len(1 << 12);
             all.for_each(
                 |((&pixel, &range), point, own, (ring, row, column), time)| {
-                    let it = lidar.returned(pixel, range);
+                    let it = lidar.return_at(pixel, range);
                     point.copy_from_slice(&it.point.to_array());
                     own.copy_from_slice(&it.sensor_point.to_array());
                     (*ring, *row, *column, *time) = (it.ring, it.row, it.column, it.time);
@@ -292,7 +292,7 @@ impl Sensor {
         })?;
         Ok((
             PyArray1::from_vec(py, points),
-            PyArray1::from_vec(py, owns),
+            PyArray1::from_vec(py, sensor_points),
             PyArray1::from_vec(py, rings),
             PyArray1::from_vec(py, rows),
             PyArray1::from_vec(py, columns),

@@ -131,3 +131,55 @@ def test_plans_without_pictures_of_distances_are_not_told_of_any(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         fh.dataset(fh.Plan.from_dict(made, PLANS), tmp_path, part=(1, 10**6))
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "spline", "se3"])
+@pytest.mark.parametrize("seed", range(20))
+def test_no_place_of_a_path_is_beside_what_its_bound_holds(interpolation, seed):
+    """Also between frames, and where a spline goes beyond its poses."""
+    rng = np.random.default_rng(seed)
+    turns = rng.normal(size=(5, 4))
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    poses = {
+        "kind": "path",
+        "count": 3,
+        "trajectory": {
+            "body": "forwards-left-up",
+            "times": np.cumsum(rng.uniform(0.1, 2.0, 5)).tolist(),
+            "positions": rng.normal(size=(5, 3)).tolist(),
+            "rotations": turns.tolist(),
+            "interpolation": interpolation,
+        },
+    }
+    made = fh.Plan.from_dict(
+        {
+            "scenes": [{"file": "yard.toml"}],
+            "sensors": [CAMERA],
+            "poses": poses,
+        },
+        PLANS,
+    )
+    path = made._poses
+    places, beside = path.places(None, 0.0)
+    times = np.linspace(path.trajectory.start, path.trajectory.end, 3000)
+    way = path.trajectory.at(times)[:, :3, 3]
+    # In every direction the way ends before the hull and what may be beside it.
+    directions = rng.normal(size=(200, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    reach = (places @ directions.T).max(axis=0) + beside
+    assert ((way @ directions.T).max(axis=0) <= reach + 1e-9).all()
+    # And the bound is none that always holds.
+    assert ((way @ directions.T).max(axis=0) > reach - 2.0).mean() > 0.5
+
+
+def test_a_drive_that_is_farthest_between_its_frames_is_warned_of(tmp_path):
+    drive = {
+        "body": "forwards-left-up",
+        "times": [0, 1, 2],
+        "positions": [[0, 0, 0], [3, 2, 1], [0, 0, 0]],
+    }
+    shutter = {**CAMERA, "kind": "rolling_shutter", "readout": 2.0}
+    poses = {"kind": "path", "times": [0], "trajectory": drive}
+    scale = np.linalg.norm([4, 3, 2]) / 65535
+    (said,) = told(tmp_path, poses, 1.001 * scale, sensors=[shutter])
+    assert f"a surface may be {np.linalg.norm([7, 5, 2]):.4g} from sensor" in said

@@ -497,8 +497,8 @@ def test_what_is_no_npz_of_a_scan_is_refused(scan, tmp_path):
     def with_words(**changed):
         return np.array(json.dumps({**said, **changed}))
 
-    refused("names? no lidar", metadata=None)
-    refused("name no lidar", metadata=with_words(sensor=None))
+    refused("lack a lidar", metadata=None)
+    refused("lack a lidar", metadata=with_words(sensor=None))
     refused(
         r"\[1099511627776\] columns",
         metadata=with_words(sensor=said["sensor"] | {"columns": 1 << 40}),

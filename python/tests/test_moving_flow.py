@@ -5,7 +5,7 @@ import copy
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._lines import sight
+from firsthit._lines import Lines, sight
 from support import turned
 from test_flow import crowd, moved_crowd
 
@@ -126,8 +126,8 @@ def test_beyond_the_border_the_camera_stands_as_at_its_first_line():
 def by_every_line(camera, point):
     """Where a point passes a line, by cameras that stand at each: the lines and pixels before."""
     times = camera.times
-    by_rows = camera._arguments[4] in ("top_down", "bottom_up")
-    is_backwards = camera._arguments[4] in ("bottom_up", "right_left")
+    by_rows = camera.reads_rows
+    is_backwards = camera.direction in ("bottom_up", "right_left")
     order = range(len(times))[::-1] if is_backwards else range(len(times))
     off = []
     for line in order:
@@ -394,3 +394,31 @@ def test_moving_cameras_that_are_no_pair_are_refused():
     ]:
         with pytest.raises(ValueError, match=match):
             fh.disparity(scene, *pair)
+
+
+def test_roots_of_a_smooth_drive_take_few_projections(monkeypatch):
+    """Bisection would take some thirty: that of the Illinois method is of order 1.44."""
+    projected = []
+    whole = Lines._pixels
+    monkeypatch.setattr(
+        Lines,
+        "_pixels",
+        lambda self, points, at: projected.append(len(at)) or whole(self, points, at),
+    )
+    rng = np.random.default_rng(5)
+    points = rng.uniform(-2, 2, (2000, 3))
+    camera = rolling(shaken(3))
+    assert np.isfinite(sight(camera, points).pixels).all(axis=1).sum() > 1000
+    assert sum(projected) < 8 * len(points)
+
+
+def test_times_of_a_pushbroom_matter_only_where_a_row_is_searched_for():
+    drive = fh.Trajectory([0, 1], [(0, -4, 6), (0, 4, 6.5)])
+    camera = swept(drive, [0.1, 0.1, 0.5, 0.3])
+    scene = crowd()
+    found = fh.annotate(scene, camera)
+    assert found is not None
+    right = fh.Pushbroom(view(1, position=(0.1, 0, 0)), drive, camera.times)
+    fh.disparity(scene, camera, right)
+    with pytest.raises(ValueError, match="times of a Pushbroom must increase"):
+        fh.optical_flow(scene, camera, scene, camera)

@@ -176,7 +176,7 @@ pub(crate) struct CameraArgs {
     /// thin_prism_fisheye, rad_tan_thin_prism_fisheye [default: perspective, or the file's]
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), hide_possible_values = true, conflicts_with = "orthographic")]
     pub(crate) projection: Option<String>,
-    /// The numbers of the projection by their names, as docs/cameras.md lists them; those left out are 0. For the distortion of
+    /// The numbers of the projection by their names, as docs/cameras.md lists them. For the distortion of
     /// a calibrated camera, such as k1=-0.2,k2=0.05
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = values::parameters, requires = "projection", allow_hyphen_values = true)]
     pub(crate) parameters: Option<Parameters>,

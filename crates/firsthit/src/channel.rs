@@ -21,7 +21,7 @@ use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
 use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
 use crate::sensor::Sensor;
-use crate::shoot::{Hits, Prefetched};
+use crate::shoot::{Hits, Prefetcher};
 use crate::watch::Watch;
 
 /// Rays, what they met, and all that channels are made from.
@@ -373,9 +373,9 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
     }
     // Nothing is fetched for hits that are not looked up.
     let fetched = if needs_surface { count } else { 0 };
-    let mut prefetched = Prefetched::new(shots.scene, shots.hits, first, fetched);
+    let mut prefetcher = Prefetcher::new(shots.scene, shots.hits, first, fetched);
     for k in 0..count {
-        prefetched.advance(k);
+        prefetcher.advance(k);
         let hit = shots.hits.get(first + k);
         if hit.is_miss() {
             continue;

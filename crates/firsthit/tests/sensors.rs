@@ -293,7 +293,7 @@ fn a_lidar_that_is_carried_fires_each_beam_from_where_it_then_is() {
         // Its forwards is the body's left.
         let turned = DVec3::new(-own.y, own.x, own.z);
         assert!(ray.direction.abs_diff_eq(turned, 1e-15));
-        let it = lidar.returned(pixel, 5.0);
+        let it = lidar.return_at(pixel, 5.0);
         assert_eq!(it.point, ray.at(5.0));
         assert_eq!(it.sensor_point, 5.0 * own);
         assert_eq!(it.time, time);

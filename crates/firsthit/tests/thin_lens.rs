@@ -649,3 +649,14 @@ fn a_cuboid_in_front_of_the_focus_is_blurred_by_the_share_of_the_lens_that_it_hi
         );
     }
 }
+
+/// The message names those that have one, and no others.
+#[test]
+fn the_projections_that_a_message_names_have_a_thin_lens() {
+    for name in Projection::NAMES {
+        let projection: Projection = name.parse().unwrap();
+        let words = Projection::NO_THIN_LENS.split([' ', ',']);
+        let is_named = words.into_iter().any(|word| word == *name);
+        assert_eq!(is_named, projection.has_thin_lens(), "{name}");
+    }
+}

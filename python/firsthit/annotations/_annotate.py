@@ -11,7 +11,7 @@ from firsthit import _firsthit
 from firsthit._arrays import flag, threads_or_all
 from firsthit._camera import Camera
 from firsthit._frame import Frame
-from firsthit._lines import PictureSensor, standing
+from firsthit._lines import PictureSensor, at_middle_line
 from firsthit._object import chosen
 from firsthit._queries import shoot_camera
 from firsthit._scene import Scene
@@ -141,7 +141,7 @@ def annotate(
         instance_of[list(group.objects)] = number
     shown = instance_of[identifiers]
     pixels = np.bincount(identifiers.reshape(-1) + 1, minlength=len(built.objects) + 1)[1:]
-    corners, instances, occlusions, stands = Corners(), [], [], standing(camera)
+    corners, instances, occlusions, stands = Corners(), [], [], at_middle_line(camera)
     for number, group in enumerate(groups):
         if not unseen and not pixels[list(group.objects)].any():
             continue

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 RIG: BodyName = "forwards-left-up"
 
 _MOST_FRAMES = 10**9
-#: How many frames' places are computed at most where a bound is asked for.
-_MOST_PLACES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,13 +100,30 @@ class Path:
         return time
 
     def places(self, scene: Scene, seconds: float) -> tuple[npt.NDArray[np.float64], float]:
-        """Return where it is in the frames, or in many of very many, and some seconds later."""
-        which = np.linspace(0, self.count - 1, min(self.count, _MOST_PLACES)).round()
-        times = np.array([self.time(int(index)) for index in which])
-        later = times + seconds
+        """Return points whose hull holds the way from the first frame to the last one's end."""
+        whole = (self.time(0), self.time(self.count - 1)) if self.times is None else self.times
+        first, last = min(whole), max(whole) + seconds
         if self.trajectory.extrapolation == "refuse":
-            later = np.clip(later, self.trajectory.start, self.trajectory.end)
-        return self.trajectory.at(np.concatenate((times, later)))[:, :3, 3], 0.0
+            first, last = np.clip([first, last], self.trajectory.start, self.trajectory.end)
+        knots = self.trajectory.times
+        ends = np.unique([first, *knots[(first < knots) & (knots < last)], last])
+        if len(ends) == 1:
+            return self.trajectory.at(ends)[:, :3, 3], 0.0
+        # Each stretch by four of its places, a third of its time from one to the next.
+        shares = np.arange(4) / 3.0
+        times = ends[:-1, None] * (1.0 - shares) + ends[1:, None] * shares
+        a, b, c, d = np.moveaxis(self.trajectory.at(times)[..., :3, 3], 1, 0)
+        if self.trajectory.interpolation == "se3":
+            # A third of a screw turns by pi / 3 at most. Its length is then at most pi / 3 times
+            # its chord, and no place on it is farther than half of that from one of its ends.
+            chords = np.diff(np.stack((a, b, c, d)), axis=0)
+            beside = math.pi / 6.0 * float(np.linalg.norm(chords, axis=-1).max())
+            return np.concatenate((a, b, c, d)), beside
+        # Straight lines and cubics are within their Bezier control points (Farin, "Curves and
+        # Surfaces for CAGD", 2002, chapter 5), which these are.
+        inner = (-5.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 6.0
+        outer = (2.0 * a - 9.0 * b + 18.0 * c - 5.0 * d) / 6.0
+        return np.concatenate((a, inner, outer, d)), 0.0
 
     def refuse_beyond(self, table: Table, sensors: Sequence[PlannedSensor]) -> None:
         """Refuse sensors that would see before or after the trajectory, in any frame."""

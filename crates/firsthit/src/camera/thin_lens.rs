@@ -41,10 +41,8 @@ impl Camera {
             Lens::OpenCv(lens) => [&mut lens.aperture, &mut lens.focus],
             Lens::Fov(lens) => [&mut lens.aperture, &mut lens.focus],
             _ => {
-                let expected =
-                    "left out: only perspective cameras, opencv and fov have a thin lens";
                 let name = lens.projection().name();
-                return Err(Error::argument("aperture", expected, name));
+                return Err(Error::argument("aperture", Projection::NO_THIN_LENS, name));
             }
         };
         let [own_aperture, own_focus] = numbers;
@@ -102,6 +100,10 @@ impl Lens {
 }
 
 impl Projection {
+    /// What an aperture must be with those that have no thin lens, for messages.
+    pub const NO_THIN_LENS: &str =
+        "left out: only perspective cameras, opencv and fov have a thin lens";
+
     /// Whether its cameras may have an aperture: all rays come through one point, less than a right angle off the aim.
     ///
     /// ```

@@ -30,7 +30,7 @@ pub(crate) use encounter::{Encounter, Encounters, Rejection};
 pub use engine::{Cpu, Engine};
 pub(crate) use from_points::FromPoints;
 pub use hits::{HitSlices, Hits};
-pub(crate) use prefetch::Prefetched;
+pub(crate) use prefetch::Prefetcher;
 pub use query::{All, Answers, Any, Count, First, Query};
 pub use visible::{Viewpoint, visible};
 

@@ -1,8 +1,8 @@
-//! The triangles of hits that are soon looked up, asked of memory beforehand.
+//! Software prefetching of the triangles of hits.
 //!
-//! Neighbouring hits are on triangles anywhere in memory, and where a triangle's corners are is known only when the
-//! triangle has come. So three blocks of hits are in work at a time: the triangles of the block after the next are
-//! asked for, the corners of the next block, whose triangles have come meanwhile, and the present one is looked up.
+//! Looking up a hit reads the triangle's vertex indices, and then the vertices that they name: two cache misses, the
+//! second of which cannot begin before the first has ended. So the loop is a pipeline over blocks of hits. While block k
+//! is looked up, the vertices of block k + 1 and the vertex indices of block k + 2 are prefetched.
 
 use std::ops::Range;
 
@@ -12,20 +12,20 @@ use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Positions, Shape};
 use crate::simd::{self, Kernel, Lanes};
 
-/// How many hits are asked for at a time: their lines fit into a first-level cache, and take longer to look up than
-/// memory takes to answer.
+/// How many hits are a block: their cache lines fit into a first-level cache, and they take longer to look up than memory
+/// takes to answer.
 const BLOCK: usize = 32;
 
-/// Asks for what hits need, in their order.
-pub(crate) struct Prefetched<'a> {
+/// Prefetches the triangles of some hits, a block ahead of where they are looked up.
+pub(crate) struct Prefetcher<'a> {
     scene: &'a Scene,
     hits: &'a Hits,
     first: usize,
     count: usize,
 }
 
-impl<'a> Prefetched<'a> {
-    /// For the hits from `first` on.
+impl<'a> Prefetcher<'a> {
+    /// For `count` hits from number `first` on. With a `count` of 0 it does nothing.
     pub(crate) fn new(scene: &'a Scene, hits: &'a Hits, first: usize, count: usize) -> Self {
         let made = Self {
             scene,
@@ -33,23 +33,23 @@ impl<'a> Prefetched<'a> {
             first,
             count,
         };
-        made.ask(0, Stage::Triangles);
-        made.ask(0, Stage::Corners);
-        made.ask(BLOCK, Stage::Triangles);
+        made.prefetch(0, Stage::Triangles);
+        made.prefetch(0, Stage::Vertices);
+        made.prefetch(BLOCK, Stage::Triangles);
         made
     }
 
-    /// To be called with each hit in turn, before it is looked up.
+    /// To be called with the number of each hit in turn, from 0, before it is looked up.
     #[inline]
     pub(crate) fn advance(&mut self, k: usize) {
         if k.is_multiple_of(BLOCK) && k < self.count {
-            self.ask(k + BLOCK, Stage::Corners);
-            self.ask(k + 2 * BLOCK, Stage::Triangles);
+            self.prefetch(k + BLOCK, Stage::Vertices);
+            self.prefetch(k + 2 * BLOCK, Stage::Triangles);
         }
     }
 
-    /// For the block of hits from `start` on.
-    fn ask(&self, start: usize, stage: Stage) {
+    /// Prefetches for the block of hits from `start` on.
+    fn prefetch(&self, start: usize, stage: Stage) {
         let end = (start + BLOCK).min(self.count);
         if start < end {
             let block = Block {
@@ -63,13 +63,13 @@ impl<'a> Prefetched<'a> {
     }
 }
 
-/// What is asked for.
+/// What is prefetched.
 #[derive(Clone, Copy)]
 enum Stage {
-    /// The indices of the triangles' corners.
+    /// The vertex indices of triangles.
     Triangles,
-    /// The corners, by these.
-    Corners,
+    /// The vertices that these name.
+    Vertices,
 }
 
 struct Block<'a> {
@@ -90,12 +90,12 @@ impl Kernel for Block<'_> {
                 continue;
             };
             match self.stage {
-                Stage::Triangles => ask(l, mesh.triangles().get(triangle)),
-                Stage::Corners => {
+                Stage::Triangles => prefetch(l, mesh.triangles().get(triangle)),
+                Stage::Vertices => {
                     for &vertex in mesh.triangles().get(triangle).into_iter().flatten() {
                         match mesh.positions().as_ref() {
-                            Positions::Single(points) => ask(l, points.get(vertex as usize)),
-                            Positions::Double(points) => ask(l, points.get(vertex as usize)),
+                            Positions::Single(points) => prefetch(l, points.get(vertex as usize)),
+                            Positions::Double(points) => prefetch(l, points.get(vertex as usize)),
                         }
                     }
                 }
@@ -105,7 +105,7 @@ impl Kernel for Block<'_> {
 }
 
 #[inline(always)]
-fn ask<L: Lanes, T>(l: L, what: Option<&T>) {
+fn prefetch<L: Lanes, T>(l: L, what: Option<&T>) {
     if let Some(what) = what {
         l.prefetch(what);
     }

@@ -256,6 +256,15 @@ impl ColmapImages {
         Some(self.camera_of(image))
     }
 
+    /// The models that are none of [`ColmapModel::ALL`], for each image in the order of [`names`](Self::names) whose camera has one.
+    pub fn unsupported(&self) -> impl Iterator<Item = Option<&'static str>> {
+        let model = |image: &Image| self.cameras.get(&image.camera).map(|camera| camera.model);
+        self.images.iter().map(move |image| match model(image)? {
+            Model::Known(_) => None,
+            Model::Other(model) => Some(model.name),
+        })
+    }
+
     /// The cameras of all images, in the order of [`names`](Self::names).
     ///
     /// # Errors

@@ -267,7 +267,6 @@ fn counts_that_the_file_has_no_room_for_are_refused_at_once() {
     assert!(error.ends_with(", got number -1"), "{error}");
 }
 
-/// Bytes that are changed, cut out and put in anywhere are read or refused, in a line.
 /// COLMAP has models that are no lens here. Images of other cameras can be used all the same.
 #[test]
 fn cameras_of_other_models_are_passed_over() {
@@ -297,6 +296,7 @@ fn cameras_of_other_models_are_passed_over() {
     }
 }
 
+/// Bytes that are changed, cut out and put in anywhere are read or refused, in a line.
 #[test]
 fn files_with_changed_bytes_are_read_or_refused() {
     let [cameras, images] = as_binary(&text(CAMERAS, IMAGES).unwrap());

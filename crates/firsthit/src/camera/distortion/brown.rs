@@ -48,8 +48,8 @@ impl<const N: usize> Brown<N> {
         } else {
             f64::INFINITY
         };
-        let certain = if is_lopsided {
-            self.certain(undistorted)
+        let probed = if is_lopsided {
+            self.probed(undistorted)
         } else {
             undistorted
         };
@@ -62,9 +62,10 @@ impl<const N: usize> Brown<N> {
             undistorted,
             distorted,
             outermost,
-            certain,
+            probed,
             ..Limit::default()
         };
+        // At the fold itself the inverse's slope is infinite, and no polynomial is near it.
         let end = farthest.min(0.999 * distorted);
         let factor = |q: f64| {
             let radius = q.sqrt();
@@ -89,21 +90,22 @@ impl<const N: usize> Brown<N> {
         if radius == 0.0 && !is_lopsided {
             return Some(DVec2::ZERO);
         }
-        let start = if radius < limit.distorted {
-            self.undistorted_radius(limit, radius)
+        let radial = if radius < limit.distorted {
+            self.undistorted_radius(limit, radius)?
         } else if is_lopsided {
-            Some(0.98 * limit.undistorted)
+            // A little before the radial fold: the rest of the distortion may carry a point beyond it.
+            0.98 * limit.undistorted
         } else {
-            None
+            return None;
         };
+        if !is_lopsided {
+            return Some(radial / radius * point);
+        }
         let start = if radius == 0.0 {
             DVec2::ZERO
         } else {
-            start? / radius * point
+            radial / radius * point
         };
-        if !is_lopsided {
-            return Some(start);
-        }
         let start = self.before_fold(limit, start)?;
         let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
         self.is_before_fold(limit, found).then_some(found)
@@ -131,7 +133,7 @@ impl<const N: usize> Brown<N> {
             let factor = limit.start.at(of, square(of, u, v));
             (x, y) = (of.mul(factor, u), of.mul(factor, v));
         }
-        let most = of.number(limit.certain * limit.certain);
+        let most = of.number(limit.probed * limit.probed);
         let mut settled = of.lt(x, x);
         for _ in 0..MOST_STEPS {
             let (there, jacobian) = self.mapped(of, [x, y]);
@@ -170,26 +172,26 @@ impl<const N: usize> Brown<N> {
         [factor, (rise - factor * fall) / below]
     }
 
-    /// The radius up to which nothing folds for certain: the derivative of the radial part stretches by more than that of all else
-    /// can come to. The first stretches by the factor across and by the slope along the radius, at least; the second by the sum of
-    /// its numbers, at most.
-    fn certain(&self, undistorted: f64) -> f64 {
+    /// The radius up to which no fold was found, at 64 radii: there the derivative of the radial part stretches by half more than
+    /// that of all else can come to. The first stretches by the factor across and by the slope along the radius, at least; the
+    /// second by the sum of its numbers, at most. A fold that is narrower than a step may be missed.
+    fn probed(&self, undistorted: f64) -> f64 {
         const STEPS: u32 = 64;
-        /// Beyond it no picture reaches.
+        /// Beyond it the way to each point is looked at ([`is_before_fold`](Self::is_before_fold)).
         const FARTHEST: f64 = 3.0;
         let end = undistorted.min(FARTHEST);
         let firsts = self.tangential[0].abs() + self.tangential[1].abs();
         let [s1, s2, s3, s4] = self.prism.map(f64::abs);
         let (seconds, fourths) = (s1 + s3, s2 + s4);
-        let is_certain = |r: f64| {
+        let is_clear = |r: f64| {
             let q = r * r;
             let [factor, rate] = self.radial(q);
             let other = 2.0 * r * (6.0 * firsts + 2.0 * seconds + 4.0 * q * fourths);
-            // Written so that a NaN fails. Between two steps either may be a little worse.
+            // Written so that a NaN fails.
             factor.min(factor + 2.0 * q * rate) > 1.5 * other
         };
         let radii = (0..=STEPS).map(|k| end * f64::from(k) / f64::from(STEPS));
-        let fine = radii.clone().take_while(|&r| is_certain(r)).count();
+        let fine = radii.clone().take_while(|&r| is_clear(r)).count();
         // The last radius before the first that is not, and a little less.
         radii.take(fine).last().map_or(0.0, |r| 0.9 * r)
     }
@@ -322,7 +324,7 @@ impl<const N: usize> Brown<N> {
     /// folds near the middle is as wide as its radius, however far out the point is.
     fn is_before_fold(&self, limit: &Limit, point: DVec2) -> bool {
         let end = point.length();
-        let mut radius = limit.certain;
+        let mut radius = limit.probed;
         if end <= radius {
             return true;
         }

@@ -45,8 +45,9 @@ pub struct Limit {
     pub(super) distorted: f64,
     /// Where a model is not the same all around: the undistorted radius beyond which every point is past the fold.
     outermost: f64,
-    /// Up to this undistorted radius every solution that is not turned over is taken for the one, without a look at the way to it.
-    certain: f64,
+    /// Up to this undistorted radius every solution that is not turned over is taken for the one, without a look at the way to it:
+    /// no fold was found up to there.
+    probed: f64,
     /// About what the radius is multiplied by to be undistorted, or to be an angle, as a function of its square.
     start: Start,
 }
@@ -57,7 +58,7 @@ impl Default for Limit {
             undistorted: f64::INFINITY,
             distorted: f64::INFINITY,
             outermost: f64::INFINITY,
-            certain: f64::INFINITY,
+            probed: f64::INFINITY,
             start: Start::default(),
         }
     }

@@ -4,8 +4,9 @@ use crate::geometry::DVec2;
 
 /// Solves `f(x) = y` for an `f` that rises from below `y` at `low` to above it at `high`; `f` gives value and slope.
 ///
-/// Newton's steps, or halves of the interval where those would leave it, or do not get smaller by half: towards the root of a high
-/// power they take as many steps as there are digits on the way.
+/// Newton's method, safeguarded by bisection (`rtsafe` of Press and others, "Numerical Recipes", 2007, section 9.4). A Newton step is
+/// taken if it stays in the interval and is at most half as long as the step before; else the interval is halved. Where a power x^p
+/// dominates, Newton shortens the distance to the root only by the factor (p - 1) / p a step, and bisection is faster.
 pub(super) fn invert(
     y: f64,
     [mut low, mut high]: [f64; 2],
@@ -14,7 +15,7 @@ pub(super) fn invert(
 ) -> f64 {
     /// Bisection alone would be done by then, from the largest number to the smallest.
     const MOST_STEPS: usize = 2200;
-    /// Steps as small as this are rounding, which does not get smaller.
+    /// Steps shorter than this are rounding: they need not halve.
     const SMALL: f64 = 16.0 * f64::EPSILON;
     let mut x = start.clamp(low, high);
     let mut last_step = f64::INFINITY;
@@ -107,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn roots_of_high_powers_are_found_however_far_the_start_is() {
+    fn roots_many_magnitudes_below_the_start_are_found() {
         for (k, power) in [
             (0.1, 5),
             (1e100, 5),

@@ -58,7 +58,7 @@ impl<M: RadialModel> Distortion for M {
             undistorted,
             distorted,
             outermost: undistorted,
-            certain: undistorted,
+            probed: undistorted,
             start: Start::through(end * end, factor),
         })
     }

@@ -87,7 +87,7 @@ fn all_around() -> Limit {
         undistorted: PI,
         distorted: PI,
         outermost: PI,
-        certain: PI,
+        probed: PI,
         ..Limit::default()
     }
 }
@@ -166,10 +166,11 @@ impl RadTanThinPrismFisheye {
     }
 }
 
-/// The limit of what distorts the polynomial's image: only how far it is certain is not the same for all.
+/// The limit of the second stage, which distorts the polynomial's image. It has no fold of its own by radius; how far it was probed
+/// is kept in the limit of the lens.
 fn of_plane(limit: &Limit) -> Limit {
     Limit {
-        certain: limit.certain,
+        probed: limit.probed,
         ..Limit::default()
     }
 }
@@ -179,8 +180,8 @@ impl Distortion for RadTanThinPrismFisheye {
 
     fn limit(&self, farthest: f64) -> Result<Limit> {
         let limit = self.polynomial().limit(farthest)?;
-        let certain = self.plane().limit(farthest).certain;
-        Ok(Limit { certain, ..limit })
+        let probed = self.plane().limit(farthest).probed;
+        Ok(Limit { probed, ..limit })
     }
 
     #[inline(always)]

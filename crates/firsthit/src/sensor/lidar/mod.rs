@@ -55,17 +55,17 @@ summary!(Lidar, "Lidar", |it| "pattern": it.pattern, "mount": it.mount, "moves":
 /// A return: where it is on its beam, and which beam that is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Return {
-    /// In the world: along the middle of the beam.
+    /// Where it is in the world, along the middle of the beam, in scene units.
     pub point: DVec3,
-    /// In the scanner's frame at the time of the beam.
+    /// The same in the scanner's frame at the time of the beam, in scene units.
     pub sensor_point: DVec3,
     /// The number of the laser.
     pub ring: i32,
-    /// Of the beam, in the picture.
+    /// The row of the beam in the scanner's picture, from 0 at the top.
     pub row: i32,
-    /// Of the beam, in the picture.
+    /// The column of the beam, from 0 on the left.
     pub column: i32,
-    /// Of the beam, in seconds.
+    /// The time of the beam, in seconds.
     pub time: f64,
 }
 
@@ -121,16 +121,16 @@ impl Lidar {
         self.poses[if self.poses.len() == 1 { 0 } else { pixel }]
     }
 
-    /// What it says of a return at a range along a pixel's beam.
+    /// The return at a distance `range`, in scene units, along the beam of a pixel. Pixels are counted row by row.
     ///
     /// # Panics
     ///
     /// For a pixel that there is not.
-    pub fn returned(&self, pixel: usize, range: f64) -> Return {
+    pub fn return_at(&self, pixel: usize, range: f64) -> Return {
         let [_, columns] = self.shape();
         let pose = self.pose(pixel);
         let direction = self.pattern.direction(pixel);
-        // A pattern has fewer rows, and fewer columns, than 2^31.
+        // A pattern has at most 2^26 beams, so neither is ever replaced.
         let [row, column] =
             [pixel / columns, pixel % columns].map(|x| i32::try_from(x).unwrap_or(i32::MAX));
         Return {
