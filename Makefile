@@ -20,7 +20,7 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render soak test test-rust test-python test-scripts test-installed test-compat program attack fuzz bench bench-python bench-queries bench-lidar dist pages
+.PHONY: render soak test test-rust test-python test-scripts test-installed test-compat test-cluster program attack fuzz bench bench-python bench-queries bench-lidar dist pages
 .PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
@@ -66,6 +66,19 @@ test-compat: .venv/ready
 	    python/tests/test_compat.py python/tests/test_compat_open3d.py
 	$(COMPAT)/venv/bin/python $(COMPAT_TESTS)/run.py $(COMPAT)/peers \
 	    $(if $(TRIMESH),--trimesh "$(TRIMESH)") $(if $(OPEN3D),--open3d "$(OPEN3D)")
+
+# Jobs in parts on Dask and Ray, in a network of their own where one can be had; kills and damage at random.
+KILLS ?= 20
+DAMAGES ?= 1000
+CLUSTER = PYTHONPATH=python $(OUTSIDE)/cluster/bin/python
+test-cluster: .venv/ready
+	$(PYTHON) -m venv $(OUTSIDE)/cluster
+	$(OUTSIDE)/cluster/bin/pip install --quiet --requirement python/cluster_tests/requirements.txt
+	$(VENV)/maturin develop --release --quiet
+	$(CLUSTER) -m pytest -rs python/cluster_tests
+	$(CLUSTER) python/cluster_tests/kills.py workers $(KILLS)
+	$(CLUSTER) python/cluster_tests/kills.py drivers $(KILLS)
+	$(CLUSTER) python/cluster_tests/mutations.py $(DAMAGES)
 
 # The wheel, the source distribution and the crates, in dist/, each checked as an index would. The wheels of Linux run
 # on any with glibc 2.17, for which zig links them. WHEEL_PROFILE=release is built sooner.

@@ -16,11 +16,12 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import firsthit as fh
 import numpy as np
 
-PARTS = 12
+PARTS = 8
 
 
 def rays(scene: fh.Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -42,6 +43,34 @@ def plain(scene: fh.Scene, some: tuple[np.ndarray, np.ndarray], out: Path, size:
         with (out / f"{k:06d}.npz").open("wb") as file:
             np.savez(file, t=hits.t, object=hits.object, primitive=hits.primitive)
             file.flush()
+            os.fsync(file.fileno())
+
+
+def cameras(scene: fh.Scene) -> list[fh.Camera]:
+    """Return cameras around a scene."""
+    low, high = scene.bounds
+    middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
+    around = np.linspace(0.0, 2.0 * np.pi, PARTS, endpoint=False)
+    return [
+        fh.Camera.look_at(
+            middle + size * np.array([np.cos(a), 0.5, np.sin(a)]), middle, (0, 1, 0), 45,
+            rows=768, columns=1024,
+        )
+        for a in around
+    ]  # fmt: skip
+
+
+#: Channels and samples of the pictures.
+LOOK: dict[str, Any] = {"channels": ["color", "z", "object"], "samples": 16}
+
+
+def plain_pictures(scene: fh.Scene, views: list[fh.Camera], out: Path) -> None:
+    """Do what a user's own loop does: render, save, sync."""
+    out.mkdir()
+    for k, view in enumerate(views):
+        path = out / f"{k:06d}.npz"
+        fh.render(scene, view, threads=1, **LOOK).save(path)
+        with path.open("rb") as file:
             os.fsync(file.fileno())
 
 
@@ -72,8 +101,17 @@ sys.stdin.readline()
 """
 
 
+def table(title: str, runs: dict[str, list[tuple[float, float]]]) -> None:
+    """Print medians, and processor time beside that of the plain loop."""
+    print(title)
+    base = np.median([cpu for _, cpu in runs["plain loop"]])
+    for name, took in runs.items():
+        wall, cpu = np.median(took, axis=0)
+        print(f"  {name:18} {wall:6.2f} s wall  {cpu:6.2f} s of processor  {cpu / base:5.3f}")
+
+
 def main() -> None:
-    """Measure, and print a table."""
+    """Measure, and print tables."""
     parser = argparse.ArgumentParser()
     parser.add_argument("scene")
     parser.add_argument("--rays", type=int, default=1_500_000, help="of a part")
@@ -82,15 +120,18 @@ def main() -> None:
     scene, size = fh.load(given.scene), given.rays
     some = rays(scene, PARTS * size)
     scene.shoot(some[0][:1000], some[1][:1000])
+    views = cameras(scene)
     runs: dict[str, list[tuple[float, float]]] = {}
+    seen: dict[str, list[tuple[float, float]]] = {}
+    engines = (
+        ("plain loop", None),
+        ("here", None),
+        ("processes(1)", fh.many.processes(1)),
+        ("processes(2)", fh.many.processes(2)),
+    )
     with tempfile.TemporaryDirectory() as folder:
         for number in range(given.rounds):
-            for name, on in (
-                ("plain loop", None),
-                ("shoot_many, here", None),
-                ("processes(1)", fh.many.processes(1)),
-                ("processes(2)", fh.many.processes(2)),
-            ):
+            for name, on in engines:
                 out = Path(folder) / f"{number} {name}"
                 if name == "plain loop":
                     took = timed(lambda out=out: plain(scene, some, out, size))
@@ -101,11 +142,19 @@ def main() -> None:
                         )
                     )
                 runs.setdefault(name, []).append(took)
-        print(f"{PARTS} parts of {size:,} rays, {given.scene}; medians of {given.rounds}")
-        base = np.median([cpu for _, cpu in runs["plain loop"]])
-        for name, took in runs.items():
-            wall, cpu = np.median(took, axis=0)
-            print(f"  {name:18} {wall:6.2f} s wall  {cpu:6.2f} s of processor  {cpu / base:5.3f}")
+                out = Path(folder) / f"{number} {name} pictures"
+                if name == "plain loop":
+                    took = timed(lambda out=out: plain_pictures(scene, views, out))
+                else:
+                    took = timed(
+                        lambda out=out, on=on: fh.render_many(
+                            scene, views, out, threads=1, on=on, **LOOK
+                        )
+                    )
+                seen.setdefault(name, []).append(took)
+        print(f"{given.scene}, {PARTS} parts, medians of {given.rounds}")
+        table(f"pictures, 1024 x 768, {LOOK['samples']} samples", seen)
+        table(f"{size:,} rays", runs)
         scene.save(Path(folder) / "s.fhs")
         for name, array in zip("od", some, strict=True):
             np.save(Path(folder) / f"{name}.npy", array[:200_000])

@@ -34,14 +34,18 @@ def rays(count=10_000, seed=3):
 
 
 class Suicide:
-    """A fold whose worker is killed, at the first try of a part or at all."""
+    """A fold that kills its worker: at the first try of each part, always, or in one part."""
 
-    def __init__(self, marks, *, is_always=False):
-        self.marks, self.is_always = marks, is_always
+    def __init__(self, marks, *, is_always=False, only=None):
+        self.marks, self.is_always, self.only = marks, is_always, only
 
     def __call__(self, hits):
         mark = Path(self.marks) / f"{hits.origin[0, 0]:.17g}"
-        if self.is_always or not mark.exists():
+        if self.only is not None:
+            kills = (hits.origin[0] == self.only).all()
+        else:
+            kills = self.is_always or not mark.exists()
+        if kills:
             mark.touch()
             os.kill(os.getpid(), signal.SIGKILL)
         return {"hits": np.array((hits.object >= 0).sum())}

@@ -362,11 +362,13 @@ def test_a_part_whose_worker_is_killed_is_tried_again(tmp_path):
 @POSIX
 def test_a_part_that_kills_its_worker_three_times_is_an_error(tmp_path):
     (tmp_path / "marks").mkdir()
-    fold = Suicide(str(tmp_path / "marks"), is_always=True)
-    with pytest.raises(RuntimeError, match=r"part [01] was lost 3 times with its worker"):
+    fold = Suicide(str(tmp_path / "marks"), only=rays()[0][2_000])
+    with pytest.raises(RuntimeError, match=r"part 2 was lost 3 times with its worker"):
         fh.shoot_many(
-            scene(), rays(), tmp_path / "out", fold=fold, part_size=5_000, on=fh.many.processes(1)
+            scene(), rays(), tmp_path / "out", fold=fold, part_size=1_000, on=fh.many.processes(3)
         )
+    # The others are not blamed for it, and go on until it is.
+    assert fh.parts(tmp_path / "out").done >= 2
 
 
 @POSIX
@@ -430,6 +432,44 @@ def _wait_for_the_end_of_session(leader):
             return
         time.sleep(0.1)
     raise AssertionError("a worker outlives its driver")
+
+
+UNGUARDED = """
+import sys
+import firsthit as fh
+print("begins")
+scene = fh.Scene()
+scene.add(fh.Sphere((0, 0, 0), 1))
+rays = [(0, 0, 5)] * 9, (0, 0, -1)
+made = fh.shoot_many(scene, rays, sys.argv[1], part_size=3, on=fh.many.processes(2))
+print(made.made)
+"""
+GUARDED = """
+import sys
+import firsthit as fh
+class Count:
+    def __call__(self, hits):
+        return {"hits": (hits.object >= 0).sum()}
+    def merge(self, first, second):
+        return {"hits": first["hits"] + second["hits"]}
+if __name__ == "__main__":
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1))
+    rays = [(0, 0, 5)] * 9, (0, 0, -1)
+    on, out = fh.many.processes(2), sys.argv[1]
+    made = fh.shoot_many(scene, rays, out, fold=Count(), part_size=3, on=on)
+    print("begins")
+    print(int(made.result["hits"]) // 3)
+"""
+
+
+@pytest.mark.parametrize("script", [UNGUARDED, GUARDED], ids=["unguarded", "guarded"])
+def test_scripts_run_once_and_their_own_folds_are_found(script, tmp_path):
+    (tmp_path / "script.py").write_text(script)
+    program = [sys.executable, str(tmp_path / "script.py"), str(tmp_path / "out")]
+    ran = subprocess.run(program, capture_output=True, text=True, timeout=60, check=False)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert ran.stdout == "begins\n3\n"
 
 
 @POSIX

@@ -132,6 +132,7 @@ class _Pool:
         #: In the order in which they were given.
         self._waiting: dict[Future[_Outcome], Task] = {}
         self._again: deque[Task] = deque()
+        self._has_broken = False
 
     def _made(self) -> Executor:
         assert self._make is not None
@@ -166,9 +167,17 @@ class _Pool:
     def _fill(self, tasks: Iterator[Task]) -> None:
         most = _WAITING * (self._workers or _MANY)
         while len(self._waiting) < most:
-            task = self._again.popleft() if self._again else next(tasks, None)
-            if task is None:
+            if self._again:
+                if self._must_be_alone(self._again[0]) and self._waiting:
+                    return
+                task = self._again.popleft()
+            elif self._has_broken and any(one.losses for one in self._waiting.values()):
                 return
+            else:
+                found = next(tasks, None)
+                if found is None:
+                    return
+                task = found
             try:
                 future = self._executor.submit(_tried, self._work, task)
             except BrokenExecutor:
@@ -179,9 +188,20 @@ class _Pool:
                     continue
                 return
             self._waiting[future] = task
+            if self._must_be_alone(task):
+                return
+
+    def _must_be_alone(self, task: Task) -> bool:
+        """Whether a task has its last try in a pool that breaks as a whole.
+
+        Which task broke it nobody knows: those that were with a worker are tried again before any
+        other begins, and at last one by one, so that none is blamed for its neighbour.
+        """
+        return self._has_broken and task.losses == _TRIES - 1
 
     def _mended(self) -> Iterator[tuple[int, Any]]:
         """Take the tasks out of a broken pool, and make another."""
+        self._has_broken = True
         waiting, self._waiting = self._waiting, {}
         broken = [task for future, task in waiting.items() if _failure(future) is not None]
         for future, task in waiting.items():

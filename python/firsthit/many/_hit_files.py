@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,9 +27,8 @@ def check_package(extension: str) -> None:
 def write_hits(path: Path, arrays: Arrays, table: Arrays) -> None:
     """Write arrays by channel, or as a table with a column for each number."""
     if path.suffix == ".npz":
-        out = io.BytesIO()
-        np.savez(out, **arrays)  # type: ignore[arg-type] # the names are those of channels
-        path.write_bytes(out.getvalue())
+        with path.open("wb") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type] # the names are those of channels
         return
     pyarrow, parquet = _pyarrow()
     floats = [name for name, column in table.items() if column.dtype.kind == "f"]

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
+import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager, nullcontext
 from multiprocessing.context import SpawnContext, SpawnProcess
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from firsthit._arrays import count
 from firsthit._parts._engine import keep_warnings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from concurrent.futures import Executor
+    from collections.abc import Callable, Iterator
+    from concurrent.futures import Executor, Future
+
+_T = TypeVar("_T")
 
 #: How often a worker looks whether its driver is there, in seconds.
 _LOOKS = 1.0
@@ -26,7 +32,8 @@ def processes(workers: int) -> Callable[[], Executor]:
 
     Each is started anew, and none is forked: it opens the scene's file for itself. Ctrl-C ends the
     job when the parts that were begun are whole. If the driver is killed, its workers end within a
-    second or two. If a worker is killed, the pool is made anew.
+    second or two. If a worker is killed, the pool is made anew. A script needs no
+    ``if __name__ == "__main__":``, unless its own functions are part of the work.
 
     Parameters
     ----------
@@ -53,15 +60,30 @@ class _Processes:
         self._workers = workers
 
     def __call__(self) -> Executor:
-        return ProcessPoolExecutor(
-            self._workers,
-            mp_context=_Context(),
-            initializer=_begin,
-            initargs=(os.getpid(),),
-        )
+        return _Pool(self._workers)
 
     def __repr__(self) -> str:
         return f"processes({self._workers})"
+
+
+class _Pool(ProcessPoolExecutor):
+    """A pool whose workers run the user's script again only where the work is defined in it.
+
+    Else a script without ``if __name__ == "__main__":`` would begin its job in each worker.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._context, self._is_known = _Context(), False
+        super().__init__(
+            workers, mp_context=self._context, initializer=_begin, initargs=(os.getpid(),)
+        )
+
+    def submit(self, fn: Callable[..., _T], /, *args: Any, **named: Any) -> Future[_T]:
+        # All tasks do the same work.
+        if not self._is_known:
+            self._context.needs_script = b"__main__" in pickle.dumps((fn, args, named))
+            self._is_known = True
+        return super().submit(fn, *args, **named)
 
 
 class _Process(SpawnProcess):
@@ -70,20 +92,45 @@ class _Process(SpawnProcess):
     While Python starts, and imports what it needs, nothing could be ignored yet.
     """
 
+    needs_script = True
+
     def start(self) -> None:
-        if not hasattr(signal, "pthread_sigmask"):
+        with _without_interrupts(), nullcontext() if self.needs_script else _without_script():
             super().start()
-            return
-        # The mask is inherited.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-        try:
-            super().start()
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # The mask is inherited.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _without_script() -> Iterator[None]:
+    """Have a process that starts now find no script to run again."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 class _Context(SpawnContext):
-    Process = _Process
+    needs_script = True
+
+    def Process(self, *given: Any, **named: Any) -> _Process:  # type: ignore[override]
+        """Return a process that is not started yet."""
+        made = _Process(*given, **named)
+        made.needs_script = self.needs_script
+        return made
 
 
 def _begin(driver: int) -> None:
