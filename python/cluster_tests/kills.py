@@ -45,7 +45,15 @@ def children() -> list[int]:
     """Return this process's workers."""
     mine = Path(f"/proc/{os.getpid()}/task").glob("*/children")
     found = [int(pid) for path in mine for pid in path.read_text().split()]
-    return [pid for pid in found if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    return [pid for pid in found if is_worker(pid)]
+
+
+def is_worker(pid: int) -> bool:
+    """Tell whether a process is a worker, not what multiprocessing keeps beside them."""
+    try:
+        return b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return False  # It has ended meanwhile.
 
 
 def kill_workers(out: Path, kills: int, chance: random.Random) -> int:
@@ -65,13 +73,16 @@ def kill_workers(out: Path, kills: int, chance: random.Random) -> int:
                 # A part may be lost twice. Some are finished before the next kill.
                 if there < last + 4 or len(counts) >= most:
                     continue
-                for pid in random.sample(children(), 1) if children() else ():
-                    try:
-                        os.kill(pid, signal.SIGKILL)
-                    except ProcessLookupError:
-                        continue
-                    counts.append(pid)
-                    last = there
+                there_are = children()
+                if not there_are:
+                    continue
+                pid = chance.choice(there_are)
+                try:
+                    os.kill(pid, signal.SIGKILL)
+                except ProcessLookupError:
+                    continue
+                counts.append(pid)
+                last = there
 
         killer = threading.Thread(target=attack)
         killer.start()

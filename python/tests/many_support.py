@@ -77,6 +77,9 @@ class Slow:
 class Wrong:
     """A fold that fails."""
 
+    def __repr__(self):
+        return "Wrong"
+
     def __call__(self, hits):
         raise ValueError("this fold is wrong")
 

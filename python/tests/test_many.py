@@ -1,9 +1,12 @@
 """Jobs in parts: the same bytes whoever makes them, and after any kill."""
 
+import errno
+import functools
 import io
 import itertools
 import multiprocessing
 import os
+import pickle
 import random
 import re
 import shutil
@@ -218,6 +221,124 @@ def test_rays_of_a_generator_are_a_part_for_each_batch(tmp_path):
     assert (state.parts, state.done, state.digest) == (7, 7, made.digest)
     with pytest.raises(fh.FileWriteError, match="other rays than those that came now"):
         fh.shoot_many(scene(), batches(size=1_400), tmp_path)
+
+
+def test_a_generator_that_ends_elsewhere_is_another_job(tmp_path):
+    made = fh.shoot_many(scene(), batches(), tmp_path, fold=fh.many.Sum(), progress=lambda *_: None)
+    found = scene().shoot(*rays())
+    assert made.result["count"] == (found.object >= 0).sum()
+    with pytest.raises(fh.FileWriteError, match="rays came in 6 batches, and in 7 before"):
+        fh.shoot_many(scene(), itertools.islice(batches(), 6), tmp_path, fold=fh.many.Sum())
+    assert fh.parts(tmp_path).digest == made.digest
+
+
+def test_many_that_begin_at_once_are_one_job(tmp_path):
+    """As the tasks of an array do: one of them makes the folder, the others find it."""
+    code = (
+        "import sys, time, firsthit as fh, many_support as m\n"
+        "time.sleep(max(0.0, float(sys.argv[2]) - time.time()))\n"
+        "part = int(sys.argv[3]), 8\n"
+        "fh.shoot_many(m.scene(), m.rays(), sys.argv[1], part_size=500, part=part)\n"
+    )
+    for k in range(4):
+        out, at = tmp_path / str(k), str(time.time() + 2.0)
+        runs = [
+            subprocess.Popen([sys.executable, "-c", code, str(out), at, str(part)])
+            for part in range(1, 9)
+        ]
+        assert [run.wait(60) for run in runs] == [0] * 8
+        assert fh.parts(out).missing == ()
+
+
+def test_two_jobs_that_begin_at_once_do_not_share_a_folder(tmp_path):
+    code = (
+        "import sys, time, firsthit as fh, many_support as m\n"
+        "time.sleep(max(0.0, float(sys.argv[2]) - time.time()))\n"
+        "try:\n"
+        "    fh.shoot_many(m.scene(), m.rays(), sys.argv[1], part_size=int(sys.argv[3]))\n"
+        "except fh.FileWriteError as error:\n"
+        "    assert 'another job' in str(error)\n"
+        "    sys.exit(7)\n"
+    )
+    out, at = tmp_path / "out", str(time.time() + 2.0)
+    runs = [
+        subprocess.Popen([sys.executable, "-c", code, str(out), at, size])
+        for size in ("500", "600", "700", "800")
+    ]
+    assert sorted(run.wait(60) for run in runs) == [0, 7, 7, 7]
+    assert fh.parts(out, verify=True).missing == ()
+
+
+def test_workers_write_where_the_driver_does(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    context = multiprocessing.get_context("spawn")
+    (tmp_path / "elsewhere").mkdir()
+    with ProcessPoolExecutor(1, context, os.chdir, (tmp_path / "elsewhere",)) as pool:
+        made = fh.shoot_many(scene(), rays(), "out", part_size=5_000, on=pool)
+    assert (made.made, made.missing) == (2, 0)
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="limits are those of Unix")
+def test_a_passing_error_removes_no_part(tmp_path, monkeypatch):
+    fh.shoot_many(scene(), rays(), tmp_path, part_size=5_000)
+    before = tree(tmp_path)
+
+    def fails(path):
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    monkeypatch.setattr("firsthit._parts._part.read", fails)
+    with pytest.raises(fh.FileReadError, match="Too many open files"):
+        fh.shoot_many(scene(), rays(), tmp_path, part_size=5_000)
+    assert tree(tmp_path) == before
+
+
+class Nameless:
+    """A fold that a later run cannot know again."""
+
+    def __call__(self, hits):
+        return {}
+
+    def merge(self, first, second):
+        return first
+
+
+@pytest.mark.parametrize("fold", [Nameless(), type("Local", (Nameless,), {})()])
+def test_what_a_later_run_could_not_know_again_is_refused(fold, tmp_path):
+    with pytest.raises(ValueError, match="fold must have a __repr__"):
+        fh.shoot_many(scene(), rays(), tmp_path / "a", fold=fold)
+    with pytest.raises(ValueError, match="shade must be a function of a module"):
+        fh.render_many(scene(), cameras(1), tmp_path / "a", shade=lambda hits: hits.normal)
+    how = functools.partial(lambda hits: hits.normal)
+    with pytest.raises(ValueError, match="shade must have a __repr__"):
+        fh.render_many(scene(), cameras(1), tmp_path / "a", shade=how)
+    assert not (tmp_path / "a").exists()
+
+
+def test_work_that_cannot_be_sent_is_told_at_once(tmp_path):
+    class Local(Slow):
+        pass
+
+    with pytest.raises((AttributeError, pickle.PicklingError), match="Local"):
+        fh.shoot_many(scene(), rays(), tmp_path, fold=Local(0.0), on=fh.many.processes(1))
+
+
+def test_an_error_of_a_worker_says_where_it_was(tmp_path):
+    with pytest.raises(ValueError, match="this fold is wrong") as caught:
+        fh.shoot_many(scene(), rays(), tmp_path, fold=Wrong(), on=fh.many.processes(1))
+    assert "many_support.py" in caught.value.__notes__[0]
+
+
+def test_a_file_of_rays_that_has_grown_is_read_anew(tmp_path):
+    origins, directions = rays()
+    path = tmp_path / "r.npz"
+    np.savez(path, origins=origins[:100], directions=directions[:100])
+    fh.shoot_many(scene(), path, tmp_path / "a")
+    np.savez(path, origins=origins[:200], directions=directions[:200])
+    fh.shoot_many(scene(), path, tmp_path / "b")
+    assert len(all_hits(tmp_path / "b")) == 200
+    with pytest.raises(fh.FileWriteError, match="its rays is"):
+        fh.shoot_many(scene(), path, tmp_path / "a")
 
 
 FOLDS = [
@@ -448,6 +569,8 @@ GUARDED = """
 import sys
 import firsthit as fh
 class Count:
+    def __repr__(self):
+        return "Count()"
     def __call__(self, hits):
         return {"hits": (hits.object >= 0).sum()}
     def merge(self, first, second):
@@ -476,7 +599,10 @@ def test_scripts_run_once_and_their_own_folds_are_found(script, tmp_path):
 def test_ctrl_c_keeps_what_is_finished(tmp_path):
     program = [sys.executable, "-c", SLOWLY, str(tmp_path), "2"]
     running = subprocess.Popen(program, stderr=subprocess.PIPE, start_new_session=True, text=True)
+    end = time.monotonic() + 60
     while len(list(tmp_path.glob("parts/[0-9]*"))) < 4:
+        assert running.poll() is None
+        assert time.monotonic() < end
         time.sleep(0.05)
     os.killpg(running.pid, signal.SIGINT)
     _, said = running.communicate(timeout=30)

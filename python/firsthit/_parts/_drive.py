@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import os
+import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any, Protocol
 
+from firsthit._errors import FileWriteError
+
 from ._engine import Task, results
-from ._part import seal, writing
+from ._part import discard, seal, writing
 from ._time_left import following
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
     from firsthit._types import Progress
@@ -19,6 +24,13 @@ if TYPE_CHECKING:
     from ._engine import On
     from ._folder import Parts
     from ._part import Form
+
+
+#: How often a part is made whose place something else takes at the same time.
+_TRIES = 2
+
+#: How long, in seconds, a network's file system may hide what another machine has written.
+_PATIENCE = 60
 
 
 class Maker(Protocol):
@@ -37,15 +49,27 @@ class Work:
 
     def __call__(self, task: Task) -> str:
         """Return the digest: never arrays, which would go through the driver."""
-        # Some engines do a task again when its result was lost with a worker that had done it.
+        path = self.parts.path(task.number)
+        for _ in range(_TRIES):
+            # Some engines do a task again when its result was lost with a worker that had done it,
+            # and another run may be at the same part.
+            there = self.parts.record(task.number)
+            if there is not None:
+                return str(there["digest"])
+            if path.exists() or path.is_symlink():
+                discard(path)
+            with writing(path) as folder:
+                seal(folder, self.maker.make(folder, task), self.form.record)
         there = self.parts.record(task.number)
-        if there is not None:
-            return str(there["digest"])
-        with writing(self.parts.path(task.number)) as folder:
-            record = self.maker.make(folder, task)
-            seal(folder, record, self.form.record)
-        digest: str = record["digest"]
-        return digest
+        if there is None:
+            raise FileWriteError(f"{path}: something else comes in its place", os.fspath(path))
+        return str(there["digest"])
+
+
+def checked_on(on: On) -> None:
+    """Refuse what is no executor and makes none."""
+    if on is not None and not hasattr(on, "submit") and not callable(on):
+        raise TypeError(f"on must be an executor or a function that makes one, got {on!r}")
 
 
 def is_here(on: On) -> bool:
@@ -93,10 +117,38 @@ def drive(
             if not is_whole:
                 yield Task(number, None if given is None else given(number))
 
-    made = 0
-    with following(progress, len(wanted), kept, unit) as report:
-        for _ in results(Work(maker, parts, form), tasks(), on):
+    made = make(Work(maker, parts, form), tasks(), on, progress, (len(wanted), kept, unit))
+    return made, kept
+
+
+def make(
+    work: Work,
+    tasks: Iterable[Task],
+    on: On,
+    progress: Progress | None,
+    counts: tuple[int | None, int, str],
+) -> int:
+    """Do the tasks of a job; return how many there were.
+
+    ``counts`` are all tasks, if that is known, those that were done before, and their unit.
+    """
+    made, kept = 0, counts[1]
+    with following(progress, *counts) as report, closing(results(work, tasks, on)) as done:
+        for number, _ in done:
+            if made == 0:
+                _look_for(work.parts.path(number))
             made += 1
             if report is not None:
                 report(kept + made)
-    return made, kept
+    return made
+
+
+def _look_for(path: Path) -> None:
+    """Refuse to go on where workers write to another place: the first part must be seen here."""
+    tries = 0
+    while not path.is_dir():
+        tries += 1
+        if tries > _PATIENCE:
+            why = "a worker has made it, and it is not here: do all see the folder by this path?"
+            raise FileWriteError(f"{path}: {why}", os.fspath(path))
+        time.sleep(1.0)

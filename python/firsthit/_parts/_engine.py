@@ -6,10 +6,18 @@ The order in which tasks end is nobody's promise: results come with their tasks'
 from __future__ import annotations
 
 import pickle
+import traceback
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    wait,
+)
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from firsthit._errors import FirsthitWarning, warn
@@ -46,7 +54,7 @@ class Task(NamedTuple):
 Work = Callable[[Task], Any]
 
 
-def results(work: Work, tasks: Iterable[Task], on: On) -> Iterator[tuple[int, Any]]:
+def results(work: Work, tasks: Iterable[Task], on: On) -> Generator[tuple[int, Any], None, None]:
     """Yield the number and the result of each task, when it is done.
 
     A task that was lost with its worker, by a kill or a crash, is tried three times. An error of
@@ -73,6 +81,7 @@ class _Outcome(NamedTuple):
 
     result: Any = None
     error: Exception | None = None
+    trace: str = ""
     warnings: tuple[str, ...] = ()
 
 
@@ -113,8 +122,9 @@ def _done(work: Work, task: Task) -> _Outcome:
         try:
             pickle.loads(pickle.dumps(error))
         except Exception:
-            return _Outcome(error=RuntimeError(f"{type(error).__name__}: {error}"))
-        return _Outcome(error=error)
+            other = RuntimeError(f"{type(error).__name__}: {error}")
+            return _Outcome(error=other, trace=traceback.format_exc())
+        return _Outcome(error=error, trace=traceback.format_exc())
 
 
 class _Pool:
@@ -132,6 +142,8 @@ class _Pool:
         #: In the order in which they were given.
         self._waiting: dict[Future[_Outcome], Task] = {}
         self._again: deque[Task] = deque()
+        #: Tasks that were with a pool that broke, and had not begun.
+        self._later: deque[Task] = deque()
         self._has_broken = False
 
     def _made(self) -> Executor:
@@ -173,6 +185,8 @@ class _Pool:
                 task = self._again.popleft()
             elif self._has_broken and any(one.losses for one in self._waiting.values()):
                 return
+            elif self._later:
+                task = self._later.popleft()
             else:
                 found = next(tasks, None)
                 if found is None:
@@ -182,7 +196,7 @@ class _Pool:
                 future = self._executor.submit(_tried, self._work, task)
             except BrokenExecutor:
                 # Those that wait are told of it as well, and all are given to the next pool.
-                self._again.appendleft(task)
+                (self._again if task.losses else self._later).appendleft(task)
                 if not self._waiting:
                     self._remake()
                     continue
@@ -209,16 +223,21 @@ class _Pool:
                 yield task.number, _result(future)
         # Workers take tasks in their order: only the first ones were with a worker that was lost.
         began = broken[: self._workers]
-        self._again.extendleft(reversed(broken[len(began) :]))
+        self._later.extendleft(reversed(broken[len(began) :]))
         for task in reversed(began):
             self._lose(task, BrokenExecutor("a worker was killed or has crashed"))
         self._remake()
 
     def _lose(self, task: Task, failure: BaseException) -> None:
+        if isinstance(failure, pickle.PicklingError | AttributeError | TypeError):
+            # It never was with a worker: what it is made of cannot be sent.
+            raise failure
         lost = task.losses + 1
         if lost >= _TRIES:
             what = f"part {task.number} was lost {lost} times with its worker"
-            raise RuntimeError(f"{what}: {type(failure).__name__}: {failure}") from failure
+            why = "it was killed, crashed, or could not import the work"
+            said = f"{type(failure).__name__}: {failure}"
+            raise RuntimeError(f"{what}: {why}; the last loss: {said}") from failure
         self._again.appendleft(task._replace(losses=lost))
 
     def _remake(self) -> None:
@@ -227,8 +246,11 @@ class _Pool:
                 "the pool is broken, since a worker was killed or has crashed; what is done is "
                 "kept. With a function that makes a pool, `on` goes on with another"
             )
-        self._executor.shutdown(wait=False)
+        broken = self._executor
+        broken.shutdown(wait=False)
         self._executor = self._made()
+        if self._executor is broken:
+            raise RuntimeError("the pool is broken, and `on` gives the same one again")
 
     def close(self) -> None:
         """Have nothing begin any more. Of a pool that was made here, wait for what has begun."""
@@ -242,9 +264,7 @@ def _failure(future: Future[_Outcome]) -> BaseException | None:
     """Return why there is no outcome; waits for one."""
     try:
         return future.exception()
-    except BaseException as error:
-        if isinstance(error, KeyboardInterrupt):
-            raise
+    except CancelledError as error:
         return error
 
 
@@ -253,5 +273,6 @@ def _result(future: Future[_Outcome]) -> Any:
     for text in outcome.warnings:
         warn(text)
     if outcome.error is not None:
+        outcome.error.add_note(f"In the worker:\n{outcome.trace}")
         raise outcome.error
     return outcome.result

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
 from typing import TYPE_CHECKING, Any
 
 from firsthit._arrays import count as whole_number
 from firsthit._errors import FileFormatError, FileReadError, FileWriteError
-from firsthit.annotations._files import write
 
 from ._digest import of_json
 from ._records import read
+from ._sync import sync
+from ._whole_file import writing_file
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,19 +41,68 @@ def known_job(path: Path) -> dict[str, Any] | None:
     return said
 
 
-def refuse_strange(folder: Path, parts: str) -> None:
-    """Refuse a folder in which a new job cannot begin."""
+def job_in(folder: Path, parts: str) -> dict[str, Any] | None:
+    """Return what the file of a folder's job says; ``None`` if a new job may begin there.
+
+    Raises
+    ------
+    FileWriteError
+        Where none may: there are parts of an unknown job, or a file.
+    """
+    path = folder / JOB
+    known = known_job(path)
+    if known is not None:
+        return known
     if folder.exists() and not folder.is_dir():
         raise FileWriteError(f"{folder}: a file, not a folder", os.fspath(folder))
     if (folder / parts).exists():
-        why = f"there are {parts} without a {JOB}, of which nobody knows the job"
-        raise FileWriteError(f"{folder}: {why}; take another folder", os.fspath(folder))
+        # The file comes before the parts: another run may have begun since it was looked for.
+        known = known_job(path)
+        if known is None:
+            why = f"there are {parts} without a {JOB}, of which nobody knows the job"
+            raise FileWriteError(f"{folder}: {why}; take another folder", os.fspath(folder))
+    return known
+
+
+def begin_job(path: Path, said: Mapping[str, Any]) -> dict[str, Any]:
+    """Write the file of a job unless another run was first; return what is there now."""
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(16)}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with beside.open("xb") as file:
+                file.write(_content(said))
+                file.flush()
+                os.fsync(file.fileno())
+            try:
+                os.link(beside, path)
+            except FileExistsError:
+                pass
+            except OSError:
+                # A file system without second names: two runs at once may both be first.
+                if not path.exists():
+                    beside.replace(path)
+            sync(path.parent)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+    known = known_job(path)
+    if known is None:
+        raise FileWriteError(f"{path}: it was removed while the job began", os.fspath(path))
+    return known
 
 
 def write_job(path: Path, said: Mapping[str, Any]) -> None:
-    """Write the file of a job, whole or not at all, with a check of all that it says."""
+    """Write the file of a job anew, whole or not at all."""
+    with writing_file(path) as file:
+        file.write(_content(said))
+
+
+def _content(said: Mapping[str, Any]) -> bytes:
+    """Return what a job says, with a check of all of it."""
     checked = {**said, "check": of_json(said)}
-    write(path, (json.dumps(checked, indent=2) + "\n").encode())
+    return (json.dumps(checked, indent=2) + "\n").encode()
 
 
 def refuse_other(path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:

@@ -7,6 +7,7 @@ do no harm: the second to come leaves the first one's.
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import shutil
@@ -16,11 +17,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit._errors import FileError, FileWriteError
+from firsthit._errors import FileError, FileReadError, FileWriteError
 
 from ._digest import canonical, of_file, of_json, of_stream
 from ._inside import open_inside, size_of
 from ._records import read
+from ._sync import sync
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,6 +30,13 @@ if TYPE_CHECKING:
 #: What killed runs leave behind, and when it is removed: somebody else may still be at it before.
 _LEFT = re.compile(r"\..*\.([0-9a-f]{32}|[0-9a-f]{16}\.tmp)")
 _OLD_SECONDS = 24 * 3600
+
+
+#: Errors that say nothing of a part, which may be whole.
+_PASSING = (
+    *(errno.EIO, errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EACCES, errno.EPERM),
+    *(errno.EAGAIN, errno.ETIMEDOUT, getattr(errno, "ESTALE", errno.EIO)),
+)
 
 
 class Form(NamedTuple):
@@ -62,36 +71,26 @@ def writing(path: Path) -> Iterator[Path]:
     beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
         try:
-            beside.mkdir(parents=True)
+            # What is above it is there: a worker without it would write to a place of its own.
+            beside.mkdir()
             yield beside
             for file in _files(beside):
-                _sync(beside / file)
+                sync(beside / file)
             for folder in (beside, *(each for each in beside.rglob("*") if each.is_dir())):
-                _sync(folder)
+                sync(folder)
             try:
                 beside.rename(path)
             except OSError:
                 if not path.is_dir():
                     raise
             else:
-                _sync(path.parent)
+                sync(path.parent)
         finally:
             shutil.rmtree(beside, ignore_errors=True)
     except FileError:
         raise
     except OSError as error:
         raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
-
-
-def _sync(path: Path) -> None:
-    """Have the system write a file or a folder to the disk, where it can."""
-    if path.is_dir() and os.name == "nt":
-        return
-    opened = os.open(path, os.O_RDONLY if os.name != "nt" else os.O_RDWR)
-    try:
-        os.fsync(opened)
-    finally:
-        os.close(opened)
 
 
 def seal(folder: Path, record: dict[str, Any], name: str) -> None:
@@ -133,7 +132,12 @@ def record_of(path: Path, form: Form, job: str, *, verify: bool = False) -> dict
                 with open_inside(path, name) as file:
                     if of_stream(file) != sha256:
                         return None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return None
+    except OSError as error:
+        if error.errno in _PASSING:
+            name = os.fspath(path)
+            raise FileReadError(f"{name}: {error.strerror}", name) from error
         return None
     return dict(said)
 

@@ -36,18 +36,18 @@ class SharedScene:
     """
 
     def __init__(self, run: str, path: Path | None, mark: Mark, scene: Scene | None) -> None:
-        self._run, self.path, self.mark, self._scene = run, path, mark, scene
+        self.run, self.path, self.mark, self._scene = run, path, mark, scene
 
     def __reduce__(self) -> tuple[object, ...]:
         if self.path is None:
             raise ValueError("the scene has no file for workers in other processes")
-        return SharedScene, (self._run, self.path, self.mark, None)
+        return SharedScene, (self.run, self.path, self.mark, None)
 
     def get(self) -> Scene:
         """Return the scene."""
         if self._scene is None:
             assert self.path is not None
-            self._scene = opened(self._run, self.path, self.mark)
+            self._scene = opened(self.run, self.path, self.mark)
         return self._scene
 
     def save(self, path: Path) -> None:
@@ -93,6 +93,13 @@ def keep(run: str, path: Path, mark: Mark, scene: Scene) -> None:
     """Have a scene that was read already at hand."""
     with _lock:
         _keep((run, os.fspath(path), mark), scene)
+
+
+def forget(run: str) -> None:
+    """Let go of the scenes of a run that has ended."""
+    with _lock:
+        for key in [key for key in _opened if key[0] == run]:
+            del _opened[key]
 
 
 def _keep(key: tuple[str, str, Mark], scene: Scene) -> None:

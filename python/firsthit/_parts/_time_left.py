@@ -21,9 +21,12 @@ _PAUSE = 0.1
 
 @contextmanager
 def following(
-    progress: Progress | None, total: int, kept: int, unit: str
+    progress: Progress | None, total: int | None, kept: int, unit: str
 ) -> Iterator[Report | None]:
-    """Yield the report for ``progress``; ``None`` if none is wanted. ``kept`` parts are there."""
+    """Yield the report for ``progress``; ``None`` if none is wanted. ``kept`` parts are there.
+
+    Where nobody knows the total it is what is done.
+    """
     if progress is None or progress is False:
         yield None
     elif progress is True:
@@ -34,16 +37,22 @@ def following(
         finally:
             line.close()
     elif callable(progress):
-        progress(kept, total)
-        yield lambda done: progress(done, total)
+        progress(kept, kept if total is None else total)
+        yield lambda done: progress(done, done if total is None else total)
     else:
+        checked_progress(progress)
+
+
+def checked_progress(progress: object) -> None:
+    """Refuse what cannot be told of progress."""
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise TypeError(f"progress must be True or a function of two numbers, got {progress!r}")
 
 
 class _Line:
     """A line on standard error that is written anew."""
 
-    def __init__(self, total: int, kept: int, unit: str) -> None:
+    def __init__(self, total: int | None, kept: int, unit: str) -> None:
         self._total, self._kept, self._unit = total, kept, unit
         self._began = time.monotonic()
         self._shown = -1.0
@@ -51,9 +60,12 @@ class _Line:
 
     def to(self, done: int) -> None:
         now = time.monotonic()
-        if now - self._shown < _PAUSE and done < self._total:
+        if now - self._shown < _PAUSE and (self._total is None or done < self._total):
             return
         self._shown = now
+        if self._total is None:
+            self._write(f"{done} {self._unit}")
+            return
         share = 100 * done // max(self._total, 1)
         text = f"{done} of {self._total} {self._unit}, {share} %"
         if self._kept < done < self._total:

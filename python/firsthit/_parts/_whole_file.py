@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from firsthit._errors import FileError, FileWriteError
 
+from ._sync import sync
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -32,6 +34,7 @@ def writing_file(path: Path) -> Iterator[BinaryIO]:
                 file.flush()
                 os.fsync(file.fileno())
             beside.replace(path)
+            sync(path.parent)
         finally:
             beside.unlink(missing_ok=True)
     except FileError:

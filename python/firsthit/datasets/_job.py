@@ -9,7 +9,7 @@ from firsthit import _firsthit
 from firsthit._camera import Camera
 from firsthit._errors import FileFormatError
 from firsthit._lidar_scan import lacking
-from firsthit._parts._job import JOB, known_job, refuse_other, refuse_strange, write_job
+from firsthit._parts._job import JOB, begin_job, job_in, refuse_other
 from firsthit._parts._mark import Mark, mark_of
 from firsthit._parts._scene_store import keep
 from firsthit._render import render
@@ -61,18 +61,15 @@ def claim(run: str, folder: Path, plan: Plan, threads: int | None) -> list[Mark]
         If the folder is another job's, or cannot be written to.
     """
     path = folder / JOB
-    known = known_job(path)
+    known = job_in(folder, FORM.folder)
     if known is None:
-        refuse_strange(folder, FORM.folder)
         check_packages(plan)
         marks = []
         for number, planned in enumerate(plan._scenes):
             scene = planned.load()
             marks.append(check(plan, number, scene, threads))
             keep(run, planned.path, marks[number], scene)
-        write_job(path, job_of(plan, marks))
-        known = known_job(path)
-        assert known is not None  # it was just written
+        known = begin_job(path, job_of(plan, marks))
     marks = _marks(path, known)
     is_alike = len(marks) == len(plan.scenes)
     wanted = job_of(plan, marks) if is_alike else {"plan": plan.digest, "scenes": plan.scenes}

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit._arrays import flag, threads_or_all
 from firsthit._errors import FileError
-from firsthit._parts._drive import drive
+from firsthit._parts._drive import checked_on, drive
 from firsthit._parts._folder import Parts
 from firsthit._parts._job import range_of
 from firsthit._parts._part import remove_leftovers
-from firsthit._parts._scene_store import opened
+from firsthit._parts._scene_store import forget, opened
+from firsthit._parts._time_left import checked_progress
 
 from ._form import FORM
 from ._frame import FrameMaker
@@ -139,16 +140,21 @@ def dataset(
     """
     made = plan if isinstance(plan, Plan) else Plan.load(plan)
     threads_or_all(threads)
-    folder, is_verified = Path(out), flag("verify", verify)
+    folder, is_verified = Path(out).absolute(), flag("verify", verify)
+    checked_on(on)
+    checked_progress(progress)
     wanted = range_of(part, made.frames)
     run = uuid.uuid4().hex
     marks = claim(run, folder, made, threads)
     remove_leftovers(folder)
     frames = Parts(folder, FORM, made.digest, made.frames)
     maker = _Frames(run, made, marks, threads)
-    count, kept = drive(
-        frames, FORM, maker, wanted, on=on, verify=is_verified, progress=progress, unit="frames"
-    )
+    try:
+        count, kept = drive(
+            frames, FORM, maker, wanted, on=on, verify=is_verified, progress=progress, unit="frames"
+        )
+    finally:
+        forget(run)
     missing, digest = frames.state()
     if digest is not None:
         merge(folder, made, frames.records, digest)

@@ -24,7 +24,11 @@ Arrays = dict[str, "npt.NDArray[Any]"]
 
 @runtime_checkable
 class Fold(Protocol):
-    """What reduces the hits of a part; it must be picklable, as a class of a module is."""
+    """What reduces the hits of a part.
+
+    It must be picklable, as an object of a module's class is, and its ``repr`` must say its
+    parameters: a later run knows the job by them.
+    """
 
     def __call__(self, hits: Hits) -> Arrays:
         """Return what the hits of a part come to."""
@@ -79,9 +83,8 @@ class Minimum:
     def __call__(self, hits: Hits) -> Arrays:
         """Return ``value``, ``ray`` and ``rays``, the number of all rays."""
         met = np.flatnonzero(hits.object.reshape(-1) >= 0)
-        values = _of_hits(hits, self.channel).astype(np.float64)
-        if values.ndim != 1:
-            raise ValueError(f"Minimum takes a channel of one number, not {self.channel}")
+        values = _one_number("Minimum", self.channel, _of_hits(hits, self.channel))
+        values = values.astype(np.float64)
         rays = np.array(hits.object.size, np.int64)
         if len(values) == 0:
             return {"value": np.array(np.inf), "ray": np.array(-1, np.int64), "rays": rays}
@@ -122,8 +125,9 @@ class Histogram:
 
     def __call__(self, hits: Hits) -> Arrays:
         """Return ``counts``, ``below`` and ``above``."""
-        bins = np.searchsorted(self.edges, _of_hits(hits, self.channel), side="right")
-        counts = np.bincount(bins.reshape(-1), minlength=len(self.edges) + 1)
+        values = _one_number("Histogram", self.channel, _of_hits(hits, self.channel))
+        bins = np.searchsorted(self.edges, values, side="right")
+        counts = np.bincount(bins, minlength=len(self.edges) + 1)
         return {"counts": counts[1:-1], "below": counts[0], "above": counts[-1]}
 
     def merge(self, first: Arrays, second: Arrays) -> Arrays:
@@ -173,6 +177,13 @@ def _of_hits(hits: Hits, channel: str) -> npt.NDArray[Any]:
     array: npt.NDArray[Any] = hits.channel(cast("Asked", channel))
     met = hits.object.reshape(-1) >= 0
     return array.reshape(met.size, *array.shape[hits.object.ndim :])[met]
+
+
+def _one_number(fold: str, channel: str, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Refuse a channel of several numbers."""
+    if values.ndim != 1:
+        raise ValueError(f"{fold} takes a channel of one number, not {channel}")
+    return values
 
 
 def _in_pairs(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -13,21 +13,22 @@ from firsthit import _firsthit
 from firsthit._arrays import flag, threads_or_all
 from firsthit._errors import FileWriteError
 from firsthit._parts._digest import of_json
-from firsthit._parts._drive import Work, drive, is_here
-from firsthit._parts._engine import Task, results
+from firsthit._parts._drive import Work, checked_on, drive, is_here, make
+from firsthit._parts._engine import Task
 from firsthit._parts._folder import Parts
 from firsthit._parts._job import (
     JOB,
+    begin_job,
     checked_part,
-    known_job,
+    job_in,
     range_of,
     refuse_other,
-    refuse_strange,
     write_job,
 )
 from firsthit._parts._mark import mark_of
-from firsthit._parts._part import Form, discard, remove_leftovers
-from firsthit._parts._scene_store import BUILT, SharedScene, read
+from firsthit._parts._part import Form, remove_leftovers
+from firsthit._parts._scene_store import BUILT, SharedScene, forget, read
+from firsthit._parts._time_left import checked_progress
 from firsthit._scene import Scene
 
 from ._made import Made
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
     from firsthit._parts._drive import Maker
     from firsthit._parts._engine import On
     from firsthit._types import Progress, Selection
+
+    from ._rays import Batch
 
 #: What parts are called in the folder of a job.
 FORM = Form("parts", "part.json", "job")
@@ -72,9 +75,9 @@ class How(NamedTuple):
     ) -> How:
         """Check what a user gave."""
         threads_or_all(threads)
-        if on is not None and not hasattr(on, "submit") and not callable(on):
-            raise TypeError(f"on must be an executor or a function that makes one, got {on!r}")
-        range_of(part, 1)
+        checked_on(on)
+        checked_part(part)
+        checked_progress(progress)
         return cls(on, part, threads, flag("verify", verify), progress)
 
 
@@ -115,7 +118,7 @@ class Job:
     def __init__(
         self, out: str | os.PathLike[str], scene: SharedScene, said: dict[str, Any], count: int
     ) -> None:
-        self.out, self.scene, self.count = Path(out), scene, count
+        self.out, self.scene, self.count = Path(out).absolute(), scene, count
         about = {
             "answer": ANSWER,
             "firsthit": _firsthit.version(),
@@ -125,6 +128,8 @@ class Job:
         self.digest = of_json(about)
         self._said = {**about, "job": self.digest, "parts": count}
         self.parts = Parts(self.out, FORM, self.digest, count)
+        #: What the file of the job says, once the folder is claimed.
+        self._known: dict[str, Any] = {}
 
     def claim(self) -> None:
         """Make the folder that of this job, or find that it is.
@@ -135,14 +140,14 @@ class Job:
             If the folder is another job's, or cannot be written to.
         """
         path = self.out / JOB
-        known = known_job(path)
-        if known is None:
-            refuse_strange(self.out, FORM.folder)
-            write_job(path, self._said)
-            known = known_job(path)
-            assert known is not None  # it was just written
-        refuse_other(path, known, self._said)
+        known = job_in(self.out, FORM.folder) or begin_job(path, self._said)
+        refuse_other(path, known, self._compared())
         remove_leftovers(self.out)
+        self._known = known
+
+    def _compared(self) -> dict[str, Any]:
+        """Return what the folder's job must say to be this one."""
+        return self._said
 
     def do(
         self,
@@ -155,17 +160,20 @@ class Job:
         wanted = range_of(how.part, self.count)
         if not is_here(how.on):
             self.scene.save(self.out / _SCENE)
-        return drive(
-            self.parts,
-            FORM,
-            maker,
-            wanted,
-            on=how.on,
-            verify=how.verify,
-            progress=how.progress,
-            unit=unit,
-            given=given,
-        )
+        try:
+            return drive(
+                self.parts,
+                FORM,
+                maker,
+                wanted,
+                on=how.on,
+                verify=how.verify,
+                progress=how.progress,
+                unit=unit,
+                given=given,
+            )
+        finally:
+            forget(self.scene.run)
 
     def made(self, counts: tuple[int, int], result: Any = None) -> Made:
         """Return what a run came to."""
@@ -185,15 +193,11 @@ class Stream(Job):
         super().__init__(out, scene, said, MOST_IN_A_STREAM)
         self._said["parts"] = None
 
-    def claim(self) -> None:
-        known = known_job(self.out / JOB)
-        if known is not None and known.get("job") == self.digest:
-            # An earlier run may have come to the end.
-            self._said["parts"] = known.get("parts")
-        super().claim()
+    def _compared(self) -> dict[str, Any]:
+        return {name: value for name, value in self._said.items() if name != "parts"}
 
-    def do_all(self, maker: Maker, how: How, batches: Iterator[tuple[Any, str]]) -> tuple[int, int]:
-        """Make the parts that are missing; each comes with what it is made of, and its digest."""
+    def do_all(self, maker: Maker, how: How, batches: Iterator[Batch]) -> tuple[int, int]:
+        """Make the parts that are missing, one of each batch of rays."""
         if not is_here(how.on):
             self.scene.save(self.out / _SCENE)
         self.parts.open()
@@ -202,17 +206,15 @@ class Stream(Job):
 
         def tasks() -> Iterator[Task]:
             nonlocal kept, total
-            for number, (given, digest) in enumerate(batches):
+            for number, batch in enumerate(batches):
                 if number >= MOST_IN_A_STREAM:
                     raise ValueError(f"rays must come in fewer than {MOST_IN_A_STREAM} batches")
                 total = number + 1
                 if number % n != k - 1:
                     continue
-                record = self.parts.record(number, verify=how.verify)
+                digest, record = batch.digest(), self.parts.record(number, verify=how.verify)
                 if record is None:
-                    if self.parts.path(number).exists():
-                        discard(self.parts.path(number))
-                    yield Task(number, given)
+                    yield Task(number, (batch, digest))
                 elif record.get("rays_digest") == digest:
                     kept += 1
                 else:
@@ -220,18 +222,24 @@ class Stream(Job):
                     why = "it has other rays than those that came now; take another folder"
                     raise FileWriteError(f"{path}: {why}", path)
 
-        made = 0
-        for _ in results(Work(maker, self.parts, FORM), tasks(), how.on):
-            made += 1
-            if callable(how.progress):
-                how.progress(kept + made, total)
-        if self._said["parts"] != total:
-            self._said["parts"] = total
-            write_job(self.out / JOB, self._said)
-        self.count = total
+        work = Work(maker, self.parts, FORM)
+        try:
+            made = make(work, tasks(), how.on, how.progress, (None, 0, "parts"))
+        finally:
+            forget(self.scene.run)
+        self._end(total)
         return made, kept
 
+    def _end(self, total: int) -> None:
+        """Say how many parts there are, or find that it was said before."""
+        path, before = self.out / JOB, self._known["parts"]
+        if before is None:
+            write_job(path, {**self._said, "parts": total})
+        elif before != total:
+            why = f"rays came in {total} batches, and in {before} before; take another folder"
+            raise FileWriteError(f"{path}: {why}", os.fspath(path))
+        self.count = total
+
     def made(self, counts: tuple[int, int], result: Any = None) -> Made:
-        known = self.parts.first(self.count)
-        missing, digest = known.state()
+        missing, digest = self.parts.first(self.count).state()
         return Made(self.count, *counts, missing, digest, result)

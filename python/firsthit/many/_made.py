@@ -17,7 +17,7 @@ class Made(NamedTuple):
     kept : int
         How many it found, whole.
     missing : int
-        How many others still have to make.
+        How many parts are still missing.
     digest : str or None
         The sha256 over the digests of all parts in their order; ``None`` while some are missing. It
         is the same for any number of runs, workers, threads and machines.

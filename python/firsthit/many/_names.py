@@ -25,9 +25,31 @@ def file_name(given: Any) -> str:
     return given
 
 
-def function_name(argument: str, given: Any) -> str:
-    """Return what a function is called, for the file of a job."""
+def identity(argument: str, given: Any) -> list[str]:
+    """Return what tells a function or an object that is called from others, for a job's file.
+
+    Raises
+    ------
+    TypeError
+        For what cannot be called.
+    ValueError
+        For what has no name of its own: a lambda, a function within another, an object whose
+        ``repr`` does not say what it is made of. A later run could not know it again.
+    """
     if not callable(given):
         raise TypeError(f"{argument} must be a name or a function, got {given!r}")
-    kind = given if hasattr(given, "__qualname__") else type(given)
-    return f"{kind.__module__}.{kind.__qualname__}"
+    if hasattr(given, "__qualname__"):
+        name = f"{given.__module__}.{given.__qualname__}"
+        if "<" in name:
+            raise ValueError(
+                f"{argument} must be a function of a module, by whose name a later run knows the "
+                f"job again, got {name}"
+            )
+        return [name]
+    kind = type(given)
+    if " at 0x" in repr(given):
+        raise ValueError(
+            f"{argument} must have a __repr__ that says its parameters, by which a later run knows "
+            f"the job again, got {given!r}"
+        )
+    return [f"{kind.__module__}.{kind.__qualname__}", repr(given)]

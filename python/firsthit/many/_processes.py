@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import pickle
 import signal
 import sys
 import threading
-import time
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, nullcontext
 from multiprocessing.context import SpawnContext, SpawnProcess
@@ -23,17 +23,14 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-#: How often a worker looks whether its driver is there, in seconds.
-_LOOKS = 1.0
-
 
 def processes(workers: int) -> Callable[[], Executor]:
     """Return what makes a pool of so many processes, to be given as ``on``.
 
     Each is started anew, and none is forked: it opens the scene's file for itself. Ctrl-C ends the
-    job when the parts that were begun are whole. If the driver is killed, its workers end within a
-    second or two. If a worker is killed, the pool is made anew. A script needs no
-    ``if __name__ == "__main__":``, unless its own functions are part of the work.
+    job when the parts that were begun are whole. If the driver is killed, its workers end too. If a
+    worker is killed, the pool is made anew. A script needs no ``if __name__ == "__main__":``,
+    unless its own functions are part of the work.
 
     Parameters
     ----------
@@ -74,9 +71,7 @@ class _Pool(ProcessPoolExecutor):
 
     def __init__(self, workers: int) -> None:
         self._context, self._is_known = _Context(), False
-        super().__init__(
-            workers, mp_context=self._context, initializer=_begin, initargs=(os.getpid(),)
-        )
+        super().__init__(workers, mp_context=self._context, initializer=_begin)
 
     def submit(self, fn: Callable[..., _T], /, *args: Any, **named: Any) -> Future[_T]:
         # All tasks do the same work.
@@ -133,14 +128,15 @@ class _Context(SpawnContext):
         return made
 
 
-def _begin(driver: int) -> None:
+def _begin() -> None:
     """Begin a worker: Ctrl-C is the driver's to hear, and nobody works for one that is dead."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     keep_warnings()
-    threading.Thread(target=_end_with, args=(driver,), daemon=True).start()
+    threading.Thread(target=_end_with_driver, daemon=True).start()
 
 
-def _end_with(driver: int) -> None:
-    while os.getppid() == driver:
-        time.sleep(_LOOKS)
+def _end_with_driver() -> None:
+    driver = multiprocessing.parent_process()
+    assert driver is not None
+    driver.join()
     os._exit(1)

@@ -41,14 +41,19 @@ class RayFile(NamedTuple):
     def ends(self) -> tuple[int, str]:
         """Return its size in bytes, and the sha256 of its beginning and its end.
 
-        They tell one file from another without reading all of it.
+        They tell one file from another without reading all of it. A change of numbers in the
+        middle alone is not told.
         """
-        with self.path.open("rb") as file:
-            size = file.seek(0, os.SEEK_END)
-            made = hashlib.sha256()
-            for start in (0, max(0, size - _END)):
-                file.seek(start)
-                made.update(file.read(_END))
+        made = hashlib.sha256()
+        try:
+            with self.path.open("rb") as file:
+                size = file.seek(0, os.SEEK_END)
+                for start in (0, max(0, size - _END)):
+                    file.seek(start)
+                    made.update(file.read(_END))
+        except OSError as error:
+            text = os.fspath(self.path)
+            raise FileReadError(f"{text}: {error.strerror or error}", text) from None
         return size, made.hexdigest()
 
     def rays(self, first: int, last: int) -> Table:
@@ -59,10 +64,8 @@ class RayFile(NamedTuple):
         FileReadError, FileFormatError
             If it cannot be read, or is not what it was.
         """
-        stat = self.path.stat()
-        table = _READERS[self.path.suffix.lower()](
-            self.path, first, last, (stat.st_size, stat.st_mtime_ns)
-        )
+        reader = _READERS[self.path.suffix.lower()]
+        table = reader(self.path, first, last, _version(self.path))
         if len(table["origins"]) != last - first:
             raise _wrong(self.path, f"it has no longer {self.rows} rays")
         return table
@@ -101,7 +104,16 @@ def _rows(path: Path) -> int:
         return rows
     if suffix == ".npy":
         return len(_memory(path))
-    return len(_arrays(path, None)["origins"])
+    return len(_arrays(path, _version(path))["origins"])
+
+
+def _version(path: Path) -> tuple[int, int]:
+    """Return what tells whether a file was changed since it was read."""
+    try:
+        there = path.stat()
+    except OSError as error:
+        raise FileReadError(f"{path}: {error.strerror or error}", os.fspath(path)) from None
+    return there.st_size, there.st_mtime_ns
 
 
 def _of_npz(path: Path, first: int, last: int, version: object) -> Table:

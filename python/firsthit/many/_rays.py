@@ -107,8 +107,12 @@ class RaySource(Protocol):
         """Write what workers in other processes read, to a folder."""
         ...
 
-    def batch(self, part: int) -> Batch:
-        """Return the rays of a part."""
+    def given(self, part: int) -> Any:
+        """Return what a worker needs for a part beside this source."""
+        ...
+
+    def batch(self, part: int, given: Any) -> Batch:
+        """Return the rays of a part, in a worker."""
         ...
 
 
@@ -143,7 +147,11 @@ class _OfArrays:
     def share(self, folder: Path) -> None:
         self._arrays.share(folder)
 
-    def batch(self, part: int) -> Batch:
+    def given(self, part: int) -> None:
+        del part
+
+    def batch(self, part: int, given: Any) -> Batch:
+        del given
         rays = Batch(*(self._arrays[name] for name in Batch._fields))
         return rays.take(part * self._size, (part + 1) * self._size)
 
@@ -166,20 +174,29 @@ class _OfSensors:
     def share(self, folder: Path) -> None:
         del folder
 
-    def batch(self, part: int) -> Batch:
+    def given(self, part: int) -> list[tuple[Sensor, int, int]]:
+        """Return the sensors of a part, each with its first pixel and the one behind its last."""
         first, last = part * self._size, min((part + 1) * self._size, self._ends[-1])
         pieces = []
         while first < last:
             k = bisect.bisect_right(self._ends, first)
             before = self._ends[k - 1] if k else 0
             end = min(last, self._ends[k])
-            pixels = np.arange(first - before, end - before)
-            pieces.append(self._sensors[k]._native.rays_of(pixels))
+            pieces.append((self._sensors[k], first - before, end - before))
             first = end
+        return pieces
+
+    def batch(self, part: int, given: Any) -> Batch:
+        del part
+        made = [one._native.rays_of(np.arange(first, end)) for one, first, end in given]
         origins, directions = (
-            np.concatenate(both).reshape(-1, 3) for both in zip(*pieces, strict=True)
+            np.concatenate(both).reshape(-1, 3) for both in zip(*made, strict=True)
         )
         return Batch(origins, directions, np.zeros(()), np.full((), math.inf))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle without the sensors: each part gets its own."""
+        return {**self.__dict__, "_sensors": [], "_ends": []}
 
 
 class _OfFiles:
@@ -202,7 +219,11 @@ class _OfFiles:
     def share(self, folder: Path) -> None:
         del folder
 
-    def batch(self, part: int) -> Batch:
+    def given(self, part: int) -> None:
+        del part
+
+    def batch(self, part: int, given: Any) -> Batch:
+        del given
         k = bisect.bisect_right(self._ends, part)
         file = self._files[k]
         first = (part - (self._ends[k - 1] if k else 0)) * self._size

@@ -18,7 +18,7 @@ from firsthit._scene import Scene
 from firsthit._sensor import Sensor
 
 from ._jobs import How, Job, listed, shared
-from ._names import file_name, function_name
+from ._names import file_name, identity
 
 if TYPE_CHECKING:
     import os
@@ -235,5 +235,5 @@ def _as_json(background: Any, shade: Any, ambient: Any) -> dict[str, Any]:
     """Return colours and functions as the file of a job has them."""
     named = None if background is None else background_native(background)
     light = None if ambient is None else list(color_of("ambient", ambient))
-    called = shade if shade is None or isinstance(shade, str) else function_name("shade", shade)
+    called = shade if shade is None or isinstance(shade, str) else identity("shade", shade)
     return {"background": named, "ambient": light, "shade": called}

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firsthit._errors import FileWriteError
 from firsthit._parts._digest import of_arrays
+from firsthit._parts._whole_file import writing_file
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,19 +37,9 @@ class SharedArrays:
         self._folder = folder.absolute()
         for name, array in self._arrays.items():
             path = self._path(name)
-            beside = path.with_name(f".{path.name}.{os.urandom(16).hex()}")
-            try:
-                if path.exists():
-                    continue
-                try:
-                    with beside.open("wb") as file:
-                        np.save(file, array, allow_pickle=False)
-                    beside.replace(path)
-                finally:
-                    beside.unlink(missing_ok=True)
-            except OSError as error:
-                text = os.fspath(path)
-                raise FileWriteError(f"{text}: {error.strerror or error}", text) from error
+            if not _holds(path, array):
+                with writing_file(path) as file:
+                    np.save(file, array, allow_pickle=False)
 
     def _path(self, name: str) -> Path:
         assert self._folder is not None  # shared before it is pickled
@@ -69,3 +58,13 @@ class SharedArrays:
             name: np.load(path, mmap_mode="r", allow_pickle=False)
             for name, path in state["_arrays"].items()
         }
+
+
+def _holds(path: Path, array: npt.NDArray[Any]) -> bool:
+    """Tell whether a file has an array, to the last bit."""
+    try:
+        found = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError):
+        return False
+    is_alike = found.dtype == array.dtype and found.shape == array.shape
+    return is_alike and of_arrays({"": found}) == of_arrays({"": array})

@@ -21,7 +21,7 @@ from firsthit.annotations._files import write
 from ._fold import Fold, checked
 from ._hit_files import EXTENSIONS, check_package, write_hits
 from ._jobs import How, Job, Stream, listed, shared
-from ._names import function_name
+from ._names import identity
 from ._rays import Batch, source_of
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def shoot_many(
         "kind": "shoot",
         "channels": wanted,
         "save": None if fold is not None else save,
-        "fold": None if fold is None else [function_name("fold", fold), repr(fold)],
+        "fold": None if fold is None else identity("fold", fold),
         "cull": cull,
         "objects": listed(objects),
     }
@@ -161,7 +161,7 @@ def shoot_many(
     if isinstance(rays, Iterator):
         stream = Stream(out, share, {**common, "rays": {"kind": "stream"}})
         stream.claim()
-        batches = ((one, one.digest()) for one in map(Batch.of, rays))
+        batches = map(Batch.of, rays)
         job, counts = stream, stream.do_all(maker.of(stream.digest, None), how, batches)
     else:
         source = source_of(rays, size)
@@ -170,7 +170,7 @@ def shoot_many(
         job.claim()
         if not is_here(on):
             source.share(job.out)
-        counts = job.do(maker.of(job.digest, source), how, "parts")
+        counts = job.do(maker.of(job.digest, source), how, "parts", source.given)
     made = job.made(counts)
     if fold is None or made.digest is None:
         return made
@@ -193,8 +193,15 @@ class _Shots(NamedTuple):
         """Return the same for a job; without a source, tasks come with their rays."""
         return self._replace(job=job, source=source)
 
+    def _batch(self, task: Task) -> tuple[Batch, str | None]:
+        """Return the rays of a part, and their digest unless the job says which rays they are."""
+        if self.source is None:
+            batch, digest = task.given
+            return batch, digest
+        return self.source.batch(task.number, task.given), None
+
     def make(self, folder: Path, task: Task) -> dict[str, Any]:
-        batch: Batch = task.given if self.source is None else self.source.batch(task.number)
+        batch, digest = self._batch(task)
         hits = self.scene.get().shoot(
             batch.origins,
             batch.directions,
@@ -210,13 +217,11 @@ class _Shots(NamedTuple):
             arrays = {name: hits.channel(name) for name in self.channels}
             table = hits.to_dict(self.channels) if self.save == ".parquet" else {}
             write_hits(folder / f"hits{self.save}", arrays, table)
-        # Of other sources the job says which rays they are.
-        digest = {"rays_digest": batch.digest()} if self.source is None else {}
         return {
             "job": self.job,
             "part": task.number,
             "rays": len(batch.origins),
-            **digest,
+            **({} if digest is None else {"rays_digest": digest}),
             "digest": of_arrays(arrays),
         }
 
@@ -234,7 +239,7 @@ def _arrays_in(path: Path) -> Arrays:
 def _folded(job: Job, fold: Fold) -> Arrays | None:
     """Return what a fold came to over all parts, and write it."""
     total: Arrays | None = None
-    for number in range(job.parts.count):
+    for number in range(job.count):
         one = _arrays_in(job.parts.path(number) / RESULT)
         total = one if total is None else checked(fold.merge(total, one))
     if total is not None:

@@ -193,12 +193,14 @@ def bits(folder: str | os.PathLike[str], *, rows: slice = slice(None)) -> npt.ND
         count, columns = said["shape"][0], said["attributes"]["columns"]
         deep, wide = said["chunk_grid"]["configuration"]["chunk_shape"]
         across = math.ceil(columns / (8 * wide))
+        if min(deep, wide, count, columns) < 1:
+            raise ValueError(f"it has {count} x {columns} bits in blocks of {deep} x {wide} bytes")
     except OSError as error:
         text = os.fspath(into)
         raise FileReadError(
             f"{text}: {error.strerror or error}; are all blocks there?", text
         ) from None
-    except (ValueError, KeyError, TypeError, IndexError) as error:
+    except (ValueError, KeyError, TypeError, IndexError, ArithmeticError) as error:
         raise FileFormatError(f"{into}: no matrix of firsthit: {error}", os.fspath(into)) from None
     first, last, step = rows.indices(count)
     if step != 1:
@@ -209,7 +211,11 @@ def bits(folder: str | os.PathLike[str], *, rows: slice = slice(None)) -> npt.ND
         begin, end = max(first, top), min(last, top + deep)
         for right in range(across):
             path = into / "c" / str(down) / str(right)
-            chunk = np.fromfile(path, np.uint8)
+            try:
+                chunk = np.fromfile(path, np.uint8)
+            except OSError as error:
+                text = os.fspath(path)
+                raise FileReadError(f"{text}: {error.strerror or error}", text) from None
             if chunk.size != deep * wide:
                 raise FileFormatError(f"{path}: it has {chunk.size} bytes", os.fspath(path))
             seen = np.unpackbits(chunk.reshape(deep, wide), axis=1, bitorder="little")
