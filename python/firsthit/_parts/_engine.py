@@ -235,7 +235,10 @@ class _Pool:
         lost = task.losses + 1
         if lost >= _TRIES:
             what = f"part {task.number} was lost {lost} times with its worker"
-            why = "it was killed, crashed, or could not import the work"
+            why = (
+                "it was killed, crashed, or could not import the work (a script whose own "
+                'functions are part of it needs `if __name__ == "__main__":`)'
+            )
             said = f"{type(failure).__name__}: {failure}"
             raise RuntimeError(f"{what}: {why}; the last loss: {said}") from failure
         self._again.appendleft(task._replace(losses=lost))
@@ -253,11 +256,21 @@ class _Pool:
             raise RuntimeError("the pool is broken, and `on` gives the same one again")
 
     def close(self) -> None:
-        """Have nothing begin any more. Of a pool that was made here, wait for what has begun."""
-        for future in self._waiting:
-            future.cancel()
-        if self._make is not None:
-            self._executor.shutdown(wait=True, cancel_futures=True)
+        """Have nothing begin any more. Of a pool that was made here, wait for what has begun.
+
+        A second Ctrl-C does not wait: it kills the workers, whose parts are not there then.
+        """
+        workers = getattr(self._executor, "_processes", None) if self._make is not None else None
+        processes = list((workers or {}).values())
+        try:
+            for future in self._waiting:
+                future.cancel()
+            if self._make is not None:
+                self._executor.shutdown(wait=True, cancel_futures=True)
+        except BaseException:
+            for process in processes:
+                process.kill()
+            raise
 
 
 def _failure(future: Future[_Outcome]) -> BaseException | None:

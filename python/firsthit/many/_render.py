@@ -8,14 +8,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
-from firsthit._arrays import color_of, count
-from firsthit._files import distinct, files
+from firsthit._arrays import color_of, count, number
+from firsthit._files import distinct, files, in_path
 from firsthit._lights import background_native
 from firsthit._parts._digest import Digests, of_arrays, of_json
 from firsthit._parts._part import name_of
 from firsthit._render import render
 from firsthit._scene import Scene
 from firsthit._sensor import Sensor
+from firsthit.datasets._output import DISTANCES
 
 from ._jobs import How, Job, listed, shared
 from ._names import file_name, identity
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from firsthit._frame import Frame
     from firsthit._lights import Sky
     from firsthit._parts._engine import On, Task
     from firsthit._parts._scene_store import SharedScene
@@ -45,6 +47,7 @@ def render_many(
     *,
     channels: Asked | Sequence[Asked] = ("color",),
     save: str | Sequence[str] = ".npz",
+    png_scale: float | None = None,
     part_size: int = 1,
     background: Sky | npt.ArrayLike | None = None,
     samples: int | None = None,
@@ -80,6 +83,9 @@ def render_many(
     save : str or sequence of str
         The extensions of the files of each picture: ``.npz`` and ``.exr`` hold all channels,
         ``.png`` and ``.npy`` have a file for each, ``.ply`` and ``.pcd`` are point clouds.
+    png_scale : float, optional
+        The length of a step of PNGs of ``t``, ``range`` and ``z``, in scene units: they have 16
+        bits, and 65535 steps must reach the farthest hit. If left out, they are false colours.
     part_size : int
         How many cameras are a part. A part should take a second or more.
     background, samples, cull, objects, shade, ambient, shadows
@@ -142,6 +148,9 @@ def render_many(
     wanted = distinct(channels, known)
     extensions = _extensions(save, wanted)
     size = count("part_size", part_size, 1)
+    scale = None if png_scale is None else number("png_scale", png_scale)
+    if scale is not None and not 0.0 < scale < math.inf:
+        raise ValueError(f"png_scale must be positive and finite, got {scale}")
     look = {
         "background": background,
         "samples": samples,
@@ -157,16 +166,17 @@ def render_many(
         "names": None if names is None else of_json(names),
         "channels": wanted,
         "save": extensions,
+        "png_scale": scale,
         "part_size": size,
         "look": {**look, **_as_json(background, shade, ambient), "objects": listed(objects)},
     }
     job = Job(out, shared(scene), said, math.ceil(len(views) / size))
     job.claim()
-    maker = _Pictures(job.scene, job.digest, len(views), wanted, extensions, look, how.threads)
+    maker = _Pictures(job.scene, job.digest, wanted, extensions, scale, look, how.threads)
 
-    def given(number: int) -> list[tuple[str, Sensor]]:
+    def given(part_number: int) -> list[tuple[str, Sensor]]:
         """Return the names and the cameras of a part."""
-        first = number * size
+        first = part_number * size
         return [
             (name_of(k, len(views)) if names is None else names[k], views[k])
             for k in range(first, min(first + size, len(views)))
@@ -180,9 +190,9 @@ class _Pictures(NamedTuple):
 
     scene: SharedScene
     job: str
-    cameras: int
     channels: list[Any]
     extensions: list[str]
+    png_scale: float | None
     look: dict[str, Any]
     threads: int | None
 
@@ -192,8 +202,7 @@ class _Pictures(NamedTuple):
         for name, camera in task.given:
             frame = render(scene, camera, channels=self.channels, threads=self.threads, **self.look)
             for extension in self.extensions:
-                of_one = extension in _OF_ONE and len(self.channels) > 1
-                frame.save(folder / f"{name}{'.{channel}' if of_one else ''}{extension}")
+                self._save(frame, folder / name, extension)
             arrays |= {f"{name}/{channel}": array for channel, array in frame.items()}
         return {
             "job": self.job,
@@ -201,6 +210,18 @@ class _Pictures(NamedTuple):
             "pictures": [name for name, _ in task.given],
             "digest": of_arrays(arrays),
         }
+
+    def _save(self, frame: Frame, path: Path, extension: str) -> None:
+        """Write a picture to a file, or to one for each channel."""
+        several = len(self.channels) > 1
+        if extension not in _OF_ONE:
+            frame.save(path.with_name(f"{path.name}{extension}"))
+            return
+        for channel in self.channels:
+            end = f".{in_path(channel)}{extension}" if several else extension
+            has_scale = extension == ".png" and channel in DISTANCES
+            scale = self.png_scale if has_scale else None
+            frame._write(path.with_name(f"{path.name}{end}"), [channel], scale)
 
 
 #: The extensions of files that hold one channel.
