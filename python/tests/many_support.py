@@ -87,6 +87,16 @@ class Wrong:
         return first
 
 
+class Reading(Wrong):
+    """A fold that reads a file of its own."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __call__(self, hits):
+        return {"bytes": np.array(len(Path(self.path).read_bytes()))}
+
+
 def red(hits):
     """A shader of one's own."""
     return np.broadcast_to(np.float32([1, 0, 0]), (*hits.shape, 3))

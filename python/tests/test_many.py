@@ -4,6 +4,7 @@ import errno
 import functools
 import io
 import itertools
+import json
 import multiprocessing
 import os
 import pickle
@@ -21,6 +22,7 @@ import firsthit as fh
 import many_support
 import numpy as np
 import pytest
+from firsthit._parts._digest import canonical, of_json
 from firsthit._parts._engine import Task, results
 from many_support import Slow, Suicide, Wrong, cameras, rays, red, scene
 
@@ -651,6 +653,88 @@ def test_depths_are_in_png_by_steps(tmp_path):
         fh.render_many(scene(), {"a": view}, tmp_path, **{**how, "png_scale": 0.002})
 
 
+@pytest.mark.parametrize("background", ["red", (1, 0, 0), np.zeros(3), "transparent"])
+def test_colours_and_numpy_s_numbers_are_part_of_a_job(background, tmp_path):
+    how = {"background": background, "samples": np.int64(2), "shadows": False}
+    for kept in (0, 1):
+        made = fh.render_many(scene(), cameras(1), tmp_path, **how)
+        assert (made.made, made.kept) == (1 - kept, kept)
+
+
+def test_a_scene_that_changes_during_a_run_does_not_change_the_job(tmp_path):
+    changing = scene()
+
+    def change(done, total):
+        changing.add(fh.Sphere((0, 3, 0), 5))
+
+    how = {"part_size": 2_000, "channels": "t"}
+    made = fh.shoot_many(changing, rays(), tmp_path / "a", progress=change, **how)
+    assert made.digest == fh.shoot_many(scene(), rays(), tmp_path / "b", **how).digest
+
+
+def test_selections_are_read_once(tmp_path):
+    fh.shoot_many(scene(), rays(), tmp_path, objects=iter(["ball"]), part_size=5_000)
+    np.testing.assert_array_equal(all_hits(tmp_path), scene().shoot(*rays(), objects="ball").t)
+
+
+@pytest.mark.parametrize("sizes", [3, 8, 1_001])
+def test_bits_of_parts_of_any_size(sizes, tmp_path):
+    some = rays(3_000)
+    made = fh.shoot_many(scene(), some, tmp_path, fold=fh.many.Bits(), part_size=sizes * 10 + 3)
+    bits = np.unpackbits(made.result["bits"], count=3_000, bitorder="little")
+    np.testing.assert_array_equal(bits.astype(bool), scene().shoot(*some).object >= 0)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda out: fh.shoot_many(scene(), rays(), out, objects="nope"),
+        lambda out: fh.shoot_many(scene(), rays(), out, cull="x"),
+        lambda out: fh.shoot_many(scene(), rays(), out, fold=fh.many.Sum("nope")),
+        lambda out: fh.shoot_many(scene(), rays(), out, fold=fh.many.Histogram("normal", [0, 1])),
+        lambda out: fh.render_many(scene(), cameras(1), out, shade="x"),
+        lambda out: fh.render_many(scene(), cameras(1), out, samples=0),
+        lambda out: fh.visible_many(scene(), *rays(9), out, objects=[99]),
+    ],
+)
+def test_what_the_scene_refuses_makes_no_folder(wrong, tmp_path):
+    with pytest.raises((ValueError, IndexError)):
+        wrong(tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@POSIX
+def test_nothing_is_followed_out_of_a_job_s_folder(tmp_path):
+    out, outside = tmp_path / "out", tmp_path / "outside"
+    how = {"fold": fh.many.Bits(), "part_size": 5_000}
+    fh.shoot_many(scene(), rays(), out, **how)
+    (outside / "000000").mkdir(parents=True)
+    (outside / "000000" / "precious").write_text("")
+    shutil.rmtree(out / "parts")
+    (out / "parts").symlink_to(outside)
+    with pytest.raises(fh.FileWriteError, match="a link, not the folder of a job"):
+        fh.shoot_many(scene(), rays(), out, **how)
+    assert (outside / "000000" / "precious").exists()
+    (out / "parts").unlink()
+    fh.shoot_many(scene(), rays(), out, **how)
+    result = out / "parts" / "000001" / "fold.npz"
+    for change in (lambda: os.mkfifo(result), lambda: result.symlink_to("../000000/fold.npz")):
+        result.unlink()
+        change()
+        record = json.loads((result.parent / "part.json").read_text())
+        del record["check"]
+        record["files"] = {}
+        checked = canonical({**record, "check": of_json(record)})
+        (result.parent / "part.json").write_bytes(checked)
+        with pytest.raises(fh.FileFormatError, match=r"its record has no fold\.npz"):
+            fh.shoot_many(scene(), rays(), out, **how)
+
+
+def test_an_error_of_one_s_own_file_is_told_as_it_is(tmp_path):
+    with pytest.raises(FileNotFoundError, match="/no/table"):
+        fh.shoot_many(scene(), rays(), tmp_path, fold=many_support.Reading("/no/table"))
+
+
 def test_progress_counts_parts_that_were_kept(tmp_path):
     told = []
     how = {"part_size": 2_500, "progress": lambda done, total: told.append((done, total))}
@@ -708,7 +792,8 @@ def test_cameras_are_drawn_as_they_are_needed(tmp_path):
     Sequence.register(Turning)
     made = fh.render_many(scene(), Turning(), tmp_path, channels="z", part=(4, 8))
     assert made.made == 5
-    assert asked == [*range(40), *range(15, 20)]
+    # Each once for the digest, the first for a try, and then those of the part.
+    assert asked == [*range(40), 0, *range(15, 20)]
 
 
 @pytest.mark.parametrize(

@@ -134,7 +134,7 @@ class _Pool:
         self._work = work
         self._make: Callable[[], Executor] | None = None
         self._executor: Executor
-        if hasattr(on, "submit"):
+        if hasattr(on, "submit") and not isinstance(on, type):
             self._executor = cast("Executor", on)
         else:
             self._make = on

@@ -48,6 +48,9 @@ class Parts:
 
     def open(self) -> None:
         """Make the folder, and remove what was left in it long ago."""
+        if self._folder.is_symlink():
+            name = os.fspath(self._folder)
+            raise FileWriteError(f"{name}: a link, not the folder of a job", name)
         try:
             self._folder.mkdir(exist_ok=True)
         except OSError as error:

@@ -7,7 +7,7 @@ import re
 import stat
 from typing import TYPE_CHECKING, BinaryIO
 
-from ._records import FLAGS
+from ._records import open_regular
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,11 +31,7 @@ def size_of(folder: Path, name: str) -> int:
 
 def open_inside(folder: Path, name: str) -> BinaryIO:
     """Open a regular file below a folder; the errors are those of `size_of`."""
-    file = open(os.open(_path(folder, name), FLAGS), "rb")  # noqa: PTH123, SIM115
-    if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-        file.close()
-        raise ValueError(f"{name}: not a regular file")
-    return file
+    return open_regular(_path(folder, name))
 
 
 def _path(folder: Path, name: str) -> Path:

@@ -90,7 +90,16 @@ def writing(path: Path) -> Iterator[Path]:
     except FileError:
         raise
     except OSError as error:
+        if _is_of_others(error, beside):
+            raise
         raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+
+
+def _is_of_others(error: OSError, beside: Path) -> bool:
+    """Tell whether an error names a file that is none of a part: the user's own code may fail."""
+    if not isinstance(error.filename, str | os.PathLike):
+        return False
+    return not Path(os.fspath(error.filename)).is_relative_to(beside.parent)
 
 
 def seal(folder: Path, record: dict[str, Any], name: str) -> None:

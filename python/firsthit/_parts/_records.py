@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import stat
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,6 +22,26 @@ FLAGS = (
 )
 
 
+def open_regular(path: Path) -> BinaryIO:
+    """Open a regular file; no link is followed, and no pipe is waited for.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened.
+    ValueError
+        For what is no regular file.
+    """
+    opened = os.open(path, FLAGS)
+    try:
+        if not stat.S_ISREG(os.fstat(opened).st_mode):
+            raise ValueError("a device, a pipe or a folder, not a regular file")
+        return os.fdopen(opened, "rb")
+    except BaseException:
+        os.close(opened)
+        raise
+
+
 def read(path: Path) -> Any:
     """Return the JSON of a record.
 
@@ -32,9 +52,7 @@ def read(path: Path) -> Any:
     ValueError
         For what is no regular file, too large, or no JSON.
     """
-    with open(os.open(path, FLAGS), "rb") as file:  # noqa: PTH123
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-            raise ValueError("a device, a pipe or a folder, not a regular file")
+    with open_regular(path) as file:
         content = file.read(_MOST_BYTES + 1)
     if len(content) > _MOST_BYTES:
         raise ValueError(f"larger than {_MOST_BYTES >> 20} MiB")

@@ -7,6 +7,7 @@ the parts, so the result is the same for any number of workers.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
     from firsthit._hits import Hits
     from firsthit._types import Asked
+
+#: What an array may be called.
+_NAME = re.compile(r"[A-Za-z0-9_]{1,100}")
 
 Arrays = dict[str, "npt.NDArray[Any]"]
 
@@ -141,8 +145,7 @@ class Histogram:
 class Bits:
     """Whether each ray hits, in bits: the first ray is the lowest bit of the first byte.
 
-    `numpy.unpackbits` with ``count=rays`` and ``bitorder="little"`` gives them back. The size of
-    parts must be a multiple of eight.
+    `numpy.unpackbits` with ``count=rays`` and ``bitorder="little"`` gives them back.
     """
 
     def __call__(self, hits: Hits) -> Arrays:
@@ -152,13 +155,20 @@ class Bits:
 
     def merge(self, first: Arrays, second: Arrays) -> Arrays:
         """Put one behind the other."""
+        parts = first, second
         if first["rays"] % 8:
-            raise ValueError("part_size must be a multiple of 8 for Bits")
-        bits = np.concatenate([first["bits"], second["bits"]])
+            # The second one's bits do not begin with a byte.
+            bits = np.packbits(np.concatenate([_unpacked(one) for one in parts]), bitorder="little")
+        else:
+            bits = np.concatenate([one["bits"] for one in parts])
         return {"bits": bits, "rays": np.asarray(first["rays"] + second["rays"])}
 
     def __repr__(self) -> str:
         return "Bits()"
+
+
+def _unpacked(one: Arrays) -> npt.NDArray[np.uint8]:
+    return np.unpackbits(one["bits"], count=int(one["rays"]), bitorder="little")
 
 
 def checked(result: Any) -> Arrays:
@@ -167,6 +177,8 @@ def checked(result: Any) -> Arrays:
         raise TypeError(f"a fold must return a dict of arrays, got {result!r}")
     made = {text("the name of an array", name): np.asarray(one) for name, one in result.items()}
     for name, array in made.items():
+        if not _NAME.fullmatch(name) or name in ("file", "allow_pickle"):
+            raise ValueError(f"the name of an array must be letters, digits, '_', got {name!r}")
         if array.dtype.kind not in "biufcSU":
             raise TypeError(f"a fold must return arrays of numbers or text, {name!r} is {array!r}")
     return made

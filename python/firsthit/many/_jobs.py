@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -34,7 +36,7 @@ from firsthit._scene import Scene
 from ._made import Made
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from firsthit._parts._drive import Maker
     from firsthit._parts._engine import On
@@ -85,10 +87,28 @@ def shared(scene: Scene | str | os.PathLike[str]) -> SharedScene:
     """Return a scene for workers, of a scene or its file."""
     run = uuid.uuid4().hex
     if isinstance(scene, Scene):
-        return SharedScene(run, None, mark_of(scene), scene)
+        # What is changed during the run is not in the job.
+        kept = copy.copy(scene)
+        return SharedScene(run, None, mark_of(kept), kept)
     path = Path(scene).absolute()
     opened = read(path)
     return SharedScene(run, path, mark_of(opened), opened)
+
+
+def settled(objects: Selection | None) -> Selection | None:
+    """Return a selection that can be read more than once."""
+    return list(objects) if isinstance(objects, Iterator) else objects
+
+
+def _as_read(said: Any) -> Any:
+    """Return what a job says as its file gives it back: lists, and Python's own numbers."""
+    if isinstance(said, dict):
+        return {name: _as_read(value) for name, value in said.items()}
+    if isinstance(said, tuple | list):
+        return [_as_read(value) for value in said]
+    if isinstance(said, np.generic | np.ndarray):
+        return said.tolist()
+    return said
 
 
 def listed(objects: Selection | None) -> Any:
@@ -118,11 +138,13 @@ class Job:
     def __init__(
         self, out: str | os.PathLike[str], scene: SharedScene, said: dict[str, Any], count: int
     ) -> None:
+        if not os.fspath(out):
+            raise ValueError("out must be the name of a folder, got an empty one")
         self.out, self.scene, self.count = Path(out).absolute(), scene, count
         about = {
             "answer": ANSWER,
             "firsthit": _firsthit.version(),
-            **said,
+            **_as_read(said),
             "scene": scene.mark._asdict(),
         }
         self.digest = of_json(about)

@@ -85,7 +85,8 @@ def ray_files(given: Any) -> list[RayFile]:
     paths: list[Path] = []
     for one in listed:
         text = os.fspath(one)
-        found = sorted(glob.glob(text)) if glob.has_magic(text) else [text]  # noqa: PTH207
+        is_pattern = glob.has_magic(text) and not Path(text).exists()
+        found = sorted(glob.glob(text)) if is_pattern else [text]  # noqa: PTH207
         if not found:
             raise FileReadError(f"{text}: no such files", text)
         paths += (Path(name).absolute() for name in found)
@@ -140,7 +141,9 @@ def _arrays(path: Path, _: object) -> Table:
             raise _wrong(path, f"{name} must be numbers of the shape (n, 3)")
     rows = len(there["origins"])
     for name, array in there.items():
-        if len(np.atleast_1d(array)) != rows and array.size != 1:
+        if name in _LIMITS and array.size != 1 and array.shape != (rows,):
+            raise _wrong(path, f"{name} must be one number or ({rows},), got {array.shape}")
+        if name in _NAMES and len(array) != rows:
             raise _wrong(path, f"{name} must have {rows} rows, got {array.shape}")
     return there
 

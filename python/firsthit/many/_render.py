@@ -18,7 +18,7 @@ from firsthit._scene import Scene
 from firsthit._sensor import Sensor
 from firsthit.datasets._output import DISTANCES
 
-from ._jobs import How, Job, listed, shared
+from ._jobs import How, Job, listed, settled, shared
 from ._names import file_name, identity
 
 if TYPE_CHECKING:
@@ -145,13 +145,14 @@ def render_many(
     names = [file_name(name) for name in cameras] if isinstance(cameras, Mapping) else None
     views = list(cameras.values()) if isinstance(cameras, Mapping) else cameras
     known: list[str] = [name for name, _ in _firsthit.channel_names()]
-    wanted = distinct(channels, known)
+    wanted: list[Any] = list(distinct(channels, known))
     extensions = _extensions(save, wanted)
     size = count("part_size", part_size, 1)
     scale = None if png_scale is None else number("png_scale", png_scale)
     if scale is not None and not 0.0 < scale < math.inf:
         raise ValueError(f"png_scale must be positive and finite, got {scale}")
-    look = {
+    objects = settled(objects)
+    look: dict[str, Any] = {
         "background": background,
         "samples": samples,
         "cull": cull,
@@ -170,7 +171,12 @@ def render_many(
         "part_size": size,
         "look": {**look, **_as_json(background, shade, ambient), "objects": listed(objects)},
     }
-    job = Job(out, shared(scene), said, math.ceil(len(views) / size))
+    share = shared(scene)
+    if len(views):
+        # What no picture can be is refused before a folder is made.
+        corner = slice(0, 1), slice(0, 1)
+        render(share.get(), views[0], channels=wanted, region=corner, threads=1, **look)
+    job = Job(out, share, said, math.ceil(len(views) / size))
     job.claim()
     maker = _Pictures(job.scene, job.digest, wanted, extensions, scale, look, how.threads)
 

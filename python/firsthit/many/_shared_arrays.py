@@ -62,6 +62,8 @@ class SharedArrays:
 
 def _holds(path: Path, array: npt.NDArray[Any]) -> bool:
     """Tell whether a file has an array, to the last bit."""
+    if path.is_symlink() or not path.is_file():
+        return False
     try:
         found = np.load(path, mmap_mode="r", allow_pickle=False)
     except (OSError, ValueError, EOFError):

@@ -16,11 +16,12 @@ from firsthit._files import distinct
 from firsthit._hits import _OF_RAYS
 from firsthit._parts._digest import of_arrays
 from firsthit._parts._drive import is_here
+from firsthit._parts._inside import open_inside
 from firsthit.annotations._files import write
 
-from ._fold import Fold, checked
+from ._fold import Bits, Fold, Histogram, Minimum, Sum, checked
 from ._hit_files import EXTENSIONS, check_package, write_hits
-from ._jobs import How, Job, Stream, listed, shared
+from ._jobs import How, Job, Stream, listed, settled, shared
 from ._names import identity
 from ._rays import Batch, source_of
 
@@ -147,6 +148,8 @@ def shoot_many(
     if fold is None:
         check_package(save)
     wanted = [] if fold is not None else distinct(channels, _OF_RAYS)
+    share, objects = shared(scene), settled(objects)
+    _try(share, wanted, fold, {"cull": cull, "objects": objects})
     common = {
         "kind": "shoot",
         "channels": wanted,
@@ -155,7 +158,6 @@ def shoot_many(
         "cull": cull,
         "objects": listed(objects),
     }
-    share = shared(scene)
     maker = _Shots(share, wanted, save, fold, {"cull": cull, "objects": objects}, how.threads)
     job: Job
     if isinstance(rays, Iterator):
@@ -175,6 +177,20 @@ def shoot_many(
     if fold is None or made.digest is None:
         return made
     return made._replace(result=_folded(job, fold))
+
+
+def _try(
+    scene: SharedScene, channels: list[Any], fold: Fold | None, filters: dict[str, Any]
+) -> None:
+    """Refuse what no hits have, before a folder is made: no ray is shot.
+
+    A fold of one's own need not expect to get no hits.
+    """
+    hits = scene.get().shoot(np.empty((0, 3)), np.empty((0, 3)), **filters)
+    for name in channels:
+        hits.channel(name)
+    if isinstance(fold, Sum | Minimum | Histogram | Bits):
+        fold(hits)
 
 
 class _Shots(NamedTuple):
@@ -226,9 +242,15 @@ class _Shots(NamedTuple):
         }
 
 
-def _arrays_in(path: Path) -> Arrays:
+def _arrays_in(folder: Path, record: dict[str, Any]) -> Arrays:
+    path = folder / RESULT
     try:
-        with np.load(path, allow_pickle=False) as file:
+        if RESULT not in record["files"]:
+            raise ValueError(f"its record has no {RESULT}")
+        with (
+            open_inside(folder, RESULT) as content,
+            np.load(content, allow_pickle=False) as file,
+        ):
             return {name: file[name] for name in file.files}
     except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
         text = os.fspath(path)
@@ -240,7 +262,7 @@ def _folded(job: Job, fold: Fold) -> Arrays | None:
     """Return what a fold came to over all parts, and write it."""
     total: Arrays | None = None
     for number in range(job.count):
-        one = _arrays_in(job.parts.path(number) / RESULT)
+        one = _arrays_in(job.parts.path(number), job.parts.whole_record(number))
         total = one if total is None else checked(fold.merge(total, one))
     if total is not None:
         out = io.BytesIO()

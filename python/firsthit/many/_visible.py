@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from firsthit._arrays import count, vectors
-from firsthit._errors import FileFormatError, FileReadError
+from firsthit._errors import FileFormatError, FileReadError, FileWriteError
 from firsthit._parts._digest import of_arrays
 from firsthit._parts._drive import is_here
+from firsthit._parts._inside import open_inside
 from firsthit._parts._link import link
 from firsthit._parts._records import read
 from firsthit.annotations._files import write
 
-from ._jobs import How, Job, listed, shared
+from ._jobs import How, Job, listed, settled, shared
 from ._shared_arrays import SharedArrays
 
 if TYPE_CHECKING:
@@ -113,6 +114,7 @@ def visible_many(
     rows, columns = count("block", block[0], 1), count("block", block[1], 8)
     if columns % 8:
         raise ValueError(f"block must have a multiple of 8 columns, got {columns}")
+    share, objects = shared(scene), settled(objects)
     points = SharedArrays(
         {name: np.ascontiguousarray(array, np.float64) for name, array in ends.items()}
     )
@@ -125,7 +127,8 @@ def visible_many(
         "points": points.digest(),
         "objects": listed(objects),
     }
-    job = Job(out, shared(scene), said, math.ceil(shape[0] / rows) * across)
+    share.get().visible(ends["a"][:0], ends["b"][:0], objects=objects)
+    job = Job(out, share, said, math.ceil(shape[0] / rows) * across)
     job.claim()
     if not is_here(on):
         points.share(job.out)
@@ -212,10 +215,13 @@ def bits(folder: str | os.PathLike[str], *, rows: slice = slice(None)) -> npt.ND
         for right in range(across):
             path = into / "c" / str(down) / str(right)
             try:
-                chunk = np.fromfile(path, np.uint8)
+                with open_inside(into, f"c/{down}/{right}") as file:
+                    chunk = np.frombuffer(file.read(deep * wide + 1), np.uint8)
             except OSError as error:
                 text = os.fspath(path)
                 raise FileReadError(f"{text}: {error.strerror or error}", text) from None
+            except ValueError as error:
+                raise FileFormatError(f"{into}: {error}", os.fspath(into)) from None
             if chunk.size != deep * wide:
                 raise FileFormatError(f"{path}: it has {chunk.size} bytes", os.fspath(path))
             seen = np.unpackbits(chunk.reshape(deep, wide), axis=1, bitorder="little")
@@ -230,7 +236,12 @@ def bits(folder: str | os.PathLike[str], *, rows: slice = slice(None)) -> npt.ND
 def _join(job: Job, shape: tuple[int, int], block: tuple[int, int], across: int) -> None:
     """Give the blocks their names in the matrix, and write what it is."""
     into = job.out / MATRIX
+    if into.is_symlink():
+        raise FileWriteError(f"{into}: a link, not a folder of the job", os.fspath(into))
     for number in range(job.count):
+        if BLOCK not in job.parts.whole_record(number)["files"]:
+            path = os.fspath(job.parts.path(number))
+            raise FileFormatError(f"{path}: its record has no {BLOCK}", path)
         down, right = divmod(number, across)
         link(job.parts.path(number) / BLOCK, into / "c" / str(down) / str(right))
     said = {
