@@ -526,7 +526,12 @@ def test_a_driver_that_is_killed_at_any_time_goes_on(workers, tmp_path):
     stamps = {}
     for _ in range(4):
         running = subprocess.Popen(program, start_new_session=True)
-        time.sleep(chance.uniform(0.6, 2.0))
+        end, before = time.monotonic() + 60, len(stamps)
+        while len(list(out.glob("parts/[0-9]*/part.json"))) <= before:
+            assert running.poll() is None
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        time.sleep(chance.uniform(0.0, 0.4))
         running.kill()
         running.wait()
         for part in out.glob("parts/[0-9]*/part.json"):
