@@ -11,23 +11,10 @@ import time
 
 import firsthit as fh
 import pytest
-from _firsthit_program import main as program
 from dataset_support import PLANS, plan, record, tree
 
 PLAN = str(PLANS / "turntable.toml")
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
-
-
-def run(monkeypatch, capsys, *arguments):
-    monkeypatch.setattr(sys, "argv", ["firsthit", *map(str, arguments)])
-    code = program()
-    said = capsys.readouterr()
-    return code, said.out, said.err
-
-
-@pytest.fixture
-def firsthit(monkeypatch, capsys):
-    return lambda *arguments: run(monkeypatch, capsys, *arguments)
 
 
 def test_it_makes_what_the_function_makes(firsthit, tmp_path):

@@ -4,7 +4,6 @@ import errno
 import functools
 import io
 import itertools
-import json
 import multiprocessing
 import os
 import pickle
@@ -22,20 +21,12 @@ import firsthit as fh
 import many_support
 import numpy as np
 import pytest
-from firsthit._parts._digest import canonical, of_json
 from firsthit._parts._engine import Task, results
-from many_support import Slow, Suicide, Wrong, cameras, rays, red, scene
+from many_support import Slow, Suicide, Wrong, cameras, forge, rays, red, scene
 
 ROOT = Path(__file__).resolve().parents[2]
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
-
-
-@pytest.fixture(autouse=True)
-def workers_find_the_tests(monkeypatch):
-    """Processes that are started anew import `many_support`."""
-    here = str(Path(many_support.__file__).parent)
-    path = os.environ.get("PYTHONPATH")
-    monkeypatch.setenv("PYTHONPATH", here if path is None else f"{here}{os.pathsep}{path}")
+pytestmark = pytest.mark.usefixtures("workers_find_the_tests")
 
 
 class OneByOne:
@@ -726,11 +717,7 @@ def test_nothing_is_followed_out_of_a_job_s_folder(tmp_path):
     for change in (lambda: os.mkfifo(result), lambda: result.symlink_to("../000000/fold.npz")):
         result.unlink()
         change()
-        record = json.loads((result.parent / "part.json").read_text())
-        del record["check"]
-        record["files"] = {}
-        checked = canonical({**record, "check": of_json(record)})
-        (result.parent / "part.json").write_bytes(checked)
+        forge(result.parent / "part.json", lambda said: said.update(files={}))
         with pytest.raises(fh.FileFormatError, match=r"its record has no fold\.npz"):
             fh.shoot_many(scene(), rays(), out, **how)
 

@@ -12,23 +12,13 @@ from itertools import pairwise
 from pathlib import Path
 
 import firsthit as fh
-import many_support
 import numpy as np
 import pytest
-from _firsthit_program import main as program
 from dataset_support import PLANS, plan, record, tree
-from firsthit._parts._digest import of_json
-from many_support import cameras, rays, scene
+from many_support import cameras, forge, rays, scene
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="links and pipes are those of Unix")
-
-
-@pytest.fixture(autouse=True)
-def workers_find_the_tests(monkeypatch):
-    """Processes that are started anew import `many_support`."""
-    here = str(Path(many_support.__file__).parent)
-    path = os.environ.get("PYTHONPATH")
-    monkeypatch.setenv("PYTHONPATH", here if path is None else f"{here}{os.pathsep}{path}")
+pytestmark = pytest.mark.usefixtures("workers_find_the_tests")
 
 
 def samples(folder):
@@ -75,15 +65,6 @@ def frames(tmp_path_factory):
     folder = tmp_path_factory.mktemp("frames")
     fh.dataset(fh.Plan.from_dict(plan(), PLANS), folder)
     return folder
-
-
-def forge(part, change):
-    """Change a record as somebody would who knows what its check is."""
-    path = part / "part.json"
-    said = json.loads(path.read_text())
-    del said["check"]
-    change(said)
-    path.write_text(json.dumps({**said, "check": of_json(said)}))
 
 
 def test_a_sample_is_a_picture_with_its_record(pictures, tmp_path):
@@ -380,7 +361,7 @@ def test_a_name_that_leads_out_of_the_part_is_not_read(tmp_path, name):
     (part / "a").mkdir()
     outside.write_bytes((part / "hits.npz").read_bytes())
     named = name.format(outside=outside)
-    forge(part, lambda said: said["files"].update({named: said["files"]["hits.npz"]}))
+    forge(part / "part.json", lambda said: said["files"].update({named: said["files"]["hits.npz"]}))
     with pytest.raises(fh.FileFormatError, match="parts are missing: 1;"):
         fh.many.pack(job, tmp_path / "out")
     fh.many.pack(job, tmp_path / "out", partial=True)
@@ -400,13 +381,13 @@ def test_links_and_pipes_are_not_read(tmp_path):
     (parts[0] / "hits.npz").symlink_to(tmp_path / "moved.npz")
     (parts[1] / "hits.npz").unlink()
     os.mkfifo(parts[1] / "hits.npz")
-    forge(parts[1], lambda said: said["files"]["hits.npz"].update(bytes=0))
+    forge(parts[1] / "part.json", lambda said: said["files"]["hits.npz"].update(bytes=0))
     parts[2].rename(tmp_path / "moved")
     parts[2].symlink_to(tmp_path / "moved")
     (parts[3] / "hits.npz").rename(tmp_path / "hits.npz")
     (parts[3] / "sub").symlink_to(tmp_path)
     forge(
-        parts[3],
+        parts[3] / "part.json",
         lambda said: said["files"].update({"sub/hits.npz": said["files"].pop("hits.npz")}),
     )
     fh.many.pack(job, tmp_path / "out", partial=True)
@@ -456,7 +437,7 @@ def test_names_that_no_job_has_are_refused_or_made_harmless(tmp_path, names, is_
         known = said["files"].pop("hits.npz")
         said["files"] = dict.fromkeys(names, known)
 
-    forge(part, rename)
+    forge(part / "part.json", rename)
     if is_refused:
         with pytest.raises(fh.FileFormatError, match="has no extension of its own"):
             fh.many.pack(job, tmp_path / "out")
@@ -487,17 +468,6 @@ def test_progress_counts_parts(pictures, tmp_path):
     fh.many.pack(pictures, tmp_path, progress=lambda *both: told.append(both))
     assert told[0] == (0, 3)
     assert list(dict.fromkeys(told[1:])) == [(1, 3), (2, 3), (3, 3)]
-
-
-@pytest.fixture
-def firsthit(monkeypatch, capsys):
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["firsthit", *map(str, arguments)])
-        code = program()
-        said = capsys.readouterr()
-        return code, said.out, said.err
-
-    return run
 
 
 def test_the_command_packs_what_the_function_packs(firsthit, pictures, tmp_path):

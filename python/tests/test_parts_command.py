@@ -8,23 +8,10 @@ from pathlib import Path
 
 import firsthit as fh
 import pytest
-from _firsthit_program import main as program
 from dataset_support import PLANS
-from firsthit._parts._digest import of_json
-from many_support import cameras, rays, scene
+from many_support import cameras, forge, rays, scene
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="links and pipes are those of Unix")
-
-
-@pytest.fixture
-def firsthit(monkeypatch, capsys):
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["firsthit", *map(str, arguments)])
-        code = program()
-        said = capsys.readouterr()
-        return code, said.out, said.err
-
-    return run
 
 
 @pytest.fixture
@@ -32,14 +19,6 @@ def hits(tmp_path):
     """A job of four parts."""
     made = fh.shoot_many(scene(), rays(400), tmp_path / "hits", part_size=100)
     return tmp_path / "hits", made.digest
-
-
-def forge(path, change):
-    """Change a record, or the file of a job, as somebody would who knows what its check is."""
-    said = json.loads(path.read_text())
-    del said["check"]
-    change(said)
-    path.write_text(json.dumps({**said, "check": of_json(said)}))
 
 
 def test_a_job_that_is_whole_is_told_in_words(firsthit, tmp_path):

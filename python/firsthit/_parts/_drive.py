@@ -47,23 +47,24 @@ class Work:
     def __init__(self, maker: Maker, parts: Parts, form: Form) -> None:
         self.maker, self.parts, self.form = maker, parts, form
 
-    def __call__(self, task: Task) -> str:
-        """Return the digest: never arrays, which would go through the driver."""
+    def __call__(self, task: Task) -> bool:
+        """Return whether the part was made here: never arrays, which would go through the driver.
+
+        Its digest is in its record.
+        """
         path = self.parts.path(task.number)
         for _ in range(_TRIES):
             # Some engines do a task again when its result was lost with a worker that had done it,
             # and another run may be at the same part.
-            there = self.parts.record(task.number)
-            if there is not None:
-                return str(there["digest"])
+            if self.parts.record(task.number) is not None:
+                return False
             if path.exists() or path.is_symlink():
                 discard(path)
-            with writing(path) as folder:
-                seal(folder, self.maker.make(folder, task), self.form.record)
-        there = self.parts.record(task.number)
-        if there is None:
-            raise FileWriteError(f"{path}: something else comes in its place", os.fspath(path))
-        return str(there["digest"])
+            with writing(path) as part:
+                seal(part.folder, self.maker.make(part.folder, task), self.form.record)
+            if part.is_placed:
+                return True
+        raise FileWriteError(f"{path}: something else comes in its place", os.fspath(path))
 
 
 def checked_on(on: On) -> None:
@@ -128,18 +129,19 @@ def make(
     progress: Progress | None,
     counts: tuple[int | None, int, str],
 ) -> int:
-    """Do the tasks of a job; return how many there were.
+    """Do the tasks of a job; return how many parts were made by these workers.
 
-    ``counts`` are all tasks, if that is known, those that were done before, and their unit.
+    Another run may make some at the same time. ``counts`` are all tasks, if that is known, those
+    that were done before, and their unit.
     """
-    made, kept = 0, counts[1]
+    made, done_before = 0, counts[1]
     with following(progress, *counts) as report, closing(results(work, tasks, on)) as done:
-        for number, _ in done:
-            if made == 0:
+        for ended, (number, is_made) in enumerate(done, 1):
+            if ended == 1:
                 _look_for(work.parts.path(number))
-            made += 1
+            made += is_made
             if report is not None:
-                report(kept + made)
+                report(done_before + ended)
     return made
 
 

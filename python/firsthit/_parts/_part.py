@@ -62,18 +62,26 @@ def name_of(number: int, count: int) -> str:
     return f"{number:0{max(6, len(str(count - 1)))}d}"
 
 
+class Writing:
+    """A part that is being written: its folder, and at the end whether it has its name."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.is_placed = folder, False
+
+
 @contextmanager
-def writing(path: Path) -> Iterator[Path]:
+def writing(path: Path) -> Iterator[Writing]:
     """Yield a folder to fill, which becomes ``path`` when it is full.
 
     Where there is a part of this name by then, that one stays.
     """
     beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    part = Writing(beside)
     try:
         try:
             # What is above it is there: a worker without it would write to a place of its own.
             beside.mkdir()
-            yield beside
+            yield part
             for file in _files(beside):
                 sync(beside / file)
             for folder in (beside, *(each for each in beside.rglob("*") if each.is_dir())):
@@ -84,6 +92,7 @@ def writing(path: Path) -> Iterator[Path]:
                 if not path.is_dir():
                     raise
             else:
+                part.is_placed = True
                 sync(path.parent)
         finally:
             shutil.rmtree(beside, ignore_errors=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bisect
 import itertools
-import json
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -12,13 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from firsthit import _firsthit
 from firsthit._arrays import cast, numbers
 from firsthit._parts._digest import of_arrays, of_json
-from firsthit._scene import Scene
 from firsthit._sensor import Sensor
 
 from ._ray_files import RayFile, ray_files
+from ._sensors import digest_of
 from ._shared_arrays import SharedArrays
 
 if TYPE_CHECKING:
@@ -166,9 +164,7 @@ class _OfSensors:
         self.parts = math.ceil(self._ends[-1] / size)
 
     def said(self) -> dict[str, Any]:
-        nothing = Scene()._ready().native
-        each = [json.loads(_firsthit.origin(nothing, one._native, [])) for one in self._sensors]
-        digest = of_json([[one.get("camera"), one.get("sensor")] for one in each])
+        digest = digest_of(self._sensors)
         return {"kind": "sensors", "rays": self._ends[-1], "digest": digest}
 
     def share(self, folder: Path) -> None:

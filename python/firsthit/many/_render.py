@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,15 +10,14 @@ from firsthit import _firsthit
 from firsthit._arrays import color_of, count, number
 from firsthit._files import distinct, files, in_path
 from firsthit._lights import background_native
-from firsthit._parts._digest import Digests, of_arrays, of_json
+from firsthit._parts._digest import of_arrays, of_json
 from firsthit._parts._part import name_of
 from firsthit._render import render
-from firsthit._scene import Scene
-from firsthit._sensor import Sensor
 from firsthit.datasets._output import DISTANCES
 
 from ._jobs import How, Job, listed, settled, shared
 from ._names import file_name, identity
+from ._sensors import digest_of
 
 if TYPE_CHECKING:
     import os
@@ -31,6 +29,8 @@ if TYPE_CHECKING:
     from firsthit._lights import Sky
     from firsthit._parts._engine import On, Task
     from firsthit._parts._scene_store import SharedScene
+    from firsthit._scene import Scene
+    from firsthit._sensor import Sensor
     from firsthit._types import Asked, Progress, Selection, Side
     from firsthit.typing import OwnShade, ShaderName
 
@@ -163,7 +163,7 @@ def render_many(
     }
     said = {
         "kind": "render",
-        "cameras": _digest(views),
+        "cameras": digest_of(views),
         "names": None if names is None else of_json(names),
         "channels": wanted,
         "save": extensions,
@@ -223,7 +223,7 @@ class _Pictures(NamedTuple):
         if extension not in _OF_ONE:
             frame.save(path.with_name(f"{path.name}{extension}"))
             return
-        for channel in self.channels:
+        for channel in frame.keys():  # noqa: SIM118 - a frame is no dict
             end = f".{in_path(channel)}{extension}" if several else extension
             has_scale = extension == ".png" and channel in DISTANCES
             scale = self.png_scale if has_scale else None
@@ -245,17 +245,6 @@ def _extensions(save: str | Sequence[str], channels: list[str]) -> list[str]:
     if not given:
         raise ValueError("save must be one extension or more, got none")
     return [*dict.fromkeys(given)]
-
-
-def _digest(cameras: Sequence[Sensor]) -> str:
-    """Return the digest of cameras in their order."""
-    made, nothing = Digests(), Scene()._ready().native
-    for camera in cameras:
-        if not isinstance(camera, Sensor):
-            raise TypeError(f"cameras must be cameras or other sensors, got {camera!r}")
-        said = json.loads(_firsthit.origin(nothing, camera._native, []))
-        made.add(of_json([said.get("camera"), said.get("sensor")]))
-    return made.text()
 
 
 def _as_json(background: Any, shade: Any, ambient: Any) -> dict[str, Any]:
