@@ -22,6 +22,8 @@ import many_support
 import numpy as np
 import pytest
 from firsthit._parts._engine import Task, results
+from firsthit._parts._job import begin_job
+from firsthit.many._ray_files import ray_files
 from many_support import Slow, Suicide, Wrong, cameras, forge, rays, red, scene
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -243,6 +245,14 @@ def test_many_that_begin_at_once_are_one_job(tmp_path):
         assert fh.parts(out).missing == ()
 
 
+def test_who_comes_second_finds_the_job_of_the_first(tmp_path):
+    """Both found no job before: only one of them may write it."""
+    path = tmp_path / "out" / "job.json"
+    assert begin_job(path, {"of": 1}) == {"of": 1}
+    assert begin_job(path, {"of": 2}) == {"of": 1}
+    assert [each.name for each in path.parent.iterdir()] == ["job.json"]
+
+
 def test_two_jobs_that_begin_at_once_do_not_share_a_folder(tmp_path):
     code = (
         "import sys, time, firsthit as fh, many_support as m\n"
@@ -308,12 +318,13 @@ def test_what_a_later_run_could_not_know_again_is_refused(fold, tmp_path):
     assert not (tmp_path / "a").exists()
 
 
-def test_work_that_cannot_be_sent_is_told_at_once(tmp_path):
+@pytest.mark.parametrize("on", [lambda: fh.many.processes(1), lambda: of_processes(1, "spawn")])
+def test_work_that_cannot_be_sent_is_told_at_once(on, tmp_path):
     class Local(Slow):
         pass
 
     with pytest.raises((AttributeError, pickle.PicklingError), match="Local"):
-        fh.shoot_many(scene(), rays(), tmp_path, fold=Local(0.0), on=fh.many.processes(1))
+        fh.shoot_many(scene(), rays(), tmp_path, fold=Local(0.0), on=on())
 
 
 def test_an_error_of_a_worker_says_where_it_was(tmp_path):
@@ -332,6 +343,12 @@ def test_a_file_of_rays_that_has_grown_is_read_anew(tmp_path):
     assert len(all_hits(tmp_path / "b")) == 200
     with pytest.raises(fh.FileWriteError, match="its rays is"):
         fh.shoot_many(scene(), path, tmp_path / "a")
+    # A worker, which does not count rows again, sees new numbers too.
+    (file,) = ray_files(path)
+    np.testing.assert_array_equal(file.rays(0, 9)["origins"], origins[:9])
+    np.savez(path, origins=-origins[:200], directions=directions[:200])
+    os.utime(path, (1, 1))
+    np.testing.assert_array_equal(file.rays(0, 9)["origins"], -origins[:9])
 
 
 FOLDS = [
