@@ -10,6 +10,11 @@ use super::DVec3;
 /// ```
 pub type Color = DVec3;
 
+/// The luminance of a linear colour: how bright it looks, white being 1 (Rec. 709).
+pub fn luminance(color: Color) -> f64 {
+    color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
 /// The sRGB value (0 to 1) of a linear one, by the curve of IEC 61966-2-1. Values outside 0 to 1 are
 /// clamped, NaN becomes 0.
 pub fn srgb_encode(linear: f64) -> f64 {

@@ -1,11 +1,13 @@
-//! Rays, hits, boxes, transforms, colours. Imports nothing of this crate; glam is the vector maths.
+//! Rays, hits, boxes, transforms, colours and how they are shown. Imports nothing of this crate; glam is the vector maths.
 
 pub(crate) mod arithmetic;
 mod bounds;
 mod color;
+mod color_map;
 mod color_names;
 #[cfg(feature = "frame")]
 mod digest;
+mod display_transform;
 pub(crate) mod double;
 pub(crate) mod exact;
 pub(crate) mod exact_sum;
@@ -16,20 +18,29 @@ pub(crate) mod orientation;
 mod ray;
 mod ray_filter;
 mod require;
+mod rotation;
+mod settings;
 pub(crate) mod summary;
+mod tone_map;
 mod transform;
 
 pub use bounds::Bounds;
-pub use color::{Color, srgb_decode, srgb_encode};
+pub use color::{Color, luminance, srgb_decode, srgb_encode};
+pub use color_map::ColorMap;
 pub use color_names::{COLOR_NAMES, color_of, meant_as_levels};
 #[cfg(feature = "frame")]
 pub use digest::Digest;
+pub use display_transform::DisplayTransform;
 pub use grid::PixelGrid;
 pub use hit::Hit;
 pub(crate) use named::named;
 pub use ray::{Filtered, Ray, Rays};
 pub use ray_filter::{Departure, RayFilter, Side, SurfaceId};
 pub(crate) use require::{require, require_direction, require_finite, require_positive};
+pub use rotation::rotation;
+pub(crate) use settings::settings;
+pub use settings::{Domain, Field, Setting, Settings, Value};
+pub use tone_map::ToneMap;
 pub use transform::Transform;
 
 use std::cmp::Ordering;

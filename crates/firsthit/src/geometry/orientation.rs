@@ -7,7 +7,8 @@ use std::cmp::Ordering;
 
 use super::DVec3;
 use super::arithmetic::Scalar;
-use super::double::difference;
+use super::double::{Double, between, difference};
+use super::exact::{Scaled, determinant};
 use super::exact_sum::ExactSum;
 
 /// More than 7 + 56 units of 2^-53 each: Shewchuk's bound for a determinant of differences, as a share of its permanent.
@@ -65,6 +66,27 @@ pub(crate) fn add_determinant(sum: &mut ExactSum, [p, q, r]: [DVec3; 3], sign: f
         sum.add([sign * p[k], q[l], r[m]]);
         sum.add([-sign * p[k], q[m], r[l]]);
     }
+}
+
+/// Whether a direction is along a triangle's normal, greater, or against it. Equal if it is in the triangle's plane, or that has no
+/// area. All must be finite.
+pub(crate) fn along_normal([a, b, c]: [DVec3; 3], direction: DVec3) -> Ordering {
+    let (e, f) = (b - a, c - a);
+    let along = e.cross(f).dot(direction);
+    // Each product of three numbers is rounded at most seven times, and there are six.
+    let largest = |v: DVec3| v.abs().max_element();
+    let area = largest(e) * largest(f);
+    let doubt = 32.0 * f64::EPSILON * area * largest(direction);
+    // Smaller areas have subnormal products, which lose more.
+    if area > 1e-290 && along.abs() > doubt + f64::MIN_POSITIVE {
+        return sign(along);
+    }
+    let [a, b, c] = [a, b, c].map(|corner| corner.to_array());
+    let e = Scaled::new(&between(Scalar, &b, &a));
+    let f = Scaled::new(&between(Scalar, &c, &a));
+    let d = direction.to_array().map(|high| Double { high, low: 0.0 });
+    let exactly = determinant(&e, &f, &Scaled::new(&d)).high;
+    exactly.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
 /// On which side of the line from `a` to `b` the point `c` is, seen along an axis: greater where the three go counter-clockwise, seen
@@ -160,6 +182,25 @@ mod tests {
             assert_eq!(orient_3d([a, b, c, d]), judge, "{a} {b} {c} {d}");
             assert_eq!(orient_3d([b, a, c, d]), judge.reverse());
             assert_eq!(exactly_3d([a, b, c, d]), judge);
+            counts[usize::try_from(judge as i8 + 1).unwrap()] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
+    }
+
+    #[test]
+    fn directions_along_normals_are_those_of_rational_arithmetic() {
+        let mut point = points();
+        let mut counts = [0; 3];
+        for k in 0..20_000 {
+            let [a, b, c, mut d] = [(); 4].map(|()| point(k % 2));
+            if k % 3 == 0 {
+                d = 0.3 * (b - a) + 0.6 * (c - a);
+            }
+            let [u, v, w] = [minus(b, a), minus(c, a), exact(d)];
+            let minor = |k: usize, l: usize| &u[k] * &v[l] - &u[l] * &v[k];
+            let judge = minor(1, 2) * &w[0] + minor(2, 0) * &w[1] + minor(0, 1) * &w[2];
+            let judge = judge.cmp(&zero());
+            assert_eq!(along_normal([a, b, c], d), judge, "{a} {b} {c} {d}");
             counts[usize::try_from(judge as i8 + 1).unwrap()] += 1;
         }
         assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");

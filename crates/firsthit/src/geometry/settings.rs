@@ -1,0 +1,373 @@
+//! Values with names: what files, the command line, Python and metadata say of lights and shaders.
+
+use super::{Color, DVec3, color_of};
+use crate::error::{Error, Result};
+
+/// The value of a setting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// Yes or no.
+    Flag(bool),
+    /// A number.
+    Number(f64),
+    /// Three numbers: a point, a direction, or a linear colour.
+    Vector(DVec3),
+}
+
+/// Which values a setting may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Domain {
+    /// Yes or no.
+    Flag,
+    /// A number from the first to the last, both included.
+    From(f64, f64),
+    /// Zero or a number above it.
+    NonNegative,
+    /// A number above zero.
+    Positive,
+    /// A number above zero, or infinity.
+    Reach,
+    /// A whole number from the first to the last.
+    Whole(u32, u32),
+    /// A point in the world.
+    Position,
+    /// A direction in the world, of any length but zero.
+    Direction,
+    /// A linear colour of a surface: no number is negative.
+    Color,
+    /// A linear colour of light: any finite numbers.
+    Light,
+}
+
+/// A setting: its name, its meaning, and which values it may have.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting {
+    /// Its name in Rust, in Python, in files and in metadata.
+    pub name: &'static str,
+    /// What it means, in a sentence or two.
+    pub about: &'static str,
+    /// Which values it may have.
+    pub domain: Domain,
+    /// Whether it has to be given: there is no usual value.
+    pub is_required: bool,
+}
+
+/// What has settings.
+pub trait Settings: Clone {
+    /// Every setting, in the order in which they are listed.
+    const LIST: &'static [Setting];
+
+    /// The value of each, in the order of [`Settings::LIST`].
+    fn values(&self) -> Vec<Value>;
+
+    /// Sets the one with this place in [`Settings::LIST`]; the value has the form of its domain.
+    fn put(&mut self, place: usize, value: Value);
+
+    /// Sets one by its name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a name that is not in the list, and for a value out of its domain.
+    fn set(&mut self, name: &str, value: Value) -> Result<()> {
+        let Some(place) = Self::LIST.iter().position(|known| known.name == name) else {
+            let known: Vec<&str> = Self::LIST.iter().map(|known| known.name).collect();
+            let got = format!("{name:?}; there are {}", known.join(", "));
+            return Err(Error::argument("setting", "one that is known", got));
+        };
+        let setting = &Self::LIST[place];
+        self.put(place, setting.domain.checked(setting.name, value)?);
+        Ok(())
+    }
+
+    /// The names and values of all.
+    fn named_values(&self) -> Vec<(&'static str, Value)> {
+        let names = Self::LIST.iter().map(|known| known.name);
+        names.zip(self.values()).collect()
+    }
+
+    /// Fails where a value is out of its domain.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`], with the setting's name.
+    fn check(&self) -> Result<()> {
+        for (setting, value) in Self::LIST.iter().zip(self.values()) {
+            setting.domain.checked(setting.name, value)?;
+        }
+        Ok(())
+    }
+}
+
+impl Domain {
+    /// What its values are, for messages.
+    pub fn expected(self) -> &'static str {
+        match self {
+            Self::Flag => "true or false",
+            Self::From(..) => "a number in its range",
+            Self::NonNegative => "zero or a positive, finite number",
+            Self::Positive => "a positive, finite number",
+            Self::Reach => "a positive number, or infinity",
+            Self::Whole(..) => "a whole number in its range",
+            Self::Position => "three finite numbers",
+            Self::Direction => "three finite numbers that are not all zero",
+            Self::Color => "a colour of finite numbers that are not negative",
+            Self::Light => "a colour of light: three finite numbers",
+        }
+    }
+
+    /// The range, for messages.
+    fn range(self) -> String {
+        match self {
+            Self::From(least, most) => format!(" (from {least} to {most})"),
+            Self::Whole(least, most) => format!(" (from {least} to {most})"),
+            _ => String::new(),
+        }
+    }
+
+    /// The value, if it is one of these. A number serves as a grey colour.
+    fn checked(self, name: &'static str, value: Value) -> Result<Value> {
+        let value = match (self, value) {
+            (Self::Color | Self::Light, Value::Number(grey)) => Value::Vector(DVec3::splat(grey)),
+            _ => value,
+        };
+        let fits = match (self, value) {
+            (Self::Flag, Value::Flag(_)) => true,
+            (Self::From(least, most), Value::Number(x)) => (least..=most).contains(&x),
+            (Self::NonNegative, Value::Number(x)) => (0.0..f64::INFINITY).contains(&x),
+            (Self::Positive, Value::Number(x)) => x > 0.0 && x < f64::INFINITY,
+            (Self::Reach, Value::Number(x)) => x > 0.0,
+            (Self::Whole(least, most), Value::Number(x)) => {
+                (f64::from(least)..=f64::from(most)).contains(&x) && x.fract() == 0.0
+            }
+            (Self::Position | Self::Light, Value::Vector(v)) => v.is_finite(),
+            (Self::Direction, Value::Vector(v)) => v.is_finite() && v != DVec3::ZERO,
+            (Self::Color, Value::Vector(v)) => v.is_finite() && v.min_element() >= 0.0,
+            _ => false,
+        };
+        if fits {
+            Ok(value)
+        } else {
+            let got = value.text() + &self.range();
+            Err(Error::argument(name, self.expected(), got))
+        }
+    }
+
+    /// The value that a text says: `true`, `0.5`, `1,2,3`, or of a colour its name in CSS or `#rrggbb`.
+    pub fn parsed(self, text: &str) -> Option<Value> {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        match self {
+            Self::Flag => text.trim().parse().ok().map(Value::Flag),
+            Self::From(..) | Self::NonNegative | Self::Positive | Self::Reach | Self::Whole(..) => {
+                number(text).map(Value::Number)
+            }
+            Self::Color | Self::Light => {
+                let named = color_of(text).map(Value::Vector);
+                named
+                    .or_else(|| vector(text))
+                    .or_else(|| number(text).map(Value::Number))
+            }
+            Self::Position | Self::Direction => vector(text),
+        }
+    }
+}
+
+/// Three numbers with commas between.
+fn vector(text: &str) -> Option<Value> {
+    let parts = text.split(',').map(|part| part.trim().parse().ok());
+    let parts: Vec<f64> = parts.collect::<Option<_>>()?;
+    let parts: [f64; 3] = parts.try_into().ok()?;
+    Some(Value::Vector(parts.into()))
+}
+
+impl Value {
+    /// Adds it to a digest.
+    #[cfg(feature = "frame")]
+    pub(crate) fn digest(self, digest: &mut super::Digest) {
+        match self {
+            Self::Flag(flag) => digest.numbers(&[f64::from(flag)]),
+            Self::Number(number) => digest.numbers(&[number]),
+            Self::Vector(vector) => digest.vector(vector),
+        }
+    }
+
+    /// The value as one writes it.
+    pub fn text(self) -> String {
+        match self {
+            Self::Flag(flag) => flag.to_string(),
+            Self::Number(number) => number.to_string(),
+            Self::Vector(v) => format!("{},{},{}", v.x, v.y, v.z),
+        }
+    }
+}
+
+/// A type that a setting's field has.
+pub trait Field: Copy {
+    /// As a value.
+    fn value(self) -> Value;
+    /// From a value of this form; `None` for another.
+    fn from_value(value: Value) -> Option<Self>;
+}
+
+impl Field for bool {
+    fn value(self) -> Value {
+        Value::Flag(self)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Flag(flag) => Some(flag),
+            _ => None,
+        }
+    }
+}
+
+impl Field for f64 {
+    fn value(self) -> Value {
+        Value::Number(self)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Number(number) => Some(number),
+            _ => None,
+        }
+    }
+}
+
+impl Field for u32 {
+    fn value(self) -> Value {
+        Value::Number(f64::from(self))
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        let number = f64::from_value(value)?;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "`as` saturates, and whoever checks the domain knows that it is whole"
+        )]
+        let whole = number as Self;
+        (f64::from(whole) == number).then_some(whole)
+    }
+}
+
+impl Field for Color {
+    fn value(self) -> Value {
+        Value::Vector(self)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Vector(vector) => Some(vector),
+            _ => None,
+        }
+    }
+}
+
+/// Makes a struct of settings, each with its domain and its usual value, or `required`.
+macro_rules! settings {
+    (@required required $_default:expr) => { true };
+    (@required usual $_default:expr) => { false };
+    ($(#[$doc:meta])* pub struct $kind:ident {
+        $($(#[doc = $about:literal])+ $field:ident: $type:ty, $domain:expr, $need:ident $default:expr;)*
+    }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $kind {
+            $($(#[doc = $about])+ pub $field: $type,)*
+        }
+
+        impl Default for $kind {
+            /// The usual values; those that have to be given are there only to be replaced.
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl $crate::geometry::Settings for $kind {
+            const LIST: &'static [$crate::geometry::Setting] = &[$($crate::geometry::Setting {
+                name: stringify!($field),
+                about: concat!($($about),+).trim_ascii(),
+                domain: $domain,
+                is_required: $crate::geometry::settings!(@required $need $default),
+            },)*];
+
+            fn values(&self) -> Vec<$crate::geometry::Value> {
+                vec![$($crate::geometry::Field::value(self.$field),)*]
+            }
+
+            fn put(&mut self, place: usize, value: $crate::geometry::Value) {
+                let mut fields = 0..;
+                $(if fields.next() == Some(place)
+                    && let Some(value) = $crate::geometry::Field::from_value(value)
+                {
+                    self.$field = value;
+                })*
+            }
+        }
+    };
+}
+pub(crate) use settings;
+
+#[cfg(test)]
+mod tests {
+    #![allow(unreachable_pub, reason = "the macro makes what others see")]
+
+    use super::*;
+
+    settings! {
+        /// A test.
+        pub struct Lamp {
+            /// Where it is.
+            position: DVec3, Domain::Position, required DVec3::ZERO;
+            /// How bright.
+            color: Color, Domain::Color, usual Color::ONE;
+            /// How often.
+            count: u32, Domain::Whole(1, 9), usual 2;
+            /// Whether.
+            is_on: bool, Domain::Flag, usual true;
+        }
+    }
+
+    #[test]
+    fn settings_are_set_by_name_and_refuse_what_makes_no_sense() {
+        let mut lamp = Lamp::default();
+        lamp.set("position", Value::Vector(DVec3::X)).unwrap();
+        lamp.set("color", Value::Number(0.5)).unwrap();
+        lamp.set("count", Value::Number(9.0)).unwrap();
+        lamp.set("is_on", Value::Flag(false)).unwrap();
+        let expected = Lamp {
+            position: DVec3::X,
+            color: DVec3::splat(0.5),
+            count: 9,
+            is_on: false,
+        };
+        assert_eq!(lamp, expected);
+        for (name, value) in [
+            ("colour", Value::Number(1.0)),
+            ("color", Value::Vector(DVec3::NEG_X)),
+            ("count", Value::Number(1.5)),
+            ("count", Value::Number(f64::NAN)),
+            ("position", Value::Number(1.0)),
+            ("is_on", Value::Number(1.0)),
+        ] {
+            assert!(lamp.set(name, value).is_err(), "{name} {value:?}");
+        }
+        assert_eq!(lamp, expected);
+        assert!(Lamp::LIST[0].is_required && !Lamp::LIST[1].is_required);
+        assert_eq!(Lamp::LIST[1].about, "How bright.");
+    }
+
+    #[test]
+    fn values_are_read_as_they_are_written() {
+        for (domain, value) in [
+            (Domain::Flag, Value::Flag(true)),
+            (Domain::Positive, Value::Number(0.1)),
+            (Domain::Position, Value::Vector(DVec3::new(1e-7, 2.0, -3.5))),
+        ] {
+            assert_eq!(domain.parsed(&value.text()), Some(value));
+        }
+        assert_eq!(
+            Domain::Color.parsed("#ffffff"),
+            Some(Value::Vector(DVec3::ONE))
+        );
+        assert_eq!(Domain::Positive.parsed("x"), None);
+        assert_eq!(Domain::Position.parsed("1,2"), None);
+    }
+}
