@@ -1,5 +1,6 @@
 //! Points within a pixel, and on a lens.
 
+use super::warp;
 use crate::geometry::{DVec2, PixelGrid};
 
 /// The point of every pixel that its ray `sample` goes through, each coordinate from 0 up to 1. The first is the centre.
@@ -20,8 +21,7 @@ pub(crate) fn offset(sample: u32) -> DVec2 {
 ///
 /// These are two more dimensions of Sobol's sequence, scrambled as those of [`offset`], so that the points of the pixel and of the
 /// lens are well distributed together. Their direction numbers are chosen for that: of 2, 4, 8, 16 and 32 points each rectangle of the
-/// square of that share of its area has one. The square becomes the disc by the concentric map of Shirley and Chiu, "A Low
-/// Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997, which keeps shares of areas.
+/// square of that share of its area has one. The square becomes the disc by [`warp::disc`].
 ///
 /// The sequence departs in its first point, as `offset` does. Distances and identifiers are those of the first sample, so it is
 /// a pinhole's; the mean over n samples counts it once.
@@ -30,7 +30,7 @@ pub(crate) fn on_lens(sample: u32) -> DVec2 {
         return DVec2::ZERO;
     }
     let square = DIRECTIONS.map(|directions| scrambled(combined(sample, &directions)));
-    concentric(2.0 * DVec2::from(square) - 1.0)
+    warp::disc(DVec2::from(square))
 }
 
 /// A coordinate from its bits, in units of 2^-32.
@@ -77,21 +77,6 @@ fn combined(index: u32, directions: &[u32; 32]) -> u32 {
     let bits = directions.iter().enumerate();
     let taken = bits.filter(|&(k, _)| index >> k & 1 == 1);
     taken.fold(0, |sum, (_, direction)| sum ^ direction)
-}
-
-/// From the square from -1 to 1 to the disc of radius one: squares around the middle become circles.
-fn concentric(point: DVec2) -> DVec2 {
-    use std::f64::consts::FRAC_PI_4;
-    if point == DVec2::ZERO {
-        return point;
-    }
-    let (radius, angle) = if point.x.abs() > point.y.abs() {
-        (point.x, FRAC_PI_4 * (point.y / point.x))
-    } else {
-        (point.y, FRAC_PI_4 * (2.0 - point.x / point.y))
-    };
-    let (sin, cos) = libm::sincos(angle);
-    radius * DVec2::new(cos, sin)
 }
 
 /// The second dimension of Sobol's sequence, in units of 2^-32.

@@ -1,0 +1,12 @@
+//! Where samples are taken: points of pixels and of lenses, numbers for shaders, choices by weights, and maps from the unit square.
+
+pub(crate) mod distribution;
+mod draws;
+#[cfg(feature = "frame")]
+mod pixel;
+pub(crate) mod warp;
+
+pub use draws::Draws;
+pub(crate) use draws::key;
+#[cfg(feature = "frame")]
+pub(crate) use pixel::{offset, on_lens};

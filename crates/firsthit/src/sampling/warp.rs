@@ -1,0 +1,163 @@
+//! Maps from the unit square to other sets. Each keeps shares of areas, so that even samples stay even.
+
+use std::f64::consts::{FRAC_PI_4, PI};
+
+use crate::geometry::{DVec2, DVec3};
+
+/// From the unit square to the disc of radius one: squares around the middle become circles (Shirley and Chiu, "A Low Distortion Map
+/// Between Disk and Square", Journal of Graphics Tools 2(3), 1997).
+pub(crate) fn disc(u: DVec2) -> DVec2 {
+    let point = 2.0 * u - 1.0;
+    if point == DVec2::ZERO {
+        return point;
+    }
+    // The angle from the nearest axis, an eighth of a turn at most.
+    if point.x.abs() > point.y.abs() {
+        let [sin, cos] = sin_cos(FRAC_PI_4 * (point.y / point.x));
+        point.x * DVec2::new(cos, sin)
+    } else {
+        let [sin, cos] = sin_cos(FRAC_PI_4 * (point.x / point.y));
+        point.y * DVec2::new(sin, cos)
+    }
+}
+
+/// Sine and cosine of an angle of an eighth of a turn at most: Taylor's series up to x^17 and x^16, of which what is left out is below
+/// 2^-56. It takes a fraction of the time of `libm`, which has to reduce angles of any size.
+fn sin_cos(x: f64) -> [f64; 2] {
+    /// 1 / (n (n - 1)) for n = first, first - 2, ...: each term is the next but one times this and x^2.
+    const fn factors(first: u32) -> [f64; 8] {
+        let mut factors = [0.0; 8];
+        let (mut k, mut n) = (0, first as f64);
+        while k < 8 {
+            factors[k] = 1.0 / (n * (n - 1.0));
+            k += 1;
+            n -= 2.0;
+        }
+        factors
+    }
+    const SIN: [f64; 8] = factors(17);
+    const COS: [f64; 8] = factors(16);
+    let square = x * x;
+    let series = |factors: [f64; 8]| {
+        let terms = factors.into_iter();
+        terms.fold(1.0, |sum, factor| 1.0 - square * factor * sum)
+    };
+    [x * series(SIN), series(COS)]
+}
+
+/// From the unit square to the directions around +z, in proportion to their cosine (Malley's method): a point of the disc, lifted.
+/// The density per solid angle is z / pi.
+pub(crate) fn cosine_hemisphere(u: DVec2) -> DVec3 {
+    let point = disc(u);
+    point.extend((1.0 - point.length_squared()).max(0.0).sqrt())
+}
+
+/// From the unit square to the directions around +z whose cosine is at least `1 - height`, evenly. The density per solid
+/// angle is 1 / (2 pi height).
+pub(crate) fn cap(u: DVec2, height: f64) -> DVec3 {
+    let point = disc(u);
+    // A zone's area is in proportion to its height (Archimedes), so the square of the disc's radius is the height.
+    let squared = point.length_squared();
+    let below = squared * height;
+    let stretched = (height * (2.0 - below)).max(0.0).sqrt();
+    (stretched * point).extend(1.0 - below)
+}
+
+/// From the unit square to the weights of a triangle's corners 1 and 2, evenly (Heitz, "A Low-Distortion Map Between Triangle and Square",
+/// 2019).
+pub(crate) fn triangle(u: DVec2) -> DVec2 {
+    if u.y > u.x {
+        let x = 0.5 * u.x;
+        DVec2::new(x, u.y - x)
+    } else {
+        let y = 0.5 * u.y;
+        DVec2::new(u.x - y, y)
+    }
+}
+
+/// Two directions that make a right-handed frame of axes with `z`, which has length one (Duff and others, "Building an Orthonormal
+/// Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017).
+pub(crate) fn axes_around(z: DVec3) -> [DVec3; 2] {
+    let sign = 1.0_f64.copysign(z.z);
+    let a = -1.0 / (sign + z.z);
+    let b = z.x * z.y * a;
+    [
+        DVec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
+        DVec3::new(b, sign + z.y * z.y * a, -z.y),
+    ]
+}
+
+/// A direction in the frame of `z`, in the world.
+pub(crate) fn around(z: DVec3, direction: DVec3) -> DVec3 {
+    let [x, y] = axes_around(z);
+    direction.x * x + direction.y * y + direction.z * z
+}
+
+/// The density per solid angle of [`cap`].
+pub(crate) fn cap_density(height: f64) -> f64 {
+    1.0 / (2.0 * PI * height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The middles of the cells of an even grid.
+    fn grid() -> impl Iterator<Item = DVec2> + Clone {
+        let each = |k: u32| DVec2::new(f64::from(k % 64) + 0.5, f64::from(k / 64) + 0.5) / 64.0;
+        (0..64 * 64).map(each)
+    }
+
+    fn mean(of: impl Fn(DVec2) -> f64) -> f64 {
+        grid().map(of).sum::<f64>() / 4096.0
+    }
+
+    #[test]
+    fn cosines_are_as_frequent_as_they_are_large() {
+        // The mean of z is 2/3, that of z^2 1/2, with this density.
+        assert!((mean(|u| cosine_hemisphere(u).z) - 2.0 / 3.0).abs() < 3e-3);
+        let squares = mean(|u| cosine_hemisphere(u).z * cosine_hemisphere(u).z);
+        assert!((squares - 0.5).abs() < 1e-3);
+        assert!(grid().all(|u| (cosine_hemisphere(u).length() - 1.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn sine_and_cosine_are_those_of_libm() {
+        for k in -1000..=1000 {
+            let x = FRAC_PI_4 * f64::from(k) / 1000.0;
+            let [sin, cos] = sin_cos(x);
+            assert!((sin - libm::sin(x)).abs() < 3e-16 && (cos - libm::cos(x)).abs() < 3e-16);
+        }
+    }
+
+    #[test]
+    fn a_cap_is_filled_evenly() {
+        for height in [1e-9, 0.1, 1.0, 2.0] {
+            assert!(grid().all(|u| (cap(u, height).length() - 1.0).abs() < 1e-9));
+            // Even by height: the mean is the middle.
+            let mean = mean(|u| (1.0 - cap(u, height).z) / height);
+            assert!((mean - 0.5).abs() < 1e-3, "{height} {mean}");
+        }
+    }
+
+    #[test]
+    fn a_triangle_is_filled_evenly() {
+        let mut weights = grid().map(triangle);
+        assert!(weights.all(|w| w.min_element() >= 0.0 && w.element_sum() <= 1.0));
+        assert!((mean(|u| triangle(u).x) - 1.0 / 3.0).abs() < 1e-3);
+        assert!((mean(|u| triangle(u).y * triangle(u).y) - 1.0 / 6.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn axes_are_right_handed_and_of_length_one() {
+        for z in [
+            DVec3::Z,
+            DVec3::NEG_Z,
+            DVec3::X,
+            DVec3::new(0.48, -0.6, -0.64),
+        ] {
+            let [x, y] = axes_around(z);
+            assert!((x.cross(y) - z).length() < 1e-14 && (x.length() - 1.0).abs() < 1e-14);
+        }
+    }
+}
