@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{AlphaMode, MapRole, Material, Object, Scene, TextureMap};
+use crate::geometry::Value;
 use crate::shape::Mesh;
 
 /// A node or a mesh of a file. Two objects come from the same one if their labels are equal.
@@ -181,10 +182,12 @@ enum MeshKey {
 #[derive(PartialEq, Eq, Hash)]
 struct MaterialKey {
     name: Arc<str>,
-    numbers: [u64; 5],
+    /// Colour, alpha, cutoff, emission, strengths; then the model's settings.
+    numbers: Vec<u64>,
+    model: &'static str,
     flags: [bool; 2],
     alpha_mode: u8,
-    maps: [Option<MapKey>; MapRole::ALL.len()],
+    maps: Vec<(MapRole, MapKey)>,
 }
 
 impl MaterialKey {
@@ -193,7 +196,11 @@ impl MaterialKey {
             name,
             color,
             alpha,
+            model,
+            emission,
             maps,
+            normal_scale,
+            occlusion_strength,
             alpha_mode,
             unlit,
             double_sided,
@@ -203,12 +210,25 @@ impl MaterialKey {
             AlphaMode::Mask { cutoff } => (1, cutoff),
             AlphaMode::Blend => (2, 0.0),
         };
+        let mut numbers = [*color, *emission].map(|color| color.to_array()).concat();
+        numbers.extend([*alpha, cutoff, *normal_scale, *occlusion_strength]);
+        for (_, value) in model.settings() {
+            match value {
+                Value::Flag(flag) => numbers.push(f64::from(flag)),
+                Value::Number(number) => numbers.push(number),
+                Value::Vector(vector) => numbers.extend(vector.to_array()),
+            }
+        }
         Self {
             name: Arc::clone(name),
-            numbers: [color.x, color.y, color.z, *alpha, cutoff].map(f64::to_bits),
+            numbers: numbers.into_iter().map(f64::to_bits).collect(),
+            model: model.name(),
             flags: [*unlit, *double_sided],
             alpha_mode,
-            maps: MapRole::ALL.map(|role| maps.get(role).map(MapKey::of)),
+            maps: maps
+                .roles()
+                .map(|(role, map)| (role, MapKey::of(map)))
+                .collect(),
         }
     }
 }
@@ -218,6 +238,7 @@ struct MapKey {
     texture: usize,
     wrap: [u8; 2],
     filter: u8,
+    uv_set: u8,
     picture_from_uv: [[u64; 3]; 2],
 }
 
@@ -227,6 +248,7 @@ impl MapKey {
             texture: Arc::as_ptr(&map.texture).addr(),
             wrap: map.wrap.map(|wrap| wrap as u8),
             filter: map.filter as u8,
+            uv_set: map.uv_set as u8,
             picture_from_uv: map.picture_from_uv.map(|row| row.map(f64::to_bits)),
         }
     }

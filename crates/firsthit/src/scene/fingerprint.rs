@@ -1,8 +1,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{AlphaMode, Filter, Light, MapRole, Material, Object, Scene, TextureMap, Wrap};
-use crate::geometry::Digest;
+use rayon::prelude::*;
+
+use super::{
+    AlphaMode, Environment, Filter, Light, MapRole, Material, Model, Object, Scene, Surroundings,
+    TextureMap, UvSet, Wrap,
+};
+use crate::geometry::{Color, Digest, Value};
 use crate::shape::Surface;
 
 impl Scene {
@@ -18,6 +23,17 @@ impl Scene {
             None => self.digest().name(),
         };
         self.fingerprint.get_or_init(|| made)
+    }
+
+    /// Adds all that shines but surfaces, whoever chose it.
+    pub(crate) fn digest_light(&self, digest: &mut Digest) {
+        digest.count(self.lights.len());
+        for light in &self.lights {
+            digest_light(light, digest);
+        }
+        if let Some(environment) = self.environment() {
+            digest_environment(environment, digest);
+        }
     }
 
     fn digest(&self) -> Digest {
@@ -39,6 +55,13 @@ impl Scene {
         digest.count(own.len());
         for light in own {
             digest_light(light, &mut digest);
+        }
+        let own = self
+            .environment
+            .as_deref()
+            .filter(|_| self.has_own_environment);
+        if let Some(environment) = own {
+            digest_environment(environment, &mut digest);
         }
         digest
     }
@@ -82,7 +105,11 @@ fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) 
         name: _,
         color,
         alpha,
+        model,
+        emission,
         maps,
+        normal_scale,
+        occlusion_strength,
         alpha_mode,
         unlit,
         double_sided: _,
@@ -97,11 +124,33 @@ fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) 
         }
         AlphaMode::Blend => digest.word("blend"),
     }
-    for map in MapRole::ALL.map(|role| maps.get(role)) {
+    let first = [MapRole::Color, MapRole::Alpha];
+    for map in first.map(|role| maps.get(role)) {
         digest.count(usize::from(map.is_some()));
         if let Some(map) = map {
             digest_map(map, known, digest);
         }
+    }
+    // All that follows only where it is unusual, so that scenes of plain materials keep the fingerprints they had.
+    for (role, map) in maps.roles().filter(|(role, _)| !first.contains(role)) {
+        digest.word(role.name());
+        digest_map(map, known, digest);
+    }
+    if *model != Model::default() {
+        digest.word(model.name());
+        digest_settings(&model.settings(), digest);
+    }
+    let numbers = [*normal_scale, *occlusion_strength];
+    if *emission != Color::ZERO || numbers != [1.0; 2] {
+        digest.word("emission");
+        digest.vector(*emission);
+        digest.numbers(&numbers);
+    }
+}
+
+fn digest_settings(settings: &[(&'static str, Value)], digest: &mut Digest) {
+    for (_, value) in settings {
+        value.digest(digest);
     }
 }
 
@@ -110,6 +159,7 @@ fn digest_map(map: &TextureMap, known: &mut Known, digest: &mut Digest) {
         texture,
         wrap,
         filter,
+        uv_set,
         picture_from_uv,
     } = map;
     let of_texture = || {
@@ -132,36 +182,78 @@ fn digest_map(map: &TextureMap, known: &mut Known, digest: &mut Digest) {
         Filter::Nearest => "nearest",
         Filter::Linear => "linear",
     });
+    if *uv_set == UvSet::Second {
+        digest.word("second uvs");
+    }
     digest.numbers(picture_from_uv.as_flattened());
 }
 
 fn digest_light(light: &Light, digest: &mut Digest) {
-    match *light {
-        Light::Directional { direction, color } => {
-            digest.word("directional");
-            digest.vector(direction);
-            digest.vector(color);
+    digest.word(light.kind());
+    let mut settings = light.settings();
+    // For suns only, so that scenes without any keep the fingerprints they had.
+    settings.retain(|setting| *setting != ("angle_degrees", Value::Number(0.0)));
+    digest_settings(&settings, digest);
+}
+
+/// Its radiance, not whether it is seen.
+fn digest_environment(environment: &Environment, digest: &mut Digest) {
+    digest.word("environment");
+    digest.numbers(&[environment.strength]);
+    match &environment.surroundings {
+        Surroundings::Uniform(color) => {
+            digest.word("uniform");
+            digest.vector(*color);
         }
-        Light::Point {
-            position,
-            intensity,
-        } => {
-            digest.word("point");
-            digest.vector(position);
-            digest.vector(intensity);
+        Surroundings::Hemispheres { above, below, up } => {
+            digest.word("hemispheres");
+            for vector in [above, below, up] {
+                digest.vector(*vector);
+            }
         }
-        Light::Spot {
-            position,
-            direction,
-            intensity,
-            inner_angle,
-            outer_angle,
+        Surroundings::Gradient {
+            horizon,
+            zenith,
+            up,
         } => {
-            digest.word("spot");
-            digest.vector(position);
-            digest.vector(direction);
-            digest.vector(intensity);
-            digest.numbers(&[inner_angle, outer_angle]);
+            digest.word("gradient");
+            for vector in [horizon, zenith, up] {
+                digest.vector(*vector);
+            }
+        }
+        Surroundings::Map {
+            map,
+            world_from_map,
+        } => {
+            digest.word("map");
+            digest.count(map.columns());
+            digest.count(map.rows());
+            digest.bytes(&digest_of_texels(map.texels()));
+            digest.numbers(&world_from_map.to_cols_array());
+        }
+        Surroundings::Daylight(daylight) => {
+            digest.word("daylight");
+            let [elevation, azimuth] = [daylight.elevation_degrees(), daylight.azimuth_degrees()];
+            digest.numbers(&[elevation, azimuth, daylight.turbidity()]);
+            for vector in [daylight.up(), daylight.ground()] {
+                digest.vector(vector);
+            }
         }
     }
+}
+
+/// How many texels become one part of a digest: a constant, because the parts show in the result.
+const AT_ONCE: usize = 1 << 16;
+
+fn digest_of_texels(texels: &[[f32; 3]]) -> [u8; 32] {
+    let part = |texels: &[[f32; 3]]| {
+        let mut digest = Digest::default();
+        let numbers = texels.as_flattened().iter();
+        digest.numbers(&numbers.map(|&number| f64::from(number)).collect::<Vec<_>>());
+        digest.finish()
+    };
+    let parts: Vec<[u8; 32]> = texels.par_chunks(AT_ONCE).map(part).collect();
+    let mut digest = Digest::default();
+    digest.bytes(parts.as_flattened());
+    digest.finish()
 }

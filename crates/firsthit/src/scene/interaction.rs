@@ -1,8 +1,10 @@
 //! What there is to know about a hit.
 
+mod maps;
+
 use std::cell::OnceCell;
 
-use super::{MapRole, Material, Object, Scene};
+use super::{Colored, MapRole, Material, Object, Scene};
 use crate::geometry::{Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId, moderation};
 use crate::shape::{Mesh, Shape, Surface};
 
@@ -27,7 +29,9 @@ pub struct SurfaceInteraction<'a> {
     hit: &'a Hit,
     object: &'a Object,
     /// The mesh, and which of its triangles.
-    mesh: Option<(&'a Mesh, usize)>,
+    pub(super) mesh: Option<(&'a Mesh, usize)>,
+    /// How the scene is coloured by numbers, if it is.
+    colored: Option<&'a Colored>,
     normal: OnceCell<DVec3>,
 }
 
@@ -50,6 +54,7 @@ impl Scene {
             hit,
             object,
             mesh,
+            colored: self.colored(),
             normal: OnceCell::new(),
         })
     }
@@ -172,17 +177,22 @@ impl<'a> SurfaceInteraction<'a> {
         self.ray.direction.dot(self.normal()) < 0.0
     }
 
-    /// The linear colour: the material's, times its texture's, times the mesh's own.
+    /// The linear colour: that of its number, where the scene is [coloured by numbers](Scene::with_coloring), or else its own.
     pub fn color(&self) -> Color {
+        let by_number = self.colored.and_then(|colored| colored.color(self));
+        by_number.unwrap_or_else(|| self.own_color())
+    }
+
+    /// The material's colour, times its texture's, times the mesh's own.
+    fn own_color(&self) -> Color {
         let Some((mesh, triangle)) = self.mesh else {
             return self.object.color();
         };
         let own = mesh.color(triangle, self.hit.barycentric);
         let look = self.material().map_or(Object::NEUTRAL, |material| {
-            if material.maps.get(MapRole::Color).is_some() {
-                material.color_at(mesh.uv(triangle, self.hit.barycentric))
-            } else {
-                material.color
+            match material.maps.get(MapRole::Color) {
+                Some(map) => material.color_at(self.uv_of(map)),
+                None => material.color,
             }
         });
         look * own.unwrap_or(Color::ONE)

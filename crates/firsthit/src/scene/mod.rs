@@ -7,7 +7,10 @@
 
 mod background;
 mod catalog;
+mod coloring;
 mod duplicates;
+mod emitters;
+mod environment;
 #[cfg(feature = "frame")]
 mod fingerprint;
 mod interaction;
@@ -17,6 +20,7 @@ mod material;
 mod object;
 #[cfg(feature = "fhs")]
 mod stored;
+mod terminator;
 mod texture;
 mod top_tree;
 
@@ -27,15 +31,24 @@ use rayon::prelude::*;
 
 pub use background::Background;
 pub use catalog::{Catalog, Label};
+pub use coloring::{ColorBy, Colored, Coloring};
+pub use environment::{Daylight, Environment, EnvironmentMap, Surroundings};
 pub use interaction::SurfaceInteraction;
-pub use light::Light;
-pub use material::{AlphaMode, MapRole, Maps, Material};
+pub use light::{
+    Arriving, DirectionalLight, DiscLight, Light, Met, PointLight, RectangleLight, SphereLight,
+    SpotLight,
+};
+pub use material::{
+    AlphaMode, Glass, MapRole, Maps, Material, Matte, MetalRough, Model, Scattered, Scattering,
+};
 pub use object::Object;
-pub use texture::{Filter, Sample, Texture, TextureMap, Wrap};
+pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};
 
 pub(crate) use duplicates::Duplicates;
+pub(crate) use emitters::Emitters;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::SceneParts;
+pub(crate) use terminator::softened;
 use top_tree::TopTree;
 pub(crate) use top_tree::{Around, OnTheWay};
 
@@ -71,12 +84,20 @@ pub struct Scene {
     bounds: OnceLock<Bounds>,
     lights: Vec<Light>,
     has_own_lights: bool,
+    environment: Option<Arc<Environment>>,
+    has_own_environment: bool,
+    /// How it is coloured by numbers, if it is.
+    colored: Option<Arc<Colored>>,
     /// See [`Scene::up`].
     up: Option<DVec3>,
     /// Made when first asked for.
     fingerprint: OnceLock<String>,
     /// See [`Scene::first_open_object`]; made when first asked for.
     first_open: OnceLock<Option<usize>>,
+    /// See [`Scene::has_translucent`]; made when first asked for.
+    translucent: OnceLock<bool>,
+    /// See [`Scene::emitters`]; made when first asked for.
+    emitters: OnceLock<Arc<Emitters>>,
     /// See [`Scene::catalog`]; made when first asked for, and shared by all scenes that are this one with objects moved.
     catalog: OnceLock<Arc<Catalog>>,
     /// Those of meshes and textures, which all scenes have in common that are this one with objects moved.
@@ -115,22 +136,25 @@ impl Scene {
         Ok(self.clone())
     }
 
-    /// A scene of other objects, with the same lights. What did not change is shared: the tree over a mesh
+    /// A scene of other objects, with the same lights, coloured as this one. What did not change is shared: the tree over a mesh
     /// that this scene has too is not built again. A mesh in the place of one with the
     /// same triangles and other vertices gets that one's tree: its boxes are fitted to the new vertices, unless that
     /// would make a poor tree.
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::new`].
+    /// Those of [`Scene::new`] and [`Scene::with_coloring`].
     pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
         let scene = Self::build(objects, Some(self))?;
         let has_own_lights = self.has_own_lights;
-        Ok(Self {
+        let scene = Self {
             has_own_lights,
             up: self.up,
+            environment: self.environment.clone(),
+            has_own_environment: self.has_own_environment,
             ..scene.with_lights(self.lights.clone())
-        })
+        };
+        scene.with_coloring(self.colored().map(|colored| colored.coloring().clone()))
     }
 
     fn build(objects: Vec<Object>, before: Option<&Self>) -> Result<Self> {
@@ -159,9 +183,14 @@ impl Scene {
             bounds,
             lights: Vec::new(),
             has_own_lights: true,
+            environment: None,
+            has_own_environment: true,
+            colored: None,
             up: None,
             fingerprint: OnceLock::new(),
             first_open: OnceLock::new(),
+            translucent: OnceLock::new(),
+            emitters: OnceLock::new(),
             catalog: OnceLock::new(),
             #[cfg(feature = "frame")]
             digests: Arc::default(),
@@ -207,6 +236,7 @@ impl Scene {
         }
         self.top.moved(&self.objects, &moved);
         self.bounds = OnceLock::new();
+        self.emitters = OnceLock::new();
         self.fingerprint = OnceLock::new();
         Ok(())
     }
@@ -227,6 +257,7 @@ impl Scene {
         self.top.rebuild(&self.objects);
         self.first_open = OnceLock::new();
         self.bounds = OnceLock::new();
+        self.emitters = OnceLock::new();
         self.fingerprint = OnceLock::new();
         Ok(())
     }
@@ -262,6 +293,16 @@ impl Scene {
         }
     }
 
+    /// The same scene with another environment, or none.
+    pub fn with_environment(self, environment: Option<Arc<Environment>>) -> Self {
+        Self {
+            environment,
+            has_own_environment: true,
+            fingerprint: OnceLock::new(),
+            ..self
+        }
+    }
+
     /// The same scene with lights that nobody asked for, such as one that goes with the camera: they are
     /// not part of its [fingerprint](Self::fingerprint).
     pub fn with_borrowed_lights(self, lights: Vec<Light>) -> Self {
@@ -279,6 +320,21 @@ impl Scene {
         }
     }
 
+    /// The same with an environment that nobody asked for, or none.
+    pub fn with_borrowed_environment(self, environment: Option<Arc<Environment>>) -> Self {
+        let has_none = self.environment.is_none() || !self.has_own_environment;
+        Self {
+            fingerprint: if has_none {
+                self.fingerprint
+            } else {
+                OnceLock::new()
+            },
+            environment,
+            has_own_environment: false,
+            ..self
+        }
+    }
+
     /// The objects, in the order of their identifiers.
     pub fn objects(&self) -> &[Object] {
         &self.objects
@@ -287,6 +343,38 @@ impl Scene {
     /// The lights; none until some are set.
     pub fn lights(&self) -> &[Light] {
         &self.lights
+    }
+
+    /// The light from all around, if there is any.
+    pub fn environment(&self) -> Option<&Environment> {
+        self.environment.as_deref()
+    }
+
+    /// The surfaces that shine.
+    pub(crate) fn emitters(&self) -> &Emitters {
+        // Made outside of the cell: see `fingerprint`.
+        let made = match self.emitters.get() {
+            Some(known) => return known,
+            None => Arc::new(Emitters::new(self)),
+        };
+        self.emitters.get_or_init(|| made)
+    }
+
+    /// Whether some surfaces may let light through by their alpha.
+    pub(crate) fn has_translucent(&self) -> bool {
+        let blends = |material: &Material| material.alpha_mode == AlphaMode::Blend;
+        let has_some = |object: &Object| object.materials().iter().any(blends);
+        if let Some(&known) = self.translucent.get() {
+            return known;
+        }
+        let any = self.objects.iter().any(has_some);
+        *self.translucent.get_or_init(|| any)
+    }
+
+    /// Whether nothing shines: neither lights nor an environment nor surfaces.
+    pub fn is_unlit(&self) -> bool {
+        let has_light = !self.lights.is_empty() || self.environment.is_some();
+        !has_light && self.emitters().is_empty() && !self.emitters().has_others()
     }
 
     /// The smallest box around all objects in the world, infinite and hidden ones left out; empty without any.

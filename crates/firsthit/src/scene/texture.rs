@@ -80,13 +80,26 @@ impl Texture {
         }
     }
 
-    fn texel(&self, column: usize, row: usize) -> Sample {
+    fn texel(&self, column: usize, row: usize, levels: Levels) -> Sample {
         let [red, green, blue, alpha] = self.texels[row * self.columns + column];
+        let share = |level: u8| f64::from(level) / 255.0;
         Sample {
-            color: Color::new(linear(red), linear(green), linear(blue)),
-            alpha: f64::from(alpha) / 255.0,
+            color: match levels {
+                Levels::Srgb => Color::new(linear(red), linear(green), linear(blue)),
+                Levels::Plain => Color::new(share(red), share(green), share(blue)),
+            },
+            alpha: share(alpha),
         }
     }
+}
+
+/// What the levels of red, green and blue say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Levels {
+    /// Light, encoded as sRGB.
+    Srgb,
+    /// Numbers from 0 to 1.
+    Plain,
 }
 
 /// The linear value of an 8-bit level.
@@ -172,6 +185,16 @@ impl Filter {
         [("nearest", Self::Nearest), ("linear", Self::Linear)];
 }
 
+/// One of the two sets of texture coordinates that a mesh may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum UvSet {
+    /// [`Mesh::uvs`](crate::Mesh::uvs).
+    #[default]
+    First,
+    /// [`Mesh::second_uvs`](crate::Mesh::second_uvs).
+    Second,
+}
+
 /// A texture on a surface.
 ///
 /// ```
@@ -192,6 +215,8 @@ pub struct TextureMap {
     pub wrap: [Wrap; 2],
     /// How it is filtered between texels.
     pub filter: Filter,
+    /// Which of a mesh's sets of texture coordinates it takes: the first, or the second.
+    pub uv_set: UvSet,
     /// The rows of the map from a mesh's texture coordinates (u, v, 1) to the picture's, which run from 0 at the
     /// left to 1 at the right, and from 0 at the top to 1 at the bottom.
     pub picture_from_uv: [[f64; 3]; 2],
@@ -209,12 +234,24 @@ impl TextureMap {
             texture,
             wrap: [Wrap::Repeat; 2],
             filter: Filter::Linear,
+            uv_set: UvSet::First,
             picture_from_uv,
         }
     }
 
     /// The value at texture coordinates; `None` where those are not finite.
     pub fn at(&self, uv: DVec2) -> Option<Sample> {
+        self.sample(uv, Levels::Srgb)
+    }
+
+    /// The value at texture coordinates of a texture that holds numbers, not colours; `None` where those are not finite.
+    pub fn data_at(&self, uv: DVec2) -> Option<[f64; 4]> {
+        let sample = self.sample(uv, Levels::Plain)?;
+        Some(sample.color.extend(sample.alpha).to_array())
+    }
+
+    fn sample(&self, uv: DVec2, levels: Levels) -> Option<Sample> {
+        let texel = |column, row| self.texel(column, row, levels);
         let [x, y] = self
             .picture_from_uv
             .map(|[a, b, c]| a * uv.x + b * uv.y + c);
@@ -226,23 +263,23 @@ impl TextureMap {
             return None;
         }
         Some(match self.filter {
-            Filter::Nearest => self.texel(x.floor(), y.floor()),
+            Filter::Nearest => texel(x.floor(), y.floor()),
             Filter::Linear => {
                 // Texel centres are at +1/2.
                 let (x, y) = (x - 0.5, y - 0.5);
                 let (left, top) = (x.floor(), y.floor());
-                let across =
-                    |row: f64| mix(self.texel(left, row), self.texel(left + 1.0, row), x - left);
+                let across = |row: f64| mix(texel(left, row), texel(left + 1.0, row), x - left);
                 mix(across(top), across(top + 1.0), y - top)
             }
         })
     }
 
-    fn texel(&self, column: f64, row: f64) -> Sample {
+    fn texel(&self, column: f64, row: f64, levels: Levels) -> Sample {
         let [across, down] = self.wrap;
         self.texture.texel(
             across.index(column, self.texture.columns),
             down.index(row, self.texture.rows),
+            levels,
         )
     }
 }

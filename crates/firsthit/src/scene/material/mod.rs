@@ -1,9 +1,24 @@
 //! The look of a surface, and its alpha cut-outs.
 
+mod glass;
+mod maps;
+mod matte;
+mod metal_rough;
+mod model;
+mod scattering;
+
 use std::sync::Arc;
 
+pub use glass::Glass;
+pub use maps::{MapRole, Maps};
+pub use matte::Matte;
+pub use metal_rough::MetalRough;
+pub use model::Model;
+pub use scattering::{Scattered, Scattering};
+
 use super::texture::{Sample, TextureMap};
-use crate::geometry::{Color, DVec2};
+use crate::error::Result;
+use crate::geometry::{Color, DVec2, require};
 
 /// The look of a surface.
 ///
@@ -23,68 +38,22 @@ pub struct Material {
     pub color: Color,
     /// From 0, transparent, to 1, opaque. The mesh's own alpha and the map's multiply it.
     pub alpha: f64,
+    /// What it is made of.
+    pub model: Model,
+    /// The radiance that it gives off. The emission map multiplies it.
+    pub emission: Color,
     /// The textures, for meshes with texture coordinates.
     pub maps: Maps,
+    /// How steep the normal map is.
+    pub normal_scale: f64,
+    /// How much the occlusion map counts, from 0 to 1.
+    pub occlusion_strength: f64,
     /// What alpha means.
     pub alpha_mode: AlphaMode,
     /// Whether the colour is seen as it is, whatever the light.
     pub unlit: bool,
     /// Whether the file says that both sides are to be seen. Rays meet both in any case.
     pub double_sided: bool,
-}
-
-/// What a texture of a material is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum MapRole {
-    /// The colour; the alpha too, unless there is a map for that.
-    Color,
-    /// The alpha.
-    Alpha,
-}
-
-impl MapRole {
-    /// Every role, in the order of [`Maps`].
-    pub const ALL: [Self; 2] = [Self::Color, Self::Alpha];
-}
-
-/// The textures of a material: at most one for each role.
-///
-/// ```
-/// use std::sync::Arc;
-///
-/// use firsthit::scene::{MapRole, Maps};
-/// use firsthit::{Material, Texture, TextureMap};
-///
-/// let texture = Arc::new(Texture::new(1, 1, vec![[255, 0, 0, 255]])?);
-/// let map = TextureMap::new(texture, TextureMap::V_UP);
-/// let red = Material { maps: Maps::default().with(MapRole::Color, map), ..Material::default() };
-/// assert!(red.maps.get(MapRole::Color).is_some() && red.maps.get(MapRole::Alpha).is_none());
-/// # Ok::<(), firsthit::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Maps([Option<TextureMap>; MapRole::ALL.len()]);
-
-impl Maps {
-    /// The map of a role.
-    pub fn get(&self, role: MapRole) -> Option<&TextureMap> {
-        self.0[role as usize].as_ref()
-    }
-
-    /// The same maps with another one, or none, for a role.
-    pub fn with(mut self, role: MapRole, map: impl Into<Option<TextureMap>>) -> Self {
-        self.0[role as usize] = map.into();
-        self
-    }
-
-    /// Whether no role has a map.
-    pub fn is_empty(&self) -> bool {
-        self.iter().next().is_none()
-    }
-
-    /// All maps, in the order of [`MapRole::ALL`].
-    pub fn iter(&self) -> impl Iterator<Item = &TextureMap> {
-        self.0.iter().flatten()
-    }
 }
 
 /// What a surface's alpha means.
@@ -110,25 +79,29 @@ pub enum AlphaMode {
         /// The least alpha that is there.
         cutoff: f64,
     },
-    /// The surface is translucent. Opaque for now: loaders warn of it.
+    /// The surface is translucent: it hides as much of what is behind it as alpha says. Rays of queries meet it as any other.
     Blend,
 }
 
 impl Default for Material {
-    /// White, opaque, lit.
+    /// White, opaque, lit, matte.
     fn default() -> Self {
         Self::colored(Color::ONE)
     }
 }
 
 impl Material {
-    /// Opaque, of one linear colour.
+    /// Matte, opaque, of one linear colour.
     pub fn colored(color: Color) -> Self {
         Self {
             name: Arc::default(),
             color,
             alpha: 1.0,
+            model: Model::default(),
+            emission: Color::ZERO,
             maps: Maps::default(),
+            normal_scale: 1.0,
+            occlusion_strength: 1.0,
             alpha_mode: AlphaMode::Opaque,
             unlit: false,
             double_sided: true,
@@ -141,6 +114,41 @@ impl Material {
         self.color * sample.map_or(Color::ONE, |sample| sample.color)
     }
 
+    /// Fails for numbers that make no sense: a light or a strength that is not finite, a setting of its model out of its domain.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument), with the number's name.
+    pub fn check_numbers(&self) -> Result<()> {
+        let Self {
+            emission,
+            normal_scale,
+            occlusion_strength,
+            ..
+        } = *self;
+        let is_light = emission.is_finite() && emission.min_element() >= 0.0;
+        require(
+            "emission",
+            "a colour of finite numbers that are not negative",
+            is_light,
+            emission,
+        )?;
+        require(
+            "normal_scale",
+            "finite",
+            normal_scale.is_finite(),
+            normal_scale,
+        )?;
+        let is_share = (0.0..=1.0).contains(&occlusion_strength);
+        require(
+            "occlusion_strength",
+            "from 0 to 1",
+            is_share,
+            occlusion_strength,
+        )?;
+        self.model.check()
+    }
+
     /// Whether alpha cuts anything out: whether it is a mask.
     pub fn has_cutouts(&self) -> bool {
         matches!(self.alpha_mode, AlphaMode::Mask { .. })
@@ -151,9 +159,14 @@ impl Material {
         let AlphaMode::Mask { cutoff } = self.alpha_mode else {
             return false;
         };
+        self.alpha_at(uv, own) < cutoff
+    }
+
+    /// The alpha at texture coordinates, where the mesh's own is `own`.
+    pub fn alpha_at(&self, uv: Option<DVec2>, own: f64) -> f64 {
         let [color, alpha] = [MapRole::Color, MapRole::Alpha].map(|role| self.maps.get(role));
         let map = alpha.or(color);
-        self.alpha * own * sample(map, uv).map_or(1.0, |sample| sample.alpha) < cutoff
+        self.alpha * own * sample(map, uv).map_or(1.0, |sample| sample.alpha)
     }
 }
 

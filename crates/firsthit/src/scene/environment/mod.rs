@@ -1,0 +1,305 @@
+//! Light from all around, from infinitely far away.
+
+mod daylight;
+mod directions;
+mod map;
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+pub use daylight::Daylight;
+pub use map::EnvironmentMap;
+
+use super::light::Arriving;
+use crate::error::Result;
+use crate::geometry::{Color, DMat3, DVec2, DVec3, moderation, require, require_direction, unit};
+use directions::DirectionTable;
+
+/// Light from all around: what rays see that meet nothing, and what lights surfaces.
+///
+/// ```
+/// use firsthit::scene::{Environment, Surroundings};
+/// use firsthit::{Color, DVec3};
+///
+/// let overcast = Environment::new(Surroundings::Uniform(Color::splat(0.8)));
+/// assert_eq!(overcast.radiance(DVec3::X), Color::splat(0.8));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Environment {
+    /// What there is to see.
+    pub surroundings: Surroundings,
+    /// What its radiance is multiplied by.
+    pub strength: f64,
+    /// Whether the camera sees it too, in place of the background.
+    pub is_seen: bool,
+}
+
+/// What there is to see of an [`Environment`], by direction.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Surroundings {
+    /// The same radiance from everywhere.
+    Uniform(Color),
+    /// One radiance from above the horizon, and another from below.
+    Hemispheres {
+        /// That of the sky.
+        above: Color,
+        /// That of the ground.
+        below: Color,
+        /// Which way is up; any length but zero.
+        up: DVec3,
+    },
+    /// A sky that goes from the horizon's radiance, which is that of all below too, to the zenith's, by the sine of the height.
+    Gradient {
+        /// At the horizon and below.
+        horizon: Color,
+        /// Straight up.
+        zenith: Color,
+        /// Which way is up; any length but zero.
+        up: DVec3,
+    },
+    /// What a picture of all directions shows.
+    Map {
+        /// The picture.
+        map: Arc<EnvironmentMap>,
+        /// A rotation: how the map's own frame, whose up is +y, lies in the world.
+        world_from_map: DMat3,
+    },
+    /// The sky of a clear day.
+    Daylight(Daylight),
+}
+
+impl Environment {
+    /// As it is, and seen by the camera.
+    pub fn new(surroundings: Surroundings) -> Self {
+        Self {
+            surroundings,
+            strength: 1.0,
+            is_seen: true,
+        }
+    }
+
+    /// The radiance from a direction of any length; black where there is none.
+    pub fn radiance(&self, direction: DVec3) -> Color {
+        self.strength * self.surroundings.radiance(direction)
+    }
+
+    /// Light from a direction that a point of the unit square stands for, bright ones more often. `None` where surfaces choose
+    /// directions as well: where the radiance is nearly the same from everywhere.
+    ///
+    /// What is dim is drawn seldom. So the mean over the square is all the light, but a noisy one, unless directions that surfaces choose
+    /// count as well, each way by how [dense](Self::density) it is.
+    pub fn arriving(&self, u: DVec2) -> Option<Arriving> {
+        let (table, world_from_own) = self.surroundings.table()?;
+        let (direction, density) = table.draw(u);
+        let towards = *world_from_own * direction;
+        Some(Arriving {
+            towards,
+            distance: f64::INFINITY,
+            light: self.radiance(towards) / (PI * density),
+            density: Some(density),
+        })
+    }
+
+    /// How densely [`arriving`](Self::arriving) puts directions around this one, of length one, per steradian; 0 if it draws none.
+    pub fn density(&self, towards: DVec3) -> f64 {
+        let table = self.surroundings.table();
+        table.map_or(0.0, |(table, world_from_own)| {
+            table.density(world_from_own.transpose() * towards)
+        })
+    }
+
+    /// Whether [`arriving`](Self::arriving) draws directions.
+    pub fn is_drawn(&self) -> bool {
+        self.surroundings.table().is_some()
+    }
+
+    /// Fails for numbers that make no sense.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument).
+    pub fn check(&self) -> Result<()> {
+        let fine = self.strength >= 0.0 && self.strength.is_finite();
+        require("strength", "finite and not negative", fine, self.strength)?;
+        self.surroundings.check()
+    }
+}
+
+impl Surroundings {
+    fn radiance(&self, direction: DVec3) -> Color {
+        let height = |up: DVec3| unit(direction).dot(unit(up));
+        match *self {
+            Self::Uniform(color) => color,
+            Self::Hemispheres { above, below, up } => {
+                // The sign alone counts: lengths do not.
+                let height = (moderation(direction) * direction).dot(moderation(up) * up);
+                if height > 0.0 {
+                    above
+                } else if height <= 0.0 {
+                    below
+                } else {
+                    Color::ZERO
+                }
+            }
+            Self::Gradient {
+                horizon,
+                zenith,
+                up,
+            } => {
+                let height = height(up);
+                if height.is_nan() {
+                    return Color::ZERO;
+                }
+                horizon.lerp(zenith, height.clamp(0.0, 1.0))
+            }
+            Self::Map {
+                ref map,
+                ref world_from_map,
+            } => map.radiance(world_from_map.transpose() * direction),
+            Self::Daylight(ref daylight) => daylight.radiance(direction),
+        }
+    }
+
+    /// The table to draw directions from, and its frame in the world; `None` where that is not worth it.
+    fn table(&self) -> Option<(&DirectionTable, &DMat3)> {
+        match self {
+            Self::Map {
+                map,
+                world_from_map,
+            } => Some((map.table()?, world_from_map)),
+            Self::Daylight(daylight) => daylight.table(),
+            Self::Uniform(_) | Self::Hemispheres { .. } | Self::Gradient { .. } => None,
+        }
+    }
+
+    /// A map in a world with that direction upwards, of any length but zero, turned by a rotation.
+    ///
+    /// Where +y is up, the map's axes are the world's. Where it is another direction, they are tilted the shortest way: with +z up, the map's
+    /// +x stays, its +y becomes +z, and its +z becomes -y.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use firsthit::geometry::rotation;
+    /// use firsthit::scene::{Environment, EnvironmentMap, Surroundings};
+    /// use firsthit::{Color, DMat3, DVec3};
+    ///
+    /// // Four columns: the middle, between the second and the third, is +x.
+    /// let texels = [1.0, 2.0, 3.0, 4.0].map(|x| [x; 3]).to_vec();
+    /// let map = Arc::new(EnvironmentMap::new(4, 1, texels)?);
+    /// let quarter = rotation(DVec3::Z, 90.0);
+    /// let seen = Environment::new(Surroundings::of_map(map, DVec3::Z, &quarter));
+    /// assert_eq!(seen.radiance(DVec3::Y), Color::splat(2.5));
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn of_map(map: Arc<EnvironmentMap>, up: DVec3, turn: &DMat3) -> Self {
+        let world_from_map = *turn * upright(up);
+        Self::Map {
+            map,
+            world_from_map,
+        }
+    }
+
+    fn check(&self) -> Result<()> {
+        let colors = |colors: [Color; 2], up| {
+            for color in colors {
+                let fine = color.is_finite() && color.min_element() >= 0.0;
+                require("color", "finite and not negative", fine, color)?;
+            }
+            require_direction("up", up).map(drop)
+        };
+        match *self {
+            Self::Uniform(color) => colors([color; 2], DVec3::Y),
+            Self::Hemispheres { above, below, up } => colors([above, below], up),
+            Self::Gradient {
+                horizon,
+                zenith,
+                up,
+            } => colors([horizon, zenith], up),
+            Self::Map { world_from_map, .. } => {
+                let off = world_from_map * world_from_map.transpose() - DMat3::IDENTITY;
+                let fine = off.to_cols_array().iter().all(|x| x.abs() < 1e-9);
+                require("world_from_map", "a rotation", fine, world_from_map)
+            }
+            // Checked when it was made.
+            Self::Daylight(_) => Ok(()),
+        }
+    }
+}
+
+/// The rotation that takes +y the shortest way to `up`; straight down it is half a turn about +x.
+fn upright(up: DVec3) -> DMat3 {
+    let up = unit(up);
+    let axis = DVec3::Y.cross(up);
+    let nearness = 1.0 + up.y;
+    if nearness <= 0.0 {
+        return DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
+    }
+    // Rodrigues' formula, in which the sine is the axis' length: 1 - cos = sin^2 / (1 + cos).
+    let across = DMat3::from_cols(
+        DVec3::new(0.0, axis.z, -axis.y),
+        DVec3::new(-axis.z, 0.0, axis.x),
+        DVec3::new(axis.y, -axis.x, 0.0),
+    );
+    DMat3::IDENTITY + across + across * across * (1.0 / nearness)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::rotation;
+
+    #[test]
+    fn what_is_up_becomes_up_the_shortest_way() {
+        assert_eq!(upright(DVec3::Y), DMat3::IDENTITY);
+        let of_z = upright(3.0 * DVec3::Z);
+        assert_eq!(of_z, DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+        for up in [
+            DVec3::NEG_Y,
+            DVec3::X,
+            DVec3::new(1.0, -2.0, 0.5),
+            DVec3::new(1e-9, -1.0, 0.0),
+        ] {
+            let turn = upright(up);
+            let axis = DVec3::Y.cross(unit(up));
+            assert!((turn * DVec3::Y - unit(up)).length() < 1e-6, "{up}");
+            assert!((turn * axis - axis).length() < 1e-6, "{up}");
+            assert!((turn.determinant() - 1.0).abs() < 1e-6, "{up}");
+        }
+    }
+
+    #[test]
+    fn a_turned_map_is_seen_where_it_was_turned_to() {
+        let texels = (0..8).map(|k| [k as f32; 3]).collect::<Vec<_>>();
+        let map = Arc::new(EnvironmentMap::new(4, 2, texels).unwrap());
+        let seen =
+            |turn: &DMat3, up| Environment::new(Surroundings::of_map(Arc::clone(&map), up, turn));
+        let plain = seen(&DMat3::IDENTITY, DVec3::Y);
+        let up = DVec3::new(0.2, 1.0, -0.4);
+        let turn = rotation(DVec3::new(1.0, 2.0, -0.5), 77.0);
+        let turned = seen(&turn, up);
+        for direction in [
+            DVec3::X,
+            DVec3::new(-0.3, 0.2, 0.9),
+            DVec3::new(0.1, -0.9, -0.3),
+        ] {
+            let moved = turn * (upright(up) * direction);
+            let (got, expected) = (turned.radiance(moved), plain.radiance(direction));
+            assert!((got - expected).length() < 1e-9, "{got} {expected}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_make_no_sense_are_refused() {
+        let mut wrong = Environment::new(Surroundings::Uniform(Color::ONE));
+        assert!(wrong.check().is_ok());
+        wrong.strength = -1.0;
+        assert!(wrong.check().is_err());
+        let wrong = Environment::new(Surroundings::Uniform(Color::new(0.0, f64::NAN, 0.0)));
+        assert!(wrong.check().is_err());
+        let map = Arc::new(EnvironmentMap::new(1, 1, vec![[1.0; 3]]).unwrap());
+        let squeezed = DMat3::from_diagonal(DVec3::new(1.0, 2.0, 1.0));
+        let wrong = Surroundings::of_map(map, DVec3::Y, &squeezed);
+        assert!(Environment::new(wrong).check().is_err());
+    }
+}

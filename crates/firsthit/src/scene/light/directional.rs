@@ -1,0 +1,98 @@
+use super::{Arriving, Met, Shine};
+use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
+use crate::sampling::warp;
+
+settings! {
+    /// Parallel light from infinitely far away. With an angle it comes from a round sun of that diameter, and shadows are soft.
+    pub struct DirectionalLight {
+        /// Where the light goes, not where it comes from; of any length but zero.
+        direction: DVec3, Domain::Direction, required DVec3::NEG_Z;
+        /// What a white surface that faces the light takes.
+        color: Color, Domain::Light, usual Color::ONE;
+        /// The diameter of the sun as an angle, in degrees; that of Earth's sun is 0.53.
+        angle_degrees: f64, Domain::From(0.0, 180.0), usual 0.0;
+    }
+}
+
+impl DirectionalLight {
+    /// One minus the cosine of the angle from the sun's middle to its edge.
+    fn height(&self) -> f64 {
+        // By half the angle: next to 0 the cosine itself would lose half of the digits.
+        let sine = libm::sin(0.25 * self.angle_degrees.to_radians());
+        2.0 * sine * sine
+    }
+
+    /// What is the same for all points.
+    pub(super) fn prepared(&self) -> Sun {
+        let (height, towards) = (self.height(), -unit(self.direction));
+        Sun {
+            height,
+            towards,
+            axes: warp::axes_around(towards),
+            parallel: -self.direction,
+            // A surface that faces the middle takes `color`: the mean cosine over the sun is 1 - height / 2.
+            light: self.color / (1.0 - 0.5 * height),
+        }
+    }
+}
+
+/// A directional light with what is the same for all points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sun {
+    height: f64,
+    /// Towards its middle, of length one.
+    towards: DVec3,
+    axes: [DVec3; 2],
+    /// The same of the length that was given.
+    parallel: DVec3,
+    light: Color,
+}
+
+impl Sun {
+    pub(super) fn arriving(&self, u: DVec2) -> Arriving {
+        let distance = f64::INFINITY;
+        if self.height <= 0.0 {
+            return Arriving {
+                towards: self.parallel,
+                distance,
+                light: self.light,
+                density: None,
+            };
+        }
+        let [x, y] = self.axes;
+        let within = warp::cap(u, self.height);
+        Arriving {
+            towards: within.x * x + within.y * y + within.z * self.towards,
+            distance,
+            light: self.light,
+            density: Some(warp::cap_density(self.height)),
+        }
+    }
+}
+
+impl Shine for DirectionalLight {
+    fn arriving(&self, _at: DVec3, u: DVec2) -> Option<Arriving> {
+        Some(self.prepared().arriving(u))
+    }
+
+    fn met(&self, _at: DVec3, towards: DVec3) -> Option<Met> {
+        let height = self.height();
+        let away = towards + unit(self.direction);
+        // The square of a chord between two directions is twice one minus their cosine.
+        let is_met = height > 0.0 && 0.5 * away.length_squared() <= height * (1.0 + 1e-12);
+        is_met.then(|| Met {
+            distance: f64::INFINITY,
+            radiance: self.color / (2.0 * height * (1.0 - 0.5 * height)),
+            density: warp::cap_density(height),
+        })
+    }
+
+    fn has_size(&self) -> bool {
+        self.angle_degrees > 0.0
+    }
+
+    fn scaled(mut self, factor: f64) -> Self {
+        self.color *= factor;
+        self
+    }
+}

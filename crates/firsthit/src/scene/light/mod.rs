@@ -1,0 +1,335 @@
+//! What shines: a file per kind of light, and a row.
+
+mod directional;
+mod disc;
+mod point;
+mod rectangle;
+mod sphere;
+mod spot;
+
+pub use directional::DirectionalLight;
+pub use disc::DiscLight;
+pub use point::PointLight;
+pub use rectangle::RectangleLight;
+pub use sphere::SphereLight;
+pub use spot::SpotLight;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Color, DVec2, DVec3, Domain, Setting, Settings, Value};
+use crate::sampling::key;
+
+/// Light that arrives at a point from one direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arriving {
+    /// From the point towards the light. Where [`distance`](Self::distance) is 1, it ends at the light.
+    pub towards: DVec3,
+    /// How far away the light is, in lengths of `towards`: 1, or infinity.
+    pub distance: f64,
+    /// What a white, matte surface takes that faces `towards`, if this direction stands for the whole light.
+    pub light: Color,
+    /// How densely such directions lie around this one, per steradian. `None` for a light without a size: there is one direction.
+    pub density: Option<f64>,
+}
+
+/// What a ray sees of a light that has a size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Met {
+    /// How far away it is, in lengths of the ray's direction; infinity for a sun.
+    pub distance: f64,
+    /// Its radiance.
+    pub radiance: Color,
+    /// How densely [`Light::arriving`] puts directions around the ray's, per steradian.
+    pub density: f64,
+}
+
+/// A light for many points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum PreparedLight {
+    Sun(directional::Sun),
+    Other(Light),
+}
+
+impl PreparedLight {
+    /// See [`Light::arriving`].
+    pub(crate) fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+        match self {
+            Self::Sun(sun) => Some(sun.arriving(u)),
+            Self::Other(light) => light.arriving(at, u),
+        }
+    }
+}
+
+impl Light {
+    /// The same for many points: what does not depend on them is computed once.
+    pub(crate) fn prepared(&self) -> PreparedLight {
+        match self {
+            Self::Directional(light) => PreparedLight::Sun(light.prepared()),
+            _ => PreparedLight::Other(*self),
+        }
+    }
+}
+
+/// What every kind of light can do.
+trait Shine {
+    /// Light that arrives at a point, from a direction that a point of the unit square stands for. `None` where none arrives.
+    fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving>;
+
+    /// What a ray from `at` sees of it, `towards` having length one. `None` for a miss, and for a light without a size.
+    fn met(&self, _at: DVec3, _towards: DVec3) -> Option<Met> {
+        None
+    }
+
+    /// Whether it has a size: whether shadows are soft.
+    fn has_size(&self) -> bool;
+
+    /// The same light, so many times as strong.
+    fn scaled(self, factor: f64) -> Self;
+}
+
+macro_rules! lights {
+    ($($(#[$doc:meta])* $name:literal => $kind:ident($light:ty);)*) => {
+        /// A light.
+        ///
+        /// What its numbers say is what a matte white surface takes, so its colour in the picture: for light of irradiance `E` that is
+        /// `E / pi`. Lights with a surface say its radiance.
+        ///
+        /// ```
+        /// use firsthit::scene::DirectionalLight;
+        /// use firsthit::{Color, DVec3, Light, Scene};
+        ///
+        /// let sun = Light::from(DirectionalLight {
+        ///     direction: DVec3::new(0.5, 0.5, -1.0),
+        ///     color: Color::splat(0.9),
+        ///     angle_degrees: 0.53,
+        /// });
+        /// let scene = Scene::new(vec![])?.with_lights(vec![sun]);
+        /// assert_eq!(scene.lights(), [sun]);
+        /// # Ok::<(), firsthit::Error>(())
+        /// ```
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Light {
+            $($(#[$doc])* $kind($light),)*
+        }
+
+        $(impl From<$light> for Light {
+            fn from(light: $light) -> Self {
+                Self::$kind(light)
+            }
+        })*
+
+        impl Light {
+            /// Every kind's name, and its settings.
+            pub const KINDS: &[(&'static str, &'static [Setting])] = &[$(($name, <$light>::LIST)),*];
+
+            /// A light of a kind, with its usual settings. Those that have to be given are there only to be replaced.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`] for a name that is not in [`Light::KINDS`].
+            pub fn named(kind: &str) -> Result<Self> {
+                match kind {
+                    $($name => Ok(Self::$kind(<$light>::default())),)*
+                    _ => Err(Error::argument("light", concat!("one of" $(, " ", $name)*), kind)),
+                }
+            }
+
+            /// The name of its kind.
+            pub fn kind(&self) -> &'static str {
+                match self { $(Self::$kind(_) => $name,)* }
+            }
+
+            /// Its settings, by their names.
+            pub fn settings(&self) -> Vec<(&'static str, Value)> {
+                match self { $(Self::$kind(light) => light.named_values(),)* }
+            }
+
+            /// Sets one of its settings.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`] for a name that it does not have, and for a value that makes no sense.
+            pub fn set(&mut self, name: &str, value: Value) -> Result<()> {
+                match self { $(Self::$kind(light) => light.set(name, value),)* }
+            }
+
+            /// Fails for numbers that make no sense.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`].
+            pub fn check(&self) -> Result<()> {
+                match self { $(Self::$kind(light) => light.check(),)* }
+            }
+
+            /// Light that arrives at a point from a direction that `u`, a point of the unit square, stands for: the mean over the
+            /// square is all its light. `None` where none arrives.
+            pub fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+                match self { $(Self::$kind(light) => light.arriving(at, u),)* }
+            }
+
+            /// What a ray from `at` sees of it, `towards` having length one. `None` for a miss, and for a light without a size.
+            pub fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
+                match self { $(Self::$kind(light) => light.met(at, towards),)* }
+            }
+
+            /// Whether it has a size: whether shadows are soft.
+            pub fn has_size(&self) -> bool {
+                match self { $(Self::$kind(light) => light.has_size(),)* }
+            }
+
+            /// A number that stands for it, whatever other lights there are and however strong it is.
+            pub(crate) fn key(&self) -> u64 {
+                match self { $(Self::$kind(light) => key_of(light),)* }
+            }
+
+            /// The same light, so many times as strong.
+            #[must_use]
+            pub fn scaled(&self, factor: f64) -> Self {
+                match *self { $(Self::$kind(light) => Self::$kind(light.scaled(factor)),)* }
+            }
+        }
+    };
+}
+
+lights! {
+    /// Parallel light from infinitely far away; with an angle, a sun.
+    "directional" => Directional(DirectionalLight);
+    /// Light from one point.
+    "point" => Point(PointLight);
+    /// Light from one point into a cone.
+    "spot" => Spot(SpotLight);
+    /// A sphere that shines.
+    "sphere" => Sphere(SphereLight);
+    /// A disc that shines on one side.
+    "disc" => Disc(DiscLight);
+    /// A rectangle, or another parallelogram, that shines on one side.
+    "rectangle" => Rectangle(RectangleLight);
+}
+
+/// A number that stands for all settings but how strong the light is.
+fn key_of<S: Settings>(light: &S) -> u64 {
+    let values = S::LIST.iter().zip(light.values());
+    let values = values.filter(|(setting, _)| setting.domain != Domain::Light);
+    key(values.flat_map(|(_, value)| match value {
+        Value::Flag(flag) => [f64::from(flag), 0.0, 0.0],
+        Value::Number(number) => [number, 0.0, 0.0],
+        Value::Vector(vector) => vector.to_array(),
+    }))
+}
+
+/// Light from a point of a flat surface of that area and radiance, whose normal has length one. `None` behind it.
+fn from_area(
+    at: DVec3,
+    point: DVec3,
+    normal: DVec3,
+    area: f64,
+    radiance: Color,
+) -> Option<Arriving> {
+    let towards = point - at;
+    let squared = towards.length_squared();
+    let cosine = -towards.dot(normal) / squared.sqrt();
+    // Written so that a NaN fails.
+    (cosine > 0.0).then(|| {
+        let solid_angle = area * cosine / squared;
+        Arriving {
+            towards,
+            distance: 1.0,
+            light: radiance * (solid_angle / std::f64::consts::PI),
+            density: Some(1.0 / solid_angle),
+        }
+    })
+}
+
+/// What a ray sees of a flat surface: where it meets the plane, if from the front, and whether that point is within.
+fn met_flat(
+    at: DVec3,
+    towards: DVec3,
+    (center, normal): (DVec3, DVec3),
+    area: f64,
+    radiance: Color,
+    is_within: impl Fn(DVec3) -> bool,
+) -> Option<Met> {
+    let cosine = -towards.dot(normal);
+    let distance = (at - center).dot(normal) / cosine;
+    let is_met = cosine > 0.0 && distance > 0.0 && is_within(at + distance * towards);
+    is_met.then(|| Met {
+        distance,
+        radiance,
+        density: distance * distance / (area * cosine),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Draws;
+
+    /// Lights with a size, each seen from some points: the directions that are drawn meet the light where they say, with the
+    /// density they say, and their mean is the integral over all directions.
+    #[test]
+    fn what_is_drawn_is_what_rays_meet() {
+        let mut lights = Vec::new();
+        for (kind, _) in Light::KINDS {
+            let mut light = Light::named(kind).unwrap();
+            if *kind == "directional" {
+                light.set("angle_degrees", Value::Number(20.0)).unwrap();
+            }
+            if light.has_size() {
+                lights.push(light);
+            }
+        }
+        assert_eq!(lights.len(), 4);
+        for light in lights {
+            let mut seen = 0;
+            for at in [DVec3::new(0.1, 0.2, -3.0), DVec3::new(4.0, -1.0, -2.0)] {
+                for sample in 0..64 {
+                    let Some(arriving) = light.arriving(at, Draws::new(1, sample).two()) else {
+                        continue;
+                    };
+                    seen += 1;
+                    let length = arriving.towards.length();
+                    let met = light.met(at, arriving.towards / length).expect("it is met");
+                    let distance = arriving.distance * length;
+                    assert!(
+                        distance == met.distance || (distance / met.distance - 1.0).abs() < 1e-9,
+                        "{light:?} {distance} {met:?}"
+                    );
+                    let density = arriving.density.unwrap();
+                    assert!((density / met.density - 1.0).abs() < 1e-6, "{light:?}");
+                    let light = met.radiance / (std::f64::consts::PI * density);
+                    assert!((arriving.light - light).length() < 1e-9 * light.length());
+                }
+            }
+            assert!(seen >= 64, "{light:?}");
+        }
+    }
+
+    /// The mean over the drawn directions of 1 / density is the solid angle, which random directions know too.
+    #[test]
+    fn solid_angles_are_those_of_random_directions() {
+        use crate::sampling::warp;
+        const COUNT: u32 = 1 << 14;
+        for (kind, _) in Light::KINDS {
+            let mut light = Light::named(kind).unwrap();
+            if *kind == "directional" {
+                light.set("angle_degrees", Value::Number(60.0)).unwrap();
+            }
+            if !light.has_size() {
+                continue;
+            }
+            let at = DVec3::new(0.3, 0.2, -1.5);
+            let drawn = |k| light.arriving(at, Draws::new(9, k).two());
+            let drawn = (0..COUNT)
+                .filter_map(drawn)
+                .map(|a| 1.0 / a.density.unwrap());
+            let drawn = drawn.sum::<f64>() / f64::from(COUNT);
+            let meets = |k| {
+                let towards = warp::cap(Draws::new(2, k).two(), 2.0);
+                light.met(at, towards).is_some()
+            };
+            let met = (0..COUNT).filter(|&k| meets(k)).count() as f64;
+            let met = 4.0 * std::f64::consts::PI * met / f64::from(COUNT);
+            assert!((drawn / met - 1.0).abs() < 0.02, "{kind}: {drawn} {met}");
+        }
+    }
+}

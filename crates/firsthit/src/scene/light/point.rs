@@ -1,0 +1,33 @@
+use super::{Arriving, Shine};
+use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
+
+settings! {
+    /// Light from one point, falling off with the square of the distance.
+    pub struct PointLight {
+        /// Where the light is.
+        position: DVec3, Domain::Position, required DVec3::ZERO;
+        /// What a white surface that faces the light takes at distance 1; it falls off with the square of the distance.
+        intensity: Color, Domain::Light, usual Color::ONE;
+    }
+}
+
+impl Shine for PointLight {
+    fn arriving(&self, at: DVec3, _u: DVec2) -> Option<Arriving> {
+        let towards = self.position - at;
+        Some(Arriving {
+            towards,
+            distance: 1.0,
+            light: self.intensity / towards.length_squared(),
+            density: None,
+        })
+    }
+
+    fn has_size(&self) -> bool {
+        false
+    }
+
+    fn scaled(mut self, factor: f64) -> Self {
+        self.intensity *= factor;
+        self
+    }
+}

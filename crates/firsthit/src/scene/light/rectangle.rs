@@ -1,0 +1,48 @@
+use super::{Arriving, Met, Shine, from_area, met_flat};
+use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
+
+settings! {
+    /// A rectangle, or another parallelogram, that shines on one side, evenly: on the side from which the turn from `edge_u` to
+    /// `edge_v` is counter-clockwise.
+    pub struct RectangleLight {
+        /// Its middle.
+        center: DVec3, Domain::Position, required DVec3::ZERO;
+        /// From one edge to the opposite one.
+        edge_u: DVec3, Domain::Direction, required DVec3::Y;
+        /// From another edge to the opposite one, not parallel to the first.
+        edge_v: DVec3, Domain::Direction, required DVec3::X;
+        /// Its radiance: the colour that it has itself.
+        emission: Color, Domain::Light, usual Color::ONE;
+    }
+}
+
+impl Shine for RectangleLight {
+    fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+        let normal = self.edge_u.cross(self.edge_v);
+        let area = normal.length();
+        let point = self.center + (u.x - 0.5) * self.edge_u + (u.y - 0.5) * self.edge_v;
+        from_area(at, point, normal / area, area, self.emission)
+    }
+
+    fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
+        let normal = self.edge_u.cross(self.edge_v);
+        let area = normal.length();
+        let plane = (self.center, normal / area);
+        met_flat(at, towards, plane, area, self.emission, |point| {
+            // The shares of the edges, by Cramer's rule in the plane.
+            let from = point - self.center;
+            let u = from.cross(self.edge_v).dot(normal) / (area * area);
+            let v = self.edge_u.cross(from).dot(normal) / (area * area);
+            u.abs().max(v.abs()) <= 0.5 * (1.0 + 1e-12)
+        })
+    }
+
+    fn has_size(&self) -> bool {
+        true
+    }
+
+    fn scaled(mut self, factor: f64) -> Self {
+        self.emission *= factor;
+        self
+    }
+}

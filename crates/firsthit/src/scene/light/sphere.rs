@@ -1,0 +1,74 @@
+use std::f64::consts::PI;
+
+use super::{Arriving, Met, Shine};
+use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
+use crate::sampling::warp;
+
+settings! {
+    /// A sphere that shines, outwards and evenly.
+    ///
+    /// Directions are drawn evenly from the cone in which a point sees it (Shirley, Wang and Zimmerman, "Monte Carlo Techniques for
+    /// Direct Lighting Calculations", ACM Transactions on Graphics 15(1), 1996).
+    pub struct SphereLight {
+        /// Its middle.
+        center: DVec3, Domain::Position, required DVec3::ZERO;
+        /// Its radius.
+        radius: f64, Domain::Positive, usual 1.0;
+        /// Its radiance: the colour that it has itself.
+        emission: Color, Domain::Light, usual Color::ONE;
+    }
+}
+
+impl SphereLight {
+    /// From a point to the middle, and one minus the cosine of the cone in which the point sees the sphere; `None` from within.
+    fn cone(&self, at: DVec3) -> Option<(DVec3, f64)> {
+        let to_center = self.center - at;
+        let share = self.radius * self.radius / to_center.length_squared();
+        (share < 1.0).then(|| (to_center, share / (1.0 + (1.0 - share).sqrt())))
+    }
+
+    /// How far away it is in a direction of length one that meets it.
+    fn distance(&self, to_center: DVec3, towards: DVec3) -> f64 {
+        let along = to_center.dot(towards);
+        let beside = to_center - along * towards;
+        let half = self.radius * self.radius - beside.length_squared();
+        along - half.max(0.0).sqrt()
+    }
+}
+
+impl Shine for SphereLight {
+    fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+        let (to_center, height) = self.cone(at)?;
+        let middle = to_center / to_center.length();
+        let direction = warp::around(middle, warp::cap(u, height));
+        let distance = self.distance(to_center, direction);
+        // Written so that a NaN fails.
+        (distance > 0.0).then(|| Arriving {
+            towards: distance * direction,
+            distance: 1.0,
+            light: self.emission * (1.0 / (PI * warp::cap_density(height))),
+            density: Some(warp::cap_density(height)),
+        })
+    }
+
+    fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
+        let (to_center, height) = self.cone(at)?;
+        let beside = to_center - to_center.dot(towards) * towards;
+        let is_met = to_center.dot(towards) > 0.0
+            && beside.length_squared() <= self.radius * self.radius * (1.0 + 1e-12);
+        is_met.then(|| Met {
+            distance: self.distance(to_center, towards),
+            radiance: self.emission,
+            density: warp::cap_density(height),
+        })
+    }
+
+    fn has_size(&self) -> bool {
+        true
+    }
+
+    fn scaled(mut self, factor: f64) -> Self {
+        self.emission *= factor;
+        self
+    }
+}

@@ -1,0 +1,222 @@
+//! How a surface scatters light.
+
+mod coat;
+mod dielectric;
+mod frame;
+mod fresnel;
+mod layered;
+mod lobes;
+mod microfacet;
+mod sheen;
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::PI;
+
+pub(super) use frame::Frame;
+pub(super) use layered::Layers;
+
+use layered::Layered;
+
+use crate::geometry::{Color, DVec2, DVec3, unit};
+use crate::sampling::warp;
+use crate::scene::SurfaceInteraction;
+
+/// How a point of a surface scatters the light that a ray sees there.
+///
+/// All directions are in the world, of length one, and point away from the surface.
+#[derive(Debug, Clone)]
+pub struct Scattering {
+    frame: Frame,
+    kind: Kind,
+    /// What is taken away inside, where the surface is that of a clear solid; and whether it is seen from outside.
+    inside: Option<Color>,
+    is_front: bool,
+    occlusion: f64,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    /// What an evenly lit matte surface takes.
+    Matte(Color),
+    /// See there. It is large, and most surfaces are matte.
+    Layered(Box<Layered>),
+}
+
+/// A direction that light comes from, to be scattered to the ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scattered {
+    /// The direction that light comes from.
+    pub towards: DVec3,
+    /// What its radiance is multiplied by, divided by the density of the directions.
+    pub weight: Color,
+    /// How densely such directions lie around this one, per steradian; `None` where there is one direction only, as in a mirror.
+    pub density: Option<f64>,
+}
+
+impl Scattered {
+    /// The only direction of its kind; `None` without light.
+    fn single(towards: DVec3, weight: Color) -> Option<Self> {
+        // Written so that a NaN fails.
+        (weight.max_element() > 0.0).then_some(Self {
+            towards,
+            weight,
+            density: None,
+        })
+    }
+
+    /// The same, drawn as often as `share` says.
+    fn drawn(self, share: f64) -> Self {
+        let weight = self.weight / share;
+        Self { weight, ..self }
+    }
+}
+
+impl SurfaceInteraction<'_> {
+    /// How the surface scatters light to the ray; `None` where it has no normal.
+    pub fn scattering(&self) -> Option<Scattering> {
+        let normal = self.normal();
+        if !normal.is_finite() {
+            return None;
+        }
+        let is_front = self.is_front();
+        let side = if is_front { 1.0 } else { -1.0 };
+        let frame = Frame {
+            normal: side * unit(self.shading_normal()),
+            geometric: side * normal,
+            out: -unit(self.ray().direction),
+        };
+        let scattering = match self.material() {
+            None => Scattering::even(frame, self.color()),
+            Some(material) => material.model.scattering(self, frame, side),
+        };
+        Some(Scattering {
+            is_front,
+            occlusion: self.occlusion(),
+            ..scattering
+        })
+    }
+}
+
+impl Scattering {
+    fn new(frame: Frame, kind: Kind) -> Self {
+        Self {
+            frame,
+            kind,
+            inside: None,
+            is_front: true,
+            occlusion: 1.0,
+        }
+    }
+
+    /// The scattering of a matte surface.
+    pub fn matte(normal: DVec3, color: Color) -> Self {
+        let frame = Frame {
+            normal,
+            geometric: normal,
+            out: normal,
+        };
+        Self::even(frame, color)
+    }
+
+    /// The same where a frame says.
+    pub(super) fn even(frame: Frame, color: Color) -> Self {
+        Self::new(frame, Kind::Matte(color))
+    }
+
+    /// That of layers.
+    pub(super) fn layered(frame: Frame, is_front: bool, layers: &Layers) -> Self {
+        let frame = frame.bent();
+        let kind = Kind::Layered(Box::new(Layered::new(&frame, layers, is_front)));
+        Self {
+            inside: layers.absorption.filter(|_| layers.transmission > 0.0),
+            ..Self::new(frame, kind)
+        }
+    }
+
+    /// The normal of the face, on the side that is seen.
+    pub fn geometric(&self) -> DVec3 {
+        self.frame.geometric
+    }
+
+    /// What the ray sees of light from one direction: pi times the bidirectional scattering distribution, times the cosine to
+    /// the normal. So it is the cosine for a white matte surface. What a mirror shows is not in it: see [`branches`](Self::branches).
+    pub fn value(&self, towards: DVec3) -> Color {
+        match &self.kind {
+            Kind::Matte(color) => *color * self.frame.cosine(towards),
+            Kind::Layered(layered) => PI * layered.value(&self.frame, towards),
+        }
+    }
+
+    /// The density with which [`sample`](Self::sample) takes a direction, per steradian. Single directions have none.
+    pub fn density(&self, towards: DVec3) -> f64 {
+        match &self.kind {
+            Kind::Matte(_) if towards.dot(self.frame.geometric) > 0.0 => {
+                towards.dot(self.frame.normal).max(0.0) / PI
+            }
+            Kind::Matte(_) => 0.0,
+            Kind::Layered(layered) => layered.density(&self.frame, towards),
+        }
+    }
+
+    /// A direction that light may come from, for three numbers from 0 to 1. `None` where none is scattered.
+    pub fn sample(&self, u: [f64; 3]) -> Option<Scattered> {
+        match &self.kind {
+            Kind::Matte(color) => {
+                let local = warp::cosine_hemisphere(DVec2::new(u[0], u[1]));
+                let towards = warp::around(self.frame.normal, local);
+                let cosine = towards.dot(self.frame.normal);
+                let value = self.frame.cosine(towards);
+                (value > 0.0).then(|| Scattered {
+                    towards,
+                    weight: *color * (value / cosine),
+                    density: Some(cosine / PI),
+                })
+            }
+            Kind::Layered(layered) => layered.sample(&self.frame, u),
+        }
+    }
+
+    /// The directions in which a mirror or clear matter shows something: each that light comes from in one way only, and the
+    /// exact weight of its radiance. They and [`value`](Self::value) are all that the surface scatters.
+    pub fn branches(&self) -> impl Iterator<Item = Scattered> {
+        let branches = match &self.kind {
+            Kind::Matte(_) => [None; 3],
+            Kind::Layered(layered) => layered.branches(&self.frame),
+        };
+        branches.into_iter().flatten()
+    }
+
+    /// Whether light is scattered evenly in all directions.
+    pub fn is_diffuse(&self) -> bool {
+        matches!(self.kind, Kind::Matte(_))
+    }
+
+    /// How much of the light from all around reaches the surface, as far as a map says so.
+    pub fn occlusion(&self) -> f64 {
+        self.occlusion
+    }
+
+    /// What is taken away from the light of the ray itself, for each unit of length, where it has come through the inside of this
+    /// surface: see [`beyond`](Self::beyond).
+    pub fn behind(&self) -> Color {
+        if self.is_front {
+            Color::ZERO
+        } else {
+            self.inside.unwrap_or(Color::ZERO)
+        }
+    }
+
+    /// What is taken away for each unit of length from light that comes from a direction, where the ray gets into a clear solid or out
+    /// of it on its way there; `None` where it stays on the side that it was. After a length d there is exp(-d times this) left
+    /// (Beer, 1852).
+    pub fn beyond(&self, towards: DVec3) -> Option<Color> {
+        let absorption = self.inside?;
+        let goes_through = towards.dot(self.frame.geometric) < 0.0;
+        goes_through.then_some(if self.is_front {
+            absorption
+        } else {
+            Color::ZERO
+        })
+    }
+}

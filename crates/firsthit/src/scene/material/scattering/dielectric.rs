@@ -1,0 +1,46 @@
+//! The boundary of what is no metal: how much it reflects, and what goes on.
+
+use super::fresnel;
+use crate::geometry::Color;
+
+/// A boundary with glTF's `KHR_materials_ior` and `KHR_materials_specular`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Dielectric {
+    /// What it reflects head on, by Schlick's formula.
+    f0: Color,
+    weight: f64,
+    tint: Color,
+}
+
+/// What a boundary reflects, and which share goes on, into the surface or through it.
+pub(super) struct Split {
+    pub(super) reflected: Color,
+    pub(super) on: f64,
+}
+
+impl Dielectric {
+    pub(super) fn new(ior: f64, weight: f64, tint: Color) -> Self {
+        let f0 = (fresnel::head_on(ior) * tint).min(Color::ONE);
+        Self { f0, weight, tint }
+    }
+
+    /// By Schlick's formula, as on opaque surfaces and thin walls.
+    pub(super) fn schlick(&self, cosine: f64) -> Split {
+        self.split(fresnel::schlick(self.f0, cosine))
+    }
+
+    /// Exactly, as on solids, whose inner side reflects as well. `ior` is the index of the other side.
+    pub(super) fn exact(&self, cosine: f64, ior: f64) -> Split {
+        let reflectance = fresnel::dielectric(cosine, ior);
+        self.split((reflectance * self.tint).min(Color::ONE))
+    }
+
+    fn split(&self, reflectance: Color) -> Split {
+        let reflected = self.weight * reflectance;
+        Split {
+            reflected,
+            // No colour but the lightest: what is not reflected has none (KHR_materials_specular).
+            on: 1.0 - reflected.max_element(),
+        }
+    }
+}

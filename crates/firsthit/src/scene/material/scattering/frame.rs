@@ -1,0 +1,112 @@
+//! Where light is scattered: normals, and the direction of whoever looks.
+
+use crate::geometry::{DVec3, unit};
+use crate::sampling::warp;
+use crate::scene::softened;
+
+/// A point of a surface that is seen. All directions are in the world, of length one; normals are on the side that is seen.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::scene::material) struct Frame {
+    /// The shading normal.
+    pub(in crate::scene::material) normal: DVec3,
+    /// The normal of the face.
+    pub(in crate::scene::material) geometric: DVec3,
+    /// Towards whoever looks.
+    pub(in crate::scene::material) out: DVec3,
+}
+
+impl Frame {
+    /// How much of light counts that reaches the surface on the side that is seen: less than all near the edge of its light. Zero for
+    /// light from behind.
+    pub(super) fn share(&self, towards: DVec3) -> f64 {
+        let (smooth, flat) = (towards.dot(self.normal), towards.dot(self.geometric));
+        if !(smooth > 0.0 && flat > 0.0) {
+            return 0.0;
+        }
+        softened(smooth, flat, self.normal.dot(self.geometric))
+    }
+
+    /// The cosine to the shading normal of light on the side that is seen, as far as it counts.
+    pub(super) fn cosine(&self, towards: DVec3) -> f64 {
+        towards.dot(self.normal).max(0.0) * self.share(towards)
+    }
+
+    /// The same place with its normal above the surface, and bent so far that a mirror would show what is above the surface, as it has to (Keller and others,
+    /// "The Iray Light Transport Simulation and Rendering System", 2017). Smooth normals and normal maps need it where the surface is seen
+    /// from the side. It leaves the normal of the face as it is.
+    pub(in crate::scene::material) fn bent(self) -> Self {
+        let Self {
+            normal,
+            geometric,
+            out,
+        } = self;
+        let below = normal.dot(geometric);
+        let normal = if below > 0.0 {
+            normal
+        } else {
+            normal - 2.0 * below * geometric
+        };
+        let mirrored = 2.0 * normal.dot(out) * normal - out;
+        let least = (0.9 * out.dot(geometric)).min(0.01);
+        let height = mirrored.dot(geometric);
+        if height >= least {
+            return Self { normal, ..self };
+        }
+        let raised = unit(mirrored + (least - height) * geometric);
+        let normal = unit(out + raised);
+        Self { normal, ..self }
+    }
+}
+
+/// The axes of a normal's own space, in the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Axes([DVec3; 3]);
+
+impl Axes {
+    pub(super) fn around(normal: DVec3) -> Self {
+        let [x, y] = warp::axes_around(normal);
+        Self([x, y, normal])
+    }
+
+    pub(super) fn local(&self, direction: DVec3) -> DVec3 {
+        DVec3::from(self.0.map(|axis| axis.dot(direction)))
+    }
+
+    pub(super) fn world(&self, local: DVec3) -> DVec3 {
+        let [x, y, z] = self.0;
+        local.x * x + local.y * y + local.z * z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bent_normal_shows_what_is_above_the_surface() {
+        let geometric = DVec3::Z;
+        for k in 0..1000 {
+            let [a, b, c] = [0.61, 0.37, 0.83].map(|step| f64::from(k) * step % 1.0);
+            let out = unit(DVec3::new(a - 0.5, b - 0.5, 1e-6 + 0.3 * c));
+            let normal = unit(DVec3::new(c - 0.5, a - 0.5, b - 0.3));
+            let bent = Frame {
+                normal,
+                geometric,
+                out,
+            }
+            .bent();
+            let mirrored = 2.0 * bent.normal.dot(out) * bent.normal - out;
+            assert!(
+                mirrored.z > 0.0 && bent.normal.dot(out) > 0.0,
+                "{normal} {out}"
+            );
+            assert!((bent.normal.length() - 1.0).abs() < 1e-12);
+            let flat = Frame {
+                normal: geometric,
+                geometric,
+                out,
+            };
+            assert_eq!(flat.bent().normal, geometric);
+        }
+    }
+}

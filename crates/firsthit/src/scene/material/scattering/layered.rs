@@ -1,0 +1,155 @@
+//! glTF's metallic-roughness model with its extensions: a dielectric or a metal, under cloth's fibres, under a clear coat (glTF 2.0,
+//! appendix B). There light is reflected once: what a rough metal's small mirrors send to each other is lost, so that rough metals
+//! are darker than real ones.
+
+use std::f64::consts::PI;
+
+use super::coat::Coat;
+use super::dielectric::{Dielectric, Split};
+use super::frame::{Axes, Frame};
+use super::fresnel;
+use super::lobes::Shares;
+use super::microfacet::{self, Microfacets, half};
+use super::sheen::Sheen;
+use crate::geometry::{Color, DVec3};
+
+/// What a surface is made of, where it is seen.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::scene::material) struct Layers {
+    pub(in crate::scene::material) base: Color,
+    pub(in crate::scene::material) metallic: f64,
+    pub(in crate::scene::material) roughness: f64,
+    pub(in crate::scene::material) ior: f64,
+    pub(in crate::scene::material) specular: f64,
+    pub(in crate::scene::material) specular_color: Color,
+    pub(in crate::scene::material) transmission: f64,
+    /// What is taken away inside for each unit of length; `None` for a thin wall, which has no inside.
+    pub(in crate::scene::material) absorption: Option<Color>,
+    /// Weight, roughness, and the normal in the world on the side that is seen.
+    pub(in crate::scene::material) coat: (f64, f64, DVec3),
+    pub(in crate::scene::material) sheen: (Color, f64),
+}
+
+/// The layers as light meets them. Directions are in the space of the shading normal, whose axis is z.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layered {
+    pub(super) axes: Axes,
+    pub(super) out: DVec3,
+    base: Color,
+    metallic: f64,
+    pub(super) facets: Microfacets,
+    dielectric: Dielectric,
+    transmission: f64,
+    /// The index of the other side divided by that of the side that is seen; `None` for a thin wall.
+    pub(super) ior: Option<f64>,
+    pub(super) sheen: Option<Sheen>,
+    pub(super) coat: Option<Coat>,
+    /// How often each way is drawn.
+    pub(super) shares: Shares,
+}
+
+impl Layered {
+    pub(super) fn new(frame: &Frame, layers: &Layers, is_front: bool) -> Self {
+        let axes = Axes::around(frame.normal);
+        let out = axes.local(frame.out);
+        let (weight, roughness, normal) = layers.coat;
+        // Of zero, which in glTF stands for a mirror (KHR_materials_ior), a solid is one as well.
+        let inside = if layers.ior > 0.0 { layers.ior } else { 1e9 };
+        let ratio = if is_front { inside } else { 1.0 / inside };
+        let mut layered = Self {
+            axes,
+            out,
+            base: layers.base,
+            metallic: layers.metallic,
+            facets: Microfacets::of_roughness(layers.roughness),
+            dielectric: Dielectric::new(layers.ior, layers.specular, layers.specular_color),
+            transmission: layers.transmission,
+            ior: layers.absorption.map(|_| ratio),
+            sheen: Sheen::new(layers.sheen.0, layers.sheen.1, out),
+            coat: Coat::new(weight, roughness, normal, frame.out),
+            shares: Shares::default(),
+        };
+        layered.shares = layered.found_shares();
+        layered
+    }
+
+    /// What clear matter does, thin or solid.
+    fn clear(&self, cosine: f64) -> Split {
+        match self.ior {
+            Some(ior) => self.dielectric.exact(cosine, ior),
+            None => self.dielectric.schlick(cosine),
+        }
+    }
+
+    /// What small mirrors reflect that are met with this cosine.
+    pub(super) fn mirror(&self, cosine: f64) -> Color {
+        let opaque = self.dielectric.schlick(cosine).reflected;
+        let clear = self.clear(cosine).reflected;
+        let dielectric = opaque.lerp(clear, self.transmission);
+        dielectric.lerp(fresnel::schlick(self.base, cosine), self.metallic)
+    }
+
+    /// What a matte ground scatters that lies under small mirrors met with this cosine.
+    pub(super) fn ground(&self, cosine: f64) -> Color {
+        let share = (1.0 - self.metallic) * (1.0 - self.transmission);
+        share * self.dielectric.schlick(cosine).on * self.base
+    }
+
+    /// What goes through small mirrors that are met with this cosine.
+    pub(super) fn passed(&self, cosine: f64) -> Color {
+        let share = (1.0 - self.metallic) * self.transmission;
+        share * self.clear(cosine).on * self.base
+    }
+
+    /// What the layers above the small mirrors leave of light from a direction.
+    pub(super) fn left(&self, into: DVec3) -> f64 {
+        let under_fibres = self.sheen.map_or(1.0, |sheen| sheen.left(into));
+        under_fibres * (1.0 - self.coat.map_or(0.0, |coat| coat.share))
+    }
+
+    /// The scattering distribution times the cosine, of light from `towards` in the world.
+    pub(super) fn value(&self, frame: &Frame, towards: DVec3) -> Color {
+        let into = self.axes.local(towards);
+        let flat = towards.dot(frame.geometric);
+        if into.z > 0.0 && flat > 0.0 {
+            frame.share(towards) * self.reflected(into, towards)
+        } else if into.z < 0.0 && flat < 0.0 && self.transmission > 0.0 {
+            self.left(into) * -into.z * self.transmitted(into)
+        } else {
+            Color::ZERO
+        }
+    }
+
+    fn reflected(&self, into: DVec3, towards: DVec3) -> Color {
+        let cosine = self.out.dot(half(self.out, into));
+        let mirrors = self.facets.reflection(self.out, into);
+        let under = self.ground(cosine) / PI + mirrors * self.mirror(cosine);
+        let mut value = self.left(into) * into.z * under;
+        let uncoated = 1.0 - self.coat.map_or(0.0, |coat| coat.share);
+        if let Some(sheen) = &self.sheen {
+            value += uncoated * into.z * sheen.value(self.out, into);
+        }
+        if let Some(coat) = &self.coat {
+            value += Color::splat(coat.share * coat.value(towards));
+        }
+        value
+    }
+
+    fn transmitted(&self, into: DVec3) -> Color {
+        if self.facets.is_smooth() {
+            return Color::ZERO;
+        }
+        if let Some(ior) = self.ior {
+            let Some(mirror) = Microfacets::refracting(self.out, into, ior) else {
+                return Color::ZERO;
+            };
+            let cosine = self.out.dot(mirror.0);
+            let through = self.facets.refraction((self.out, into), mirror, ior);
+            through * self.passed(cosine)
+        } else {
+            let into = microfacet::thin(into);
+            let cosine = self.out.dot(half(self.out, into));
+            self.facets.reflection(self.out, into) * self.passed(cosine)
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A rough boundary as many small mirrors: their slopes are as Trowbridge and Reitz have them ("GGX": Walter and others, "Microfacet
+//! Models for Refraction through Rough Surfaces", EGSR 2007), and one hides another as their heights have it (Heitz, "Understanding
+//! the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics Techniques 3(2), 2014).
+//!
+//! Directions are in the frame of the surface, whose normal is +z.
+
+use std::f64::consts::PI;
+
+use super::fresnel;
+use crate::geometry::{DVec2, DVec3};
+use crate::sampling::warp;
+
+/// The small mirrors of a boundary, by the square of the roughness that people set. Zero is no roughness: one mirror.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Microfacets {
+    alpha: f64,
+}
+
+/// What is less rough than this is taken as smooth: it spreads light by less than a hundredth of a degree.
+const SMOOTH: f64 = 1e-4;
+
+impl Microfacets {
+    /// Of a roughness from 0 to 1.
+    pub(super) fn of_roughness(roughness: f64) -> Self {
+        let alpha = roughness * roughness;
+        Self {
+            alpha: if alpha < SMOOTH { 0.0 } else { alpha.min(1.0) },
+        }
+    }
+
+    pub(super) fn is_smooth(self) -> bool {
+        self.alpha == 0.0
+    }
+
+    /// How many of the mirrors have this normal.
+    fn frequency(self, normal: DVec3) -> f64 {
+        let squared = self.alpha * self.alpha;
+        // Not by the cosine alone, which is next to one.
+        let slope = normal.x * normal.x + normal.y * normal.y;
+        let stretched = normal.z * normal.z + slope / squared;
+        1.0 / (PI * squared * stretched * stretched)
+    }
+
+    /// The root in Smith's functions of a cosine.
+    fn root(self, cosine: f64) -> f64 {
+        let squared = self.alpha * self.alpha;
+        (squared + (1.0 - squared) * cosine * cosine).sqrt()
+    }
+
+    /// The reflection distribution of mirrors that reflect everything: frequency times visibility, glTF's D V. None of it for a smooth
+    /// boundary, which has it in one direction only.
+    pub(super) fn reflection(self, out: DVec3, into: DVec3) -> f64 {
+        if self.is_smooth() {
+            return 0.0;
+        }
+        self.frequency(half(out, into)) * self.visibility(out.z, into.z)
+    }
+
+    fn visibility(self, out: f64, into: f64) -> f64 {
+        0.5 / (into * self.root(out) + out * self.root(into))
+    }
+
+    /// The density of the normals that `out` sees.
+    fn seen(self, out: DVec3, normal: DVec3) -> f64 {
+        2.0 * out.dot(normal).max(0.0) * self.frequency(normal) / (out.z + self.root(out.z))
+    }
+
+    /// A mirror's normal, as often as `out` sees it (Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer
+    /// Graphics Techniques 7(4), 2018).
+    pub(super) fn sample(self, out: DVec3, u: DVec2) -> DVec3 {
+        let stretched = DVec3::new(self.alpha * out.x, self.alpha * out.y, out.z).normalize();
+        // Level, so that what is hidden of the disc is hidden from below.
+        let across = stretched.cross(DVec3::Z).try_normalize();
+        let across = across.unwrap_or(DVec3::X);
+        let up = across.cross(stretched);
+        let point = warp::disc(u);
+        let rest = (1.0 - point.x * point.x).max(0.0);
+        let share = 0.5 * (1.0 + stretched.z);
+        let y = (1.0 - share) * rest.sqrt() + share * point.y;
+        let z = (rest - y * y).max(0.0).sqrt();
+        let normal = point.x * across + y * up + z * stretched;
+        DVec3::new(
+            self.alpha * normal.x,
+            self.alpha * normal.y,
+            normal.z.max(0.0),
+        )
+        .normalize()
+    }
+
+    /// The density of directions that [`sample`](Self::sample)'s mirrors show.
+    pub(super) fn reflection_density(self, out: DVec3, into: DVec3) -> f64 {
+        self.frequency(half(out, into)) / (2.0 * (out.z + self.root(out.z)))
+    }
+
+    /// The mirror that lets light through from `into` to `out`, whose sides have indices in the ratio `ior`, and how densely its normals
+    /// become directions. `None` where none does. (Walter and others 2007, equations 16 and 17.)
+    pub(super) fn refracting(out: DVec3, into: DVec3, ior: f64) -> Option<(DVec3, f64)> {
+        let normal = -(out + ior * into);
+        let normal = (normal * normal.z.signum()).try_normalize()?;
+        let (above, below) = (out.dot(normal), into.dot(normal));
+        let is_between = above > 0.0 && below < 0.0;
+        let sum = below + above / ior;
+        is_between.then(|| (normal, below.abs() / (sum * sum)))
+    }
+
+    /// The transmission distribution of radiance through mirrors that let everything through. A ray's radiance is the less the
+    /// wider its cone, so it goes with the square of the indices.
+    pub(super) fn refraction(
+        self,
+        (out, into): (DVec3, DVec3),
+        (normal, spread): (DVec3, f64),
+        ior: f64,
+    ) -> f64 {
+        let (above, below) = (out.z, into.z.abs());
+        // Visibility has 4 cosines below it.
+        let seen = 4.0 * self.visibility(above, below) * self.frequency(normal);
+        seen * out.dot(normal) * spread / (ior * ior)
+    }
+
+    pub(super) fn refraction_density(self, out: DVec3, (normal, spread): (DVec3, f64)) -> f64 {
+        self.seen(out, normal) * spread
+    }
+}
+
+/// The normal of the mirror that shows `into` to `out`.
+pub(super) fn half(out: DVec3, into: DVec3) -> DVec3 {
+    (out + into).normalize()
+}
+
+/// `out` in a mirror with this normal.
+pub(super) fn mirrored(out: DVec3, normal: DVec3) -> DVec3 {
+    2.0 * out.dot(normal) * normal - out
+}
+
+/// Where light comes from that mirrors let through to `out`.
+pub(super) fn through(out: DVec3, normal: DVec3, ior: f64) -> Option<DVec3> {
+    fresnel::refracted(out, normal, ior).filter(|into| into.z < 0.0)
+}
+
+/// A direction on one side of a thin wall for the one on the other side that goes on straight from it.
+pub(super) fn thin(direction: DVec3) -> DVec3 {
+    DVec3::new(direction.x, direction.y, -direction.z)
+}

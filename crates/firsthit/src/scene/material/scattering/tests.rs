@@ -1,0 +1,428 @@
+//! What scattering has to keep: glTF's numbers, energy, and that what is drawn is what is there.
+
+use std::f64::consts::PI;
+
+use super::*;
+use crate::sampling::Draws;
+
+/// No metal, roughness 0.5, white.
+fn plastic() -> Layers {
+    Layers {
+        base: Color::ONE,
+        metallic: 0.0,
+        roughness: 0.5,
+        ior: 1.5,
+        specular: 1.0,
+        specular_color: Color::ONE,
+        transmission: 0.0,
+        absorption: None,
+        coat: (0.0, 0.0, DVec3::Z),
+        sheen: (Color::ZERO, 0.0),
+    }
+}
+
+fn metal(roughness: f64) -> Layers {
+    Layers {
+        metallic: 1.0,
+        roughness,
+        ..plastic()
+    }
+}
+
+fn glass(ior: f64, roughness: f64) -> Layers {
+    Layers {
+        transmission: 1.0,
+        roughness,
+        ior,
+        absorption: Some(Color::ZERO),
+        ..plastic()
+    }
+}
+
+/// One of each kind that spreads light over many directions.
+fn spread() -> Vec<(&'static str, Layers)> {
+    let coat = (1.0, 0.5, unit(DVec3::new(0.1, 0.0, 1.0)));
+    let base = Color::new(0.9, 0.5, 0.1);
+    vec![
+        ("plastic", plastic()),
+        (
+            "rough plastic",
+            Layers {
+                roughness: 1.0,
+                base,
+                ..plastic()
+            },
+        ),
+        ("metal", metal(0.4)),
+        (
+            "half a metal",
+            Layers {
+                metallic: 0.5,
+                base,
+                ..plastic()
+            },
+        ),
+        (
+            "coated",
+            Layers {
+                base,
+                coat,
+                ..metal(0.8)
+            },
+        ),
+        (
+            "cloth",
+            Layers {
+                sheen: (Color::splat(0.8), 0.5),
+                ..plastic()
+            },
+        ),
+        (
+            "diamond",
+            Layers {
+                ior: 2.4,
+                specular_color: Color::new(1.0, 0.3, 0.2),
+                ..plastic()
+            },
+        ),
+        (
+            "rough window",
+            Layers {
+                transmission: 0.8,
+                base,
+                ..plastic()
+            },
+        ),
+        ("rough glass", glass(1.5, 0.5)),
+        ("rough air in glass", glass(1.0 / 1.5, 0.5)),
+    ]
+}
+
+fn at(degrees: f64) -> DVec3 {
+    let (sin, cos) = libm::sincos(degrees.to_radians());
+    DVec3::new(0.6 * sin, 0.8 * sin, cos)
+}
+
+fn seen(layers: &Layers, out: DVec3) -> Scattering {
+    let frame = Frame {
+        normal: DVec3::Z,
+        geometric: DVec3::Z,
+        out,
+    };
+    Scattering::layered(frame, true, layers)
+}
+
+/// The mean over all directions of a function, times 4 pi.
+fn over_all(count: u32, of: impl Fn(DVec3) -> Color) -> Color {
+    let direction = |k| {
+        let u = Draws::new(1, k).two();
+        warp::cap(u, 2.0)
+    };
+    let sum: Color = (0..count).map(|k| of(direction(k))).sum();
+    4.0 * PI * sum / f64::from(count)
+}
+
+/// What is seen of a surface in white light from everywhere, by drawing.
+fn furnace(scattering: &Scattering, count: u32) -> Color {
+    let one = |k| {
+        let drawn = scattering.sample(Draws::new(7, k).three());
+        drawn.map_or(Color::ZERO, |drawn| drawn.weight)
+    };
+    (0..count).map(one).sum::<Color>() / f64::from(count)
+}
+
+/// The first numbers of `../shared/light/public/06_gltf_brdf.json`, each twice the value.
+#[test]
+#[expect(clippy::too_many_lines, reason = "a table")]
+fn values_are_those_of_the_appendix_of_gltf() {
+    let light = DVec3::new(
+        0.423_999_152_002_544,
+        0.317_999_364_001_908,
+        0.847_998_304_005_088,
+    );
+    let red = Color::new(0.8, 0.3, 0.1);
+    let aside = DVec3::new(
+        -0.620_173_672_946_042_2,
+        -0.248_069_469_178_416_9,
+        0.744_208_407_535_250_6,
+    );
+    let grazing = DVec3::new(0.961_523_947_640_823_3, 0.0, 0.274_721_127_897_378_1);
+    for (layers, out, expected) in [
+        (
+            Layers {
+                base: red,
+                ..plastic()
+            },
+            DVec3::Z,
+            [1.371_978_343_646_354_8, 0.557_900_042_938_383],
+        ),
+        (
+            Layers {
+                base: red,
+                roughness: 0.15,
+                ..plastic()
+            },
+            aside,
+            [1.347_810_766_713_569_3, 0.533_974_645_744_835],
+        ),
+        (
+            Layers {
+                base: Color::new(1.0, 0.78, 0.34),
+                ..metal(0.3)
+            },
+            aside,
+            [8.837_280_953_916_412, 6.893_657_693_501_81],
+        ),
+        (
+            Layers {
+                base: Color::splat(0.9),
+                ..metal(1.0)
+            },
+            grazing,
+            [0.679_777_229_889_730_8; 2],
+        ),
+        (
+            Layers {
+                base: Color::splat(0.5),
+                metallic: 0.5,
+                roughness: 0.6,
+                ..plastic()
+            },
+            grazing,
+            [0.516_194_775_657_171_2; 2],
+        ),
+    ] {
+        let value = 2.0 * seen(&layers, out).value(light);
+        assert!(
+            (value.x - expected[0]).abs() < 1e-9 * expected[0],
+            "{value} {expected:?}"
+        );
+        assert!(
+            (value.y - expected[1]).abs() < 1e-9 * expected[1],
+            "{value} {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_drawn_is_what_is_there() {
+    const COUNT: u32 = 1 << 13;
+    for (name, layers) in spread() {
+        for degrees in [0.0, 50.0, 80.0] {
+            let scattering = seen(&layers, at(degrees));
+            let there = over_all(COUNT, |towards| scattering.value(towards)) / PI;
+            let drawn = furnace(&scattering, COUNT);
+            // Directions over the whole sphere find a lobe of roughness 0.4 with a percent of them.
+            let close = 0.02 * there.max_element();
+            assert!(
+                (there - drawn).abs().max_element() < close,
+                "{name} {degrees}: {there} {drawn}"
+            );
+        }
+    }
+}
+
+#[test]
+fn densities_are_those_of_what_is_drawn_and_add_up_to_one_at_most() {
+    const COUNT: u32 = 1 << 13;
+    for (name, layers) in spread() {
+        for degrees in [0.0, 50.0, 80.0] {
+            let scattering = seen(&layers, at(degrees));
+            let density = over_all(COUNT, |towards| Color::splat(scattering.density(towards)));
+            assert!(density.x < 1.02, "{name} {degrees}: {density}");
+            for k in 0..64 {
+                let Some(drawn) = scattering.sample(Draws::new(3, k).three()) else {
+                    continue;
+                };
+                let density = scattering.density(drawn.towards);
+                let known = drawn.density.expect("nothing here is smooth");
+                assert!(
+                    (density - known).abs() <= 1e-6 * known,
+                    "{name} {density} {known}"
+                );
+                let weight = scattering.value(drawn.towards) / (PI * density);
+                assert!((weight - drawn.weight).abs().max_element() < 1e-6, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_surface_gives_more_than_it_gets() {
+    let smooth = [
+        ("mirror", metal(0.0)),
+        (
+            "window",
+            Layers {
+                roughness: 0.0,
+                transmission: 1.0,
+                ..plastic()
+            },
+        ),
+        (
+            "polished coat",
+            Layers {
+                coat: (1.0, 0.0, DVec3::Z),
+                ..metal(0.3)
+            },
+        ),
+    ];
+    for (name, layers) in spread().into_iter().chain(smooth) {
+        for degrees in [0.0, 30.0, 60.0, 75.0, 85.0] {
+            let albedo = furnace(&seen(&layers, at(degrees)), 1 << 11);
+            let most = match name {
+                // In denser matter radiance is larger, by the square of the index.
+                "rough air in glass" => 1.5 * 1.5,
+                "mirror" | "metal" | "coated" | "window" => 1.0,
+                // glTF's ground takes no light away for what its mirrors reflect of other light, seen from the side: the
+                // smoother, the more.
+                _ => 1.12,
+            };
+            assert!(
+                albedo.max_element() < 1.001 * most,
+                "{name} {degrees}: {albedo}"
+            );
+        }
+    }
+}
+
+/// Single scattering loses what small mirrors send to each other: the specification has it so.
+#[test]
+fn a_white_metal_loses_as_much_as_single_scattering_does() {
+    let cosine: f64 = 0.95;
+    let out = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+    for (roughness, expected) in [(0.2, 0.9982), (0.6, 0.8196), (1.0, 0.3168)] {
+        let albedo = furnace(&seen(&metal(roughness), out), 1 << 13);
+        assert!((albedo.x - expected).abs() < 1e-3, "{roughness}: {albedo}");
+    }
+    assert_eq!(furnace(&seen(&metal(0.0), out), 16), Color::ONE);
+}
+
+#[test]
+fn light_may_go_either_way() {
+    for (name, layers) in spread() {
+        // The coat is reciprocal only where light and looks are equally steep (its extension takes the cosine of one).
+        if layers.coat.0 > 0.0 || layers.absorption.is_some() {
+            continue;
+        }
+        let (a, b) = (at(35.0), unit(DVec3::new(-0.5, 0.3, 0.4)));
+        for b in [b, DVec3::new(b.x, b.y, -b.z)] {
+            // Whoever looks from below sees the other side of the same wall.
+            let side = b.z.signum();
+            let there = seen(&layers, a).value(b) / b.z.abs();
+            let turned = |v: DVec3| DVec3::new(v.x, v.y, side * v.z);
+            let back = seen(&layers, turned(b)).value(turned(a)) / a.z;
+            assert!(
+                (there - back).abs().max_element() < 1e-12,
+                "{name}: {there} {back}"
+            );
+        }
+    }
+}
+
+/// Through a rough boundary both ways differ by the square of the indices.
+#[test]
+fn rough_refraction_may_go_either_way() {
+    let (above, below) = (at(35.0), unit(DVec3::new(-0.3, -0.35, -0.8)));
+    let frame = |normal: DVec3, out| Frame {
+        normal,
+        geometric: normal,
+        out,
+    };
+    let layers = glass(1.5, 0.5);
+    let outside = Scattering::layered(frame(DVec3::Z, above), true, &layers);
+    let inside = Scattering::layered(frame(DVec3::NEG_Z, below), false, &layers);
+    let into = outside.value(below) / below.z.abs();
+    let out = inside.value(above) / above.z;
+    assert!(
+        into.x > 0.01 && (into * 1.5 * 1.5 - out).abs().max_element() < 1e-12,
+        "{into} {out}"
+    );
+}
+
+#[test]
+fn glass_of_index_one_is_not_there() {
+    for degrees in [0.0, 40.0, 89.0] {
+        let out = at(degrees);
+        let branches: Vec<_> = seen(&glass(1.0, 0.0), out).branches().collect();
+        let expected = Scattered {
+            towards: -out,
+            weight: Color::ONE,
+            density: None,
+        };
+        assert_eq!(branches, [expected], "{degrees}");
+    }
+}
+
+#[test]
+fn glass_reflects_and_lets_through_by_fresnel_and_draws_so() {
+    let out = at(75.0);
+    let scattering = seen(&glass(1.5, 0.0), out);
+    let branches: Vec<_> = scattering.branches().collect();
+    let [mirrored, through] = &branches[..] else {
+        panic!("{branches:?}")
+    };
+    assert!((mirrored.weight.x - 0.253_060_562_990_319_7).abs() < 1e-12);
+    let passed = 1.0 - 0.253_060_562_990_319_7;
+    assert!((through.weight.x * 1.5 * 1.5 - passed).abs() < 1e-12);
+    assert!((mirrored.towards - DVec3::new(-out.x, -out.y, out.z)).length() < 1e-15);
+    let drawn = |u| scattering.sample([0.3, 0.6, u]).unwrap();
+    assert_eq!(drawn(0.74).towards, through.towards);
+    assert_eq!(drawn(0.75).towards, mirrored.towards);
+    assert!((drawn(0.75).weight - Color::ONE).length() < 1e-12);
+    assert!(
+        scattering.value(mirrored.towards) == Color::ZERO
+            && scattering.density(through.towards) == 0.0
+    );
+}
+
+#[test]
+fn inside_of_glass_light_is_absorbed_and_outside_it_is_not() {
+    let absorption = Color::new(0.1, 0.2, 0.3);
+    let layers = Layers {
+        absorption: Some(absorption),
+        ..glass(1.5, 0.0)
+    };
+    let frame = |out| Frame {
+        normal: DVec3::Z,
+        geometric: DVec3::Z,
+        out,
+    };
+    let entering = Scattering::layered(frame(at(30.0)), true, &layers);
+    assert_eq!(
+        (entering.beyond(DVec3::NEG_Z), entering.beyond(DVec3::Z)),
+        (Some(absorption), None)
+    );
+    let leaving = Scattering {
+        is_front: false,
+        ..Scattering::layered(frame(at(30.0)), false, &layers)
+    };
+    assert_eq!(leaving.behind(), absorption);
+    assert_eq!(
+        (leaving.beyond(DVec3::NEG_Z), entering.behind()),
+        (Some(Color::ZERO), Color::ZERO)
+    );
+    let window = Layers {
+        absorption: None,
+        ..layers
+    };
+    assert_eq!(seen(&window, at(30.0)).beyond(DVec3::NEG_Z), None);
+}
+
+#[test]
+fn a_window_is_seen_straight_through_in_its_colour() {
+    let base = Color::new(0.5, 1.0, 0.25);
+    let layers = Layers {
+        transmission: 1.0,
+        roughness: 0.0,
+        base,
+        ..plastic()
+    };
+    let out = at(20.0);
+    let through: Vec<_> = seen(&layers, out)
+        .branches()
+        .filter(|one| one.towards == -out)
+        .collect();
+    let share = 1.0 - fresnel::schlick(Color::splat(0.04), out.z).x;
+    assert!((through[0].weight - share * base).length() < 1e-12);
+}
