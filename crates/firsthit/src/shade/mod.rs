@@ -1,11 +1,43 @@
 //! Hits to linear colours: a file per shader, or a row.
 
+mod blend;
+mod crossings;
+mod depth_cue;
+mod direct;
+mod found;
+mod ghost;
+mod ground;
+mod hemisphere;
 mod lambert;
+mod light_rig;
+mod lit;
+mod matcap;
+mod occlusion;
+mod path;
+mod phong;
+mod shadow;
+mod vertex;
+mod whitted;
+mod xray;
 
+pub use direct::Direct;
+pub use ghost::Ghost;
+pub use ground::Ground;
+pub use hemisphere::Hemisphere;
 pub use lambert::Lambert;
+pub use light_rig::{LightRig, Lighting};
+pub use matcap::Matcap;
+pub use occlusion::AmbientOcclusion;
+pub use path::Path;
+pub use phong::Phong;
+pub use whitted::Whitted;
+pub use xray::Xray;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Hit, Ray};
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
+use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Value};
+use crate::sampling::Draws;
 use crate::scene::{Background, Scene, SurfaceInteraction};
 use crate::shoot::{Cpu, Engine};
 
@@ -24,8 +56,10 @@ pub trait Shade: Sync {
     fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color;
 
     /// [`shade`](Self::shade) for many samples: a colour for each. A shader that shoots rays of its own is faster when it
-    /// shoots them together; whoever makes pictures asks for a few hundred at a time. There are as many colours as samples.
-    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color]) {
+    /// shoots them together; whoever makes pictures asks for a few hundred at a time. There are as many colours as samples, and as many
+    /// numbers of coverage, which are 1 for hits and 0 for misses and may be changed: a colour that is less than opaque is multiplied by
+    /// its coverage already.
+    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], _coverage: &mut [f64]) {
         for (k, (ray, color)) in samples.rays.iter().zip(colors).enumerate() {
             let hit = &samples.hits[k];
             *color = self.shade(hit.t, ray.origin, ray.direction, hit);
@@ -37,6 +71,29 @@ pub trait Shade: Sync {
     fn is_transparent(&self) -> bool {
         false
     }
+
+    /// Whether it draws numbers, so that a pixel's samples differ even where they see the same.
+    fn is_random(&self) -> bool {
+        false
+    }
+
+    /// What outputs say of how colours were made; `None` for a shader of one's own.
+    #[cfg(feature = "frame")]
+    fn recipe(&self) -> Option<Recipe> {
+        None
+    }
+}
+
+/// How colours are made.
+#[cfg(feature = "frame")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recipe {
+    /// The shader's name.
+    pub shader: &'static str,
+    /// Its settings.
+    pub settings: Vec<(&'static str, Value)>,
+    /// A digest of this and of the lights, the environment, the background and the ground.
+    pub digest: String,
 }
 
 impl<F: Fn(f64, DVec3, DVec3, &Hit) -> Color + Sync> Shade for F {
@@ -59,27 +116,46 @@ pub struct Samples<'a> {
     pub sample: u32,
 }
 
+impl Samples<'_> {
+    /// The numbers that a shader may draw for one of the samples.
+    pub fn draws(&self, index: usize) -> Draws {
+        Draws::new(self.pixels[index], self.sample)
+    }
+}
+
+/// What a shader colours: surfaces that were hit, and the numbers to draw for each.
+struct Points<'a> {
+    surfaces: Vec<SurfaceInteraction<'a>>,
+    draws: Vec<Draws>,
+}
+
 /// Makes [`Shader`] and everything that depends on the list of shaders. A shader is a function of its settings, of what it works
-/// in, and of many hits: it sets a colour for each.
+/// in, and of many hits: it sets a colour for each. `true` stands for one that draws numbers; a `translucent` one sets the coverage too.
 macro_rules! shaders {
-    ($($(#[$doc:meta])* $name:literal => $kind:ident($settings:ty), $shade:expr;)*) => {
+    ($($(#[doc = $about:literal])* $name:literal => $kind:ident($settings:ty), $is_random:expr, $shade:expr $(, $translucent:ident)?;)*) => {
         /// The shaders that come with the library, by name.
         ///
         /// ```
+        /// use firsthit::geometry::Value;
         /// use firsthit::Shader;
         ///
-        /// assert_eq!(Shader::default(), Shader::named("lambert")?);
-        /// assert_eq!(Shader::NAMES, ["lambert", "unlit", "normal"]);
+        /// let mut shader = Shader::named("lambert")?;
+        /// shader.set("ambient", Value::Number(0.1))?;
+        /// assert!(Shader::NAMES.contains(&"direct"));
         /// # Ok::<(), firsthit::Error>(())
         /// ```
         #[derive(Debug, Clone, PartialEq)]
         pub enum Shader {
-            $($(#[$doc])* $kind($settings),)*
+            $($(#[doc = $about])* $kind($settings),)*
         }
 
         impl Shader {
             /// Every shader's name.
             pub const NAMES: &[&'static str] = &[$($name),*];
+
+            /// Every shader's name, what it shows, and its settings.
+            pub const KINDS: &[(&'static str, &'static str, &'static [Setting])] =
+                &[$(($name, concat!($($about),*), <$settings>::LIST)),*];
 
             /// The shader of that name, with its usual settings.
             ///
@@ -98,34 +174,139 @@ macro_rules! shaders {
                 match self { $(Self::$kind(_) => $name,)* }
             }
 
-            fn color(&self, shading: &Shading<'_>, surfaces: &[SurfaceInteraction<'_>], colors: &mut [Color]) {
-                match self { $(Self::$kind(settings) => ($shade)(settings, shading, surfaces, colors),)* }
+            /// Its settings, by their names.
+            pub fn settings(&self) -> Vec<(&'static str, Value)> {
+                match self { $(Self::$kind(settings) => settings.named_values(),)* }
+            }
+
+            /// Sets one of its settings.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`] for a name that it does not have, and for a value that makes no sense.
+            pub fn set(&mut self, name: &str, value: Value) -> Result<()> {
+                match self { $(Self::$kind(settings) => settings.set(name, value),)* }
+            }
+
+            /// Whether it draws numbers: a pixel's samples then differ even where they see the same.
+            pub fn is_random(&self) -> bool {
+                match self { $(Self::$kind(_) => $is_random,)* }
+            }
+
+            fn color(&self, shading: &Shading<'_>, points: &Points<'_>, colors: &mut [Color], coverage: &mut [f64]) {
+                match self {
+                    $(Self::$kind(settings) => {
+                        shaded!($shade, (settings, shading, points, colors), coverage $(, $translucent)?);
+                    })*
+                }
             }
         }
     };
 }
 
+/// Calls a shader's function.
+macro_rules! shaded {
+    ($shade:expr, ($($given:expr),*), $coverage:expr) => { ($shade)($($given),*) };
+    ($shade:expr, ($($given:expr),*), $coverage:expr, translucent) => { ($shade)($($given),*, $coverage) };
+}
+
 shaders! {
-    /// Lit by the scene's lights, with shadows.
-    "lambert" => Lambert(Lambert), lambert::shade;
+    /// Lit by lights and by the environment, with soft shadows; of reflections those of lights and of the environment.
+    "direct" => Direct(Direct), true, direct::shade;
+    /// Light by any number of surfaces: reflections, refractions, and light that surfaces throw at each other.
+    "path" => Path(Path), true, path::shade;
+    /// Mirrors and clear matter without noise, to a depth; other surfaces by hard light and ambient light.
+    "whitted" => Whitted(Whitted), false, whitted::shade;
+    /// Matte, with ambient light from everywhere, which nothing blocks, and shadows that are hard.
+    "lambert" => Lambert(Lambert), false, lambert::shade;
+    /// Matte, with highlights by the angle to the mirrored light.
+    "phong" => Phong(Phong), false, phong::shade;
+    /// Matte, with highlights by the angle between the normal and the direction half way between light and viewer.
+    "blinn-phong" => BlinnPhong(Phong), false, phong::shade_blinn;
+    /// Lit by a sky over a ground, without shadows.
+    "hemisphere" => Hemisphere(Hemisphere), false, hemisphere::shade;
+    /// A colour by the normal as the viewer sees it, like clay, without lights.
+    "matcap" => Matcap(Matcap), false, matcap::shade;
+    /// Ambient occlusion: how much of the sky each point sees, as if all were white and matte.
+    "ao" => AmbientOcclusion(AmbientOcclusion), true, occlusion::shade;
+    /// A radiograph: what is behind, as much as is left of it on the way through everything.
+    "xray" => Xray(Xray), false, xray::shade, translucent;
+    /// Matte surfaces that are translucent, all of them on the way of a ray.
+    "ghost" => Ghost(Ghost), false, ghost::shade, translucent;
     /// The object's colour as it is.
-    "unlit" => Unlit(()), |&(), _, hits, colors| each(hits, colors, SurfaceInteraction::color);
+    "unlit" => Unlit(()), false, |&(), _, points, colors| each(points, colors, SurfaceInteraction::color);
     /// The geometric normal as a colour: from -1..1 to 0..1 along each axis.
-    "normal" => Normal(()), |&(), _, hits, colors| each(hits, colors, |hit| 0.5 * hit.normal() + 0.5);
+    "normal" => Normal(()), false, |&(), _, points, colors| each(points, colors, |hit| 0.5 * hit.normal() + 0.5);
+}
+
+impl Shader {
+    /// Whether it looks at the colours of surfaces.
+    pub fn takes_color(&self) -> bool {
+        !matches!(
+            self,
+            Self::AmbientOcclusion(_) | Self::Xray(_) | Self::Normal(())
+        )
+    }
+
+    /// Whether it looks at lights or the environment.
+    pub fn is_lit(&self) -> bool {
+        self.usual_rig().is_some()
+    }
+}
+
+impl Settings for () {
+    const LIST: &'static [Setting] = &[];
+
+    fn values(&self) -> Vec<Value> {
+        Vec::new()
+    }
+
+    fn put(&mut self, _place: usize, _value: Value) {}
 }
 
 /// Colours that each hit gives by itself.
 fn each<'a>(
-    surfaces: &[SurfaceInteraction<'a>],
+    points: &Points<'a>,
     colors: &mut [Color],
     color_of: impl Fn(&SurfaceInteraction<'a>) -> Color,
 ) {
-    for (surface, color) in surfaces.iter().zip(colors) {
+    for (surface, color) in points.surfaces.iter().zip(colors) {
         *color = color_of(surface);
     }
 }
 
+/// The normal on the side that is seen: smooth, or the face's own. NaN for a triangle without an area.
+fn seen_normal(surface: &SurfaceInteraction<'_>, flat: bool) -> DVec3 {
+    let side = if surface.is_front() { 1.0 } else { -1.0 };
+    if flat {
+        side * surface.normal()
+    } else {
+        side * surface.shading_normal()
+    }
+}
+
 impl Shader {
+    /// Whether it shows what is behind surfaces itself.
+    fn sees_through(&self) -> bool {
+        matches!(self, Self::Xray(_) | Self::Ghost(_))
+    }
+
+    /// The lights of pictures that have none of their own: those that go best with this shader. `None` for one that looks at no light.
+    pub fn usual_rig(&self) -> Option<LightRig> {
+        match self {
+            Self::Lambert(_) | Self::Phong(_) | Self::BlinnPhong(_) | Self::Ghost(_) => {
+                Some(LightRig::Shoulder)
+            }
+            Self::Direct(_) | Self::Path(_) | Self::Whitted(_) => Some(LightRig::Auto),
+            Self::AmbientOcclusion(_)
+            | Self::Hemisphere(_)
+            | Self::Matcap(_)
+            | Self::Xray(_)
+            | Self::Unlit(())
+            | Self::Normal(()) => None,
+        }
+    }
+
     /// The [`Shade`] that applies this shader to `scene`, before [`Background::NEUTRAL`]; see [`Shading::background`] for another.
     ///
     /// ```
@@ -143,7 +324,9 @@ impl Shader {
         Shading {
             scene,
             shader: self,
+            upwards: scene.up(),
             background: Background::NEUTRAL,
+            ground: None,
             engine: Cpu::shared(),
         }
     }
@@ -173,45 +356,113 @@ pub struct Shading<'a> {
     pub scene: &'a Scene,
     /// How hits get their colour.
     pub shader: Shader,
-    /// What misses see.
+    /// Which way is up for who looks, of any length but zero: the camera's, or the scene's.
+    pub upwards: DVec3,
+    /// What misses see, unless that is the scene's environment.
     pub background: Background,
+    /// The ground that shadows fall on.
+    pub ground: Option<Ground>,
     /// What finds the hits of its own rays, such as those towards lights.
     pub engine: &'a dyn Engine,
 }
 
+impl Shading<'_> {
+    /// What a miss sees.
+    fn seen_behind(&self, direction: DVec3) -> Color {
+        match self
+            .scene
+            .environment()
+            .filter(|environment| environment.is_seen)
+        {
+            Some(environment) => environment.radiance(direction),
+            None => self.background.color(direction),
+        }
+    }
+}
+
+impl Shading<'_> {
+    /// Colours of rays by what they met, as if that were opaque, and of misses.
+    fn shade_hits(
+        &self,
+        (rays, hits, draws): (&[Ray], &[Hit], &[Draws]),
+        colors: &mut [Color],
+        coverage: &mut [f64],
+    ) {
+        let mut met = Vec::with_capacity(rays.len());
+        let mut points = Points {
+            surfaces: Vec::with_capacity(rays.len()),
+            draws: Vec::with_capacity(rays.len()),
+        };
+        for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+            if let Some(surface) = self.scene.interaction(ray, hit) {
+                met.push(k);
+                points.surfaces.push(surface);
+                points.draws.push(draws[k]);
+            } else {
+                colors[k] = self.seen_behind(ray.direction);
+            }
+        }
+        let mut found = vec![Color::ZERO; met.len()];
+        let mut covered = vec![1.0; met.len()];
+        (self.shader).color(self, &points, &mut found, &mut covered);
+        for ((k, color), covered) in met.into_iter().zip(found).zip(covered) {
+            colors[k] = color;
+            coverage[k] = covered;
+        }
+    }
+}
+
 impl Shade for Shading<'_> {
     fn is_transparent(&self) -> bool {
-        self.background == Background::Transparent
+        let is_seen = self
+            .scene
+            .environment()
+            .is_some_and(|environment| environment.is_seen);
+        self.background == Background::Transparent && !is_seen
+    }
+
+    fn is_random(&self) -> bool {
+        self.shader.is_random() || self.ground.is_some()
+    }
+
+    #[cfg(feature = "frame")]
+    fn recipe(&self) -> Option<Recipe> {
+        let mut digest = Digest::default();
+        digest.word("firsthit shading 1");
+        digest.word(self.shader.name());
+        for (_, value) in self.shader.settings() {
+            value.digest(&mut digest);
+        }
+        self.scene.digest_light(&mut digest);
+        digest.word(&format!("{:?} {:?}", self.background, self.ground));
+        Some(Recipe {
+            shader: self.shader.name(),
+            settings: self.shader.settings(),
+            digest: digest.name(),
+        })
     }
 
     fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color {
-        if t == f64::INFINITY {
-            return self.background.color(u_r);
-        }
-        let ray = Ray::new(p, u_r);
+        let hit = Hit { t, ..*o };
+        let samples = Samples {
+            rays: &[Ray::new(p, u_r)],
+            hits: &[hit],
+            pixels: &[0],
+            sample: 0,
+        };
         let mut color = [Color::ZERO];
-        if let Some(surface) = self.scene.interaction(&ray, o) {
-            self.shader.color(self, &[surface], &mut color);
-        }
+        self.shade_all(&samples, &mut color, &mut [0.0]);
         color[0]
     }
 
-    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color]) {
-        let count = samples.rays.len();
-        let mut met = Vec::with_capacity(count);
-        let mut surfaces = Vec::with_capacity(count);
-        for (k, (ray, hit)) in samples.rays.iter().zip(samples.hits).enumerate() {
-            if let Some(surface) = self.scene.interaction(ray, hit) {
-                met.push(k);
-                surfaces.push(surface);
-            } else {
-                colors[k] = self.background.color(ray.direction);
-            }
+    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], coverage: &mut [f64]) {
+        let draws: Vec<Draws> = (0..samples.rays.len()).map(|k| samples.draws(k)).collect();
+        self.shade_hits((samples.rays, samples.hits, &draws), colors, coverage);
+        if self.scene.has_translucent() && !self.shader.sees_through() {
+            blend::compose(self, samples, colors, coverage);
         }
-        let mut found = vec![Color::ZERO; surfaces.len()];
-        self.shader.color(self, &surfaces, &mut found);
-        for (k, color) in met.into_iter().zip(found) {
-            colors[k] = color;
+        if let Some(ground) = &self.ground {
+            ground.shade(self, samples, colors, coverage);
         }
     }
 }

@@ -1,0 +1,66 @@
+//! Depth cueing: what is farther away fades (Foley, van Dam, Feiner and Hughes, "Computer Graphics: Principles and Practice", 1990,
+//! section 16.1).
+
+use super::Points;
+use crate::geometry::Color;
+use crate::scene::Background;
+
+/// What colours usually fade to: the usual background.
+pub(super) const COLOR: Color = match Background::NEUTRAL {
+    Background::Uniform(color) => color,
+    _ => Color::ZERO,
+};
+
+/// Colours fade to another one, in proportion to how far a hit is between two distances from the start of its ray.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DepthCue {
+    /// Up to here colours are as they are.
+    pub(super) near: f64,
+    /// From here on all is of one colour, also where that is nearer than `near`. None fade where it is infinite.
+    pub(super) far: f64,
+    pub(super) color: Color,
+}
+
+impl DepthCue {
+    /// Fades the colours of hits.
+    pub(super) fn fade(self, points: &Points<'_>, colors: &mut [Color]) {
+        if self.far == f64::INFINITY {
+            return;
+        }
+        for (surface, color) in points.surfaces.iter().zip(colors) {
+            let distance = surface.hit().t * surface.ray().direction.length();
+            *color = color.lerp(self.color, self.share(distance));
+        }
+    }
+
+    fn share(self, distance: f64) -> f64 {
+        if distance >= self.far {
+            1.0
+        } else if distance <= self.near {
+            0.0
+        } else {
+            (distance - self.near) / (self.far - self.near)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_fade_in_proportion_between_two_distances() {
+        let cue = DepthCue {
+            near: 2.0,
+            far: 6.0,
+            color: COLOR,
+        };
+        let shares = [0.0, 2.0, 3.0, 5.0, 6.0, 9.0].map(|distance| cue.share(distance));
+        assert_eq!(shares, [0.0, 0.0, 0.25, 0.75, 1.0, 1.0]);
+        let turned = DepthCue { near: 7.0, ..cue };
+        assert_eq!(
+            [5.0, 6.5].map(|distance| turned.share(distance)),
+            [0.0, 1.0]
+        );
+    }
+}

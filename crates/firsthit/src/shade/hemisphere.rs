@@ -1,0 +1,50 @@
+//! Light from a sky over a ground, each of one colour, as if nothing were in the way.
+
+use super::depth_cue::{self, DepthCue};
+use super::{Points, Shading, seen_normal};
+use crate::geometry::{Color, Domain, settings, unit};
+
+settings! {
+    /// The settings of the hemisphere shader.
+    pub struct Hemisphere {
+        /// The light of the half that is the scene's up.
+        above: Color, Domain::Color, usual Color::new(1.0, 1.05, 1.15);
+        /// The light of the other half.
+        below: Color, Domain::Color, usual Color::new(0.3, 0.26, 0.22);
+        /// Whether faces have their own normals, in place of smooth ones.
+        flat: bool, Domain::Flag, usual false;
+        /// How far away colours begin to fade, in scene units.
+        depth_near: f64, Domain::NonNegative, usual 0.0;
+        /// How far away they are all `depth_color`; by default nowhere.
+        depth_far: f64, Domain::Reach, usual f64::INFINITY;
+        /// What they fade to; by default the usual background.
+        depth_color: Color, Domain::Color, usual depth_cue::COLOR;
+    }
+}
+
+/// What a matte surface takes of two even hemispheres of light: by cosines, the upper one's share is (1 + cos) / 2, where the cosine is
+/// that of the normal and the scene's up.
+pub(super) fn shade(
+    settings: &Hemisphere,
+    shading: &Shading<'_>,
+    points: &Points<'_>,
+    colors: &mut [Color],
+) {
+    let up = unit(shading.scene.up());
+    for (surface, color) in points.surfaces.iter().zip(&mut *colors) {
+        *color = surface.color();
+        if surface.is_unlit() {
+            continue;
+        }
+        let height = seen_normal(surface, settings.flat).dot(up);
+        // A triangle without an area has no normal: it stands upright.
+        let height = if height.is_nan() { 0.0 } else { height };
+        *color *= settings.below.lerp(settings.above, height.midpoint(1.0));
+    }
+    let cue = DepthCue {
+        near: settings.depth_near,
+        far: settings.depth_far,
+        color: settings.depth_color,
+    };
+    cue.fade(points, colors);
+}

@@ -1,0 +1,124 @@
+//! Path tracing: light that reaches the camera by any number of surfaces (Kajiya, "The Rendering Equation", SIGGRAPH 1986).
+//!
+//! 1. At each vertex of a path add the light that arrives straight from points of lights that are drawn (`vertex.rs`).
+//! 2. Let the surface draw a direction, and add the light that a ray finds there (`found.rs`). Both ways find some light; each is
+//!    weighted by how likely it found it.
+//! 3. Where the ray meets a surface, that is the next vertex. After some vertices a path goes on by chance only, the rarer the less
+//!    it can bring, and counts as much more (Russian roulette; Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990).
+//!
+//! All paths of a batch take each step together, so that their rays are shot together.
+
+use super::blend::{Found, found};
+use super::found::light_found;
+use super::vertex::{Vertex, add_direct_light};
+use super::{Points, Shading};
+use crate::geometry::{Color, Domain, Ray, RayFilter, settings};
+use crate::sampling::Draws;
+use crate::scene::Scattered;
+
+settings! {
+    /// The settings of the path tracer.
+    pub struct Path {
+        /// How many times light is scattered at most on its way to the camera: with 1 it arrives straight from lights.
+        depth: u32, Domain::Whole(1, 1024), usual 8;
+        /// After so many scatterings, paths that bring little end by chance.
+        roulette: u32, Domain::Whole(1, 1024), usual 3;
+    }
+}
+
+pub(super) fn shade(
+    settings: &Path,
+    shading: &Shading<'_>,
+    points: &Points<'_>,
+    colors: &mut [Color],
+) {
+    let mut vertices = Vec::with_capacity(colors.len());
+    for (k, (surface, draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
+        colors[k] = if surface.is_unlit() {
+            surface.color()
+        } else {
+            vertices.extend(Vertex::new(surface, k, *draws));
+            surface.emitted()
+        };
+    }
+    for depth in 1..=settings.depth {
+        for vertex in &mut vertices {
+            vertex.finds_lights = true;
+        }
+        add_direct_light(shading, &vertices, (true, f64::INFINITY), colors);
+        let roulette = depth >= settings.roulette;
+        let mut drawn: Vec<Drawn> = vertices
+            .iter_mut()
+            .filter_map(|vertex| drawn(vertex, roulette))
+            .collect();
+        let rays: Vec<Ray> = drawn.iter().map(|drawn| drawn.ray).collect();
+        let filters: Vec<RayFilter> = drawn.iter().map(|drawn| drawn.filter).collect();
+        let mut draws: Vec<Draws> = drawn.iter().map(|drawn| drawn.draws).collect();
+        let all_found = found(shading, &rays, &filters, &mut draws);
+        vertices.clear();
+        for (index, drawn) in drawn.iter_mut().enumerate() {
+            drawn.draws = draws[index];
+            let met = &all_found[index];
+            let seen = (&drawn.ray, met);
+            let light = light_found(shading, seen, &drawn.scattered, drawn.is_straight);
+            colors[drawn.sum] += drawn.throughput * light;
+            if depth < settings.depth {
+                vertices.extend(next(shading, drawn, met));
+            }
+        }
+        if vertices.is_empty() {
+            break;
+        }
+    }
+}
+
+/// A ray that a surface has drawn.
+struct Drawn {
+    ray: Ray,
+    filter: RayFilter,
+    scattered: Scattered,
+    /// What light is multiplied by that the ray finds.
+    throughput: Color,
+    sum: usize,
+    draws: Draws,
+    is_straight: bool,
+}
+
+/// The ray that a vertex draws; `None` where the path ends.
+fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
+    let scattered = vertex.scattering.sample(vertex.draws.three())?;
+    let mut throughput = vertex.throughput * scattered.weight;
+    if roulette {
+        let chance = throughput.max_element().min(1.0);
+        // Written so that a NaN fails.
+        let goes_on = vertex.draws.one() < chance;
+        if !goes_on {
+            return None;
+        }
+        throughput /= chance;
+    }
+    let (ray, filter) = vertex.ray(scattered.towards);
+    Some(Drawn {
+        ray,
+        filter,
+        scattered,
+        throughput,
+        sum: vertex.sum,
+        draws: vertex.draws,
+        is_straight: vertex.is_straight && scattered.density.is_none(),
+    })
+}
+
+/// The vertex where a ray meets a surface; `None` for a miss.
+fn next(shading: &Shading<'_>, drawn: &Drawn, met: &Found) -> Option<Vertex> {
+    let surface = shading.scene.interaction(&met.ray, &met.hit)?;
+    if surface.is_unlit() {
+        return None;
+    }
+    let mut vertex = Vertex::new(&surface, drawn.sum, drawn.draws)?;
+    // Rays have length one, so t is how far they came.
+    let absorbed = vertex.scattering.behind() * met.hit.t;
+    vertex.throughput = drawn.throughput * absorbed.map(|x| libm::exp(-x));
+    vertex.is_straight = drawn.is_straight;
+    Some(vertex)
+}

@@ -1,0 +1,107 @@
+//! Highlights: a share of the light around the direction of a mirror, as a power of a cosine.
+
+use super::depth_cue::{self, DepthCue};
+use super::lit::{Incoming, Lighting, Lit, Reflection};
+use super::{Points, Shading};
+use crate::geometry::{Color, DVec3, Domain, settings, unit};
+
+settings! {
+    /// The settings of the shaders of Phong and Blinn. Surfaces are lit on both sides.
+    pub struct Phong {
+        /// Light from everywhere, which nothing blocks.
+        ambient: Color, Domain::Color, usual Color::splat(0.25);
+        /// How much of the light the matte part takes.
+        diffuse: f64, Domain::From(0.0, 1.0), usual 1.0;
+        /// The colour of highlights, which is that of the light, times this.
+        specular: Color, Domain::Color, usual Color::splat(0.3);
+        /// The exponent of highlights: the larger, the smaller they are. Blinn's are as large as Phong's with about four times as much.
+        shininess: f64, Domain::Positive, usual 32.0;
+        /// Whether things cast shadows.
+        shadows: bool, Domain::Flag, usual true;
+        /// Whether faces have their own normals, in place of smooth ones.
+        flat: bool, Domain::Flag, usual false;
+        /// How far away colours begin to fade, in scene units.
+        depth_near: f64, Domain::NonNegative, usual 0.0;
+        /// How far away they are all `depth_color`; by default nowhere.
+        depth_far: f64, Domain::Reach, usual f64::INFINITY;
+        /// What they fade to; by default the usual background.
+        depth_color: Color, Domain::Color, usual depth_cue::COLOR;
+    }
+}
+
+/// After Phong, "Illumination for Computer Generated Pictures", Communications of the ACM 18(6), 1975.
+pub(super) fn shade(
+    settings: &Phong,
+    shading: &Shading<'_>,
+    points: &Points<'_>,
+    colors: &mut [Color],
+) {
+    shade_by(mirrored, settings, shading, points, colors);
+}
+
+/// After Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977.
+pub(super) fn shade_blinn(
+    settings: &Phong,
+    shading: &Shading<'_>,
+    points: &Points<'_>,
+    colors: &mut [Color],
+) {
+    shade_by(halfway, settings, shading, points, colors);
+}
+
+/// The cosine between the viewer and the direction in which a mirror would send the light.
+fn mirrored(point: &Lit, light: &Incoming) -> f64 {
+    let mirrored = 2.0 * light.cosine * point.normal - light.towards;
+    mirrored.dot(point.viewer)
+}
+
+/// The cosine between the normal and the one that a mirror would have to send the light to the viewer.
+fn halfway(point: &Lit, light: &Incoming) -> f64 {
+    let halfway: DVec3 = unit(light.towards + point.viewer);
+    halfway.dot(point.normal)
+}
+
+fn shade_by(
+    highlight: fn(&Lit, &Incoming) -> f64,
+    settings: &Phong,
+    shading: &Shading<'_>,
+    points: &Points<'_>,
+    colors: &mut [Color],
+) {
+    let &Phong { flat, shadows, .. } = settings;
+    let glossy = Glossy {
+        settings,
+        highlight,
+    };
+    Lighting { flat, shadows }.shade(&glossy, shading, points, colors);
+    let cue = DepthCue {
+        near: settings.depth_near,
+        far: settings.depth_far,
+        color: settings.depth_color,
+    };
+    cue.fade(points, colors);
+}
+
+/// A matte part and a highlight, which is a power of some cosine.
+struct Glossy<'a> {
+    settings: &'a Phong,
+    highlight: fn(&Lit, &Incoming) -> f64,
+}
+
+impl Reflection for Glossy<'_> {
+    fn ambient(&self, point: &Lit) -> Color {
+        self.settings.ambient * point.color
+    }
+
+    fn reflected(&self, point: &Lit, light: &Incoming) -> Color {
+        let matte = self.settings.diffuse * light.cosine * point.color;
+        let cosine = (self.highlight)(point, light);
+        // Written so that a NaN fails: the light comes from where the ray goes to.
+        let power = if cosine > 0.0 {
+            libm::pow(cosine, self.settings.shininess)
+        } else {
+            0.0
+        };
+        (matte + power * self.settings.specular) * (light.share * light.light)
+    }
+}

@@ -1,0 +1,146 @@
+//! Where light is scattered on its way to the camera, and what arrives there straight from lights.
+
+use super::Shading;
+use super::shadow::ShadowRays;
+use crate::geometry::{Color, DVec3, Ray, RayFilter, unit};
+use crate::sampling::Draws;
+use crate::scene::{Arriving, Scattering, SurfaceInteraction};
+
+/// A point of a surface where light is scattered to the camera, or to the vertex before.
+pub(super) struct Vertex {
+    pub(super) position: DVec3,
+    pub(super) scattering: Scattering,
+    /// What its rays do not meet: the surface they leave.
+    pub(super) filter: RayFilter,
+    /// What light from here is multiplied by on its way to the camera.
+    pub(super) throughput: Color,
+    /// The sum that it counts for.
+    pub(super) sum: usize,
+    pub(super) draws: Draws,
+    /// Whether the rays that its surface draws are asked what they find of lights too.
+    pub(super) finds_lights: bool,
+    /// Whether it is seen by mirrors and through clear matter alone: then so is the background.
+    pub(super) is_straight: bool,
+}
+
+impl Vertex {
+    /// The first of a path; `None` where the surface has no normal.
+    pub(super) fn new(surface: &SurfaceInteraction<'_>, sum: usize, draws: Draws) -> Option<Self> {
+        let scattering = surface.scattering()?;
+        let (start, filter) = surface.leave(scattering.geometric());
+        Some(Self {
+            position: start.origin,
+            scattering,
+            filter,
+            throughput: Color::ONE,
+            sum,
+            draws,
+            finds_lights: false,
+            is_straight: true,
+        })
+    }
+
+    /// A ray from here on.
+    pub(super) fn ray(&self, towards: DVec3) -> (Ray, RayFilter) {
+        (Ray::new(self.position, towards), self.filter)
+    }
+
+    /// What the sum gets of light, if nothing is in its way; `None` where that is nothing. Of light that the surface's own
+    /// rays may find too, it is a share.
+    fn seen(&self, arriving: &Arriving) -> Option<Color> {
+        let towards = unit(arriving.towards);
+        let light = self.throughput * self.scattering.value(towards) * arriving.light;
+        let share = match arriving.density {
+            Some(density) if self.finds_lights => {
+                power_share(density, self.scattering.density(towards))
+            }
+            _ => 1.0,
+        };
+        let light = share * light;
+        // Written so that a NaN (the point is where the light is) fails.
+        (light.max_element() > 0.0 || light.min_element() < 0.0).then_some(light)
+    }
+}
+
+/// How much counts what was drawn with one density, where another way could have drawn it too (Veach and Guibas, "Optimally Combining
+/// Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995: the power heuristic, with the power of two).
+pub(super) fn power_share(own: f64, other: f64) -> f64 {
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// Whose numbers are drawn.
+const EMITTERS: u64 = 1;
+const ENVIRONMENT: u64 = 2;
+
+/// Adds the light that arrives at vertices straight from points of lights that are drawn: one of each light, one of the surfaces
+/// that shine, and one direction of the environment.
+pub(super) fn add_direct_light(
+    shading: &Shading<'_>,
+    vertices: &[Vertex],
+    (shadows, reach): (bool, f64),
+    sums: &mut [Color],
+) {
+    let mut rays = ShadowRays::with_capacity(vertices.len());
+    // Each light has numbers of its own, so that it brings the same whatever other lights there are.
+    for light in shading.scene.lights() {
+        let (key, light) = (light.key(), light.prepared());
+        for vertex in vertices {
+            let u = vertex.draws.split(key).two();
+            let drawn = light.arriving(vertex.position, u);
+            let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));
+            if let Some((
+                Arriving {
+                    towards, distance, ..
+                },
+                light,
+            )) = seen
+            {
+                let (ray, filter) = vertex.ray(towards);
+                rays.push((ray.up_to(distance), filter), vertex.sum, light);
+            }
+        }
+        rays.add_to(sums, shading, shadows);
+    }
+    let emitters = shading.scene.emitters();
+    if !emitters.is_empty() {
+        for vertex in vertices {
+            let u = vertex.draws.split(EMITTERS).three();
+            let drawn = emitters.arriving(shading.scene, vertex.position, u);
+            let Some((arriving, surface)) = drawn else {
+                continue;
+            };
+            if let Some(light) = vertex.seen(&arriving) {
+                let (ray, mut filter) = vertex.ray(arriving.towards);
+                filter.skip[1] = Some(surface);
+                rays.push((ray.up_to(arriving.distance), filter), vertex.sum, light);
+            }
+        }
+        rays.add_to(sums, shading, shadows);
+    }
+    let drawn = shading
+        .scene
+        .environment()
+        .filter(|environment| environment.is_drawn());
+    if let Some(environment) = drawn {
+        for vertex in vertices {
+            let u = vertex.draws.split(ENVIRONMENT).two();
+            let Some(arriving) = environment.arriving(u) else {
+                continue;
+            };
+            let towards = unit(arriving.towards);
+            let value = vertex.throughput * vertex.scattering.value(towards) * arriving.light;
+            // The surface's own rays always find the environment.
+            let own = vertex.scattering.density(towards);
+            let share = arriving
+                .density
+                .map_or(1.0, |density| power_share(density, own));
+            let light = share * vertex.scattering.occlusion() * value;
+            if light.max_element() > 0.0 {
+                let (ray, filter) = vertex.ray(towards);
+                rays.push((ray.up_to(reach), filter), vertex.sum, light);
+            }
+        }
+        rays.add_to(sums, shading, true);
+    }
+}
