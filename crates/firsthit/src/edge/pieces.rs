@@ -1,0 +1,168 @@
+//! Lines in space, cut into short pieces of the picture.
+//!
+//! A line is halved until a piece is half a pixel long at most, or out of the picture. So pieces depend on the line and the camera
+//! alone, and their middles are at shares of the line that float64 holds exactly. Where the picture of a line is torn, as at the edge of
+//! a panorama, the pieces beside the tear end within 2^-40 of the line.
+
+use super::eye::View;
+use crate::geometry::{DVec2, DVec3};
+
+/// No piece is longer, in pixels.
+const LONGEST: f64 = 0.5;
+
+/// No line is halved more often, one half after the other.
+const MOST_HALVES: u32 = 40;
+
+/// A line that is not straight in the picture may leave it and come back, or turn around: so often it is halved in any case.
+const BENT_HALVES: u32 = 5;
+
+/// A piece of a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    /// Where it is in the picture.
+    pub(super) ends: [DVec2; 2],
+    /// Its middle, as a share of the line.
+    pub(super) middle: f64,
+}
+
+/// A part of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Window {
+    pub(super) low: DVec2,
+    pub(super) high: DVec2,
+}
+
+impl Window {
+    /// Whether the box around two points, wider by `margin`, has a part of it.
+    pub(super) fn holds(&self, [a, b]: [DVec2; 2], margin: f64) -> bool {
+        let (low, high) = (a.min(b) - margin, a.max(b) + margin);
+        high.cmpge(self.low).all() && low.cmple(self.high).all()
+    }
+}
+
+/// Cuts a line.
+pub(super) struct Cutter<'a, F> {
+    pub(super) view: &'a View<'a>,
+    /// Where pieces count.
+    pub(super) window: Window,
+    /// The point of the world at a share of the line.
+    pub(super) at: F,
+    /// Whether the line is straight in the world.
+    pub(super) is_straight: bool,
+}
+
+/// A place of a line: its share, and where it is seen.
+type Place = (f64, Option<DVec2>);
+
+impl<F: Fn(f64) -> DVec3> Cutter<'_, F> {
+    /// The pieces, in order.
+    pub(super) fn pieces(&self) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        self.cut([self.place(0.0), self.place(1.0)], 0, &mut pieces);
+        pieces
+    }
+
+    fn place(&self, share: f64) -> Place {
+        (share, self.view.pixel((self.at)(share)))
+    }
+
+    fn cut(&self, [from, to]: [Place; 2], halves: u32, pieces: &mut Vec<Piece>) {
+        let is_flat = self.is_straight && self.view.is_flat();
+        let is_settled = is_flat || halves >= BENT_HALVES;
+        let middle = 0.5 * (from.0 + to.0);
+        match (from.1, to.1) {
+            (Some(a), Some(b)) => {
+                let length = a.distance(b);
+                // Two directions near each other have nothing but directions near them between them.
+                if length <= LONGEST && (self.is_straight || is_settled) {
+                    if self.window.holds([a, b], 0.0) {
+                        let ends = [a, b];
+                        pieces.push(Piece { ends, middle });
+                    }
+                    return;
+                }
+                let bulge = if is_flat { 0.0 } else { length };
+                if is_settled && !self.window.holds([a, b], bulge) {
+                    return;
+                }
+            }
+            (None, None) if is_settled => return,
+            _ => {}
+        }
+        if halves < MOST_HALVES {
+            let middle = self.place(middle);
+            self.cut([from, middle], halves + 1, pieces);
+            self.cut([middle, to], halves + 1, pieces);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Equirectangular, Lens, RayStart, View as CameraView};
+
+    fn pieces(camera: &Camera, [from, to]: [DVec3; 2]) -> Vec<Piece> {
+        let cutter = Cutter {
+            view: &View::new(camera),
+            window: Window {
+                low: DVec2::ZERO,
+                high: DVec2::new(camera.columns() as f64, camera.rows() as f64),
+            },
+            at: |share| from + share * (to - from),
+            is_straight: true,
+        };
+        cutter.pieces()
+    }
+
+    fn check_joined(pieces: &[Piece], gaps: usize) {
+        let joints = pieces
+            .windows(2)
+            .map(|two| two[0].ends[1].distance(two[1].ends[0]));
+        assert_eq!(joints.filter(|&gap| gap > 1e-3).count(), gaps);
+        assert!(
+            pieces
+                .iter()
+                .all(|piece| piece.ends[0].distance(piece.ends[1]) <= 0.5)
+        );
+    }
+
+    /// From behind the camera, past it, and far out of the picture.
+    #[test]
+    fn a_line_past_the_camera_is_cut_at_the_picture() {
+        let on_viewplane = Camera::new(CameraView::default()).unwrap();
+        let at_eye = on_viewplane.starting_at(RayStart::Eye);
+        // It comes in from the right; or where the viewplane is, at a distance of 1.
+        for (camera, start) in [(at_eye, 640.0), (on_viewplane, 320.0 + 480.0 * 0.1)] {
+            let line = [DVec3::new(0.1, 0.0, 3.0), DVec3::new(0.1, 0.0, -50.0)];
+            let pieces = pieces(&camera, line);
+            check_joined(&pieces, 0);
+            assert!(pieces.len() < 2000, "{}", pieces.len());
+            let (first, last) = (pieces[0].ends[0], pieces[pieces.len() - 1].ends[1]);
+            assert!((first.x - start).abs() <= 0.5 && (first.y - 240.0).abs() < 1e-9);
+            assert!((last.x - (320.0 + 480.0 * 0.1 / 50.0)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_line_across_the_seam_of_a_panorama_is_torn_there() {
+        let lens = Lens::Equirectangular(Equirectangular::default());
+        let view = CameraView {
+            lens,
+            rows: 180,
+            columns: 360,
+            ..CameraView::default()
+        };
+        let camera = Camera::new(view).unwrap();
+        let line = [DVec3::new(-1.0, 0.2, 2.0), DVec3::new(1.0, 0.2, 2.0)];
+        let pieces = pieces(&camera, line);
+        check_joined(&pieces, 1);
+        let total: f64 = pieces
+            .iter()
+            .map(|piece| piece.ends[0].distance(piece.ends[1]))
+            .sum();
+        // 2 atan(1 / 2) across; and it is a bit higher in the middle.
+        let across = 2.0 * libm::atan(0.5).to_degrees();
+        assert!(total > across && total < across + 1.0, "{total} {across}");
+    }
+}
