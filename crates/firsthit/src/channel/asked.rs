@@ -18,7 +18,8 @@ pub const MATTE_RANKS: usize = 6;
 /// The most that can be asked for.
 const MOST_RANKS: usize = 64;
 
-/// What a name asks for: the kind of that name; of a Cryptomatte with another number of pairs, as in `crypto_object:8`; or with
+/// What a name asks for: the kind of that name; of a Cryptomatte with another number of pairs, as in `crypto_object:8`; ambient
+/// occlusion up to a distance, as in `ao:0.5`; or with
 /// [`ATTRIBUTE`] before it the attribute of the meshes, see [`Kind::attribute`].
 ///
 /// # Errors
@@ -30,6 +31,11 @@ pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
         && let Some(kind) = kind(name).ok().filter(|kind| kind.matte().is_some())
     {
         return kind.with_ranks(ranks).map(Cow::Owned);
+    }
+    if let Some((name, reach)) = name.split_once(':')
+        && let Some(kind) = kind(name).ok().filter(|kind| kind.occlusion().is_some())
+    {
+        return kind.with_reach(reach).map(Cow::Owned);
     }
     match name.strip_prefix(ATTRIBUTE) {
         Some("") => Err(Error::argument("channel", "an attribute's name", name)),
@@ -48,6 +54,18 @@ impl Kind {
         let count = count.ok_or_else(|| Error::argument("channel", expected, got()))?;
         Ok(Self {
             components: 2 * count,
+            ..self.clone()
+        })
+    }
+
+    /// The same ambient occlusion up to a distance.
+    fn with_reach(&self, reach: &str) -> Result<Self> {
+        let length = reach.parse().ok().filter(|&reach: &f64| reach > 0.0);
+        let expected = "ambient occlusion up to a positive distance, such as ao:0.5";
+        let got = || format!("{}:{reach}", self.name);
+        let length = length.ok_or_else(|| Error::argument("channel", expected, got()))?;
+        Ok(Self {
+            make: Make::Occlusion(length),
             ..self.clone()
         })
     }

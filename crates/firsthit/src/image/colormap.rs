@@ -1,7 +1,9 @@
 use std::sync::LazyLock;
 
 use super::frame::{Channel, Display};
-use super::srgb::{SRGB, unit_byte, unpremultiplied};
+use super::srgb::unit_byte;
+use super::tones::Tones;
+use crate::geometry::DisplayTransform;
 
 type Rgb = [u8; 3];
 
@@ -10,9 +12,9 @@ const BLACK: Rgb = [0; 3];
 
 /// How the values of one channel become bytes, with the ranges that depend on the whole channel.
 pub(super) enum ColorMap {
-    Color,
+    Color(Tones),
     /// Colours with coverage (alpha): four bytes, not three.
-    Transparent,
+    Transparent(Tones),
     Distance(Depths),
     Identifier,
     Direction,
@@ -23,10 +25,11 @@ pub(super) enum ColorMap {
 }
 
 impl ColorMap {
-    pub(super) fn of(channel: &Channel) -> Self {
+    /// `display` is for colours alone.
+    pub(super) fn of(channel: &Channel, display: DisplayTransform) -> Self {
         match channel.display {
-            Display::Color if channel.is_transparent() => Self::Transparent,
-            Display::Color => Self::Color,
+            Display::Color if channel.is_transparent() => Self::Transparent(Tones::of(display)),
+            Display::Color => Self::Color(Tones::of(display)),
             Display::Distance => Self::Distance(Depths::of(channel)),
             Display::Identifier => Self::Identifier,
             Display::Direction => Self::Direction,
@@ -45,7 +48,7 @@ impl ColorMap {
     /// How many bytes a pixel has.
     pub(super) fn bytes(&self) -> usize {
         match self {
-            Self::Transparent => 4,
+            Self::Transparent(_) => 4,
             _ => 3,
         }
     }
@@ -53,21 +56,10 @@ impl ColorMap {
     /// Fills `bytes`, as many as [`bytes`](Self::bytes) for every element, from `values`, `components` for every
     /// element.
     pub(super) fn apply(&self, values: &[f64], components: usize, bytes: &mut [u8]) {
-        if matches!(self, Self::Color) {
-            // The most frequent picture, and the only one whose bytes need not know their pixel.
-            let srgb = &*SRGB;
-            for (byte, &value) in bytes.iter_mut().zip(values) {
-                *byte = srgb.byte(value);
-            }
-            return;
-        }
-        if matches!(self, Self::Transparent) {
-            let (pixels, _) = bytes.as_chunks_mut::<4>();
-            let (values, _) = values.as_chunks::<4>();
-            for (pixel, value) in pixels.iter_mut().zip(values) {
-                *pixel = unpremultiplied(*value);
-            }
-            return;
+        match self {
+            Self::Color(tones) => return tones.apply(values, bytes),
+            Self::Transparent(tones) => return tones.apply_to_transparent(values, bytes),
+            _ => {}
         }
         let (pixels, _) = bytes.as_chunks_mut::<3>();
         for (pixel, value) in pixels.iter_mut().zip(values.chunks_exact(components)) {
@@ -102,7 +94,7 @@ impl ColorMap {
             }
             (Self::Fraction, &[grey]) => [unit_byte(grey); 3],
             (Self::Fraction, &[u, v]) => [unit_byte(u), unit_byte(v), 0],
-            (Self::Fraction | Self::Color, &[r, g, b]) => [r, g, b].map(unit_byte),
+            (Self::Fraction, &[r, g, b]) => [r, g, b].map(unit_byte),
             _ => unreachable!("`Frame::push` checks the components of each kind of picture"),
         }
     }
@@ -127,8 +119,8 @@ fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> 
     if channel.display == Display::Matte {
         return None;
     }
-    match ColorMap::of(channel) {
-        ColorMap::Color | ColorMap::Transparent | ColorMap::Fraction | ColorMap::Mask => None,
+    match ColorMap::of(channel, DisplayTransform::default()) {
+        ColorMap::Color(_) | ColorMap::Transparent(_) | ColorMap::Fraction | ColorMap::Mask => None,
         ColorMap::Distance(depths) if depths.range.is_empty() => {
             Some(format!("{name}: nothing but misses"))
         }
@@ -315,7 +307,8 @@ mod tests {
             .map(|index| channel.data.value(index))
             .collect();
         let mut bytes = vec![7; values.len() / components * 3];
-        ColorMap::of(&channel).apply(&values, components, &mut bytes);
+        let map = ColorMap::of(&channel, DisplayTransform::default());
+        map.apply(&values, components, &mut bytes);
         (bytes.as_chunks().0.to_vec(), legend(&channel))
     }
 

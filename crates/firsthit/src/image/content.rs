@@ -5,6 +5,7 @@ use super::frame::Display;
 use super::frame::{Channel, Data};
 use super::metadata::Metadata;
 use crate::error::{Error, Result};
+use crate::geometry::DisplayTransform;
 #[cfg(any(feature = "exr", feature = "cloud"))]
 use crate::geometry::single;
 use crate::watch::Watch;
@@ -15,6 +16,8 @@ pub struct WriteSettings {
     /// The step of a 16 bit PNG in scene units: distances are stored as a number of steps, misses as 0. `None`:
     /// distances are stored as colours.
     pub png_scale: Option<f64>,
+    /// How a PNG shows colours. All other formats hold them as they are.
+    pub display: DisplayTransform,
 }
 
 /// The content of a file, checked.

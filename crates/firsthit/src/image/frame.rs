@@ -385,7 +385,10 @@ impl Display {
             Self::Color => floats && matches!(channel.components, 3 | 4),
             Self::Direction | Self::Position => floats && channel.components == 3,
             Self::Distance => floats && channel.components == 1,
-            Self::Quantity => floats && channel.components > 0,
+            Self::Quantity => {
+                let counts = matches!(channel.data, Data::Int32(_));
+                (floats || counts) && channel.components > 0
+            }
             Self::Fraction => floats && (1..=3).contains(&channel.components),
             Self::Identifier => matches!(channel.data, Data::Int32(_)) && channel.components == 1,
             Self::Mask => matches!(channel.data, Data::Bool(_)) && channel.components == 1,

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::color_bar::ColorsRecord;
 use super::cryptomatte::{Cryptomatte, ascii};
 use super::frame::{Channel, Display, Frame};
 use super::names::Names;
-use super::origin::{CameraRecord, Origin, SensorRecord};
+use super::origin::{CameraRecord, Origin, SensorRecord, ShadingRecord};
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
 pub(super) const KEY: &str = "firsthit";
@@ -39,6 +40,12 @@ pub struct Metadata {
     /// The number of samples whose mean is a pixel's colour, and whose shares are those of its mattes; other channels are sampled at
     /// the pixel's centre.
     pub samples: Option<u32>,
+    /// How the colours were made, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shading: Option<ShadingRecord>,
+    /// How surfaces are coloured by numbers: the legend of the colours, if they are in this file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colors: Option<ColorsRecord>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
     /// What the identifiers of the channels `object`, `node`, `mesh` and `material` stand for, if one of them is in this file.
@@ -106,6 +113,12 @@ pub struct Stored {
     /// With [`Encoding::Picture`]: how to read the picture, where that needs words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub legend: Option<String>,
+    /// With [`Encoding::Picture`], of colours: the exposure in stops that was applied, unless it is 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<f64>,
+    /// With [`Encoding::Picture`], of colours: the name of the tone map that was applied, unless it is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tone_map: Option<String>,
 }
 
 /// How stored numbers were made from a channel's.
@@ -137,6 +150,10 @@ impl Encoding {
     }
 }
 
+/// The channels that say how they were shaded.
+const COLOR: &str = "color";
+const STATE: &str = "sums";
+
 impl Frame {
     /// The metadata of the frame and all its channels.
     pub fn metadata(&self) -> Metadata {
@@ -157,6 +174,8 @@ impl Metadata {
             camera,
             sensor,
             samples,
+            shading,
+            colors,
             first_pixel,
             names,
             mut cryptomatte,
@@ -165,6 +184,8 @@ impl Metadata {
         let of_samples =
             |channel: &&Channel| matches!(channel.display, Display::Color | Display::Matte);
         let has_samples = channels.iter().any(of_samples);
+        let is_color = |channel: &&Channel| channel.display == Display::Color;
+        let has_colors = channels.iter().any(is_color);
         // A table of rays has directions of any length, all other sensors have those of length one.
         let has_units =
             camera.is_some() || sensor.as_ref().is_some_and(|sensor| sensor.kind != "rays");
@@ -177,6 +198,8 @@ impl Metadata {
             shape: frame.shape.iter().map(|&side| side as u64).collect(),
             pixels: (frame.shape.len() == 2).then(|| Pixels::from(first_pixel)),
             samples: samples.filter(|_| has_samples),
+            shading: shading.filter(|_| has(COLOR) || has(STATE)),
+            colors: colors.filter(|_| has_colors),
             channels: (channels.iter())
                 .map(|channel| ChannelRecord::of(channel, has_units, stored(channel)))
                 .collect(),
@@ -253,7 +276,7 @@ impl ChannelRecord {
 }
 
 impl Stored {
-    /// Numbers under `names`, without a scale or a legend.
+    /// Numbers under `names`, without a scale, a legend or a display transform.
     pub(super) fn new(names: Vec<String>, dtype: &str, encoding: Encoding, miss: &str) -> Self {
         Self {
             names,
@@ -262,6 +285,8 @@ impl Stored {
             miss: miss.to_owned(),
             scale: None,
             legend: None,
+            exposure: None,
+            tone_map: None,
         }
     }
 

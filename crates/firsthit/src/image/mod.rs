@@ -4,9 +4,10 @@
 //! lists the formats. A file appears whole or not at all, see [`write_whole`]. Every file holds the same [`Metadata`],
 //! and [`read`] reads any of them back.
 //!
-//! Colours are linear in a frame; only PNG applies the sRGB curve. Nothing is filtered, tone-mapped or resized, and the
-//! same frame gives the same bytes on every machine.
+//! Colours are linear in a frame; PNG and point clouds apply the sRGB curve, and PNG a [`DisplayTransform`](crate::DisplayTransform) before it if asked
+//! to. Nothing is filtered or resized, and the same frame gives the same bytes on every machine.
 
+mod color_bar;
 #[cfg(feature = "png")]
 mod colormap;
 mod compare;
@@ -38,12 +39,17 @@ mod read;
 mod srgb;
 #[cfg(feature = "png")]
 mod steps;
+#[cfg(feature = "png")]
+mod tones;
 
+pub use color_bar::{ColorBar, ColorsRecord};
 #[cfg(feature = "png")]
 pub use colormap::{color_of_identifier, legend, short_legend};
 pub use compare::{Difference, compare};
 pub use content::WriteSettings;
 pub use cryptomatte::{Cryptomatte, matte_id};
+#[cfg(feature = "exr")]
+pub(crate) use decode::exr::decode as decode_exr;
 #[cfg(feature = "npy")]
 pub use decode::npy::{NpyHeader, NpyValues};
 pub use decode::output::{Array, Numbers, Output};
@@ -53,7 +59,8 @@ pub use frame::{Channel, Data, Description, Display, Frame, Unit};
 pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
 pub use names::{Names, ObjectNames};
 pub use origin::{
-    CameraRecord, Intrinsics, Origin, Pose, SensorRecord, TimedPose, TrajectoryRecord,
+    CameraRecord, Intrinsics, Origin, Pose, SensorRecord, ShadingRecord, TimedPose,
+    TrajectoryRecord,
 };
 #[cfg(feature = "cloud")]
 pub use points::is_point_cloud;

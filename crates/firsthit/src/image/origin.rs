@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::color_bar::ColorsRecord;
 use super::cryptomatte::Cryptomatte;
 use super::names::Names;
 
@@ -20,6 +21,12 @@ pub struct Origin {
     pub sensor: Option<SensorRecord>,
     /// The number of samples whose mean is a pixel's colour, if there are colours or mattes.
     pub samples: Option<u32>,
+    /// How colours were made; a file says it of colours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shading: Option<ShadingRecord>,
+    /// How surfaces were coloured by numbers, if they were; a file says it if it has colours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colors: Option<ColorsRecord>,
     /// Which row and column of the camera's pixels the first ones of the frame are: `[0, 0]` but for a region.
     #[serde(default)]
     pub first_pixel: [u64; 2],
@@ -29,6 +36,17 @@ pub struct Origin {
     /// What the identifiers of mattes stand for, by the channel; a file says it of the channels that it has.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cryptomatte: BTreeMap<String, Cryptomatte>,
+}
+
+/// How colours were made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShadingRecord {
+    /// The shader's name.
+    pub shader: String,
+    /// The shader's settings, by their names: flags, numbers, or three numbers; `inf` for infinity.
+    pub settings: BTreeMap<String, serde_json::Value>,
+    /// A digest of this and of the lights, the environment, the background and the ground.
+    pub digest: String,
 }
 
 /// A camera: in the specification's words, as intrinsic matrix, and as pose.

@@ -8,11 +8,13 @@ use super::frame::{Channel, Display};
 use super::metadata::{Encoding, KEY, Stored};
 use super::steps;
 use crate::error::{Error, Result};
+use crate::geometry::{DisplayTransform, ToneMap};
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
 const CHUNK: usize = 1 << 16;
 
-/// Refuses a frame that is no picture, and distances that do not fit into 16 bits of the chosen steps.
+/// Refuses a frame that is no picture, distances that do not fit into 16 bits of the chosen steps, and colours of an exposure that
+/// is no number.
 pub(super) fn check(content: &Content<'_>) -> Result<()> {
     picture_sides(
         content.shape,
@@ -32,6 +34,9 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
     for (channel, scale) in scales {
         steps::check(channel, scale, content.shape)?;
     }
+    if (content.channels.iter()).any(|channel| channel.display == Display::Color) {
+        content.settings.display.check()?;
+    }
     Ok(())
 }
 
@@ -50,11 +55,10 @@ pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
             ..Stored::new(names(&["grey"]), "uint16", Encoding::Steps, "0")
         };
     }
-    let miss = if channel.display == Display::Color {
-        channel.miss()
-    } else {
-        "black"
-    };
+    let is_color = channel.display == Display::Color;
+    let miss = if is_color { channel.miss() } else { "black" };
+    let DisplayTransform { exposure, tone_map } = settings.display;
+    let is_mapped = is_color && tone_map != ToneMap::default();
     let names = names(if channel.is_transparent() {
         &["red", "green", "blue", "alpha"]
     } else {
@@ -62,6 +66,8 @@ pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
     });
     Stored {
         legend: legend(channel),
+        exposure: Some(exposure).filter(|&stops| is_color && stops != 0.0),
+        tone_map: is_mapped.then(|| tone_map.name().to_owned()),
         ..Stored::new(names, "uint8", Encoding::Picture, miss)
     }
 }
@@ -85,15 +91,21 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         };
         let mut writer = header((rows, columns), color, &text, out)?;
         let mut writer = writer.stream_writer_with_size(CHUNK)?;
-        encode_colors(channel, columns * color.samples(), &mut writer)?;
+        let row = columns * color.samples();
+        encode_colors(channel, content.settings.display, row, &mut writer)?;
         writer.finish()?;
     }
     Ok(())
 }
 
 /// Writes the picture in rows of `row` bytes.
-fn encode_colors(channel: &Channel, row: usize, out: &mut dyn Write) -> io::Result<()> {
-    let map = ColorMap::of(channel);
+fn encode_colors(
+    channel: &Channel,
+    display: DisplayTransform,
+    row: usize,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let map = ColorMap::of(channel, display);
     let values_of_row = row / map.bytes() * channel.components;
     let mut values = Vec::with_capacity(values_of_row);
     let mut bytes = vec![0; row];

@@ -45,10 +45,13 @@ impl SrgbBytes {
     }
 }
 
-/// The bytes of a premultiplied colour, as PNG stores them: divided by alpha, which has no curve.
-pub(super) fn unpremultiplied([r, g, b, alpha]: [f64; 4]) -> [u8; 4] {
+/// The bytes of a premultiplied colour, as PNG stores them: those of the colour divided by alpha, and alpha, which has no curve.
+pub(super) fn unpremultiplied(
+    [r, g, b, alpha]: [f64; 4],
+    bytes: impl Fn([f64; 3]) -> [u8; 3],
+) -> [u8; 4] {
     if alpha > 0.0 {
-        let [r, g, b] = [r, g, b].map(|level| SRGB.byte(level / alpha));
+        let [r, g, b] = bytes([r, g, b].map(|level| level / alpha));
         [r, g, b, unit_byte(alpha)]
     } else {
         [0; 4]

@@ -1,4 +1,4 @@
-//! Files of meshes and models: a file or a folder for each format.
+//! Files of meshes, models and environments: a file or a folder for each format.
 //!
 //! A file is untrusted: no count in it sizes an allocation, every index in it is checked, and no file outside its
 //! folder is opened.
@@ -16,6 +16,7 @@
 )]
 
 mod decimal;
+mod environment;
 pub(crate) mod fault;
 mod format;
 mod formats;
@@ -44,6 +45,7 @@ mod surface;
 mod text;
 mod warnings;
 
+pub(crate) use environment::{load_environment, load_environment_part};
 pub(crate) use format::{Format, format_of};
 pub(crate) use formats::{FORMATS, load_part};
 pub use loaded::Loaded;

@@ -14,7 +14,7 @@ use super::output::{Array, Numbers, Output, collected, elements, metadata_of};
 
 /// Every channel of every flat layer, at full resolution: components put together as the metadata say,
 /// or as names that programs agree on do.
-pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
+pub(crate) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
     // `exr` promises not to panic. Should it, that file is one that cannot be read, not the end of the program.
     catch_unwind(AssertUnwindSafe(|| decode_checked(bytes, most)))
         .unwrap_or_else(|_| Err("not an EXR that can be read".to_owned()))

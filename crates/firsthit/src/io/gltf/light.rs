@@ -10,7 +10,7 @@ use super::nodes::Placed;
 use super::place::Entry;
 use crate::error::escape_controls;
 use crate::geometry::{Color, DVec3, unit};
-use crate::scene::Light;
+use crate::scene::{DirectionalLight, Light, PointLight, SpotLight};
 
 /// The lights of the scene, in the order of their nodes.
 pub(super) fn all(
@@ -63,11 +63,15 @@ fn at(
         DVec3::NEG_Z
     };
     match &*light.kind {
-        "directional" => Ok(Light::Directional { direction, color }),
-        "point" => Ok(Light::Point {
+        "directional" => Ok(Light::from(DirectionalLight {
+            direction,
+            color,
+            angle_degrees: 0.0,
+        })),
+        "point" => Ok(Light::from(PointLight {
             position,
             intensity: color,
-        }),
+        })),
         "spot" => {
             let spot = light.spot.as_ref();
             let inner = spot.and_then(|spot| spot.inner_cone_angle).unwrap_or(0.0);
@@ -80,13 +84,13 @@ fn at(
                 );
                 return Err(entry.fault("spot", what));
             }
-            Ok(Light::Spot {
+            Ok(Light::from(SpotLight {
                 position,
                 direction,
                 intensity: color,
                 inner_angle: inner,
                 outer_angle: outer,
-            })
+            }))
         }
         kind => {
             let kind = escape_controls(kind);

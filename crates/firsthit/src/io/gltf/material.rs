@@ -10,19 +10,23 @@ use super::buffers::Buffers;
 use super::document::Document;
 use super::index::Index;
 use super::material_entry::{ImageEntry, MaterialEntry, SamplerEntry, TextureInfo};
+use super::model::Numbers;
 use super::place::Entry;
 use super::resource::{file_name, resource};
 use crate::error::escape_controls;
 use crate::geometry::Color;
-use crate::scene::{AlphaMode, Filter, MapRole, Maps, Material, Texture, TextureMap, Wrap};
+use crate::scene::{AlphaMode, Filter, MapRole, Maps, Material, Texture, TextureMap, UvSet, Wrap};
 
 /// A material as it is used.
 #[derive(Debug, Clone)]
 pub(super) struct Look {
     pub(super) materials: Arc<[Material]>,
-    /// The set of texture coordinates that it takes; `None` without a texture.
-    pub(super) set: Option<usize>,
-    pub(super) has_cutouts: bool,
+    /// The sets of texture coordinates that its maps take; `None` for those that it does not need.
+    pub(super) sets: [Option<usize>; 2],
+    /// Which of them its normal maps take, if it has any.
+    pub(super) normal_set: Option<UvSet>,
+    /// Whether alpha means anything.
+    pub(super) has_alpha: bool,
 }
 
 /// The materials of a document; each is made when a primitive asks for it, and once.
@@ -46,22 +50,34 @@ impl Looks {
         let entry = Entry::new("materials", index);
         let material = document.materials.get(index);
         let material = material.ok_or_else(|| entry.fault("", "there is no such material"))?;
-        let (info, [red, green, blue, alpha]) = material.base();
-        let texture = info.and_then(|info| self.texture(document, info, buffers, report));
-        let alpha_mode = alpha_mode(material, entry, report)?;
-        warn_of_unread(material, entry, report);
+        let [red, green, blue, alpha] = material.base();
+        let (maps, sets) = self.maps(document, (material, entry), buffers, report);
+        let alpha_mode = alpha_mode(material, entry)?;
         let name = escape_controls(material.name.as_deref().unwrap_or_default());
-        report
-            .budget
-            .charge(name.len() as u64, "a material's name")?;
+        let bytes = name.len() + size_of::<Material>();
+        report.budget.charge(bytes as u64, "a material")?;
+        let mut numbers = Numbers { entry, report };
+        let of_normals = [MapRole::Normal, MapRole::ClearcoatNormal];
+        let mut of_normals = of_normals.into_iter().filter_map(|role| maps.get(role));
         let look = Look {
-            set: texture.as_ref().and(info).map(TextureInfo::set),
-            has_cutouts: matches!(alpha_mode, AlphaMode::Mask { .. }),
+            sets,
+            normal_set: of_normals.next().map(|map| map.uv_set),
+            has_alpha: alpha_mode != AlphaMode::Opaque,
             materials: Arc::new([Material {
                 name: name.into(),
                 color: Color::new(red, green, blue),
                 alpha,
-                maps: Maps::default().with(MapRole::Color, texture),
+                model: numbers.model(material),
+                emission: numbers.emission(material),
+                maps,
+                normal_scale: numbers
+                    .scale(material.normal_texture.as_ref().and_then(|info| info.scale)),
+                occlusion_strength: numbers.strength(
+                    material
+                        .occlusion_texture
+                        .as_ref()
+                        .and_then(|info| info.strength),
+                ),
                 alpha_mode,
                 unlit: material.extensions.unlit.is_some(),
                 double_sided: material.double_sided,
@@ -69,6 +85,34 @@ impl Looks {
         };
         self.known.insert(index, look.clone());
         Ok(look)
+    }
+
+    /// The maps of a material, and the sets of texture coordinates that they take: that of the colour comes first.
+    fn maps<'a>(
+        &mut self,
+        document: &'a Document<'a>,
+        (material, entry): (&MaterialEntry<'_>, Entry),
+        buffers: &mut Buffers<'a>,
+        report: &mut Report,
+    ) -> (Maps, [Option<usize>; 2]) {
+        let (mut maps, mut sets) = (Maps::default(), [None; 2]);
+        for (role, place, info) in material.textures() {
+            let Some(map) = self.texture(document, info, buffers, report) else {
+                continue;
+            };
+            let set = Some(info.set());
+            let mut known = sets.iter_mut().zip([UvSet::First, UvSet::Second]);
+            let free = known.find(|(known, _)| **known == set || known.is_none());
+            let Some((known, uv_set)) = free else {
+                report.warn("TEXCOORD sets", &entry.at(place), || {
+                    "a third set of texture coordinates is not read: the surface does without the texture".to_owned()
+                });
+                continue;
+            };
+            *known = set;
+            maps = maps.with(role, TextureMap { uv_set, ..map });
+        }
+        (maps, sets)
     }
 
     fn texture<'a>(
@@ -90,7 +134,7 @@ impl Looks {
                 } else {
                     "has no image in a format that is read"
                 };
-                format!("the texture {what}: its surfaces have a flat colour")
+                format!("the texture {what}: its surfaces do without it")
             });
             return None;
         };
@@ -127,7 +171,7 @@ impl Looks {
         let picture = read(image, buffers, report);
         let picture = picture.map(Arc::new).map_err(|reason| {
             report.warn("image", &Entry::new("images", index).place(), || {
-                format!("the image is not read, its surfaces have a flat colour: {reason}")
+                format!("the image is not read, its surfaces do without it: {reason}")
             });
         });
         self.pictures.insert(index, picture.clone().ok());
@@ -167,36 +211,17 @@ fn wrap(code: Option<Index>) -> Wrap {
     }
 }
 
-fn alpha_mode(
-    material: &MaterialEntry<'_>,
-    entry: Entry,
-    report: &mut Report,
-) -> Checked<AlphaMode> {
+fn alpha_mode(material: &MaterialEntry<'_>, entry: Entry) -> Checked<AlphaMode> {
     match material.alpha_mode.as_deref() {
         None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
         Some("MASK") => Ok(AlphaMode::Mask {
             cutoff: material.alpha_cutoff.unwrap_or(0.5),
         }),
-        Some("BLEND") => {
-            report.warn("blend", &entry.at("alphaMode"), || {
-                "a surface that lets light through (BLEND) is seen as opaque".to_owned()
-            });
-            Ok(AlphaMode::Blend)
-        }
+        Some("BLEND") => Ok(AlphaMode::Blend),
         Some(mode) => {
             let mode = escape_controls(mode);
             let what = format!("must be OPAQUE, MASK or BLEND, got '{mode}'");
             Err(entry.fault("alphaMode", what))
         }
-    }
-}
-
-fn warn_of_unread(material: &MaterialEntry<'_>, entry: Entry, report: &mut Report) {
-    let unread: Vec<_> = material.unread().collect();
-    if !unread.is_empty() {
-        report.warn("unread", &entry.place(), || {
-            let unread = unread.join(", ");
-            format!("of materials only the base colour is read, not {unread}")
-        });
     }
 }

@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 use super::super::report::Report;
 use super::index::Index;
 use super::place::Entry;
-use crate::scene::TextureMap;
+use crate::scene::{MapRole, TextureMap};
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
@@ -20,9 +20,9 @@ pub(super) struct MaterialEntry<'a> {
     pub(super) alpha_cutoff: Option<f64>,
     pub(super) double_sided: bool,
     pub(super) pbr_metallic_roughness: Pbr,
-    pub(super) normal_texture: Option<IgnoredAny>,
-    pub(super) occlusion_texture: Option<IgnoredAny>,
-    pub(super) emissive_texture: Option<IgnoredAny>,
+    pub(super) normal_texture: Option<TextureInfo>,
+    pub(super) occlusion_texture: Option<TextureInfo>,
+    pub(super) emissive_texture: Option<TextureInfo>,
     pub(super) emissive_factor: [f64; 3],
     pub(super) extensions: MaterialExtensions,
 }
@@ -32,7 +32,9 @@ pub(super) struct MaterialEntry<'a> {
 pub(super) struct Pbr {
     pub(super) base_color_factor: Option<[f64; 4]>,
     pub(super) base_color_texture: Option<TextureInfo>,
-    pub(super) metallic_roughness_texture: Option<IgnoredAny>,
+    pub(super) metallic_factor: Option<f64>,
+    pub(super) roughness_factor: Option<f64>,
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -41,13 +43,89 @@ pub(super) struct MaterialExtensions {
     pub(super) unlit: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
     pub(super) diffuse: Option<Diffuse>,
+    #[serde(rename = "KHR_materials_emissive_strength")]
+    pub(super) emissive_strength: Option<EmissiveStrength>,
+    #[serde(rename = "KHR_materials_ior")]
+    pub(super) ior: Option<Ior>,
+    #[serde(rename = "KHR_materials_specular")]
+    pub(super) specular: Option<Specular>,
+    #[serde(rename = "KHR_materials_transmission")]
+    pub(super) transmission: Option<Transmission>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub(super) volume: Option<Volume>,
+    #[serde(rename = "KHR_materials_clearcoat")]
+    pub(super) clearcoat: Option<Clearcoat>,
+    #[serde(rename = "KHR_materials_sheen")]
+    pub(super) sheen: Option<Sheen>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
+pub(super) struct EmissiveStrength {
+    pub(super) emissive_strength: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Ior {
+    pub(super) ior: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(clippy::struct_field_names, reason = "as glTF has them")]
+pub(super) struct Specular {
+    pub(super) specular_factor: Option<f64>,
+    pub(super) specular_texture: Option<TextureInfo>,
+    pub(super) specular_color_factor: Option<[f64; 3]>,
+    pub(super) specular_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Transmission {
+    pub(super) transmission_factor: Option<f64>,
+    pub(super) transmission_texture: Option<TextureInfo>,
+}
+
+/// Its texture of thicknesses is for those who do not follow rays.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Volume {
+    pub(super) thickness_factor: Option<f64>,
+    pub(super) attenuation_distance: Option<f64>,
+    pub(super) attenuation_color: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(clippy::struct_field_names, reason = "as glTF has them")]
+pub(super) struct Clearcoat {
+    pub(super) clearcoat_factor: Option<f64>,
+    pub(super) clearcoat_texture: Option<TextureInfo>,
+    pub(super) clearcoat_roughness_factor: Option<f64>,
+    pub(super) clearcoat_roughness_texture: Option<TextureInfo>,
+    pub(super) clearcoat_normal_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(clippy::struct_field_names, reason = "as glTF has them")]
+pub(super) struct Sheen {
+    pub(super) sheen_color_factor: Option<[f64; 3]>,
+    pub(super) sheen_color_texture: Option<TextureInfo>,
+    pub(super) sheen_roughness_factor: Option<f64>,
+    pub(super) sheen_roughness_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(clippy::struct_field_names, reason = "as glTF has them")]
 pub(super) struct Diffuse {
     pub(super) diffuse_factor: Option<[f64; 4]>,
     pub(super) diffuse_texture: Option<TextureInfo>,
+    pub(super) specular_factor: Option<[f64; 3]>,
+    pub(super) glossiness_factor: Option<f64>,
+    pub(super) specular_glossiness_texture: Option<TextureInfo>,
 }
 
 /// How a material names a texture.
@@ -57,6 +135,10 @@ pub(super) struct TextureInfo {
     pub(super) index: Index,
     #[serde(default)]
     pub(super) tex_coord: Index,
+    /// Of normal maps.
+    pub(super) scale: Option<f64>,
+    /// Of occlusion maps.
+    pub(super) strength: Option<f64>,
     #[serde(default)]
     pub(super) extensions: TextureInfoExtensions,
 }
@@ -115,43 +197,99 @@ pub(super) struct SamplerEntry {
 }
 
 impl MaterialEntry<'_> {
-    /// The textures that are read, and where each stands.
-    pub(super) fn textures(&self) -> impl Iterator<Item = (&'static str, &TextureInfo)> {
-        let base = &self.pbr_metallic_roughness.base_color_texture;
-        let diffuse = self.extensions.diffuse.as_ref();
-        let diffuse = diffuse.and_then(|diffuse| diffuse.diffuse_texture.as_ref());
-        let place = "extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture";
-        let base = base
-            .as_ref()
-            .map(|info| ("pbrMetallicRoughness/baseColorTexture", info));
-        base.into_iter().chain(diffuse.map(|info| (place, info)))
-    }
-
-    /// The texture, and the linear colour and alpha that multiply it.
-    pub(super) fn base(&self) -> (Option<&TextureInfo>, [f64; 4]) {
+    /// The textures that are read, what each is for, and where it stands; that of the colour first.
+    #[expect(clippy::too_many_lines, reason = "a line or two for each texture")]
+    pub(super) fn textures(&self) -> impl Iterator<Item = (MapRole, &'static str, &TextureInfo)> {
+        /// A texture of an extension, its place made of both names.
+        macro_rules! of {
+            ($extension:ident, $name:literal: $field:ident, $key:literal) => {
+                (
+                    (self.extensions.$extension.as_ref())
+                        .and_then(|extension| extension.$field.as_ref()),
+                    concat!("extensions/", $name, "/", $key),
+                )
+            };
+        }
         let pbr = &self.pbr_metallic_roughness;
-        let (texture, factor) = match &self.extensions.diffuse {
-            Some(diffuse) => (&diffuse.diffuse_texture, diffuse.diffuse_factor),
-            None => (&pbr.base_color_texture, pbr.base_color_factor),
+        let (base, diffuse) = (
+            (
+                pbr.base_color_texture.as_ref(),
+                "pbrMetallicRoughness/baseColorTexture",
+            ),
+            of!(diffuse, "KHR_materials_pbrSpecularGlossiness": diffuse_texture, "diffuseTexture"),
+        );
+        let rough = (
+            pbr.metallic_roughness_texture.as_ref(),
+            "pbrMetallicRoughness/metallicRoughnessTexture",
+        );
+        // The extension stands in the place of the rest.
+        let (base, rough) = match &self.extensions.diffuse {
+            Some(_) => (diffuse, (None, rough.1)),
+            None => (base, rough),
         };
-        (texture.as_ref(), factor.unwrap_or([1.0; 4]))
+        let all = [
+            (MapRole::Color, base),
+            (MapRole::MetallicRoughness, rough),
+            (
+                MapRole::Normal,
+                (self.normal_texture.as_ref(), "normalTexture"),
+            ),
+            (
+                MapRole::Occlusion,
+                (self.occlusion_texture.as_ref(), "occlusionTexture"),
+            ),
+            (
+                MapRole::Emission,
+                (self.emissive_texture.as_ref(), "emissiveTexture"),
+            ),
+            (
+                MapRole::Transmission,
+                of!(transmission, "KHR_materials_transmission": transmission_texture, "transmissionTexture"),
+            ),
+            (
+                MapRole::Specular,
+                of!(specular, "KHR_materials_specular": specular_texture, "specularTexture"),
+            ),
+            (
+                MapRole::SpecularColor,
+                of!(specular, "KHR_materials_specular": specular_color_texture, "specularColorTexture"),
+            ),
+            (
+                MapRole::Clearcoat,
+                of!(clearcoat, "KHR_materials_clearcoat": clearcoat_texture, "clearcoatTexture"),
+            ),
+            (
+                MapRole::ClearcoatRoughness,
+                of!(clearcoat, "KHR_materials_clearcoat": clearcoat_roughness_texture, "clearcoatRoughnessTexture"),
+            ),
+            (
+                MapRole::ClearcoatNormal,
+                of!(clearcoat, "KHR_materials_clearcoat": clearcoat_normal_texture, "clearcoatNormalTexture"),
+            ),
+            (
+                MapRole::SheenColor,
+                of!(sheen, "KHR_materials_sheen": sheen_color_texture, "sheenColorTexture"),
+            ),
+            (
+                MapRole::SheenRoughness,
+                of!(sheen, "KHR_materials_sheen": sheen_roughness_texture, "sheenRoughnessTexture"),
+            ),
+            (
+                MapRole::SpecularColor,
+                of!(diffuse, "KHR_materials_pbrSpecularGlossiness": specular_glossiness_texture, "specularGlossinessTexture"),
+            ),
+        ];
+        all.into_iter()
+            .filter_map(|(role, (texture, place))| Some((role, place, texture?)))
     }
 
-    /// The names of its properties that are not read.
-    pub(super) fn unread(&self) -> impl Iterator<Item = &'static str> {
-        let rough = self
-            .pbr_metallic_roughness
-            .metallic_roughness_texture
-            .is_some();
-        [
-            ("normalTexture", self.normal_texture.is_some()),
-            ("occlusionTexture", self.occlusion_texture.is_some()),
-            ("emissiveTexture", self.emissive_texture.is_some()),
-            ("metallicRoughnessTexture", rough),
-            ("emissiveFactor", self.emissive_factor != [0.0; 3]),
-        ]
-        .into_iter()
-        .filter_map(|(name, is_there)| is_there.then_some(name))
+    /// The linear colour and alpha.
+    pub(super) fn base(&self) -> [f64; 4] {
+        let factor = match &self.extensions.diffuse {
+            Some(diffuse) => diffuse.diffuse_factor,
+            None => self.pbr_metallic_roughness.base_color_factor,
+        };
+        factor.unwrap_or([1.0; 4])
     }
 }
 

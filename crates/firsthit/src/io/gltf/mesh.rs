@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::super::fault::{Checked, Fault};
+use super::super::memory_budget::check_free;
 use super::super::mend::{Kind, mend};
 use super::super::surface::{Surface, Vertices, push_fan};
 use super::accessor::{Component, Shape, component, has_shape};
@@ -13,6 +14,7 @@ use super::named;
 use super::skin::{self, Palette};
 use super::values::Values;
 use crate::geometry::{DAffine3, DVec3, single};
+use crate::scene::UvSet;
 use crate::shape::{Attribute, Mesh, Positions};
 
 /// The deformation of a primitive's vertices: morph targets and joints.
@@ -60,6 +62,7 @@ pub(super) fn build(
     let (mesh, _) = Surface::of(triangles).finish(&vertices, name, values.report)?;
     let mesh = with_normals(mesh, values, deformation, maps.as_deref(), count)?;
     let mesh = with_uvs(mesh, values, look, count)?;
+    let mesh = with_tangents(mesh, values, look, (deformation, maps.as_deref()), count)?;
     let mesh = with_colors(mesh, values, look, count)?;
     named::with_properties(mesh, values, count).map(Some)
 }
@@ -313,19 +316,77 @@ fn with_uvs(
     look: Option<&Look>,
     count: usize,
 ) -> Checked<Mesh> {
-    let set = look.and_then(|look| look.set);
-    let name = format!("TEXCOORD_{}", set.unwrap_or(0));
-    if let Some(uvs) = mended(values, &name, &Shape::VEC2, Kind::Coordinates, count)? {
-        return Ok(mesh.with_uvs(Attribute::per_vertex(uvs))?);
+    let [first, second] = look.map_or([None; 2], |look| look.sets);
+    let mut mesh = mesh;
+    if let Some(uvs) = uvs(values, first.unwrap_or(0), first.is_some(), count)? {
+        mesh = mesh.with_uvs(uvs)?;
     }
-    if set.is_some() {
+    if let Some(second) = second
+        && let Some(uvs) = uvs(values, second, true, count)?
+    {
+        mesh = mesh.with_second_uvs(uvs)?;
+    }
+    Ok(mesh)
+}
+
+/// A set of texture coordinates; that it is not there is a warning where a texture takes it.
+fn uvs(
+    values: &mut Values<'_, '_>,
+    set: usize,
+    is_taken: bool,
+    count: usize,
+) -> Checked<Option<Attribute<2>>> {
+    let name = format!("TEXCOORD_{set}");
+    let uvs = mended(values, &name, &Shape::VEC2, Kind::Coordinates, count)?;
+    if uvs.is_none() && is_taken {
         let place = values.place("attributes");
         values.report.warn("TEXCOORD", &place, || {
             format!("there is no {name} for the material's texture: the surface has a flat colour")
         });
     }
-    Ok(mesh)
+    Ok(uvs.map(Attribute::per_vertex))
 }
+
+/// Tangents where the material has a normal map: the file's, or such as tools make them that make normal maps.
+fn with_tangents(
+    mesh: Mesh,
+    values: &mut Values<'_, '_>,
+    look: Option<&Look>,
+    (deformation, maps): (&Deformation<'_>, Option<&[DAffine3]>),
+    count: usize,
+) -> Checked<Mesh> {
+    let Some(set) = look.and_then(|look| look.normal_set) else {
+        return Ok(mesh);
+    };
+    // Tangents of vertices mean nothing without normals of vertices.
+    let has_own = values.attribute("TANGENT").is_some() && mesh.normals().is_some();
+    if has_own && !is_morphed(values, deformation) {
+        let tangents = mended(values, "TANGENT", &Shape::VEC4, Kind::Normals, count)?;
+        let mut tangents: Vec<[f32; 4]> = tangents.unwrap_or_default();
+        for (tangent, map) in tangents.iter_mut().zip(maps.unwrap_or_default()) {
+            let [x, y, z, sign] = *tangent;
+            let moved = map.matrix3 * DVec3::from([x, y, z].map(f64::from));
+            let [x, y, z] = moved.to_array().map(single);
+            *tangent = [x, y, z, sign];
+        }
+        return Ok(mesh.with_tangents(Attribute::per_vertex(tangents))?);
+    }
+    let uvs = match set {
+        UvSet::First => mesh.uvs(),
+        UvSet::Second => mesh.second_uvs(),
+    };
+    let Some(uvs) = uvs.cloned() else {
+        return Ok(mesh);
+    };
+    let needed = TANGENT_BYTES.saturating_mul(mesh.triangles().len() as u64);
+    values.report.budget.charge(needed, "the tangents")?;
+    check_free(usize::try_from(needed).unwrap_or(usize::MAX))?;
+    let tangents = mesh.made_tangents(&uvs)?;
+    Ok(mesh.with_tangents(tangents)?)
+}
+
+/// What making tangents takes for a triangle: of each corner a key, a sum and a value, and its number.
+const TANGENT_BYTES: u64 = 3 * (72 + 32 + 16 + 4);
 
 fn with_colors(
     mesh: Mesh,
@@ -346,7 +407,7 @@ fn with_colors(
         .iter()
         .map(|&[red, green, blue, _]| [red, green, blue]);
     let mesh = mesh.with_colors(Attribute::per_vertex(opaque.collect()))?;
-    if !look.is_some_and(|look| look.has_cutouts) {
+    if !look.is_some_and(|look| look.has_alpha) {
         return Ok(mesh);
     }
     let alphas = colors.iter().map(|&[.., alpha]| [alpha]).collect();

@@ -12,6 +12,7 @@ mod material;
 mod material_entry;
 mod mesh;
 mod meshopt;
+mod model;
 mod named;
 mod nodes;
 mod objects;
@@ -38,8 +39,15 @@ const KNOWN: &[&str] = &[
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_texture_basisu",
@@ -52,17 +60,10 @@ const LOOKS: &[&str] = &[
     "GOOGLE_texture_basis",
     "KHR_animation_pointer",
     "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
     "KHR_materials_iridescence",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
     "KHR_materials_variants",
-    "KHR_materials_volume",
     "KHR_technique_webgl",
     "KHR_techniques_webgl",
     "KHR_texture_ktx",

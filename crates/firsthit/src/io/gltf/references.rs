@@ -160,7 +160,7 @@ fn check_materials(document: &Document<'_>) -> Checked<()> {
         }
     }
     for (entry, material) in entries("materials", &document.materials) {
-        for (value, texture) in material.textures() {
+        for (_, value, texture) in material.textures() {
             textures.option(Some(texture.index), entry, &format!("{value}/index"))?;
         }
     }

@@ -11,7 +11,7 @@ use super::text::{self, Lines, Words, shown};
 use super::{picture, read};
 use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
-use crate::scene::{AlphaMode, MapRole, Maps, Material, Texture, TextureMap};
+use crate::scene::{AlphaMode, MapRole, Maps, Material, MetalRough, Model, Texture, TextureMap};
 use statement::{Map, Stated, cut, state};
 
 /// The materials of all libraries that a file names.
@@ -28,6 +28,21 @@ pub(super) struct Library {
     masks: HashMap<(PathBuf, String), Option<Arc<Texture>>>,
 }
 
+impl Stated {
+    /// Matte, unless a roughness or a metal is stated.
+    fn model(&self) -> Model {
+        if self.roughness.is_none() && self.metallic.is_none() {
+            return Model::default();
+        }
+        let usual = MetalRough::default();
+        Model::from(MetalRough {
+            roughness: self.roughness.unwrap_or(usual.roughness),
+            metallic: self.metallic.unwrap_or(usual.metallic),
+            ..usual
+        })
+    }
+}
+
 /// No library has a material of that name.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct UnknownMaterial;
@@ -40,7 +55,11 @@ impl Library {
         report: &mut Report,
     ) -> Result<Option<Material>, UnknownMaterial> {
         let stated = self.materials.get(name).ok_or(UnknownMaterial)?;
-        let color = stated.color;
+        let (color, emission, model) = (
+            stated.color,
+            stated.emission.unwrap_or(Color::ZERO),
+            stated.model(),
+        );
         let [color_map, alpha_map] = [&stated.color_map, &stated.alpha_map].map(Clone::clone);
         let color_map = color_map.and_then(|map| self.texture(&map, report));
         let alpha_map = alpha_map.and_then(|map| {
@@ -57,11 +76,14 @@ impl Library {
         };
         let maps = Maps::default().with(MapRole::Color, color_map);
         let maps = maps.with(MapRole::Alpha, alpha_map);
-        if color.is_none() && maps.is_empty() {
+        let is_plain = emission == Color::ZERO && model == Model::default();
+        if color.is_none() && maps.is_empty() && is_plain {
             return Ok(None);
         }
         Ok(Some(Material {
             name: escape_controls(&String::from_utf8_lossy(name)).into(),
+            model,
+            emission,
             maps,
             alpha_mode,
             ..Material::colored(color.unwrap_or(Color::ONE))
@@ -221,6 +243,26 @@ mod tests {
                 "x.mtl:6: of textures only map_Kd and map_d are read, not bump 'x.png'",
                 "x.mtl:9: a surface that lets light through is seen as opaque: d 0.5",
             ]
+        );
+    }
+
+    #[test]
+    fn physically_based_numbers_and_emission_are_read() {
+        let (mut library, mut report) = parsed(b"newmtl a\nPr 0.25\nPm 1\nKe 2 4 8\nPr 7\n");
+        let look = library.look(b"a", &mut report).unwrap().unwrap();
+        let expected = MetalRough {
+            roughness: 0.25,
+            metallic: 1.0,
+            ..MetalRough::default()
+        };
+        assert_eq!(look.model, Model::from(expected));
+        assert_eq!(
+            (look.color, look.emission),
+            (Color::ONE, Color::new(2.0, 4.0, 8.0))
+        );
+        assert_eq!(
+            report.take_lines(),
+            ["x.mtl:5: Pr must be from 0 to 1, got 7"]
         );
     }
 

@@ -13,6 +13,11 @@ use crate::scene::Wrap;
 pub(super) struct Stated {
     /// Linear.
     pub(super) color: Option<Color>,
+    /// A radiance.
+    pub(super) emission: Option<Color>,
+    /// Physically based, as some programs write it beside the rest.
+    pub(super) roughness: Option<f64>,
+    pub(super) metallic: Option<f64>,
     pub(super) color_map: Option<Map>,
     pub(super) alpha_map: Option<Map>,
 }
@@ -49,7 +54,9 @@ pub(super) fn cut(text: &[u8]) -> Option<String> {
     let why = match keyword {
         b"newmtl" => "nothing is said of this material",
         b"Kd" | b"Ka" | b"Ks" | b"Ke" if matches!(count, 0 | 2) => "a number is missing",
-        b"d" | b"Tr" | b"Ni" | b"Ns" | b"illum" if count == 0 => "a number is missing",
+        b"d" | b"Tr" | b"Ni" | b"Ns" | b"Pr" | b"Pm" | b"illum" if count == 0 => {
+            "a number is missing"
+        }
         // One number is a grey, unless the file writes out all three elsewhere.
         b"Kd" if count == 1 && has_full_colors(text) => "numbers are missing",
         word if !KEYWORDS.contains(&word) && begins_one() => "this is no statement",
@@ -121,9 +128,18 @@ pub(super) fn state(
         report.warnings.add(path, key, &place, what);
     };
     match keyword {
-        b"Kd" => match parse_color(words) {
+        b"Kd" => match parse_color("Kd", words) {
             Ok(color) => material.color = Some(color),
             Err(what) => warn("Kd", &|| what.clone()),
+        },
+        b"Ke" => match parse_color("Ke", words) {
+            Ok(color) => material.emission = Some(color),
+            Err(what) => warn("Ke", &|| what.clone()),
+        },
+        b"Pr" | b"Pm" => match parse_share(keyword, words) {
+            Ok(share) if keyword == b"Pr" => material.roughness = Some(share),
+            Ok(share) => material.metallic = Some(share),
+            Err(what) => warn("Pr", &|| what.clone()),
         },
         b"map_Kd" | b"map_d" => match parse_map(words, path, line) {
             Ok((map, passed_over)) => {
@@ -244,7 +260,7 @@ fn is_texture(keyword: &[u8]) -> bool {
 }
 
 /// A linear colour: three numbers, or one for all three.
-fn parse_color(mut words: Words) -> Result<Color, String> {
+fn parse_color(name: &str, mut words: Words) -> Result<Color, String> {
     let red = next_number(&mut words)?;
     let (green, blue) = if words.rest().is_empty() {
         (red, red)
@@ -255,7 +271,20 @@ fn parse_color(mut words: Words) -> Result<Color, String> {
     if color.is_finite() && color.min_element() >= 0.0 {
         Ok(color)
     } else {
-        Err(format!("Kd must be finite and not negative, got {color}"))
+        Err(format!(
+            "{name} must be finite and not negative, got {color}"
+        ))
+    }
+}
+
+/// A number from 0 to 1.
+fn parse_share(name: &[u8], mut words: Words) -> Result<f64, String> {
+    let share = next_number(&mut words)?;
+    if (0.0..=1.0).contains(&share) {
+        Ok(share)
+    } else {
+        let name = shown(name);
+        Err(format!("{name} must be from 0 to 1, got {share}"))
     }
 }
 
