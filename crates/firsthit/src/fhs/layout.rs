@@ -15,7 +15,7 @@ use crate::memory::{BLOCK_ALIGNMENT, Block, Storage};
 pub(super) const MAGIC: [u8; 8] = *b"\x89fhs\r\n\x1a\n";
 
 /// To be changed with the format, and with the meaning of any array that it has from another room: nodes and leaves.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 
 /// The header's length, that of an entry of the table, and what sections are aligned to.
 pub(super) const UNIT: usize = BLOCK_ALIGNMENT;
@@ -44,10 +44,11 @@ pub(super) enum Kind {
     U8x4,
     Node,
     Leaf,
+    F32x4,
 }
 
 impl Kind {
-    const ALL: [Self; 13] = [
+    const ALL: [Self; 14] = [
         Self::Record,
         Self::U32,
         Self::U32x2,
@@ -61,6 +62,7 @@ impl Kind {
         Self::U8x4,
         Self::Node,
         Self::Leaf,
+        Self::F32x4,
     ];
 
     fn of(code: u32) -> Option<Self> {
@@ -74,6 +76,7 @@ impl Kind {
             Self::U32 | Self::F32 | Self::U8x4 => 4,
             Self::U32x2 | Self::F32x2 | Self::F64 => 8,
             Self::U32x3 | Self::F32x3 => 12,
+            Self::F32x4 => 16,
             Self::F64x3 => 24,
             Self::F64x6 => 48,
             Self::Node => size_of::<Node>(),
@@ -112,6 +115,7 @@ elements! {
     U8x4: [u8; 4];
     Node: Node;
     Leaf: Meshlet;
+    F32x4: [f32; 4];
 }
 
 /// Alphas are attributes of one number.
@@ -342,6 +346,6 @@ mod tests {
             assert_eq!(Kind::of(code), Some(kind));
         }
         assert_eq!((Kind::Node.size(), Kind::Leaf.size()), (448, 256));
-        assert_eq!((Kind::of(0), Kind::of(14)), (None, None));
+        assert_eq!((Kind::of(0), Kind::of(15)), (None, None));
     }
 }

@@ -20,6 +20,7 @@
     )
 )]
 
+mod colors;
 mod layout;
 mod look;
 mod number;

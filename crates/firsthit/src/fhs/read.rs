@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::error::Category;
 
 use super::layout::{Element, Sections};
-use super::look::{LightRecord, MaterialRecord, direction_of, missing};
+use super::look::{KindRecord, MaterialRecord, direction_of, missing};
 use super::number::{Number, Triple};
 use super::record::{
     AttributeRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord,
@@ -46,6 +46,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
         high: DVec3::new(d, e, f),
     });
     let duplicates = sections.take::<[u32; 2]>(record.duplicates)?;
+    let environment = record.shading.environment(|texels| sections.take(texels))?;
     sections.finish()?;
     let scene = Scene::from_parts(SceneParts {
         objects: objects.clone(),
@@ -55,10 +56,14 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
         bounds: record.bounds.map_or(Bounds::EMPTY, bounds_of),
     });
     report.scene = Some(of_record(scene)?);
-    of_record(described(&record, objects))
+    let world = of_record(described(&record, objects))?;
+    Ok(World {
+        environment,
+        ..world
+    })
 }
 
-/// All but the scene.
+/// All but the scene and the environment.
 fn described(record: &Record, objects: Vec<Object>) -> Result<World> {
     let up = DVec3::from(record.up);
     Ok(World {
@@ -71,12 +76,18 @@ fn described(record: &Record, objects: Vec<Object>) -> Result<World> {
         lights: record
             .lights
             .iter()
-            .map(LightRecord::light)
+            .map(KindRecord::light)
             .collect::<Result<_>>()?,
         has_view: record.has_view && !record.cameras.is_empty(),
         background: record.shading.background()?,
         shader: record.shading.shader()?,
         samples: record.shading.samples()?,
+        rig: record.shading.rig()?,
+        ground: record.shading.ground(),
+        coloring: record.shading.coloring()?,
+        environment: None,
+        display: record.shading.display()?,
+        edges: record.shading.edges()?,
         outputs: Vec::new(),
         // Zero says that nothing is known.
         up: if up == DVec3::ZERO {
@@ -105,7 +116,7 @@ fn record(sections: &mut Sections) -> Checked<Record> {
 }
 
 /// What a constructor refuses of the record's.
-fn of_record<T>(made: Result<T>) -> Checked<T> {
+pub(super) fn of_record<T>(made: Result<T>) -> Checked<T> {
     made.map_err(|error| match error {
         Error::Argument { .. } => Fault::file(format!("the record: {error}")),
         other => other.into(),
@@ -155,6 +166,8 @@ fn built(
         slots: record.slots.map(|slots| sections.take(slots)).transpose()?,
         normals: attribute(record.normals.as_ref(), sections)?,
         uvs: attribute(record.uvs.as_ref(), sections)?,
+        second_uvs: attribute(record.second_uvs.as_ref(), sections)?,
+        tangents: attribute(record.tangents.as_ref(), sections)?,
         colors: attribute(record.colors.as_ref(), sections)?,
         alphas: attribute(record.alphas.as_ref(), sections)?,
         properties: properties

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::look::{LightRecord, MapRecord, MaterialRecord, ShadingRecord};
+use super::look::{KindRecord, MapRecord, MaterialRecord, ShadingRecord};
 use super::number::{Number, Triple};
 use super::sensor::CameraRecord;
 
@@ -30,7 +30,7 @@ pub(super) struct Record {
     pub(super) duplicates: Section,
     /// The low and the high corner of the box around everything finite, if there is anything.
     pub(super) bounds: Option<[Triple; 2]>,
-    pub(super) lights: Vec<LightRecord>,
+    pub(super) lights: Vec<KindRecord>,
     pub(super) cameras: Vec<CameraRecord>,
     pub(super) shading: ShadingRecord,
     /// Whether the first camera is the one to look through.
@@ -57,6 +57,10 @@ pub(super) struct MeshRecord {
     pub(super) slots: Option<Section>,
     pub(super) normals: Option<AttributeRecord>,
     pub(super) uvs: Option<AttributeRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) second_uvs: Option<AttributeRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) tangents: Option<AttributeRecord>,
     pub(super) colors: Option<AttributeRecord>,
     pub(super) alphas: Option<AttributeRecord>,
     pub(super) properties: Vec<PropertyRecord>,

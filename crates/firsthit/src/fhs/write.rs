@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::layout::{BEFORE_DIGEST, Element, Kind, MAGIC, Sum, UNIT, VERSION, sum_of_structure};
-use super::look::{LightRecord, MapRecord, MaterialRecord, ShadingRecord, direction_of};
+use super::look::{KindRecord, MapRecord, MaterialRecord, ShadingRecord, direction_of};
 use super::number::{Number, Triple};
 use super::record::{
     AttributeRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord,
@@ -82,11 +82,17 @@ pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Res
 /// Refuses what a reader would.
 fn check(world: &World) -> Result<()> {
     for light in &world.lights {
-        LightRecord::new(light).light()?;
+        KindRecord::of_light(light).light()?;
     }
-    let shading = ShadingRecord::new(world);
+    if let Some(environment) = &world.environment {
+        environment.check()?;
+    }
+    // No section is made yet, so none is named.
+    let shading = ShadingRecord::new(world, |_| 0);
     shading.samples()?;
     shading.background()?;
+    shading.display()?;
+    shading.edges()?;
     if world.up != DVec3::ZERO {
         direction_of(world.up.into())?;
     }
@@ -223,6 +229,8 @@ impl<'a> Parts<'a> {
             slots: mesh.slots().map(|slots| self.add(slots)),
             normals: self.attribute(mesh.normals()),
             uvs: self.attribute(mesh.uvs()),
+            second_uvs: self.attribute(mesh.second_uvs()),
+            tangents: self.attribute(mesh.tangents()),
             colors: self.attribute(mesh.colors()),
             alphas: self.attribute(mesh.alphas()),
             properties: mesh
@@ -339,7 +347,7 @@ fn columns(affine: &DAffine3) -> [Triple; 4] {
 
 fn record<'a>(
     scene: &'a Scene,
-    world: &World,
+    world: &'a World,
     (boxes, duplicates): (&'a [[f64; 6]], &'a [[u32; 2]]),
     parts: &mut Parts<'a>,
 ) -> Record {
@@ -385,9 +393,9 @@ fn record<'a>(
         boxes: parts.add(boxes),
         duplicates: parts.add(duplicates),
         bounds: (!bounds.is_empty()).then(|| corners(bounds)),
-        lights: world.lights.iter().map(LightRecord::new).collect(),
+        lights: world.lights.iter().map(KindRecord::of_light).collect(),
         cameras: world.cameras.iter().map(CameraRecord::new).collect(),
-        shading: ShadingRecord::new(world),
+        shading: ShadingRecord::new(world, |texels| parts.add(texels)),
         has_view: world.has_view,
         up: world.up.into(),
         up_is_guessed: world.up_is_guessed,

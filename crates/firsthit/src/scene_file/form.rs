@@ -22,10 +22,15 @@ impl Form {
             Self::Text => "a text, not empty".into(),
             Self::Path => "the name of a file".into(),
             Self::OneOf(words) => format!("one of {}", quoted(&words())),
+            Self::OneOfOr(words, beginning) => {
+                format!("one of {}, \"{beginning}NAME\"", quoted(&words()))
+            }
             Self::SomeOf(words, beginning) => {
                 let words = quoted(&words());
-                format!("an array of some of {words}, \"{beginning}NAME\"")
+                let others = beginning.map(|beginning| format!(", \"{beginning}NAME\""));
+                format!("an array of some of {words}{}", others.unwrap_or_default())
             }
+            Self::Range => "two finite numbers that rise, [low, high]".into(),
             Self::Vector => "three finite numbers, [x, y, z]".into(),
             Self::Direction => "three finite numbers, [x, y, z], not all zero".into(),
             Self::Color => {
@@ -45,6 +50,7 @@ impl Form {
             Self::Triples => "an array of triangles, each three indices of vertices".into(),
             Self::Table(_) | Self::Named(_) => "a table".into(),
             Self::TableOrList(_) => "a table or an array of tables".into(),
+            Self::Turn(_) => "a number of degrees or a table".into(),
             Self::List(record) => format!("an array of tables, [[{}s]]", record.name),
         }
     }
@@ -67,10 +73,12 @@ impl Form {
             Self::Boolean => value.is_bool(),
             Self::Text | Self::Path => value.as_str().is_some_and(|text| !text.is_empty()),
             Self::OneOf(words) => is_one_of(value, words),
+            Self::OneOfOr(words, beginning) => is_one_of_or(value, words, Some(beginning)),
             Self::SomeOf(words, beginning) => {
                 let is_empty = value.as_array().is_some_and(|items| items.is_empty());
                 !is_empty && all(value, |item| is_one_of_or(item, words, beginning))
             }
+            Self::Range => numbers::<2>(value).is_some_and(|[low, high]| low < high),
             Self::Vector => numbers::<3>(value).is_some(),
             Self::Direction => numbers::<3>(value).is_some_and(|v| v != [0.0; 3]),
             Self::Color => color(value).is_some(),
@@ -83,6 +91,7 @@ impl Form {
             Self::Triples => all(value, |item| triple(item).is_some()),
             Self::Table(_) | Self::Named(_) => value.is_table(),
             Self::TableOrList(_) => value.is_table() || all(value, is_table),
+            Self::Turn(_) => value.is_table() || number(value).is_some(),
             Self::List(_) => all(value, is_table),
         }
     }
@@ -112,7 +121,7 @@ impl Form {
     /// The words that a text of this form can be, for suggestions.
     pub(super) fn words(self) -> Vec<&'static str> {
         match self {
-            Self::OneOf(words) | Self::SomeOf(words, _) => words(),
+            Self::OneOf(words) | Self::OneOfOr(words, _) | Self::SomeOf(words, _) => words(),
             Self::Color => COLOR_NAMES.iter().map(|&(name, _)| name).collect(),
             Self::ColorOrTransparent => {
                 let mut words = Self::Color.words();
@@ -155,11 +164,21 @@ impl Form {
             Self::Boolean => json!({"type": "boolean"}),
             Self::Text | Self::Path => json!({"type": "string", "minLength": 1}),
             Self::OneOf(words) => json!({"enum": words()}),
-            Self::SomeOf(words, beginning) => {
+            Self::OneOfOr(words, beginning) => {
                 let other = json!({"type": "string", "pattern": format!("^{beginning}.")});
-                let items = json!({"anyOf": [{"enum": words()}, other]});
+                json!({"oneOf": [{"enum": words()}, other]})
+            }
+            Self::SomeOf(words, beginning) => {
+                let items = match beginning {
+                    Some(beginning) => {
+                        let other = json!({"type": "string", "pattern": format!("^{beginning}.")});
+                        json!({"anyOf": [{"enum": words()}, other]})
+                    }
+                    None => json!({"enum": words()}),
+                };
                 json!({"type": "array", "items": items, "minItems": 1})
             }
+            Self::Range => array(&number, 2, 2),
             Self::Vector => vector,
             Self::Direction => nonzero(3),
             Self::Color => json!({"$ref": "#/$defs/color"}),
@@ -189,6 +208,7 @@ impl Form {
                 let list = json!({"type": "array", "items": record.schema()});
                 json!({"oneOf": [record.schema(), list]})
             }
+            Self::Turn(record) => json!({"oneOf": [number, record.schema()]}),
             Self::List(record) => json!({"type": "array", "items": record.schema()}),
             Self::Named(record) => {
                 json!({"type": "object", "additionalProperties": record.schema()})
@@ -233,8 +253,14 @@ fn is_one_of(value: &Raw<'_>, words: fn() -> Vec<&'static str>) -> bool {
 }
 
 /// Whether it is one of some words, or begins so and goes on.
-fn is_one_of_or(value: &Raw<'_>, words: fn() -> Vec<&'static str>, beginning: &str) -> bool {
-    let rest = value.as_str().and_then(|text| text.strip_prefix(beginning));
+fn is_one_of_or(
+    value: &Raw<'_>,
+    words: fn() -> Vec<&'static str>,
+    beginning: Option<&str>,
+) -> bool {
+    let rest = value
+        .as_str()
+        .and_then(|text| text.strip_prefix(beginning?));
     is_one_of(value, words) || rest.is_some_and(|rest| !rest.is_empty())
 }
 

@@ -1,4 +1,4 @@
-//! The scene file: TOML with cameras, objects, lights, a background and outputs.
+//! The scene file: TOML with cameras, objects, lights, an environment, a background and outputs.
 //!
 //! Tables list the keys: in `records`, and beside each reader. The reader checks a file against them, and [`schema`] is
 //! made from them.
@@ -17,17 +17,23 @@
 
 mod background;
 mod camera;
+mod colors;
+mod display;
 mod document;
+mod edges;
+mod environment;
 mod form;
 mod labels;
 mod levels;
 mod light;
+mod material;
 mod object;
 mod output;
 mod placement;
 mod records;
 mod schema;
 mod section;
+mod settings;
 mod shading;
 mod suggest;
 mod table;
@@ -36,10 +42,13 @@ mod variant;
 pub use schema::schema;
 pub use suggest::nearest_word;
 
-use crate::geometry::DVec3;
+use std::sync::Arc;
+
+use crate::geometry::{DVec3, DisplayTransform};
 use crate::io::fault::Checked;
 use crate::io::{Format, Report};
 use crate::world::World;
+use display::DISPLAY;
 use document::Text;
 use light::LIGHT;
 use object::EXTENSIONS;
@@ -68,6 +77,10 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
         Some(section) => shading::read(&section)?,
         None => shading::Settings::default(),
     };
+    let display = match scene.table("display", &DISPLAY)? {
+        Some(section) => display::read(&section)?,
+        None => DisplayTransform::default(),
+    };
     let outputs = scene.list("outputs", &OUTPUT)?;
     let outputs = outputs.iter().map(|output| output::read(output, report));
     let mut world = World {
@@ -75,12 +88,20 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
         background: background::read(&scene, up)?,
         shader: shading.shader,
         samples: shading.samples,
+        rig: shading.rig,
+        ground: shading.ground,
+        display,
+        coloring: colors::read(&scene)?,
+        edges: edges::read(&scene)?,
         outputs: outputs.collect::<Checked<_>>()?,
         up,
         ..World::default()
     };
     // The cameras' own values are checked before large files are read.
     let cameras = camera::read(&scene)?;
+    let (environment, sun) = environment::read(&scene, up, report)?.unzip();
+    world.environment = environment.map(Arc::new);
+    world.lights.extend(sun.flatten());
     world.objects = object::read(&scene, report)?;
     world.cameras = camera::settle(cameras, &world)?;
     world.has_view = !world.cameras.is_empty();

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::document::numbers;
 use super::form::triple;
 use super::labels::Renumber;
+use super::material::{self, MATERIAL};
 use super::placement::{self, PLACED, PLACED_RULES};
 use super::section::Section;
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
@@ -194,9 +195,11 @@ fn finished(
     placed: DAffine3,
     key: &str,
 ) -> Checked<Object> {
-    let object = match section.color("color") {
-        Some(color) => object.colored(color),
-        None => object,
+    let color = section.color("color");
+    let object = match (section.table("material", &MATERIAL)?, color) {
+        (Some(material), color) => object.with_materials([material::read(&material, color)?]),
+        (None, Some(color)) => object.colored(color),
+        (None, None) => object,
     };
     if placed == DAffine3::IDENTITY {
         return Ok(object);
@@ -260,10 +263,11 @@ impl Files {
             }
             Err(error) => return Err(error.into()),
         };
-        if !(world.cameras.is_empty() && world.lights.is_empty()) {
+        let is_plain = world.cameras.is_empty() && world.lights.is_empty();
+        if !is_plain || world.environment.is_some() {
             report.warn("only objects", &section.place("file"), || {
                 let name = escape_controls(name);
-                format!("of '{name}' only the objects are taken, not its cameras and lights")
+                format!("of '{name}' only the objects are taken, not its cameras and its light")
             });
         }
         let of_meshes = world.objects.iter().filter_map(Object::mesh_label);

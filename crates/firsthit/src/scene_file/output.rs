@@ -20,7 +20,7 @@ pub(super) static OUTPUT: Record = Record {
             file: required(Form::Path),
             /// What to write: channels by name, or "attribute:NAME" for an attribute of the meshes. Default: ["color"]; for a
             /// point cloud (.ply, .pcd) ["position", "normal", "color", "object"].
-            channels: optional(Form::SomeOf(|| KINDS.iter().map(|kind| &*kind.name).collect(), ATTRIBUTE)),
+            channels: optional(Form::SomeOf(|| KINDS.iter().map(|kind| &*kind.name).collect(), Some(ATTRIBUTE))),
         }],
         rules: &[],
     }],

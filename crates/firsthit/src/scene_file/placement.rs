@@ -2,10 +2,11 @@
 
 use super::document::{named, numbers};
 use super::form::{matrix, scale};
+use super::material::MATERIAL;
 use super::section::Section;
 use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional};
 use crate::error::Error;
-use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, Transform, unit};
+use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, Transform, rotation};
 use crate::io::fault::Checked;
 
 pub(super) const PLACED: &[Key] = keys! {
@@ -15,6 +16,8 @@ pub(super) const PLACED: &[Key] = keys! {
     /// Its colour: linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; of a file, instead of its materials.
     /// Colours of vertices are multiplied by it.
     color: optional(Form::Color),
+    /// What it is made of; of a file, instead of its materials. Its colour stands beside it.
+    material: optional(Form::Table(&MATERIAL)),
     /// A factor, or one for each axis; applied first, negative ones mirror.
     scale: optional(Form::Scale),
     /// A rotation, or several in their order; applied after scale.
@@ -91,7 +94,8 @@ fn from_rows(rows: &[[f64; 4]; 3]) -> DAffine3 {
     )
 }
 
-fn rotation_matrix(section: &Section<'_, '_>) -> DMat3 {
+/// The rotation that a table says.
+pub(super) fn rotation_matrix(section: &Section<'_, '_>) -> DMat3 {
     let Some(axis) = section.vector("axis") else {
         let [x, y, z, w] = (section.raw("quaternion"))
             .and_then(numbers::<4>)
@@ -101,74 +105,5 @@ fn rotation_matrix(section: &Section<'_, '_>) -> DMat3 {
         let quaternion = DQuat::from_xyzw(x / largest, y / largest, z / largest, w / largest);
         return DMat3::from_quat(quaternion.normalize());
     };
-    about(unit(axis), section.number("degrees").unwrap_or(0.0))
-}
-
-/// The rotation about an axis of length one (Rodrigues' formula).
-fn about(axis: DVec3, degrees: f64) -> DMat3 {
-    let (sin, cos) = sin_cos(degrees);
-    let across = DMat3::from_cols(
-        DVec3::new(0.0, axis.z, -axis.y),
-        DVec3::new(-axis.z, 0.0, axis.x),
-        DVec3::new(axis.y, -axis.x, 0.0),
-    );
-    let along = DMat3::from_cols(axis.x * axis, axis.y * axis, axis.z * axis);
-    DMat3::from_diagonal(DVec3::splat(cos)) + across * sin + along * (1.0 - cos)
-}
-
-/// Sine and cosine of degrees, exact for quarter turns: radians could not say those.
-fn sin_cos(degrees: f64) -> (f64, f64) {
-    // Both steps are exact.
-    let within = degrees % 360.0;
-    let quarters = (within / 90.0).round();
-    let (sin, cos) = libm::sincos((within - 90.0 * quarters).to_radians());
-    if quarters == 1.0 || quarters == -3.0 {
-        (cos, -sin)
-    } else if quarters == 2.0 || quarters == -2.0 {
-        (-sin, -cos)
-    } else if quarters == 3.0 || quarters == -1.0 {
-        (-cos, sin)
-    } else {
-        (sin, cos)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quarter_turns_are_exact() {
-        let quarter = about(DVec3::Z, 90.0);
-        assert_eq!(quarter * DVec3::X, DVec3::Y);
-        assert_eq!(about(DVec3::X, -90.0) * DVec3::Z, DVec3::Y);
-        for (degrees, expected) in [
-            (0.0, (0.0, 1.0)),
-            (90.0, (1.0, 0.0)),
-            (180.0, (0.0, -1.0)),
-            (270.0, (-1.0, 0.0)),
-            (-90.0, (-1.0, 0.0)),
-            (-450.0, (-1.0, 0.0)),
-            (360e9, (0.0, 1.0)),
-        ] {
-            assert_eq!(sin_cos(degrees), expected, "{degrees}");
-        }
-    }
-
-    /// glam's own rotation goes by another way, the quaternion.
-    #[test]
-    fn an_axis_and_degrees_are_the_quaternion_of_half_the_angle() {
-        for degrees in [-300.0, -100.0, -33.0, 12.5, 44.9, 45.1, 135.0, 200.0, 359.0] {
-            let axis = DVec3::new(1.0, -2.0, 0.5).normalize();
-            let ours = about(axis, degrees);
-            let theirs = DMat3::from_quat(DQuat::from_axis_angle(axis, degrees.to_radians()));
-            assert!(
-                (ours - theirs)
-                    .to_cols_array()
-                    .iter()
-                    .all(|x| x.abs() < 1e-15),
-                "{degrees}"
-            );
-        }
-    }
+    rotation(axis, section.number("degrees").unwrap_or(0.0))
 }

@@ -3,7 +3,12 @@
 
 use super::background::{BACKGROUND, SKY};
 use super::camera::CAMERA;
+use super::colors::COLORS;
+use super::display::DISPLAY;
+use super::edges::EDGES;
+use super::environment::{DAYLIGHT, ENVIRONMENT};
 use super::light::LIGHT;
+use super::material::MATERIAL;
 use super::object::OBJECT;
 use super::output::OUTPUT;
 use super::placement::ROTATION;
@@ -16,10 +21,16 @@ pub(super) const RECORDS: &[&Record] = &[
     &CAMERA,
     &OBJECT,
     &ROTATION,
+    &MATERIAL,
     &LIGHT,
+    &ENVIRONMENT,
+    &DAYLIGHT,
     &BACKGROUND,
     &SKY,
     &SHADING,
+    &DISPLAY,
+    &COLORS,
+    &EDGES,
     &OUTPUT,
 ];
 
@@ -41,12 +52,20 @@ pub(super) static SCENE: Record = Record {
             objects: optional(Form::List(&OBJECT)),
             /// What shines. Without any, one light over the camera's shoulder does.
             lights: optional(Form::List(&LIGHT)),
+            /// Light from all around, which is seen where nothing is hit, too.
+            environment: optional(Form::Table(&ENVIRONMENT)),
             /// What is seen where nothing is hit: one colour.
             background: optional(Form::Table(&BACKGROUND)),
             /// What is seen where nothing is hit: a sky.
             sky: optional(Form::Table(&SKY)),
             /// How hits get their colour.
             shading: optional(Form::Table(&SHADING)),
+            /// How PNGs show colours: exposure and tone map.
+            display: optional(Form::Table(&DISPLAY)),
+            /// Colours by numbers, in place of those that surfaces have.
+            colors: optional(Form::Table(&COLORS)),
+            /// Lines along edges, over the colours. Without this table there are none.
+            edges: optional(Form::Table(&EDGES)),
             /// The files that firsthit render writes unless told otherwise by -o.
             outputs: optional(Form::List(&OUTPUT)),
         }],

@@ -146,6 +146,10 @@ impl<'v, 't> Section<'v, 't> {
             .map(Spanned::get_ref)
     }
 
+    pub(super) fn range(&self, name: &str) -> Option<[f64; 2]> {
+        numbers(self.raw(name)?)
+    }
+
     pub(super) fn vector(&self, name: &str) -> Option<DVec3> {
         numbers::<3>(self.raw(name)?).map(DVec3::from)
     }

@@ -1,46 +1,83 @@
 //! How hits get their colour.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "tables are made when this is compiled, not when a file is read"
+)]
+
 use super::section::Section;
+use super::settings::{self, MOST};
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional};
-use crate::error::Result;
 use crate::io::fault::Checked;
+use crate::shade::LightRig;
 use crate::shade::Shader;
 
-const SAMPLES: &[Key] = keys! {
-    /// The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 4.
+const COMMON: &[Key] = keys! {
+    /// The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 16 where the shader draws numbers,
+    /// else 4.
     samples: optional(Form::Whole(1, 65_536)),
+    /// Lights that go with the camera, in place of the file's. Default: automatic light where nothing shines.
+    light: optional(Form::OneOf(|| LightRig::NAMES.to_vec())),
+    /// Whether there is a ground that only shadows are seen of, under everything. Default: with automatic light.
+    ground: optional(Form::Boolean),
 };
 
 const SHADER: &str = "shader";
 
-const fn plain(shader: &'static str) -> Variant {
-    Variant {
-        pick: Pick::Tag(SHADER, shader),
-        keys: &[SAMPLES],
-        rules: &[],
+/// The one whose settings may be given without its name.
+const UNNAMED: &str = "lambert";
+
+const COUNT: usize = Shader::KINDS.len();
+
+static KEYS: [[Key; MOST]; COUNT] = {
+    let mut keys = [settings::keys(&[]); COUNT];
+    let mut kind = 0;
+    while kind < COUNT {
+        keys[kind] = settings::keys(Shader::KINDS[kind].2);
+        kind += 1;
     }
+    keys
+};
+
+static GROUPS: [[&[Key]; 2]; COUNT] = {
+    let mut groups: [[&[Key]; 2]; COUNT] = [[&[], COMMON]; COUNT];
+    let mut kind = 0;
+    while kind < COUNT {
+        groups[kind][0] = KEYS[kind].split_at(Shader::KINDS[kind].2.len()).0;
+        kind += 1;
+    }
+    groups
+};
+
+static VARIANTS: [Variant; COUNT] = {
+    let mut variants = [settings::variant(Pick::Always, &[]); COUNT];
+    let mut kind = 0;
+    while kind < COUNT {
+        let name = Shader::KINDS[kind].0;
+        let pick = if same(name, UNNAMED) {
+            Pick::Default(SHADER, name)
+        } else {
+            Pick::Tag(SHADER, name)
+        };
+        variants[kind] = settings::variant(pick, &GROUPS[kind]);
+        kind += 1;
+    }
+    variants
+};
+
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut place = 0;
+    while place < a.len() && place < b.len() && a[place] == b[place] {
+        place += 1;
+    }
+    place == a.len() && place == b.len()
 }
 
 pub(super) static SHADING: Record = Record {
     name: "shading",
     about: "How hits get their colour.",
-    variants: &[
-        Variant {
-            pick: Pick::Default(SHADER, "lambert"),
-            keys: &[
-                keys! {
-                    /// Light from everywhere. Default: [0.25, 0.25, 0.25].
-                    ambient: optional(Form::Color),
-                    /// Whether things cast shadows. Default: true.
-                    shadows: optional(Form::Boolean),
-                },
-                SAMPLES,
-            ],
-            rules: &[],
-        },
-        plain("unlit"),
-        plain("normal"),
-    ],
+    variants: &VARIANTS,
 };
 
 /// How a scene file wants its hits coloured; `None` where it does not say.
@@ -48,17 +85,23 @@ pub(super) static SHADING: Record = Record {
 pub(super) struct Settings {
     pub(super) shader: Option<Shader>,
     pub(super) samples: Option<u32>,
+    pub(super) rig: Option<LightRig>,
+    pub(super) ground: Option<bool>,
 }
 
 pub(super) fn read(section: &Section<'_, '_>) -> Checked<Settings> {
-    let named: Result<Shader> = Shader::named(section.tag().unwrap_or("lambert"));
-    let mut shader = section.checked(named)?;
-    if let Shader::Lambert(lambert) = &mut shader {
-        lambert.ambient = section.color("ambient").unwrap_or(lambert.ambient);
-        lambert.shadows = section.boolean("shadows").unwrap_or(lambert.shadows);
+    let name = section.text(SHADER);
+    let mut shader = section.checked(Shader::named(name.unwrap_or(UNNAMED)))?;
+    let known = (Shader::KINDS.iter()).find(|(known, ..)| *known == shader.name());
+    let given = settings::given(section, known.map_or(&[], |(.., list)| list));
+    for &(name, value) in &given {
+        section.checked(shader.set(name, value))?;
     }
+    let rig = section.text("light").map(str::parse).transpose();
     Ok(Settings {
-        shader: Some(shader),
+        shader: (name.is_some() || !given.is_empty()).then_some(shader),
         samples: section.whole("samples"),
+        rig: section.checked(rig)?,
+        ground: section.boolean("ground"),
     })
 }

@@ -50,7 +50,7 @@ pub(super) struct Record {
 }
 
 /// One form of a table.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Variant {
     pub(super) pick: Pick,
     pub(super) keys: &'static [&'static [Key]],
@@ -122,8 +122,12 @@ pub(super) enum Form {
     Path,
     /// One of some words.
     OneOf(fn() -> Vec<&'static str>),
-    /// One or more of some words, or of those that begin so and go on.
-    SomeOf(fn() -> Vec<&'static str>, &'static str),
+    /// One of some words, or one that begins so and goes on.
+    OneOfOr(fn() -> Vec<&'static str>, &'static str),
+    /// One or more of some words, or of those that begin so and go on, if there are such.
+    SomeOf(fn() -> Vec<&'static str>, Option<&'static str>),
+    /// Two numbers of which the second is larger.
+    Range,
     /// Three numbers.
     Vector,
     /// Three numbers that are not all zero.
@@ -148,6 +152,8 @@ pub(super) enum Form {
     Table(&'static Record),
     /// A table, or an array of them.
     TableOrList(&'static Record),
+    /// A number of degrees, or a table.
+    Turn(&'static Record),
     /// An array of tables.
     List(&'static Record),
     /// Tables by name.

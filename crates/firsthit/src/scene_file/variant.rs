@@ -49,7 +49,7 @@ pub(super) fn pick(
 
 /// What to say where the key that tells the variants apart is missing; it may be only misspelt.
 fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &[&str]) -> String {
-    let mut known = vec![key];
+    let mut known = Vec::from_iter((!words.is_empty()).then_some(key));
     for variant in record.variants {
         if let Pick::Has(key) = variant.pick {
             known.push(key);
@@ -68,7 +68,10 @@ fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &
         let word = escape_controls(word);
         Some(format!(": unknown key `{word}`, did you mean `{meant}`?"))
     });
-    let hint = misspelt.unwrap_or_else(|| format!(", {key} being one of {}", quoted(words)));
+    let hint = misspelt.unwrap_or_else(|| match words {
+        [] => String::new(),
+        _ => format!(", {key} being one of {}", quoted(words)),
+    });
     let known: Vec<String> = known.iter().map(|key| format!("`{key}`")).collect();
     format!("this {} needs {}{hint}", record.name, known.join(" or "))
 }

@@ -1,0 +1,29 @@
+//! How pictures of a scene file show its colours.
+
+use super::section::Section;
+use super::table::{Form, Pick, Record, Variant, keys, optional};
+use crate::geometry::{DisplayTransform, ToneMap};
+use crate::io::fault::Checked;
+
+pub(super) static DISPLAY: Record = Record {
+    name: "display",
+    about: "How PNGs show colours.",
+    variants: &[Variant {
+        pick: Pick::Always,
+        keys: &[keys! {
+            /// In stops: PNGs show colours times 2 to this power. Default: 0.
+            exposure: optional(Form::Number),
+            /// How PNGs show colours of any brightness. Default: none, which shows what is above 1 as 1.
+            tone_map: optional(Form::OneOf(|| ToneMap::NAMES.to_vec())),
+        }],
+        rules: &[],
+    }],
+};
+
+pub(super) fn read(section: &Section<'_, '_>) -> Checked<DisplayTransform> {
+    let named = section.text("tone_map").map(str::parse).transpose();
+    Ok(DisplayTransform {
+        exposure: section.number("exposure").unwrap_or_default(),
+        tone_map: section.checked(named)?.unwrap_or_default(),
+    })
+}

@@ -1,0 +1,174 @@
+//! The light from all around, of a scene file.
+
+use super::placement::{ROTATION, rotation_matrix};
+use super::section::Section;
+use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
+use crate::error::{Error, escape_controls};
+use crate::geometry::{Color, DMat3, DVec3, rotation};
+use crate::io::fault::Checked;
+use crate::io::{Report, load_environment_part, read};
+use crate::scene::{Daylight, Environment, EnvironmentMap, Light, Surroundings};
+
+const COMMON: &[Key] = keys! {
+    /// What its radiance is multiplied by. Default: 1.
+    strength: optional(Form::NonNegative),
+    /// Whether the camera sees it, in place of the background. Default: true.
+    seen: optional(Form::Boolean),
+};
+
+const UP: &[Key] = keys! {
+    /// Which way is up. Default: the scene's up.
+    up: optional(Form::Direction),
+};
+
+const FILE: &[Key] = keys! {
+    /// A picture of all directions by longitude and latitude, .hdr or .exr, relative to the scene file and in its folder or below.
+    file: required(Form::Path),
+    /// A rotation: degrees about up, counter-clockwise seen from above, or a table as for objects.
+    rotate: optional(Form::Turn(&ROTATION)),
+};
+
+const COLOR: &[Key] = keys! {
+    /// The same light from everywhere.
+    color: required(Form::Color),
+};
+
+const HEMISPHERES: &[Key] = keys! {
+    /// The light from above the horizon.
+    above: required(Form::Color),
+    /// The light from below.
+    below: required(Form::Color),
+};
+
+const GRADIENT: &[Key] = keys! {
+    /// The light from the horizon, and from below.
+    horizon: required(Form::Color),
+    /// The light from straight above.
+    zenith: required(Form::Color),
+};
+
+const DAYLIGHT_KEY: &[Key] = keys! {
+    /// The sky of a clear day, and its sun.
+    daylight: required(Form::Table(&DAYLIGHT)),
+};
+
+const fn with(key: &'static str, keys: &'static [&'static [Key]]) -> Variant {
+    Variant {
+        pick: Pick::Has(key),
+        keys,
+        rules: &[],
+    }
+}
+
+pub(super) static ENVIRONMENT: Record = Record {
+    name: "environment",
+    about: "Light from all around, from infinitely far away: a picture, one colour, two, a gradient, or daylight.",
+    variants: &[
+        with("file", &[FILE, UP, COMMON]),
+        with("color", &[COLOR, COMMON]),
+        with("above", &[HEMISPHERES, UP, COMMON]),
+        with("horizon", &[GRADIENT, UP, COMMON]),
+        with("daylight", &[DAYLIGHT_KEY, UP, COMMON]),
+    ],
+};
+
+pub(super) static DAYLIGHT: Record = Record {
+    name: "daylight",
+    about: "The sky of a clear day, exposed so that a white, level surface takes 1 of it and its sun.",
+    variants: &[Variant {
+        pick: Pick::Always,
+        keys: &[keys! {
+            /// How high the sun stands, in degrees.
+            elevation: required(Form::From(Daylight::ELEVATIONS.0, Daylight::ELEVATIONS.1)),
+            /// How far around the sun stands, in degrees, counter-clockwise seen from above; with +z or +y up from +x. Default: 0.
+            azimuth: optional(Form::Number),
+            /// How hazy the air is: 2 very clear, 3 clear, 6 hazy. Default: 3.
+            turbidity: optional(Form::From(Daylight::TURBIDITIES.0, Daylight::TURBIDITIES.1)),
+            /// The share of light that the ground sends back. Default: [0.2, 0.2, 0.2].
+            ground: optional(Form::Color),
+            /// Whether the sun is one of the lights. Default: true.
+            sun: optional(Form::Boolean),
+        }],
+        rules: &[],
+    }],
+};
+
+/// The environment of the whole file, and the light that comes with it; `up` is the scene's.
+pub(super) fn read(
+    scene: &Section<'_, '_>,
+    up: DVec3,
+    report: &mut Report,
+) -> Checked<Option<(Environment, Option<Light>)>> {
+    let Some(section) = scene.table("environment", &ENVIRONMENT)? else {
+        return Ok(None);
+    };
+    let up = section.vector("up").unwrap_or(up);
+    let color = |name| section.color(name).unwrap_or(Color::ZERO);
+    let mut sun = None;
+    let surroundings = if section.has("file") {
+        let turn = turn(&section, up)?;
+        Surroundings::of_map(map(&section, report)?.into(), up, &turn)
+    } else if section.has("color") {
+        Surroundings::Uniform(color("color"))
+    } else if section.has("above") {
+        let (above, below) = (color("above"), color("below"));
+        Surroundings::Hemispheres { above, below, up }
+    } else if section.has("horizon") {
+        let (horizon, zenith) = (color("horizon"), color("zenith"));
+        Surroundings::Gradient {
+            horizon,
+            zenith,
+            up,
+        }
+    } else {
+        let (daylight, has_sun) = daylight(&section, up)?;
+        sun = has_sun.then(|| Light::from(daylight.sun_light()));
+        Surroundings::Daylight(daylight)
+    };
+    let strength = section.number("strength").unwrap_or(1.0);
+    let environment = Environment {
+        surroundings,
+        strength,
+        is_seen: section.boolean("seen").unwrap_or(true),
+    };
+    section.checked(environment.check())?;
+    Ok(Some((environment, sun.map(|sun| sun.scaled(strength)))))
+}
+
+fn turn(section: &Section<'_, '_>, up: DVec3) -> Checked<DMat3> {
+    if let Some(degrees) = section.number("rotate") {
+        return Ok(rotation(up, degrees));
+    }
+    let table = section.table("rotate", &ROTATION)?;
+    Ok(table.map_or(DMat3::IDENTITY, |table| rotation_matrix(&table)))
+}
+
+fn map(section: &Section<'_, '_>, report: &mut Report) -> Checked<EnvironmentMap> {
+    let name = section.need("file", Section::text)?;
+    let refused = |reason: &str| {
+        let name = escape_controls(name);
+        section.fault_at("file", format!("'{name}' is not read: {reason}"))
+    };
+    let path = (report.source.base()).and_then(|scene| read::sibling(scene, name));
+    let path = path.map_err(|reason| refused(&reason))?;
+    load_environment_part(&path, report).map_err(|error| match error {
+        Error::Parse { .. } | Error::Read { .. } => refused(&error.to_string()),
+        other => other.into(),
+    })
+}
+
+/// The sky, and whether its sun is a light.
+fn daylight(section: &Section<'_, '_>, up: DVec3) -> Checked<(Daylight, bool)> {
+    let Some(table) = section.table("daylight", &DAYLIGHT)? else {
+        return Err(section.fault("daylight is missing"));
+    };
+    let daylight = Daylight::new(
+        up,
+        table.need("elevation", Section::number)?,
+        table.number("azimuth").unwrap_or(0.0),
+        table.number("turbidity").unwrap_or(Daylight::CLEAR),
+        table.color("ground").unwrap_or(Daylight::GROUND),
+    );
+    let has_sun = table.boolean("sun").unwrap_or(true);
+    Ok((table.checked(daylight)?, has_sun))
+}

@@ -1,0 +1,74 @@
+//! Keys that are the settings of a light, a shader or a material, under the names that they have everywhere.
+
+#![allow(
+    clippy::indexing_slicing,
+    reason = "tables are made when this is compiled, not when a file is read"
+)]
+
+use super::section::Section;
+use super::table::{Form, Key, Pick, Variant, optional};
+use crate::geometry::{Domain, Setting, Value};
+
+/// As many settings as a kind has at most.
+pub(super) const MOST: usize = 16;
+
+/// The keys of a kind's settings, and more that are not used.
+pub(super) const fn keys(settings: &'static [Setting]) -> [Key; MOST] {
+    let mut keys = [optional(Form::Number); MOST];
+    let mut place = 0;
+    while place < settings.len() {
+        let Setting {
+            name,
+            about,
+            domain,
+            is_required,
+        } = settings[place];
+        keys[place] = Key {
+            name,
+            form: form(domain),
+            is_required,
+            about,
+        };
+        place += 1;
+    }
+    keys
+}
+
+/// A variant that has this tag, and these groups of keys.
+pub(super) const fn variant(pick: Pick, keys: &'static [&'static [Key]]) -> Variant {
+    let rules = &[];
+    Variant { pick, keys, rules }
+}
+
+const fn form(domain: Domain) -> Form {
+    match domain {
+        Domain::Flag => Form::Boolean,
+        Domain::From(least, most) => Form::From(least, most),
+        Domain::NonNegative => Form::NonNegative,
+        Domain::Positive | Domain::Reach => Form::Positive,
+        Domain::Whole(least, most) => Form::Whole(least as i64, most as i64),
+        Domain::Position => Form::Vector,
+        Domain::Direction => Form::Direction,
+        Domain::Color | Domain::Light => Form::Color,
+    }
+}
+
+/// The settings that a table gives, of those in a list.
+pub(super) fn given(
+    section: &Section<'_, '_>,
+    list: &'static [Setting],
+) -> Vec<(&'static str, Value)> {
+    let value = |setting: &Setting| {
+        let name = setting.name;
+        match setting.domain {
+            Domain::Flag => section.boolean(name).map(Value::Flag),
+            Domain::Position | Domain::Direction => section.vector(name).map(Value::Vector),
+            Domain::Color | Domain::Light => section.color(name).map(Value::Vector),
+            _ => section.number(name).map(Value::Number),
+        }
+    };
+    let given = list
+        .iter()
+        .map(|setting| Some((setting.name, value(setting)?)));
+    given.flatten().collect()
+}
