@@ -2,19 +2,20 @@
 
 use std::fmt::{self, Debug, Formatter};
 
-use super::{BACKGROUND, Picture, Region, SAMPLES, framing_camera, shoulder_light};
+use super::{Appearance, Picture, RANDOM_SAMPLES, Region, SAMPLES, framing_camera};
 use crate::camera::{Camera, StandardView};
 use crate::channel::{self, Kind};
+use crate::edge::Edges;
 use crate::error::Result;
-use crate::geometry::{DVec3, Side};
+use crate::geometry::{DVec3, Side, require};
 use crate::image::Frame;
-use crate::scene::{Background, Scene};
-use crate::shade::{Shade, Shader, Shading};
+use crate::scene::{Background, Coloring, Scene};
+use crate::shade::{LightRig, Shade, Shader};
 use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
 
 /// A picture to be made of a scene. The defaults are those of the command line: a three-quarter view from above that fills 768
-/// rows of 1024 pixels, four samples per pixel, and a light over the camera's shoulder if the scene has none.
+/// rows of 1024 pixels, and, if the scene has no light, automatic light and a ground for its shadows ([`Appearance`]).
 ///
 /// ```
 /// use firsthit::{Color, DVec3, Object, Render, Scene, Shader, Sphere, camera::StandardView};
@@ -40,13 +41,13 @@ pub struct Render<'a> {
     view: StandardView,
     up: Option<DVec3>,
     size: [usize; 2],
-    look: Look<'a>,
-    background: Background,
-    samples: u32,
+    look: Option<Look<'a>>,
+    appearance: Appearance,
     cull: Option<Side>,
     region: Option<Region>,
     engine: &'a dyn Engine,
     channels: &'a [&'a str],
+    edges: Option<Edges>,
     watch: Follower<'a>,
 }
 
@@ -105,13 +106,13 @@ impl<'a> Render<'a> {
             view: StandardView::default(),
             up: None,
             size: [768, 1024],
-            look: Look::Shader(Shader::default()),
-            background: BACKGROUND,
-            samples: SAMPLES,
+            look: None,
+            appearance: Appearance::default(),
             cull: None,
             region: None,
             engine: Cpu::shared(),
             channels: &["color"],
+            edges: None,
             watch: Follower(&()),
         }
     }
@@ -151,18 +152,50 @@ impl<'a> Render<'a> {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub fn shade(mut self, look: impl Into<Look<'a>>) -> Self {
-        self.look = look.into();
+        self.look = Some(look.into());
         self
     }
 
-    /// Before a background, which is the colour of misses for the library's shaders; [`BACKGROUND`] by default.
-    pub fn background(self, background: Background) -> Self {
-        Self { background, ..self }
+    /// Before a background, which is the colour of misses for the library's shaders; [`BACKGROUND`](super::BACKGROUND) by default.
+    pub fn background(mut self, background: Background) -> Self {
+        self.appearance.background = Some(background);
+        self
     }
 
-    /// With the mean of so many samples as a pixel's colour; 1 is the pixel's centre. [`SAMPLES`] by default.
-    pub fn samples(self, samples: u32) -> Self {
-        Self { samples, ..self }
+    /// Coloured by numbers, in place of the surfaces' own colours.
+    ///
+    /// ```
+    /// use firsthit::scene::{ColorBy, Coloring};
+    /// use firsthit::{DVec3, Object, Render, Scene, Sphere};
+    ///
+    /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+    /// let coloring = Coloring { bar: true, ..Coloring::new(ColorBy::Height) };
+    /// let frame = Render::new(&scene).size(120, 160).samples(1).color_by(coloring).frame()?;
+    /// let legend = frame.metadata().colors.expect("colours have a legend");
+    /// assert_eq!((&*legend.by, legend.range), ("height", [-1.0, 1.0]));
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
+    pub fn color_by(mut self, coloring: Coloring) -> Self {
+        self.appearance.coloring = Some(coloring);
+        self
+    }
+
+    /// In lights that go with the camera, in place of the scene's.
+    pub fn light(mut self, rig: LightRig) -> Self {
+        self.appearance.rig = Some(rig);
+        self
+    }
+
+    /// With a ground that shadows fall on, under everything, or without; see [`Appearance`].
+    pub fn ground(mut self, ground: bool) -> Self {
+        self.appearance.ground = Some(ground);
+        self
+    }
+
+    /// With the mean of so many samples as a pixel's colour; see [`Appearance`].
+    pub fn samples(mut self, samples: u32) -> Self {
+        self.appearance.samples = Some(samples);
+        self
     }
 
     /// Through one side of all surfaces, as into a room through its walls. Rays of shaders, such as those to lights, meet both.
@@ -188,6 +221,12 @@ impl<'a> Render<'a> {
         Self { channels, ..self }
     }
 
+    /// With lines along edges over the colours, and as the channel `edge`.
+    pub fn edges(mut self, edges: Edges) -> Self {
+        self.edges = Some(edges);
+        self
+    }
+
     /// Reporting progress to `watch`, which may stop it.
     pub fn watch(mut self, watch: &'a dyn Watch) -> Self {
         self.watch = Follower(watch);
@@ -198,7 +237,7 @@ impl<'a> Render<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render()`](super::render()) and [`framing_camera`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel.
+    /// Those of [`render()`](super::render()), [`framing_camera`] and [`Scene::with_coloring`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel.
     pub fn frame(self) -> Result<Frame> {
         let asked = self.channels.iter().map(|name| channel::asked(name));
         let asked = asked.collect::<Result<Vec<_>>>()?;
@@ -210,33 +249,42 @@ impl<'a> Render<'a> {
             },
             Ok,
         )?;
-        let picture = |shade: &dyn Shade| {
+        let picture = |scene: &Scene, shade: &dyn Shade, samples: Option<u32>| {
+            let usual = if shade.is_random() {
+                RANDOM_SAMPLES
+            } else {
+                SAMPLES
+            };
             let picture = Picture {
-                samples: self.samples,
+                samples: samples.unwrap_or(usual),
                 cull: self.cull,
                 region: self.region.clone(),
                 engine: self.engine,
-                ..Picture::new(self.scene, &camera, shade, &kinds)
+                edges: self.edges,
+                ..Picture::new(scene, &camera, shade, &kinds)
             };
             picture.render(self.watch.0)
         };
         let shader = match self.look {
-            Look::Own(shade) => return picture(shade),
-            Look::Shader(shader) => shader,
+            Some(Look::Own(shade)) => {
+                let is_left_out = self.appearance.coloring.is_none();
+                require(
+                    "color_by",
+                    "left out with a shade of one's own",
+                    is_left_out,
+                    "some",
+                )?;
+                return picture(self.scene, shade, self.appearance.samples);
+            }
+            Some(Look::Shader(shader)) => Some(shader),
+            None => None,
         };
-        let lit;
-        let scene = if self.scene.lights().is_empty() {
-            let light = shoulder_light(&camera);
-            lit = self.scene.clone().with_borrowed_lights(vec![light]);
-            &lit
-        } else {
-            self.scene
-        };
-        picture(&Shading {
-            scene,
+        let appearance = Appearance {
             shader,
-            background: self.background,
-            engine: self.engine,
-        })
+            ..self.appearance.clone()
+        };
+        let resolved = appearance.resolve(self.scene, Some(&camera))?;
+        let shading = resolved.shading(self.engine);
+        picture(&resolved.scene, &shading, Some(resolved.samples))
     }
 }

@@ -11,14 +11,17 @@
 use rayon::prelude::*;
 
 use super::Picture;
+use super::accumulation::{Accumulation, Activity};
 use super::mattes::Mattes;
 use super::region::{Part, Region};
-use crate::channel::{self, Shots};
+use crate::channel::{self, Kind, Shots};
+use crate::edge::Lines;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, DVec3, Filtered, Hit, Ray, RayFilter, Rays, single};
-use crate::image::{Channel, Data, Frame};
+use crate::image::{Channel, ColorBar, Data, Frame};
 use crate::memory::zeroed;
-use crate::shade::Samples;
+use crate::scene::Background;
+use crate::shade::{AmbientOcclusion, Samples, Shade, Shader, Shading};
 use crate::shoot::{First, Hits, trace_into};
 use crate::watch::Watch;
 
@@ -30,35 +33,87 @@ pub(super) struct Slab<'a> {
     picture: &'a Picture<'a>,
     part: Part<'a>,
     hits: Hits,
-    /// Red, green, blue and coverage, summed over the samples so far.
-    sums: Vec<[f64; 4]>,
+    known: Accumulation,
+    /// What is made of ambient occlusion, if anything: its shader, and the sum over the samples.
+    occlusion: Option<(Shading<'a>, Vec<f64>)>,
     samples: u32,
     /// All channels that are made from the first sample, in their order.
     channels: Vec<Channel>,
     /// The counts of the channels of mattes, in their order.
     mattes: Vec<Mattes>,
+    /// What is drawn over the colours.
+    bar: Option<ColorBar>,
+    /// How much of each pixel lines of edges cover; nothing where there are none.
+    covered: Vec<f32>,
 }
 
 impl<'a> Slab<'a> {
-    pub(super) fn new(picture: &'a Picture<'a>, region: Region) -> Result<Self> {
+    pub(super) fn new(
+        picture: &'a Picture<'a>,
+        region: Region,
+        lines: Option<&Lines>,
+    ) -> Result<Self> {
+        let covered = lines.map(|lines| {
+            let Region { rows, columns } = region.clone();
+            lines.coverage(rows, columns)
+        });
+        let covered = covered.transpose()?.unwrap_or_default();
         let part = Part::new(picture.sensor, region);
         let pixels = if picture.has_color() { part.len() } else { 0 };
         let mattes = picture.channels.iter();
         let mattes = mattes.map(|kind| Mattes::new(kind, picture.scene, part.len()));
         let mattes = mattes.filter_map(Result::transpose);
+        let occlusion = picture.channels.iter().find_map(|kind| kind.occlusion());
+        let occlusion = occlusion.map(|reach| {
+            let shader = Shader::AmbientOcclusion(AmbientOcclusion { reach });
+            let shading = Shading {
+                background: Background::Uniform(Color::ONE),
+                engine: picture.engine,
+                ..shader.on(picture.scene)
+            };
+            Ok((shading, zeroed(part.len())?))
+        });
         Ok(Self {
             mattes: mattes.collect::<Result<_>>()?,
+            bar: picture.bar()?,
             picture,
-            sums: zeroed(pixels)?,
+            known: Accumulation::new(pixels)?,
+            occlusion: occlusion.transpose()?,
             part,
             hits: Hits::default(),
             samples: 0,
             channels: Vec::new(),
+            covered,
         })
     }
 
-    /// Adds the next sample.
-    pub(super) fn add_sample(&mut self, watch: &dyn Watch) -> Result<()> {
+    /// Goes on where a picture was left, of which all samples but the channels of the first are known.
+    pub(super) fn resume(&mut self, state: &Frame) -> Result<()> {
+        self.known = Accumulation::taken_from(state, self.part.len())?;
+        self.samples = self.known.counts.iter().copied().max().unwrap_or(0);
+        Ok(())
+    }
+
+    /// What [`resume`](Self::resume) takes.
+    pub(super) fn state(&self) -> Result<Frame> {
+        let mut state = self.picture.frame(&self.part.region);
+        self.known.put_into(&mut state)?;
+        Ok(state)
+    }
+
+    /// How many samples there are.
+    pub(super) fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Adds the next sample, unless the picture is as quiet as was asked for; says whether it did.
+    pub(super) fn add_sample(&mut self, watch: &dyn Watch) -> Result<bool> {
+        let shape = self.part.region.shape();
+        let activity = (self.picture.noise.filter(|_| self.samples > 0))
+            .map(|noise| Activity::at(&self.known, shape, self.samples, noise));
+        if activity.as_ref().is_some_and(|activity| !activity.is_any()) {
+            return Ok(false);
+        }
         let picture = self.picture;
         self.part.go_to(self.samples);
         let answers = (First, &mut self.hits);
@@ -77,50 +132,80 @@ impl<'a> Slab<'a> {
                 sensor: Some(&self.part),
             };
             let plain = picture.channels.iter().copied();
-            let plain: Vec<_> = plain.filter(|kind| !kind.needs_samples()).collect();
+            let is_plain = |kind: &&Kind| !kind.needs_samples() && !kind.is_edge();
+            let plain: Vec<_> = plain.filter(is_plain).collect();
             self.channels = channel::make(&plain, &shots, watch)?;
         }
         for mattes in &mut self.mattes {
             mattes.add(picture.scene, &self.hits);
         }
-        self.shade(watch)?;
+        self.shade(activity.as_ref(), watch)?;
+        self.add_occlusion(watch)?;
         self.samples += 1;
-        Ok(())
+        Ok(true)
     }
 
-    /// Adds the colours of the current hits to the sums.
-    fn shade(&mut self, watch: &dyn Watch) -> Result<()> {
+    /// Adds the colours of the current hits to the sums, of the pixels that go on.
+    fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
         let shade = self.picture.shade;
-        let chunks = self.sums.par_chunks_mut(SHADED).enumerate();
+        let Accumulation {
+            sums,
+            squares,
+            counts,
+        } = &mut self.known;
+        let rest = squares
+            .par_chunks_mut(SHADED)
+            .zip(counts.par_chunks_mut(SHADED));
+        let chunks = sums.par_chunks_mut(SHADED).zip(rest).enumerate();
+        chunks.try_for_each(|(chunk, (sums, (squares, counts)))| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            let first = chunk * SHADED;
+            watch.advance(sums.len() as u64);
+            let goes_on = |k: &usize| activity.is_none_or(|activity| activity.has(first + k));
+            let active: Vec<usize> = (0..sums.len()).filter(goes_on).collect();
+            if active.is_empty() {
+                return Ok(());
+            }
+            let mut batch = Batch::new(part, hits, first, sums.len());
+            batch.keep(&active);
+            let mut colors = [Color::ZERO; SHADED];
+            let mut coverage = batch.coverage();
+            let count = active.len();
+            let (colors, coverage) = (&mut colors[..count], &mut coverage[..count]);
+            shade.shade_all(&batch.samples(sample), colors, coverage);
+            for ((k, color), covered) in active.into_iter().zip(colors).zip(coverage) {
+                let pixel = (&mut sums[k], &mut squares[k], &mut counts[k]);
+                Accumulation::add(pixel, *color, *covered);
+            }
+            Ok(())
+        })
+    }
+
+    /// Adds the ambient occlusion at the current hits to its sums.
+    fn add_occlusion(&mut self, watch: &dyn Watch) -> Result<()> {
+        let (part, hits, sample) = (&self.part, &self.hits, self.samples);
+        let Some((shading, sums)) = &mut self.occlusion else {
+            return Ok(());
+        };
+        let chunks = sums.par_chunks_mut(SHADED).enumerate();
         chunks.try_for_each(|(chunk, sums)| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
-            let pixels = chunk * SHADED..chunk * SHADED + sums.len();
-            let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED];
-            let rays = &mut rays[..sums.len()];
-            part.read(pixels.start, rays);
-            let mut numbers = [0; SHADED];
-            part.number(pixels.start, &mut numbers[..sums.len()]);
-            let mut met = [Hit::MISS; SHADED];
-            let met = &mut met[..sums.len()];
-            for (met, index) in met.iter_mut().zip(pixels) {
-                *met = hits.get(index);
-            }
-            let samples = Samples {
-                rays,
-                hits: met,
-                pixels: &numbers[..sums.len()],
-                sample,
-            };
+            let batch = Batch::new(part, hits, chunk * SHADED, sums.len());
             let mut colors = [Color::ZERO; SHADED];
-            shade.shade_all(&samples, &mut colors[..sums.len()]);
-            for ((sum, color), hit) in sums.iter_mut().zip(colors).zip(samples.hits) {
-                let covered = f64::from(u8::from(hit.t < f64::INFINITY));
-                for (sum, value) in sum.iter_mut().zip([color.x, color.y, color.z, covered]) {
-                    *sum += value;
-                }
+            let mut coverage = batch.coverage();
+            let count = sums.len();
+            shading.shade_all(
+                &batch.samples(sample),
+                &mut colors[..count],
+                &mut coverage[..count],
+            );
+            for (sum, color) in sums.iter_mut().zip(colors) {
+                *sum += color.x;
             }
             watch.advance(sums.len() as u64);
             Ok(())
@@ -146,31 +231,113 @@ impl<'a> Slab<'a> {
             frame.push(if kind.matte().is_some() {
                 let mattes = mattes.next().expect("there are some for each such kind");
                 kind.channel(mattes.data(kind.components, self.samples.max(1))?)
+            } else if kind.is_edge() {
+                let mut covered = zeroed(self.covered.len())?;
+                covered.copy_from_slice(&self.covered);
+                kind.channel(Data::Float32(covered))
+            } else if kind.is_sample_count() {
+                kind.channel(self.known.counts()?)
+            } else if kind.is_alpha() {
+                kind.channel(self.known.means([3])?)
+            } else if kind.occlusion().is_some() {
+                kind.channel(self.mean_occlusion()?)
             } else if !kind.needs_shade() {
                 plain.next().expect("it was made with the first sample")
             } else if self.picture.shade.is_transparent() {
-                kind.transparent_channel(self.means::<4>()?)
+                kind.transparent_channel(self.colors([0, 1, 2, 3])?)
             } else {
-                kind.channel(self.means::<3>()?)
+                kind.channel(self.colors([0, 1, 2])?)
             })?;
         }
         Ok(frame)
     }
 
-    /// `N` numbers for each pixel: red, green, blue, and with `N` = 4 the coverage.
-    fn means<const N: usize>(&self) -> Result<Data> {
-        let mut means = zeroed::<f32>(self.sums.len().saturating_mul(N))?;
-        let count = f64::from(self.samples.max(1));
-        let chunk = 1 << 12;
-        let sums = self.sums.par_chunks(chunk);
-        let chunks = means.par_chunks_mut(N * chunk).zip(sums);
-        chunks.for_each(|(out, sums)| {
-            for (out, sum) in out.chunks_mut(N).zip(sums) {
-                for (out, sum) in out.iter_mut().zip(sum) {
-                    *out = single(sum / count);
-                }
+    /// Means of colours, with lines of edges and the bar of a colour map where there is one.
+    fn colors<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
+        let mut means = self.known.means(which)?;
+        self.draw_lines::<N>(&mut means);
+        if let Some(bar) = &self.bar {
+            let Region { rows, columns } = &self.part.region;
+            bar.draw(&mut means, N, (rows, columns));
+        }
+        Ok(means)
+    }
+
+    /// The lines' colour, if there are lines over the colours.
+    fn line_color(&self) -> Option<[f64; 4]> {
+        let Color { x, y, z } = self.picture.edges?.color;
+        Some([x, y, z, 1.0])
+    }
+
+    /// Draws the lines of edges over colours of `N` numbers.
+    fn draw_lines<const N: usize>(&self, colors: &mut Data) {
+        let (Some(line), Data::Float32(values)) = (self.line_color(), colors) else {
+            return;
+        };
+        let pixels = values.par_chunks_mut(N).zip(&self.covered);
+        pixels.for_each(|(color, &covered)| {
+            for (value, line) in color.iter_mut().zip(line) {
+                let (mean, covered) = (f64::from(*value), f64::from(covered));
+                *value = single((1.0 - covered) * mean + covered * line);
             }
         });
+    }
+
+    fn mean_occlusion(&self) -> Result<Data> {
+        let sums = self.occlusion.as_ref().map_or(&[][..], |(_, sums)| sums);
+        let mut means = zeroed::<f32>(sums.len())?;
+        for (out, sum) in means.iter_mut().zip(sums) {
+            *out = single(sum / f64::from(self.samples.max(1)));
+        }
         Ok(Data::Float32(means))
+    }
+}
+
+/// Some hundred hits that are shaded at a time.
+struct Batch {
+    rays: [Ray; SHADED],
+    hits: [Hit; SHADED],
+    pixels: [u64; SHADED],
+    count: usize,
+}
+
+impl Batch {
+    fn new(part: &Part<'_>, hits: &Hits, first: usize, count: usize) -> Self {
+        let mut batch = Self {
+            rays: [Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED],
+            hits: [Hit::MISS; SHADED],
+            pixels: [0; SHADED],
+            count,
+        };
+        part.read(first, &mut batch.rays[..count]);
+        part.number(first, &mut batch.pixels[..count]);
+        for (k, hit) in batch.hits[..count].iter_mut().enumerate() {
+            *hit = hits.get(first + k);
+        }
+        batch
+    }
+
+    /// Forgets all but some, which are in order.
+    fn keep(&mut self, some: &[usize]) {
+        for (k, &from) in some.iter().enumerate() {
+            self.rays[k] = self.rays[from];
+            self.hits[k] = self.hits[from];
+            self.pixels[k] = self.pixels[from];
+        }
+        self.count = some.len();
+    }
+
+    fn samples(&self, sample: u32) -> Samples<'_> {
+        Samples {
+            rays: &self.rays[..self.count],
+            hits: &self.hits[..self.count],
+            pixels: &self.pixels[..self.count],
+            sample,
+        }
+    }
+
+    /// 1 for hits, and 0 for misses.
+    fn coverage(&self) -> [f64; SHADED] {
+        self.hits.map(|hit| f64::from(u8::from(!hit.is_miss())))
     }
 }

@@ -1,0 +1,252 @@
+//! Sums over the samples of pixels, and when they are enough.
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Color, luminance, single, srgb_encode};
+use crate::image::{Channel, Data, Description, Display, Frame, Unit};
+use crate::memory::zeroed;
+
+/// What is known of each pixel of a part of a picture. Sums are in the order of the samples, so it does not matter how many are
+/// added at a time.
+pub(super) struct Accumulation {
+    /// Red, green, blue and coverage.
+    pub(super) sums: Vec<[f64; 4]>,
+    /// Of the squares of luminance.
+    pub(super) squares: Vec<f64>,
+    /// How many samples there were.
+    pub(super) counts: Vec<u32>,
+}
+
+/// The names of the channels of a state that is kept.
+const NAMES: [&str; 3] = ["sums", "squares", "samples"];
+
+impl Accumulation {
+    pub(super) fn new(pixels: usize) -> Result<Self> {
+        Ok(Self {
+            sums: zeroed(pixels)?,
+            squares: zeroed(pixels)?,
+            counts: zeroed(pixels)?,
+        })
+    }
+
+    /// Adds a sample to a pixel.
+    pub(super) fn add(
+        (sum, square, count): (&mut [f64; 4], &mut f64, &mut u32),
+        color: Color,
+        covered: f64,
+    ) {
+        for (sum, value) in sum.iter_mut().zip([color.x, color.y, color.z, covered]) {
+            *sum += value;
+        }
+        let luminance = luminance(color);
+        *square += luminance * luminance;
+        *count += 1;
+    }
+
+    /// The means of some of the sums, for each pixel one after the other.
+    pub(super) fn means<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
+        let mut means = zeroed::<f32>(self.sums.len().saturating_mul(N))?;
+        let chunk = 1 << 12;
+        let sums = self
+            .sums
+            .par_chunks(chunk)
+            .zip(self.counts.par_chunks(chunk));
+        let chunks = means.par_chunks_mut(N * chunk).zip(sums);
+        chunks.for_each(|(out, (sums, counts))| {
+            for ((out, sum), &count) in out.chunks_mut(N).zip(sums).zip(counts) {
+                let count = f64::from(count.max(1));
+                for (out, which) in out.iter_mut().zip(which) {
+                    *out = single(sum[which] / count);
+                }
+            }
+        });
+        Ok(Data::Float32(means))
+    }
+
+    /// How many samples each pixel has.
+    pub(super) fn counts(&self) -> Result<Data> {
+        let mut counts = zeroed::<i32>(self.counts.len())?;
+        for (out, &count) in counts.iter_mut().zip(&self.counts) {
+            *out = i32::try_from(count).unwrap_or(i32::MAX);
+        }
+        Ok(Data::Int32(counts))
+    }
+
+    /// The standard error of a pixel's brightness as a picture shows it, from 0, black, to 1, white.
+    fn error(&self, pixel: usize) -> f64 {
+        let count = f64::from(self.counts[pixel]);
+        let [red, green, blue, _] = self.sums[pixel];
+        let mean = luminance(Color::new(red, green, blue)) / count;
+        let variance = (self.squares[pixel] / count - mean * mean).max(0.0);
+        let error = (variance / (count - 1.0)).sqrt();
+        srgb_encode(mean + error) - srgb_encode(mean)
+    }
+
+    /// Adds what is known to the state of a picture, to be gone on with.
+    pub(super) fn put_into(&self, state: &mut Frame) -> Result<()> {
+        let data = [
+            Data::Float64(self.sums.as_flattened().to_vec()),
+            Data::Float64(self.squares.clone()),
+            self.counts()?,
+        ];
+        for ((name, data), components) in NAMES.into_iter().zip(data).zip([4, 1, 1]) {
+            state.push(Channel {
+                name: name.into(),
+                components,
+                data,
+                display: Display::Quantity,
+                description: Description {
+                    about: "the state of a picture that can be gone on with",
+                    unit: Unit::None,
+                    frame: None,
+                },
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Takes what is known from such a state.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for another frame.
+    pub(super) fn taken_from(state: &Frame, pixels: usize) -> Result<Self> {
+        let wrong = |got: &str| Error::argument("state", "that of this picture", got.to_owned());
+        let data = |name: &str| state.channel(name).map(|channel| &channel.data);
+        let [sums, squares, counts] = NAMES.map(data);
+        let (Some(Data::Float64(sums)), Some(Data::Float64(squares)), Some(Data::Int32(counts))) =
+            (sums, squares, counts)
+        else {
+            return Err(wrong("a frame without sums, squares and samples"));
+        };
+        let shape = [sums.len(), squares.len(), counts.len()];
+        if shape != [4 * pixels, pixels, pixels] {
+            return Err(wrong("one of another size"));
+        }
+        let mut made = Self::new(pixels)?;
+        made.sums.as_flattened_mut().copy_from_slice(sums);
+        made.squares.copy_from_slice(squares);
+        for (out, &count) in made.counts.iter_mut().zip(counts) {
+            *out =
+                u32::try_from(count).map_err(|_| wrong("one of a negative number of samples"))?;
+        }
+        Ok(made)
+    }
+}
+
+/// The side of the tiles that stop together, in pixels.
+const TILE: usize = 16;
+
+/// The least samples that a standard error is asked for.
+const LEAST: u32 = 32;
+
+/// Which tiles of a picture go on: those that are not quiet, and their eight neighbours. It is asked after 32, 64, 128, ... samples, so
+/// that it depends on nothing but the samples.
+pub(super) struct Activity {
+    columns: usize,
+    /// For each tile, whether it goes on.
+    tiles: Vec<bool>,
+    across: usize,
+}
+
+impl Activity {
+    /// Where a picture of that shape has another sample to come, its number being `sample`; all tiles go on that have as many.
+    pub(super) fn at(
+        accumulation: &Accumulation,
+        [rows, columns]: [usize; 2],
+        sample: u32,
+        noise: f64,
+    ) -> Self {
+        let [down, across] = [rows, columns].map(|side| side.div_ceil(TILE));
+        let is_asked = sample >= LEAST && sample.is_power_of_two();
+        let loud: Vec<bool> = (0..down * across)
+            .into_par_iter()
+            .map(|tile| {
+                let (top, left) = (tile / across * TILE, tile % across * TILE);
+                let mut pixels = (top..rows.min(top + TILE)).flat_map(|row| {
+                    (left..columns.min(left + TILE)).map(move |c| row * columns + c)
+                });
+                let mut goes_on = pixels
+                    .clone()
+                    .any(|pixel| accumulation.counts[pixel] == sample);
+                if is_asked && goes_on {
+                    goes_on = pixels.any(|pixel| accumulation.error(pixel) > noise);
+                }
+                goes_on
+            })
+            .collect();
+        let tiles = if is_asked {
+            spread(&loud, [down, across], |tile| {
+                let pixel = tile / across * TILE * columns + tile % across * TILE;
+                accumulation.counts[pixel] == sample
+            })
+        } else {
+            loud
+        };
+        Self {
+            columns,
+            tiles,
+            across,
+        }
+    }
+
+    /// Whether any tile goes on.
+    pub(super) fn is_any(&self) -> bool {
+        self.tiles.iter().any(|&goes_on| goes_on)
+    }
+
+    /// Whether a pixel goes on.
+    pub(super) fn has(&self, pixel: usize) -> bool {
+        let (row, column) = (pixel / self.columns, pixel % self.columns);
+        self.tiles[row / TILE * self.across + column / TILE]
+    }
+}
+
+/// The loud tiles and their neighbours, of those that may go on.
+fn spread(
+    loud: &[bool],
+    [down, across]: [usize; 2],
+    may_go_on: impl Fn(usize) -> bool,
+) -> Vec<bool> {
+    let near = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
+    let is_near = |tile: usize| {
+        let (row, column) = (tile / across, tile % across);
+        let mut around = near(row, down).flat_map(|r| near(column, across).map(move |c| (r, c)));
+        around.any(|(r, c)| loud[r * across + c])
+    };
+    (0..loud.len())
+        .map(|tile| may_go_on(tile) && is_near(tile))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quiet_tiles_stop_unless_a_neighbour_is_loud() {
+        let shape = [48, 64];
+        let mut known = Accumulation::new(48 * 64).unwrap();
+        for sample in 0..32_u32 {
+            for pixel in 0..48 * 64 {
+                let is_loud = pixel == 20 * 64 + 60;
+                let value = if is_loud && sample % 2 == 0 { 1.0 } else { 0.4 };
+                let one = (
+                    &mut known.sums[pixel],
+                    &mut known.squares[pixel],
+                    &mut known.counts[pixel],
+                );
+                Accumulation::add(one, Color::splat(value), 1.0);
+            }
+        }
+        // The loud pixel is in the fourth tile of the second row of three.
+        let active = Activity::at(&known, shape, 32, 0.005);
+        let expected = [false, false, true, true].repeat(3);
+        assert_eq!(active.tiles, expected);
+        assert!(active.is_any() && active.has(5 * 64 + 40) && !active.has(5 * 64 + 20));
+        assert!(!Activity::at(&known, shape, 32, 0.9).is_any());
+        // Not at other numbers: 33 samples are not there yet, so nothing goes on.
+        assert!(!Activity::at(&known, shape, 33, 0.0).is_any());
+    }
+}

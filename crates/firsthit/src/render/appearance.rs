@@ -1,0 +1,209 @@
+//! What a picture looks like where nobody says: light, shader, ground and samples.
+
+use std::sync::Arc;
+
+use super::{BACKGROUND, RANDOM_SAMPLES, SAMPLES};
+use crate::camera::Camera;
+use crate::error::Result;
+use crate::geometry::{Color, DVec3, Value, unit};
+use crate::scene::{Background, Coloring, Environment, Light, Scene, Surroundings};
+use crate::shade::{Direct, Ground, Lambert, LightRig, Lighting, Shader, Shading};
+use crate::shoot::Engine;
+
+/// How a picture is to look. What is `None` is decided by the scene and the camera.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Appearance {
+    /// How hits get their colour. By default [`Direct`]; with the light [`LightRig::Shoulder`], [`Lambert`].
+    pub shader: Option<Shader>,
+    /// Lights that go with the camera, in place of the scene's. By default there are some where nothing shines:
+    /// [`Shader::usual_rig`].
+    pub rig: Option<LightRig>,
+    /// What misses see, unless that is the scene's environment.
+    pub background: Option<Background>,
+    /// Whether there is a ground that shadows fall on, under everything. By default there is one with lights that nobody chose, if
+    /// the camera is above it and outside of the scene.
+    pub ground: Option<bool>,
+    /// Colours by numbers, in place of the surfaces' own. By default those of the scene, if it has any.
+    pub coloring: Option<Coloring>,
+    /// Of how many points of a pixel its colour is the mean. By default [`RANDOM_SAMPLES`] where the shader draws numbers, else [`SAMPLES`].
+    pub samples: Option<u32>,
+}
+
+/// An [`Appearance`] with everything decided.
+#[derive(Debug, Clone)]
+pub struct Resolved {
+    /// The scene with its light.
+    pub scene: Scene,
+    /// How hits get their colour.
+    pub shader: Shader,
+    /// Which way is up for who looks.
+    pub upwards: DVec3,
+    /// What misses see.
+    pub background: Background,
+    /// The ground.
+    pub ground: Option<Ground>,
+    /// Of how many points of a pixel its colour is the mean.
+    pub samples: u32,
+    /// What light was chosen that nobody asked for, in words.
+    pub guessed: Vec<&'static str>,
+}
+
+/// What fills the shadows of a scene whose lights are its own, where nobody names a shader: as much as Lambert's ambient light.
+const FILL: Color = Color::splat(0.25);
+
+/// How far away things darken each other in a room, as a share of its diagonal: further, all of a closed room would be dark.
+const SHARE_OF_ROOM: f64 = 0.25;
+
+impl Appearance {
+    /// Decides what is open, for a camera; for another sensor there is none.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::with_coloring`].
+    pub fn resolve(&self, scene: &Scene, camera: Option<&Camera>) -> Result<Resolved> {
+        let resolved = self.resolve_light(scene, camera);
+        let Some(coloring) = self.coloring.clone() else {
+            return Ok(resolved);
+        };
+        let scene = resolved.scene.with_coloring(Some(coloring))?;
+        Ok(Resolved { scene, ..resolved })
+    }
+
+    #[expect(clippy::too_many_lines, reason = "one decision after the other")]
+    fn resolve_light(&self, scene: &Scene, camera: Option<&Camera>) -> Resolved {
+        let mut guessed = Vec::new();
+        let up = world_up(scene, camera);
+        let is_dark = scene.is_unlit();
+        let rig = self.rig.or_else(|| {
+            let usual = (self.shader.as_ref()).map_or(Some(LightRig::Auto), Shader::usual_rig);
+            usual.filter(|_| is_dark)
+        });
+        let is_rig_guessed = rig.is_some() && self.rig.is_none();
+        let mut shader = self.shader.clone().unwrap_or_else(|| match rig {
+            Some(LightRig::Shoulder) => Shader::Lambert(Lambert::default()),
+            _ => Shader::Direct(Direct::default()),
+        });
+        let is_within = camera.is_some_and(|camera| is_within(scene, camera));
+        let lit = match (rig, camera) {
+            (Some(rig), Some(camera)) => {
+                let Lighting {
+                    lights,
+                    environment,
+                } = rig.lighting(camera, up);
+                if is_rig_guessed {
+                    guessed.push(of_rig(rig));
+                }
+                borrowing(scene, lights, environment)
+            }
+            // Without a camera there is light from all around alone.
+            (Some(_), None) => borrowing(scene, vec![], Some(fill(LightRig::WHITE))),
+            (None, _) if self.shader.is_none() && scene.environment().is_none() => {
+                guessed.push("some light from all around (--shader)");
+                scene.clone().with_borrowed_environment(Some(fill(FILL)))
+            }
+            (None, _) => scene.clone(),
+        };
+        if is_within && is_rig_guessed {
+            match &mut shader {
+                Shader::Direct(direct) => {
+                    direct.shadows = false;
+                    direct.reach = direct
+                        .reach
+                        .min(SHARE_OF_ROOM * scene.bounds().size().length());
+                }
+                // One that casts none has no such setting.
+                shader => drop(shader.set("shadows", Value::Flag(false))),
+            }
+            guessed.push("no shadows of it (--light)");
+        }
+        let ground = self.ground(
+            (scene, up),
+            camera,
+            is_rig_guessed && rig != Some(LightRig::Shoulder) && !is_within,
+        );
+        if ground.is_some() && self.ground.is_none() {
+            guessed.push("a ground for shadows (--ground)");
+        }
+        let is_random = shader.is_random() || ground.is_some();
+        let usual = if is_random { RANDOM_SAMPLES } else { SAMPLES };
+        Resolved {
+            scene: lit,
+            shader,
+            upwards: camera.map_or_else(|| scene.up(), Camera::upwards),
+            background: self.background.unwrap_or(BACKGROUND),
+            ground,
+            samples: self.samples.unwrap_or(usual),
+            guessed,
+        }
+    }
+
+    fn ground(
+        &self,
+        (scene, up): (&Scene, DVec3),
+        camera: Option<&Camera>,
+        is_usual: bool,
+    ) -> Option<Ground> {
+        if !self.ground.unwrap_or(is_usual) {
+            return None;
+        }
+        let ground = Ground::under(scene, up)?;
+        let is_above = camera.is_none_or(|camera| {
+            let height = (camera.position() - ground.point).dot(unit(ground.up));
+            height > 0.0
+        });
+        (self.ground.is_some() || is_above).then_some(ground)
+    }
+}
+
+impl Resolved {
+    /// The [`Shade`](crate::Shade) of the picture.
+    pub fn shading<'a>(&'a self, engine: &'a dyn Engine) -> Shading<'a> {
+        Shading {
+            upwards: self.upwards,
+            background: self.background,
+            ground: self.ground,
+            engine,
+            ..self.shader.clone().on(&self.scene)
+        }
+    }
+}
+
+/// Which way is up in the world that a camera looks at: its own up, or the scene's where it looks straight up or down.
+///
+/// So a picture from a camera that is kept has the light and the ground that it had.
+pub fn world_up(scene: &Scene, camera: Option<&Camera>) -> DVec3 {
+    /// The cosine of two degrees and a half.
+    const STRAIGHT: f64 = 0.999;
+    let up = scene.up();
+    match camera {
+        Some(camera) if unit(camera.aim()).dot(unit(up)).abs() < STRAIGHT => camera.view().up,
+        _ => up,
+    }
+}
+
+/// Whether a camera is in a room: in the box around the scene, or with a picture of all around.
+fn is_within(scene: &Scene, camera: &Camera) -> bool {
+    let bounds = scene.bounds();
+    let is_inside = !bounds.is_empty() && bounds.contains(camera.position());
+    camera.lens().is_panorama() || is_inside
+}
+
+fn of_rig(rig: LightRig) -> &'static str {
+    match rig {
+        LightRig::Shoulder => "light over the shoulder (--light)",
+        _ => "automatic light (--light)",
+    }
+}
+
+fn borrowing(scene: &Scene, lights: Vec<Light>, environment: Option<Arc<Environment>>) -> Scene {
+    let lit = scene.clone().with_borrowed_lights(lights);
+    lit.with_borrowed_environment(environment)
+}
+
+/// Light that is the same from everywhere.
+fn fill(color: Color) -> Arc<Environment> {
+    Arc::new(Environment {
+        is_seen: false,
+        ..Environment::new(Surroundings::Uniform(color))
+    })
+}

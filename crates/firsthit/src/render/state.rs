@@ -1,0 +1,80 @@
+//! The state of a picture in a file, to go on with it another time.
+
+use std::path::Path;
+
+use super::{Picture, Progressive};
+use crate::error::{Error, Result};
+use crate::image::{
+    self, Array, Channel, Data, Description, Display, Frame, Metadata, Numbers, Unit,
+};
+
+impl<'a> Picture<'a> {
+    /// Goes on with a picture whose state is in a file that [`Frame::save`] wrote of [`Progressive::state`], as [`Picture::resume`] does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Picture::resume`] and of [`image::read`], and [`Error::Argument`] for the state of another scene, camera or shading.
+    pub fn resume_from(&'a self, path: &Path) -> Result<Progressive<'a>> {
+        let output = image::read(path)?;
+        let own = self.start()?.state()?.metadata();
+        let other = output.metadata.as_ref();
+        if let Some(what) = difference(&own, other) {
+            let got = format!("{}, which has {what}", crate::error::escaped(path));
+            return Err(Error::argument("state", "that of this picture", got));
+        }
+        let shape = own
+            .shape
+            .iter()
+            .map(|&side| usize::try_from(side).unwrap_or(usize::MAX));
+        let mut state = Frame::new(shape.collect::<Vec<usize>>());
+        for array in output.arrays {
+            state.push(channel(array)?)?;
+        }
+        self.resume(&state)
+    }
+}
+
+/// What of another picture's metadata differs, in words.
+fn difference(own: &Metadata, other: Option<&Metadata>) -> Option<&'static str> {
+    let Some(other) = other else {
+        return Some("no metadata");
+    };
+    if other.scene != own.scene {
+        Some("another scene")
+    } else if (&other.camera, &other.sensor) != (&own.camera, &own.sensor) {
+        Some("another camera")
+    } else if (&other.shape, &other.pixels) != (&own.shape, &own.pixels) {
+        Some("another part of the picture")
+    } else if other.shading != own.shading {
+        Some("another shader, other light, or another background")
+    } else {
+        None
+    }
+}
+
+fn channel(array: Array) -> Result<Channel> {
+    let wrong = || Error::argument("state", "that of this picture", "one of other numbers");
+    let data = match array.numbers {
+        Numbers::Float64(values) => Data::Float64(values),
+        Numbers::Integer(values) => {
+            let values = values.into_iter().map(i32::try_from);
+            Data::Int32(
+                values
+                    .collect::<std::result::Result<_, _>>()
+                    .map_err(|_| wrong())?,
+            )
+        }
+        Numbers::Float32(_) => return Err(wrong()),
+    };
+    Ok(Channel {
+        name: array.name.ok_or_else(wrong)?.into(),
+        components: array.components,
+        data,
+        display: Display::Quantity,
+        description: Description {
+            about: "",
+            unit: Unit::None,
+            frame: None,
+        },
+    })
+}
