@@ -1,6 +1,7 @@
 //! Whole pictures: firsthit renders them, colours and all; Embree traces the rays that they take, and shades nothing.
 
 use firsthit::render::Sample;
+use firsthit::scene::PointLight;
 use firsthit::shade::Shade as _;
 use firsthit::{Background, Camera, Color, DVec3, Light, Ray, Scene, Shader, Shading};
 
@@ -40,10 +41,10 @@ impl Picture {
 
     /// One point to a pixel, lit from one place, with shadows.
     pub(crate) fn shaded(scene: &Scene, camera: &Camera, light: DVec3, shadows: &[Ray]) -> Self {
-        let light = Light::Point {
+        let light = Light::from(PointLight {
             position: light,
             intensity: Color::splat((camera.position() - light).length_squared()),
-        };
+        });
         Self {
             scene: scene.clone().with_lights(vec![light]),
             camera: *camera,

@@ -15,12 +15,13 @@ pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS,
 
 use asked::Silent;
 
+use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
 use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
 use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
-use crate::sensor::Sensor;
+use crate::sensor::{Record, Sensor};
 use crate::shoot::{Hits, Prefetcher};
 use crate::watch::Watch;
 
@@ -86,8 +87,16 @@ enum Make {
     Attribute(Arc<str>),
     /// From a shader, by `render`.
     Color,
+    /// The coverage, from a shader, by `render`.
+    Alpha,
+    /// How many samples a pixel's colour has, by `render`.
+    Samples,
+    /// Ambient occlusion up to a distance, over all samples of a pixel, by `render`.
+    Occlusion(f64),
     /// From all samples of a pixel, by `render`.
     Matte(Matte),
+    /// From the surfaces of the scene, by `render`.
+    Edge,
     /// Not from first hits.
     Elsewhere,
 }
@@ -117,7 +126,7 @@ impl Kind {
         matches!(self.make, Make::Distance(_) | Make::Valid)
     }
 
-    /// Fails for a distance along the aim of a sensor that has none.
+    /// Fails for a distance along the aim of a sensor that has none, and for edges of one that is no camera.
     ///
     /// # Errors
     ///
@@ -127,7 +136,16 @@ impl Kind {
             let expected = "one that a sensor without an aim has, such as range";
             return Err(Error::argument("channel", expected, &*self.name));
         }
+        if self.is_edge() && still_camera(sensor).is_none() {
+            let expected = "one that a sensor which is no camera has";
+            return Err(Error::argument("channel", expected, &*self.name));
+        }
         Ok(())
+    }
+
+    /// Whether it is made of lines along edges, by `render`, and not from hits.
+    pub fn is_edge(&self) -> bool {
+        matches!(self.make, Make::Edge)
     }
 
     /// Whether metadata have a table of what its identifiers stand for.
@@ -135,14 +153,38 @@ impl Kind {
         matches!(self.make, Make::Origin(_)) || self.name == "object"
     }
 
+    /// Whether it is the colour.
+    pub fn is_color(&self) -> bool {
+        matches!(self.make, Make::Color)
+    }
+
+    /// Whether it is the coverage.
+    pub fn is_alpha(&self) -> bool {
+        matches!(self.make, Make::Alpha)
+    }
+
+    /// Whether it is the number of samples.
+    pub fn is_sample_count(&self) -> bool {
+        matches!(self.make, Make::Samples)
+    }
+
+    /// How far away things hide the sky, if it is ambient occlusion.
+    pub fn occlusion(&self) -> Option<f64> {
+        match self.make {
+            Make::Occlusion(reach) => Some(reach),
+            _ => None,
+        }
+    }
+
     /// Whether it takes a shader.
     pub fn needs_shade(&self) -> bool {
-        matches!(self.make, Make::Color)
+        matches!(self.make, Make::Color | Make::Alpha | Make::Samples)
     }
 
     /// Whether it is made from all samples of a pixel, by `render`; other channels are those of the pixel's centre.
     pub fn needs_samples(&self) -> bool {
-        matches!(self.make, Make::Color | Make::Matte(_))
+        let of_samples = matches!(self.make, Make::Matte(_) | Make::Occlusion(_));
+        self.needs_shade() || of_samples
     }
 
     /// What it has mattes of, if it is a Cryptomatte.
@@ -196,6 +238,15 @@ impl Matte {
     }
 }
 
+/// The camera that a sensor is, if it is one; not that of one that moves. The rays of others make no picture in which a point has one
+/// place.
+pub(crate) fn still_camera(sensor: &dyn Sensor) -> Option<&Camera> {
+    match sensor.record() {
+        Record::Camera(_) => sensor.camera(),
+        Record::Other(_) => None,
+    }
+}
+
 /// How many rays a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
@@ -232,7 +283,8 @@ pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec
 /// The channels that are no attributes.
 fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
     for kind in kinds {
-        let is_made_elsewhere = kind.needs_samples() || matches!(kind.make, Make::Elsewhere);
+        let is_made_elsewhere =
+            kind.needs_samples() || matches!(kind.make, Make::Elsewhere | Make::Edge);
         if is_made_elsewhere || (kind.needs_sensor() && shots.sensor.is_none()) {
             let expected = "one that rays without a camera have";
             return Err(Error::argument("channel", expected, &*kind.name));
@@ -288,7 +340,14 @@ impl Kind {
                 Data::Int32(filled(count, -1)?)
             }
             Make::Flag(_) | Make::Valid => Data::Bool(filled(count, false)?),
-            Make::Color | Make::Matte(_) | Make::Attribute(_) | Make::Elsewhere => {
+            Make::Color
+            | Make::Alpha
+            | Make::Samples
+            | Make::Occlusion(_)
+            | Make::Matte(_)
+            | Make::Edge
+            | Make::Attribute(_)
+            | Make::Elsewhere => {
                 return Err(Error::argument(
                     "channel",
                     "one without a shader",

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::camera::{Camera, Lens, RayStart, View, Viewplane};
 use crate::error::Result;
 use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform, single};
-use crate::scene::{Background, Light, Object, Scene};
+use crate::scene::{Background, DirectionalLight, Object, Scene};
 use crate::shape::{
     Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere,
 };
@@ -34,11 +34,12 @@ pub fn scene() -> Result<Scene> {
         object("knot", Arc::clone(&knot), Color::ONE).placed(upright),
         object("mirrored knot", knot, Color::ONE).placed(mirrored),
     ]);
-    let sun = Light::Directional {
+    let sun = DirectionalLight {
         direction: DVec3::new(0.6, 0.75, -0.8),
         color: Color::new(0.95, 0.86, 0.7),
+        angle_degrees: 0.0,
     };
-    Ok(Scene::new(objects)?.with_lights(vec![sun]))
+    Ok(Scene::new(objects)?.with_lights(vec![sun.into()]))
 }
 
 /// The ground, the pedestal and the disc behind it.

@@ -113,6 +113,7 @@ pub mod accel;
 pub mod camera;
 #[cfg(feature = "frame")]
 pub mod channel;
+pub mod edge;
 pub mod error;
 pub mod example;
 pub mod explain;
@@ -131,8 +132,7 @@ mod memory;
 pub mod nearest;
 #[cfg(feature = "frame")]
 pub mod render;
-#[cfg(feature = "frame")]
-mod sampling;
+pub mod sampling;
 pub mod scene;
 #[cfg(feature = "scene-file")]
 pub mod scene_file;
@@ -152,8 +152,8 @@ pub use accel::InstructionSet;
 pub use camera::{Camera, Lens, Projection, RayStart, View, Viewplane};
 pub use error::{Error, Result};
 pub use geometry::{
-    Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Departure, Filtered, Hit, Ray, RayFilter,
-    Rays, Side, SurfaceId, Transform,
+    Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Departure, DisplayTransform, Filtered,
+    Hit, Ray, RayFilter, Rays, Side, SurfaceId, ToneMap, Transform,
 };
 #[cfg(feature = "load")]
 pub use load::load;

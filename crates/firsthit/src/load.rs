@@ -6,6 +6,7 @@ use crate::error::Result;
 #[cfg(feature = "fhs")]
 use crate::fhs;
 use crate::io::{FORMATS, Format, Report, format_of, read};
+use crate::scene::EnvironmentMap;
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
 
@@ -73,6 +74,25 @@ pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<
     let mut report = Report::new(name, *settings);
     report.source.in_memory = true;
     format.load(bytes.into(), &mut report)
+}
+
+/// Reads an environment map, a picture of all directions by longitude and latitude: Radiance's `.hdr`, or with the feature `exr` an `.exr`.
+/// The file's first bytes tell which. Returns warnings beside it, ready to print.
+///
+/// Texels are taken as they are, in linear light. NaN and negative numbers become 0, infinity becomes 65,504, with one warning.
+///
+/// # Errors
+///
+/// [`Error::Read`](crate::Error::Read) when the system refuses, or `path` is no regular file;
+/// [`Error::Parse`](crate::Error::Parse) when the content is wrong; [`Error::TooLarge`](crate::Error::TooLarge) for more than
+/// `settings` allow: of `max_texture`, as many texels as another texture may have.
+pub fn load_environment(
+    path: &Path,
+    settings: &LoadSettings,
+) -> Result<(EnvironmentMap, Vec<String>)> {
+    let mut report = Report::new(path, *settings);
+    let map = crate::io::load_environment(&mut report)?;
+    Ok((map, report.take_lines()))
 }
 
 /// The extensions of all formats that [`load`] reads, in lower case and without the dot.

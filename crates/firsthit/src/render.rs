@@ -1,25 +1,31 @@
 //! The loop: sensor, shoot, shade, image.
 
+mod accumulation;
+mod appearance;
+mod legend;
 mod mattes;
 mod region;
 mod sample;
 mod settings;
 mod slab;
+mod state;
 
+pub use appearance::{Appearance, Resolved, world_up};
 pub use region::Region;
 pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};
 
 use crate::camera::{Aim, Camera, Description, StandardView};
-use crate::channel::Kind;
-use crate::error::Result;
+use crate::channel::{Kind, still_camera};
+use crate::edge::{Edges, Lines, Subject};
+use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
-use crate::geometry::{Color, DVec3, Side, require};
-use crate::image::{Channel, Frame, Names, Origin};
+use crate::geometry::{DVec3, Side, Value, require};
+use crate::image::{Channel, ColorBar, Frame, Names, Origin, ShadingRecord};
 use crate::memory;
-use crate::scene::{Background, Light, Scene};
+use crate::scene::{Background, Scene};
 use crate::sensor::{Record, Sensor};
-use crate::shade::Shade;
+use crate::shade::{Recipe, Shade};
 use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
 use slab::Slab;
@@ -54,12 +60,18 @@ pub struct Picture<'a> {
     pub channels: &'a [&'a Kind],
     /// Of how many points of a pixel its colour is the mean; 1 is the pixel's centre.
     pub samples: u32,
+    /// Where the standard error of a pixel's brightness is below this, 1 being white, no more samples are taken: of tiles of 16 x 16
+    /// pixels, with their neighbours, after 32, 64, 128, ... samples. `None`: all pixels get as many.
+    pub noise: Option<f64>,
     /// The side of surfaces that the sensor's rays pass through, as into a room through its walls. Those that a shader shoots do not.
     pub cull: Option<Side>,
     /// The part to make; the bytes are those of that part of the whole picture.
     pub region: Option<Region>,
     /// What finds the hits.
     pub engine: &'a dyn Engine,
+    /// Lines along edges, over the colours. The channel `edge` has them as they are said here, or else those of
+    /// [`Edges::default`].
+    pub edges: Option<Edges>,
 }
 
 summary!(
@@ -86,9 +98,9 @@ summary!(
 ///
 /// # Errors
 ///
-/// [`Error::Argument`](crate::Error::Argument) for no samples, and for a single one of a camera with an aperture, whose colours would
-/// be a pinhole's; [`Error::Limit`](crate::Error::Limit) when the picture does not
-/// fit into memory, [`Error::Interrupted`](crate::Error::Interrupted) when `watch` stops it.
+/// [`Error::Argument`] for no samples, and for a single one of a camera with an aperture, whose colours would
+/// be a pinhole's, and for a picture that is too small for a bar of colours; [`Error::Limit`] when the picture does not
+/// fit into memory, [`Error::Interrupted`] when `watch` stops it.
 pub fn render(
     scene: &Scene,
     sensor: &dyn Sensor,
@@ -124,9 +136,11 @@ impl<'a> Picture<'a> {
             shade,
             channels,
             samples: 1,
+            noise: None,
             cull: None,
             region: None,
             engine: Cpu::shared(),
+            edges: None,
         }
     }
 
@@ -134,7 +148,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render()`], and [`Error::Argument`](crate::Error::Argument) for a region that is no part of the picture.
+    /// Those of [`render()`], and [`Error::Argument`] for a region that is no part of the picture.
     pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
         let mut whole: Vec<Channel> = Vec::new();
         let region = self.checked()?;
@@ -174,19 +188,27 @@ impl<'a> Picture<'a> {
         if self.needs_samples() {
             check_samples(self.sensor, self.samples)?;
         }
+        let lines = self.lines(&region, watch)?;
         let columns = region.columns.len();
-        let height = (SLAB / columns / SLAB_ROWS).max(1) * SLAB_ROWS;
+        let height = if self.noise.is_some() {
+            // Whether a tile goes on depends on its neighbours.
+            region.rows.len()
+        } else {
+            (SLAB / columns / SLAB_ROWS).max(1) * SLAB_ROWS
+        };
         for first in region.rows.clone().step_by(height) {
             let rows = first..region.rows.end.min(first.saturating_add(height));
             let columns = region.columns.clone();
-            let mut slab = Slab::new(self, Region { rows, columns })?;
+            let mut slab = Slab::new(self, Region { rows, columns }, lines.as_ref())?;
             let samples = if self.needs_samples() {
                 self.samples
             } else {
                 1
             };
             for _ in 0..samples {
-                slab.add_sample(watch)?;
+                if !slab.add_sample(watch)? {
+                    break;
+                }
             }
             sink(slab.into_frame()?)?;
         }
@@ -199,18 +221,69 @@ impl<'a> Picture<'a> {
     ///
     /// Those of [`Picture::render`].
     pub fn start(&'a self) -> Result<Progressive<'a>> {
-        let slab = Slab::new(self, self.checked()?)?;
+        let region = self.checked()?;
+        let lines = self.lines(&region, &())?;
+        let slab = Slab::new(self, region, lines.as_ref())?;
         Ok(Progressive { slab })
+    }
+
+    /// Goes on with a picture that was left, from what [`Progressive::state`] gave. All must be as it was. Channels other than those of
+    /// all samples are made with the first sample, so a picture that is gone on with has none of them.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Picture::render`], and [`Error::Argument`] for the state of another picture, and for a channel
+    /// that would be missing.
+    pub fn resume(&'a self, state: &Frame) -> Result<Progressive<'a>> {
+        let is_lost = |kind: &&&Kind| !kind.needs_shade();
+        if let Some(kind) = self.channels.iter().find(is_lost) {
+            let expected = "color, alpha or samples of a picture that is gone on with";
+            return Err(Error::argument("channel", expected, &*kind.name));
+        }
+        let mut progressive = self.start()?;
+        progressive.slab.resume(state)?;
+        Ok(progressive)
+    }
+
+    /// The lines of edges that a region needs, if any.
+    fn lines(&self, region: &Region, watch: &dyn Watch) -> Result<Option<Lines>> {
+        let over_colors = self.edges.is_some() && self.has_color();
+        if !over_colors && !self.channels.iter().any(|kind| kind.is_edge()) {
+            return Ok(None);
+        }
+        let Some(camera) = still_camera(self.sensor) else {
+            return Ok(None);
+        };
+        let edges = self.edges.unwrap_or_default();
+        let subject = Subject {
+            scene: self.scene,
+            camera,
+            engine: self.engine,
+            cull: self.cull,
+        };
+        let part = [region.rows.clone(), region.columns.clone()];
+        Lines::new(&subject, &edges, part, watch).map(Some)
     }
 
     fn checked(&self) -> Result<Region> {
         require("samples", "at least 1", self.samples > 0, self.samples)?;
+        let noise = self.noise.unwrap_or(1.0);
+        require("noise", "a positive number", noise > 0.0, noise)?;
+        let is_whole = self.noise.is_none() || self.region.is_none();
+        require("region", "none where there is a noise", is_whole, "one")?;
         let shape = self.sensor.shape();
         let region = self.region.clone().unwrap_or_else(|| Region::all(shape));
         region.check(shape)?;
         for kind in self.channels {
             kind.check(self.scene)?;
             kind.check_sensor(self.sensor)?;
+        }
+        self.bar()?;
+        if let Some(edges) = &self.edges {
+            edges.check()?;
+            let is_camera = still_camera(self.sensor).is_some();
+            let expected = "left out for a sensor that is no camera";
+            require("edges", expected, is_camera, edges.width)?;
         }
         let [rows, columns] = region.shape();
         let bytes = |kind: &&Kind| kind.components * size_of::<f32>();
@@ -222,6 +295,14 @@ impl<'a> Picture<'a> {
 
     fn has_color(&self) -> bool {
         self.channels.iter().any(|kind| kind.needs_shade())
+    }
+
+    /// The bar of colours, if there is to be one.
+    fn bar(&self) -> Result<Option<ColorBar>> {
+        let colored = self.scene.colored().filter(|_| self.has_color());
+        let drawn = colored.filter(|colored| colored.coloring().bar);
+        let bar = |colored| ColorBar::new(&legend::record(colored), self.sensor.shape());
+        drawn.map(bar).transpose()
     }
 
     fn needs_samples(&self) -> bool {
@@ -238,6 +319,7 @@ impl<'a> Picture<'a> {
             self.channels,
         );
         Frame::new(region.shape()).from_origin(Origin {
+            shading: self.shade.recipe().map(record),
             first_pixel,
             ..origin
         })
@@ -256,15 +338,32 @@ impl Progressive<'_> {
     /// # Errors
     ///
     /// Those of [`Picture::render`].
-    pub fn add_sample(&mut self, watch: &dyn Watch) -> Result<()> {
+    ///
+    /// It says whether it did: with a [`Picture::noise`], a picture that is quiet has had its last.
+    pub fn add_sample(&mut self, watch: &dyn Watch) -> Result<bool> {
         self.slab.add_sample(watch)
+    }
+
+    /// How many samples there are.
+    pub fn samples(&self) -> u32 {
+        self.slab.samples()
+    }
+
+    /// What is known of the pixels, for [`Picture::resume`]: sums of colours and of squares of luminance in float64, and the number of
+    /// samples. `.npz` holds it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] when it does not fit into memory.
+    pub fn state(&self) -> Result<Frame> {
+        self.slab.state()
     }
 
     /// The picture as it is. Before the first sample it is black.
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`](crate::Error::Limit) when it does not fit into memory.
+    /// [`Error::Limit`] when it does not fit into memory.
     ///
     /// # Panics
     ///
@@ -278,10 +377,12 @@ impl Progressive<'_> {
 pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
     let has_color = channels.iter().any(|kind| kind.needs_shade());
     let has_samples = channels.iter().any(|kind| kind.needs_samples());
-    let has_others = channels.iter().any(|kind| !kind.needs_samples());
+    let is_other = |kind: &&Kind| !kind.needs_samples() && !kind.is_edge();
+    let has_others = channels.iter().any(is_other);
     // Of each sample the rays and the colours; and the other channels, all at once.
     let traced = if has_samples { u64::from(samples) } else { 1 };
-    let shaded = if has_color { traced } else { 0 };
+    let has_occlusion = channels.iter().any(|kind| kind.occlusion().is_some());
+    let shaded = (u64::from(has_color) + u64::from(has_occlusion)) * traced;
     (pixels as u64).saturating_mul(traced + shaded + u64::from(has_others))
 }
 
@@ -305,11 +406,39 @@ pub fn origin(
         camera,
         sensor,
         samples,
+        shading: None,
+        colors: (scene.colored())
+            .filter(|_| channels.iter().any(|kind| kind.needs_shade()))
+            .map(legend::record),
         first_pixel: [0, 0],
         names: has_names.then(|| names(scene)),
         cryptomatte: (channels.iter())
             .filter_map(|kind| mattes::record(scene, kind))
             .collect(),
+    }
+}
+
+/// A recipe as outputs have it.
+fn record(recipe: Recipe) -> ShadingRecord {
+    let number = |x: f64| {
+        if x.is_finite() {
+            x.into()
+        } else {
+            x.to_string().into()
+        }
+    };
+    let value = |value| match value {
+        Value::Flag(flag) => flag.into(),
+        Value::Number(x) => number(x),
+        Value::Vector(v) => v.to_array().map(number).to_vec().into(),
+    };
+    let settings = recipe.settings.into_iter();
+    ShadingRecord {
+        shader: recipe.shader.to_owned(),
+        settings: settings
+            .map(|(name, of)| (name.to_owned(), value(of)))
+            .collect(),
+        digest: recipe.digest,
     }
 }
 
@@ -325,8 +454,11 @@ pub fn names(scene: &Scene) -> Names {
     Names::new(objects, lists)
 }
 
-/// The default number of samples per pixel.
+/// The default number of samples per pixel, of shaders that draw no numbers.
 pub const SAMPLES: u32 = 4;
+
+/// That of shaders that draw numbers.
+pub const RANDOM_SAMPLES: u32 = 16;
 
 /// The default background of pictures.
 pub const BACKGROUND: Background = Background::NEUTRAL;
@@ -345,7 +477,7 @@ pub const BACKGROUND: Background = Background::NEUTRAL;
 ///
 /// # Errors
 ///
-/// [`Error::Argument`](crate::Error::Argument) for an `up` that is zero or not finite, for no rows or columns, and for a scene
+/// [`Error::Argument`] for an `up` that is zero or not finite, for no rows or columns, and for a scene
 /// too far away to be framed.
 pub fn framing_camera(
     scene: &Scene,
@@ -360,18 +492,4 @@ pub fn framing_camera(
         ..Description::default()
     };
     description.camera(scene.bounds(), |direction| scene.support(direction), up)
-}
-
-/// Whether the [`shoulder_light`] casts shadows. Not in a panorama: its camera is often in a room, and the walls would shadow
-/// everything that it sees.
-pub fn has_shoulder_shadows(camera: &Camera) -> bool {
-    !camera.lens().is_panorama()
-}
-
-/// The light of pictures that have none of their own: parallel, from behind the camera's left shoulder.
-pub fn shoulder_light(camera: &Camera) -> Light {
-    Light::Directional {
-        direction: camera.aim() + 0.45 * camera.right() - 0.6 * camera.upwards(),
-        color: Color::splat(0.95),
-    }
 }

@@ -1,13 +1,15 @@
 //! A scene as plain data, before anything is built from it: the type that loaders return.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::camera::{Description, Opening, View};
+use crate::edge::Edges;
 use crate::error::Result;
-use crate::geometry::DVec3;
 use crate::geometry::summary::{Few, summary};
-use crate::scene::{Background, Light, Object, Scene};
-use crate::shade::Shader;
+use crate::geometry::{DVec3, DisplayTransform};
+use crate::scene::{Background, Coloring, Environment, Light, Object, Scene};
+use crate::shade::{LightRig, Shader};
 
 /// Everything that a scene is made from: objects, cameras, lights, a background, and how to shade.
 ///
@@ -30,6 +32,18 @@ pub struct World {
     pub shader: Option<Shader>,
     /// The number of samples per pixel, if the file gives one.
     pub samples: Option<u32>,
+    /// The light from all around, if the file has any.
+    pub environment: Option<Arc<Environment>>,
+    /// Lights that go with the camera, if the file asks for some.
+    pub rig: Option<LightRig>,
+    /// Whether there is a ground that shadows fall on, if the file says so.
+    pub ground: Option<bool>,
+    /// How PNGs show colours, as the file says; by default, unchanged.
+    pub display: DisplayTransform,
+    /// Colours by numbers, if the file asks for them.
+    pub coloring: Option<Coloring>,
+    /// The lines along edges over pictures, if the file asks for them.
+    pub edges: Option<Edges>,
     /// The outputs that the file asks for.
     pub outputs: Vec<Output>,
     /// Which way is up: as the scene file says, else by the format's rule or convention. +y for glTF and OBJ, +z for
@@ -74,7 +88,8 @@ impl World {
             None => Scene::new(objects)?,
         };
         let up = self.up_in(&scene);
-        Ok(scene.with_lights(self.lights).with_up(up))
+        let lit = scene.with_lights(self.lights);
+        Ok(lit.with_environment(self.environment).with_up(up))
     }
 
     /// Which way is up in `scene`, the scene of the objects: as the file says, or as [`Scene::likely_up`] guesses if it

@@ -57,7 +57,10 @@ fn camera() -> Camera {
 }
 
 fn picture<'a>(scene: &'a Scene, camera: Camera, channels: &'a [&'a str]) -> Render<'a> {
-    let picture = Render::new(scene).camera(camera).samples(SAMPLES);
+    let picture = Render::new(scene)
+        .camera(camera)
+        .samples(SAMPLES)
+        .ground(false);
     let background = Background::Transparent;
     picture.background(background).channels(channels)
 }

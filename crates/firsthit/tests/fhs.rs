@@ -13,9 +13,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firsthit::camera::{Aim, Description, Equirectangular, Focus, Opening, StandardView};
+use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use firsthit::load::{LoadSettings, load, load_bytes};
 use firsthit::measure::{By, inside, thickness};
 use firsthit::nearest::{Wanted, closest_points, signed_distances};
+use firsthit::scene::{DirectionalLight, PointLight, SpotLight};
 use firsthit::scene::{Filter, MapRole, Maps, Wrap};
 use firsthit::shade::Lambert;
 use firsthit::shape::{Attribute, Between, Property, PropertyOf, PropertyValues};
@@ -23,9 +25,9 @@ use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, trace_with};
 use firsthit::world::{NamedCamera, World};
 use firsthit::{
     AlphaMode, Background, Camera, Color, Cone, Cuboid, Cylinder, DAffine3, DQuat, DVec3, Disc,
-    Filtered, InstructionSet, Lens, Light, Material, Mesh, Object, Plane, Positions, Ray,
-    RayFilter, Rays, Scene, Shader, Side, Sphere, Texture, TextureMap, Transform, View, Viewplane,
-    fhs,
+    DisplayTransform, Filtered, InstructionSet, Lens, Light, Material, Mesh, Object, Plane,
+    Positions, Ray, RayFilter, Rays, Scene, Shader, Side, Sphere, Texture, TextureMap, ToneMap,
+    Transform, View, Viewplane, fhs,
 };
 use support::{Numbers, bits, bumpy_sphere, mesh, rays};
 
@@ -179,24 +181,26 @@ fn objects() -> Vec<Object> {
 }
 
 fn lights() -> [Light; 3] {
-    let sun = Light::Directional {
+    let sun = Light::from(DirectionalLight {
         direction: DVec3::new(0.5, 0.1, -1.0),
         color: Color::splat(0.9),
-    };
-    let lamp = Light::Point {
+        angle_degrees: 0.0,
+    });
+    let lamp = Light::from(PointLight {
         position: DVec3::new(0.0, 1.0, 5.0),
         intensity: Color::splat(9.0),
-    };
-    let spot = Light::Spot {
+    });
+    let spot = Light::from(SpotLight {
         position: DVec3::new(0.0, 1.0, 5.0),
         direction: DVec3::NEG_Z,
         intensity: Color::splat(5.0),
         inner_angle: 0.2,
         outer_angle: 0.5,
-    };
+    });
     [sun, lamp, spot]
 }
 
+#[expect(clippy::too_many_lines, reason = "all that a world has")]
 fn world() -> World {
     let view = View {
         position: DVec3::new(3.0, -9.0, 1.0 / 3.0),
@@ -247,8 +251,20 @@ fn world() -> World {
         shader: Some(Shader::Lambert(Lambert {
             ambient: Color::splat(0.1),
             shadows: false,
+            ..Lambert::default()
         })),
         samples: Some(7),
+        display: DisplayTransform {
+            exposure: -1.0 / 3.0,
+            tone_map: ToneMap::Agx,
+        },
+        edges: Some(Edges {
+            width: 1.0 / 3.0,
+            angle: 12.5,
+            kinds: EdgeKinds::of(&[EdgeKind::Object, EdgeKind::Wireframe]),
+            hidden: Some(Dash { on: 0.1, off: 7.0 }),
+            color: Color::new(0.1, 0.2, 0.3),
+        }),
         up: DVec3::new(0.0, 1.0, 0.25),
         up_is_guessed: true,
         ..World::default()
@@ -283,6 +299,7 @@ fn all_of_a_scene_is_in_its_file() {
     assert_eq!(read.lights, written.lights);
     assert_eq!((read.has_view, read.background), (true, written.background));
     assert_eq!((&read.shader, read.samples), (&written.shader, Some(7)));
+    assert_eq!(read.display, written.display);
     assert_eq!((read.up, read.up_is_guessed), (written.up, true));
     let lit = scene.clone().with_lights(world.lights.clone());
     let again = loaded.clone().into_scene().unwrap();
@@ -621,7 +638,7 @@ fn what_is_no_built_scene_is_refused_in_a_line() {
     other[8] = 1;
     let error = attack(&other, false).unwrap_err();
     assert!(
-        error.contains("version 1, where this firsthit reads version 2"),
+        error.contains("version 1, where this firsthit reads version 3"),
         "{error}"
     );
     assert!(fhs::open(&folder.path("missing.fhs"), false).is_err());

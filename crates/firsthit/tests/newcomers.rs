@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firsthit::load::{LoadSettings, Loaded, load_bytes};
-use firsthit::render::{BACKGROUND, SAMPLES, framing_camera, shoulder_light};
+use firsthit::render::{BACKGROUND, RANDOM_SAMPLES, framing_camera};
 use firsthit::scene::{MapRole, Maps};
+use firsthit::shade::{Ground, LightRig, Lighting};
 use firsthit::shoot::{First, trace};
 use firsthit::world::World;
 use firsthit::{
@@ -175,17 +176,21 @@ fn balls() -> Scene {
 #[test]
 fn a_picture_of_which_nothing_is_said_is_the_full_form_with_the_defaults() {
     let scene = balls();
-    let short = Render::new(&scene).frame().unwrap();
-    let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [768, 1024]).unwrap();
-    let lit = scene
-        .clone()
-        .with_borrowed_lights(vec![shoulder_light(&camera)]);
+    let short = Render::new(&scene).size(48, 64).frame().unwrap();
+    let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [48, 64]).unwrap();
+    let Lighting {
+        lights,
+        environment,
+    } = LightRig::Auto.lighting(&camera, DVec3::Z);
+    let lit = scene.clone().with_borrowed_lights(lights);
+    let lit = lit.with_borrowed_environment(environment);
     let shade = Shading {
         background: BACKGROUND,
-        ..Shader::default().on(&lit)
+        ground: Ground::under(&scene, DVec3::Z),
+        ..Shader::named("direct").unwrap().on(&lit)
     };
     let kinds = [channel::kind("color").unwrap()];
-    let full = render(&scene, &camera, &shade, &kinds, SAMPLES, &()).unwrap();
+    let full = render(&scene, &camera, &shade, &kinds, RANDOM_SAMPLES, &()).unwrap();
     assert_eq!(short.channels(), full.channels());
     assert_eq!(short.metadata().to_json(), full.metadata().to_json());
 }

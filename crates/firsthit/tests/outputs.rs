@@ -19,9 +19,10 @@ use firsthit::image::{
     Channel, Data, Display, Encoding, FORMATS, Format, Frame, Holds, Metadata, Numbers,
     WriteSettings, compare, format_named, is_point_cloud, read, write, write_channel,
 };
+use firsthit::scene::DirectionalLight;
 use firsthit::{
-    Camera, Color, DVec3, Error, Lens, Light, Mesh, Object, Positions, Scene, Shader, Shading,
-    Sphere, Transform, View, Viewplane, example, render,
+    Camera, Color, DVec3, DisplayTransform, Error, Lens, Light, Mesh, Object, Positions, Scene,
+    Shader, Shading, Sphere, ToneMap, Transform, View, Viewplane, example, render,
 };
 use serde_json::Value;
 use support::Numbers as Random;
@@ -82,7 +83,7 @@ fn without_mattes(frame: Frame) -> Frame {
     others
 }
 
-/// Every file of a frame, in every format, with and without a scale.
+/// Every file of a frame, in every format, with and without a scale and a tone map.
 fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
     let mut paths = Vec::new();
     for format in FORMATS {
@@ -104,11 +105,23 @@ fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
         paths.push(folder.join(format!("{name}-steps.png")));
         let settings = WriteSettings {
             png_scale: Some(0.1),
+            ..WriteSettings::default()
         };
         let png = format_named("png").unwrap();
         let path = paths.last().unwrap();
         png.write(frame, Some(name), settings, path, &()).unwrap();
     }
+    paths.push(folder.join("tone-mapped.png"));
+    let settings = WriteSettings {
+        display: DisplayTransform {
+            exposure: -0.5,
+            tone_map: ToneMap::Neutral,
+        },
+        ..WriteSettings::default()
+    };
+    let (png, path) = (format_named("png").unwrap(), paths.last().unwrap());
+    png.write(frame, Some("color"), settings, path, &())
+        .unwrap();
     paths
 }
 
@@ -242,6 +255,7 @@ fn a_16_bit_png_refuses_what_it_cannot_hold_and_names_the_pixel() {
     let write = |scale| {
         let settings = WriteSettings {
             png_scale: Some(scale),
+            ..WriteSettings::default()
         };
         png.write(&frame, Some("z"), settings, &path, &())
     };
@@ -343,10 +357,11 @@ fn the_fingerprint_sees_what_a_picture_would() {
     let one = || scene(vec![Object::new(square(1.0))]);
     let moved = Transform::translation(DVec3::X).unwrap();
     let ball = |radius| Object::new(Sphere::new(DVec3::ZERO, radius).unwrap());
-    let light = Light::Directional {
+    let light = Light::from(DirectionalLight {
         direction: DVec3::NEG_Z,
         color: Color::ONE,
-    };
+        angle_degrees: 0.0,
+    });
     let different = [
         one(),
         scene(vec![]),

@@ -32,7 +32,10 @@ fn frame(background: Background) -> Frame {
         background,
         ..Shader::default().on(&scene)
     };
-    let kinds: Vec<_> = held().collect();
+    // A transparent colour has an alpha of its own, of the same name.
+    let is_there_already = background == Background::Transparent;
+    let kinds = held().filter(|kind| !(is_there_already && kind.is_alpha()));
+    let kinds: Vec<_> = kinds.collect();
     render(&scene, &camera, &shade, &kinds, 4, &()).unwrap()
 }
 

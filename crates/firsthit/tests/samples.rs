@@ -30,7 +30,7 @@ impl Shade for Numbered {
         Color::ZERO
     }
 
-    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color]) {
+    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], _coverage: &mut [f64]) {
         for (color, &pixel) in colors.iter_mut().zip(samples.pixels) {
             *color = Color::new(pixel as f64, f64::from(samples.sample), 1.0);
         }

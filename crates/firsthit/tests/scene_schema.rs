@@ -66,6 +66,10 @@ fn in_scene(kind: &str, table: &Map<String, Value>) -> Value {
         "rotation" => {
             json!({"objects": [{"shape": "sphere", "center": [0, 0, 0], "radius": 1, "rotate": table}]})
         }
+        "material" => {
+            json!({"objects": [{"shape": "sphere", "center": [0, 0, 0], "radius": 1, "material": table}]})
+        }
+        "daylight" => json!({"environment": {"daylight": table}}),
         other => json!({(other): table}),
     }
 }
@@ -75,12 +79,14 @@ fn sample(kind: &str, name: &str, form: &Value) -> Value {
     let known = match (kind, name) {
         ("object", "file") => json!("t.obj"),
         ("output", "file") => json!("a.png"),
+        ("environment", "file") => json!("t.hdr"),
         (_, "position") => json!([5, 0.5, 0]),
         (_, "look_at" | "up") => json!([0, 0, 1]),
         (_, "aim") => json!([0, 2, 0]),
         (_, "low" | "bottom") => json!([-1, -1, -1]),
         (_, "high" | "top") => json!([1, 1, 1]),
         (_, "matrix") => json!([[0, 0, 1, 5], [1, 0, 0, 6], [0, 1, 0, 7]]),
+        ("colors", "range") => json!([-2, 3]),
         (_, "scale") => json!([1, 2, -3]),
         (_, "vertices") => json!([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]]),
         (_, "triangles") => json!([[0, 1, 2]]),
@@ -160,6 +166,9 @@ fn least(kind: &str, form: &Value) -> Map<String, Value> {
     let tags = form["properties"].as_object().expect("properties");
     let tag = tags.iter().find(|(_, form)| form["const"].is_string());
     table.extend(tag.map(|(name, form)| (name.clone(), form["const"].clone())));
+    if required.contains(&json!("daylight")) {
+        table.insert("daylight".to_owned(), json!({"elevation": 30}));
+    }
     if kind == "rotation" {
         table.insert("quaternion".to_owned(), json!([0, 0, 0, 1]));
     }
@@ -182,6 +191,8 @@ impl Judges {
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
         )
         .expect("room for a file");
+        let picture = b"#?RADIANCE\n\n-Y 1 +X 2\n\x01\x02\x03\x80\x01\x02\x03\x80";
+        fs::write(folder.path().join("t.hdr"), picture).expect("room for a file");
         let validator = validator();
         Self {
             folder,

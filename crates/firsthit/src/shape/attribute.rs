@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::geometry::require;
 use crate::geometry::summary::Count;
 use crate::memory::Storage;
+use crate::shape::Mesh;
 
 /// Values at the corners of a mesh's triangles: normals, texture coordinates, colours.
 #[derive(Clone, PartialEq)]
@@ -44,6 +45,11 @@ impl<const N: usize> Attribute<N> {
     ) -> [f64; N] {
         let values = self.at_corners(triangle, vertices);
         std::array::from_fn(|n| (0..3).map(|k| weights[k] * f64::from(values[k][n])).sum())
+    }
+
+    /// The values at the corners of a triangle of the mesh.
+    pub(crate) fn of_triangle(&self, triangle: usize, mesh: &Mesh) -> [[f32; N]; 3] {
+        self.at_corners(triangle, mesh.triangles()[triangle])
     }
 
     /// The values at the corners of a triangle.

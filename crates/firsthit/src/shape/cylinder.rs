@@ -49,6 +49,11 @@ impl Cylinder {
     pub fn radius(&self) -> f64 {
         self.cone.bottom_radius()
     }
+
+    /// The same as a cone.
+    pub(crate) fn cone(&self) -> &Cone {
+        &self.cone
+    }
 }
 
 impl Surface for Cylinder {

@@ -10,6 +10,7 @@ mod named;
 #[cfg(feature = "fhs")]
 mod stored;
 mod surface;
+mod tangents;
 mod weld;
 
 pub use named::NamedAttribute;
@@ -49,6 +50,8 @@ pub struct Mesh {
     faces: Option<Storage<u32>>,
     normals: Option<Attribute<3>>,
     uvs: Option<Attribute<2>>,
+    second_uvs: Option<Attribute<2>>,
+    tangents: Option<Attribute<4>>,
     colors: Option<Attribute<3>>,
     alphas: Option<Attribute<1>>,
     slots: Option<Storage<u32>>,
@@ -63,6 +66,8 @@ impl Debug for Mesh {
             ("faces", self.faces.is_some()),
             ("normals", self.normals.is_some()),
             ("uvs", self.uvs.is_some()),
+            ("second_uvs", self.second_uvs.is_some()),
+            ("tangents", self.tangents.is_some()),
             ("colors", self.colors.is_some()),
             ("alphas", self.alphas.is_some()),
             ("slots", self.slots.is_some()),
@@ -135,6 +140,8 @@ impl Mesh {
             faces: None,
             normals: None,
             uvs: None,
+            second_uvs: None,
+            tangents: None,
             colors: None,
             alphas: None,
             slots: None,

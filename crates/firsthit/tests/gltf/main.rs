@@ -11,6 +11,7 @@ mod builder;
 mod geometry;
 mod hostile;
 mod looks;
+mod materials;
 mod memory;
 mod names;
 mod packed;

@@ -8,8 +8,10 @@ use std::sync::Arc;
 
 use firsthit::camera::Projection;
 use firsthit::load::{LoadSettings, Loaded, load};
+use firsthit::scene::{DirectionalLight, PointLight};
 use firsthit::{
-    Background, Color, DQuat, DVec3, Error, Light, RayStart, Result, Scene, Shader, shoot,
+    Background, Color, DQuat, DVec3, DisplayTransform, Error, Light, RayStart, Result, Scene,
+    Shader, ToneMap, shoot,
 };
 
 /// Loads a scene file among other files.
@@ -112,10 +114,10 @@ fn numbers_keep_every_digit() {
     let place = DVec3::new(16.0, 1000.5, -9_007_199_254_740_992.0);
     assert_eq!(
         model.world.lights,
-        [Light::Point {
+        [Light::from(PointLight {
             position: place,
             intensity: white
-        }]
+        })]
     );
 }
 
@@ -203,6 +205,25 @@ fn what_a_camera_leaves_open_the_objects_decide() {
 }
 
 #[test]
+fn how_colours_are_shown_is_read() {
+    let shown = |text: &str| model(text).world.display;
+    assert_eq!(shown(""), DisplayTransform::default());
+    let both = DisplayTransform {
+        exposure: -1.5,
+        tone_map: ToneMap::Neutral,
+    };
+    assert_eq!(
+        shown("[display]\nexposure = -1.5\ntone_map = 'neutral'\n"),
+        both
+    );
+    let brighter = DisplayTransform {
+        exposure: 2.0,
+        tone_map: ToneMap::None,
+    };
+    assert_eq!(shown("[display]\nexposure = 2\n"), brighter);
+}
+
+#[test]
 fn lights_background_and_shading_are_read() {
     let text = "[sky]\nhorizon = '#ffffff'\nzenith = [0, 0, 0.5]\n[[lights]]\nkind = 'directional'\n\
         direction = [0, 0, -1]\ncolor = [1, 0.5, 0]\n[shading]\nambient = [0, 0, 0]\nshadows = false\nsamples = 16\n";
@@ -216,10 +237,11 @@ fn lights_background_and_shading_are_read() {
     let color = Color::new(1.0, 0.5, 0.0);
     assert_eq!(
         lit.world.lights,
-        [Light::Directional {
+        [Light::from(DirectionalLight {
             direction: DVec3::NEG_Z,
-            color
-        }]
+            color,
+            angle_degrees: 0.0,
+        })]
     );
     let Some(Shader::Lambert(lambert)) = lit.world.shader else {
         panic!("{:?}", lit.world.shader);

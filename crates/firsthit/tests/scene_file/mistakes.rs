@@ -156,7 +156,15 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[shading]\nshader = 'unlit'\nambient = [0, 0, 0]\n",
-        "3:1: unknown key `ambient`; shader = \"unlit\" takes samples, shader",
+        "3:1: unknown key `ambient`; shader = \"unlit\" takes samples, light, ground, shader",
+    ),
+    (
+        "[display]\ntone_map = 'agxx'\n",
+        "2:12: unknown tone_map \"agxx\", did you mean \"agx\"?",
+    ),
+    (
+        "[display]\nexposure = inf\n",
+        "2:12: `exposure` must be a finite number, got inf",
     ),
     (
         "[[outputs]]\nfile = 'a.npz'\nchannels = ['color', 'nromal']\n",

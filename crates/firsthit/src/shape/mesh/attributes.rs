@@ -48,6 +48,29 @@ impl Mesh {
         Ok(self)
     }
 
+    /// The same mesh with a second set of texture coordinates, for textures that take it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_second_uvs(mut self, uvs: Attribute<2>) -> Result<Self> {
+        uvs.check("second_uvs", self.positions.len(), &self.triangles)?;
+        self.second_uvs = Some(uvs);
+        Ok(self)
+    }
+
+    /// The same mesh with tangents, in object space, for normal maps: the direction in which the map's columns run, and 1, or -1
+    /// where the bitangent is not normal times tangent but the opposite.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] when they do not fit the mesh.
+    pub fn with_tangents(mut self, tangents: Attribute<4>) -> Result<Self> {
+        tangents.check("tangents", self.positions.len(), &self.triangles)?;
+        self.tangents = Some(tangents);
+        Ok(self)
+    }
+
     /// The same mesh with linear colours, which the object's own colour multiplies.
     ///
     /// # Errors
@@ -130,6 +153,16 @@ impl Mesh {
         self.uvs.as_ref()
     }
 
+    /// The second set of texture coordinates.
+    pub fn second_uvs(&self) -> Option<&Attribute<2>> {
+        self.second_uvs.as_ref()
+    }
+
+    /// The tangents, in object space; see [`with_tangents`](Self::with_tangents).
+    pub fn tangents(&self) -> Option<&Attribute<4>> {
+        self.tangents.as_ref()
+    }
+
     /// The linear colours.
     pub fn colors(&self) -> Option<&Attribute<3>> {
         self.colors.as_ref()
@@ -166,6 +199,20 @@ impl Mesh {
             .map(|uvs| DVec2::from(self.between(uvs, triangle, barycentric)))
     }
 
+    /// The second texture coordinates; `None` where the mesh has none.
+    pub fn second_uv(&self, triangle: usize, barycentric: DVec2) -> Option<DVec2> {
+        let uvs = self.second_uvs.as_ref()?;
+        Some(DVec2::from(self.between(uvs, triangle, barycentric)))
+    }
+
+    /// The tangent in object space, not of length one, and whether the bitangent is the opposite of normal times tangent; `None`
+    /// where the mesh has none.
+    pub fn tangent(&self, triangle: usize, barycentric: DVec2) -> Option<(DVec3, bool)> {
+        let tangents = self.tangents.as_ref()?;
+        let [x, y, z, sign] = self.between(tangents, triangle, barycentric);
+        Some((DVec3::new(x, y, z), sign < 0.0))
+    }
+
     /// The linear colour; `None` where the mesh has none.
     pub fn color(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
         self.colors
@@ -191,7 +238,10 @@ impl Mesh {
     /// Whether all of a triangle's points look alike as far as holes are concerned: of two triangles in one place
     /// the first then hides the other.
     pub(crate) fn has_plain_triangles(&self) -> bool {
-        self.uvs.is_none() && self.slots.is_none() && self.alphas.is_none()
+        self.uvs.is_none()
+            && self.second_uvs.is_none()
+            && self.slots.is_none()
+            && self.alphas.is_none()
     }
 
     fn between<const N: usize>(

@@ -41,7 +41,16 @@ impl Mesh {
         self.add_attribute(self.normals.as_ref(), triangles.clone(), &mut digest);
         self.add_attribute(self.uvs.as_ref(), triangles.clone(), &mut digest);
         self.add_attribute(self.colors.as_ref(), triangles.clone(), &mut digest);
-        self.add_attribute(self.alphas.as_ref(), triangles, &mut digest);
+        self.add_attribute(self.alphas.as_ref(), triangles.clone(), &mut digest);
+        // Only where there are some, so that meshes without them keep the digests they had.
+        if self.second_uvs.is_some() {
+            digest.word("second uvs");
+            self.add_attribute(self.second_uvs.as_ref(), triangles.clone(), &mut digest);
+        }
+        if self.tangents.is_some() {
+            digest.word("tangents");
+            self.add_attribute(self.tangents.as_ref(), triangles, &mut digest);
+        }
         digest.finish()
     }
 

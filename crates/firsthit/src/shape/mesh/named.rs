@@ -5,7 +5,7 @@ use crate::geometry::DVec2;
 use crate::shape::property::{PointOfTriangle, mean};
 use crate::shape::{Attribute, Property, PropertyOf};
 
-/// An attribute of a mesh, found by its name: one of its properties, or `normals`, `uvs`, `colors` or `alphas`.
+/// An attribute of a mesh, found by its name: one of its properties, or `normals`, `uvs`, `second_uvs`, `tangents`, `colors` or `alphas`.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedAttribute<'a> {
     mesh: &'a Mesh,
@@ -19,10 +19,11 @@ enum Values<'a> {
     One(&'a Attribute<1>),
     Two(&'a Attribute<2>),
     Three(&'a Attribute<3>),
+    Four(&'a Attribute<4>),
 }
 
 impl Mesh {
-    /// All attributes: the properties in their order, then `normals`, `uvs`, `colors` and `alphas` where the mesh has them.
+    /// All attributes: the properties in their order, then `normals`, `uvs` and the others of a mesh where the mesh has them.
     ///
     /// ```
     /// use firsthit::shape::{Property, PropertyOf, PropertyValues};
@@ -44,6 +45,8 @@ impl Mesh {
         let own = [
             ("normals", self.normals.as_ref().map(Values::Three)),
             ("uvs", self.uvs.as_ref().map(Values::Two)),
+            ("second_uvs", self.second_uvs.as_ref().map(Values::Two)),
+            ("tangents", self.tangents.as_ref().map(Values::Four)),
             ("colors", self.colors.as_ref().map(Values::Three)),
             ("alphas", self.alphas.as_ref().map(Values::One)),
         ];
@@ -58,7 +61,7 @@ impl Mesh {
     }
 
     /// The attribute of that name. Where several have it, `of` chooses, or else the corners' comes before the vertices', and that
-    /// before the faces'. A property comes before `normals`, `uvs`, `colors` and `alphas`.
+    /// before the faces'. A property comes before `normals`, `uvs` and the others of a mesh.
     pub fn attribute(&self, name: &str, of: Option<PropertyOf>) -> Option<NamedAttribute<'_>> {
         let rank = |of| match of {
             PropertyOf::Corners => 0,
@@ -90,6 +93,7 @@ impl<'a> NamedAttribute<'a> {
             Values::One(attribute) => attribute.corners.is_some(),
             Values::Two(attribute) => attribute.corners.is_some(),
             Values::Three(attribute) => attribute.corners.is_some(),
+            Values::Four(attribute) => attribute.corners.is_some(),
         };
         if has_corners {
             PropertyOf::Corners
@@ -105,6 +109,37 @@ impl<'a> NamedAttribute<'a> {
             Values::One(_) => 1,
             Values::Two(_) => 2,
             Values::Three(_) => 3,
+            Values::Four(_) => 4,
+        }
+    }
+
+    /// How many values there are.
+    pub(crate) fn count(&self) -> usize {
+        match self.values {
+            Values::Property(property) => property.values.len() / property.components,
+            Values::One(attribute) => attribute.values.len(),
+            Values::Two(attribute) => attribute.values.len(),
+            Values::Three(attribute) => attribute.values.len(),
+            Values::Four(attribute) => attribute.values.len(),
+        }
+    }
+
+    /// Writes one of the values as it is to the front of `out`, as far as there is room. Where there is none of that number, nothing
+    /// is written.
+    pub(crate) fn value(&self, index: usize, out: &mut [f64]) {
+        match self.values {
+            Values::Property(property) => {
+                let first = index * property.components;
+                let numbers =
+                    (first..first + property.components).map_while(|k| property.values.get(k));
+                for (out, number) in out.iter_mut().zip(numbers) {
+                    *out = number;
+                }
+            }
+            Values::One(attribute) => copy(attribute, index, out),
+            Values::Two(attribute) => copy(attribute, index, out),
+            Values::Three(attribute) => copy(attribute, index, out),
+            Values::Four(attribute) => copy(attribute, index, out),
         }
     }
 
@@ -139,6 +174,7 @@ impl<'a> NamedAttribute<'a> {
             Values::One(attribute) => look_up(attribute, &point, out),
             Values::Two(attribute) => look_up(attribute, &point, out),
             Values::Three(attribute) => look_up(attribute, &point, out),
+            Values::Four(attribute) => look_up(attribute, &point, out),
         }
     }
 }
@@ -147,6 +183,13 @@ fn look_up<const N: usize>(attribute: &Attribute<N>, point: &PointOfTriangle, ou
     let corners = attribute.at_corners(point.triangle, point.vertices);
     for (n, out) in out.iter_mut().enumerate().take(N) {
         *out = mean(corners.map(|value| value[n].into()), point.weights);
+    }
+}
+
+fn copy<const N: usize>(attribute: &Attribute<N>, index: usize, out: &mut [f64]) {
+    let numbers = attribute.values.get(index).into_iter().flatten();
+    for (out, &number) in out.iter_mut().zip(numbers) {
+        *out = number.into();
     }
 }
 

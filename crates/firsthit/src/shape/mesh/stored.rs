@@ -24,6 +24,8 @@ pub(crate) struct MeshParts {
     pub(crate) faces: Option<Storage<u32>>,
     pub(crate) normals: Option<Attribute<3>>,
     pub(crate) uvs: Option<Attribute<2>>,
+    pub(crate) second_uvs: Option<Attribute<2>>,
+    pub(crate) tangents: Option<Attribute<4>>,
     pub(crate) colors: Option<Attribute<3>>,
     pub(crate) alphas: Option<Attribute<1>>,
     pub(crate) slots: Option<Storage<u32>>,
@@ -83,6 +85,8 @@ impl Mesh {
         }
         let attributes = fits(parts.normals.as_ref(), vertices, count)
             && fits(parts.uvs.as_ref(), vertices, count)
+            && fits(parts.second_uvs.as_ref(), vertices, count)
+            && fits(parts.tangents.as_ref(), vertices, count)
             && fits(parts.colors.as_ref(), vertices, count)
             && fits(parts.alphas.as_ref(), vertices, count);
         if !attributes {
@@ -95,6 +99,8 @@ impl Mesh {
             faces: parts.faces,
             normals: parts.normals,
             uvs: parts.uvs,
+            second_uvs: parts.second_uvs,
+            tangents: parts.tangents,
             colors: parts.colors,
             alphas: parts.alphas,
             slots: parts.slots,

@@ -1,9 +1,9 @@
 //! What a ray does not meet of one mesh, in the mesh's space: see [`RayFilter`](crate::geometry::RayFilter).
 
+use std::cmp::Ordering;
+
 use super::{DeparturePoint, Doubtful, EdgeRule, Shear, TriangleHit};
-use crate::geometry::arithmetic::Scalar;
-use crate::geometry::double::{Double, between};
-use crate::geometry::exact::{Scaled, determinant};
+use crate::geometry::orientation::along_normal;
 use crate::geometry::{DVec3, Ray, Side};
 
 /// No triangle has this number.
@@ -104,22 +104,9 @@ impl MeshFilter {
 }
 
 /// Which side of a triangle a ray meets, exactly: the front against the normal.
-fn side_met(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Side {
-    let (e, f) = (b - a, c - a);
-    let along = e.cross(f).dot(direction);
-    // Each product of three numbers is rounded at most seven times, and there are six.
-    let largest = |v: DVec3| v.abs().max_element();
-    let area = largest(e) * largest(f);
-    let doubt = 32.0 * f64::EPSILON * area * largest(direction);
-    // Smaller areas have subnormal products, which lose more.
-    let along = if area > 1e-290 && along.abs() > doubt + f64::MIN_POSITIVE {
-        along
-    } else {
-        let [a, b, c] = [a, b, c].map(|corner| corner.to_array());
-        let e = Scaled::new(&between(Scalar, &b, &a));
-        let f = Scaled::new(&between(Scalar, &c, &a));
-        let d = direction.to_array().map(|high| Double { high, low: 0.0 });
-        determinant(&e, &f, &Scaled::new(&d)).high
-    };
-    if along < 0.0 { Side::Front } else { Side::Back }
+fn side_met(direction: DVec3, corners: [DVec3; 3]) -> Side {
+    match along_normal(corners, direction) {
+        Ordering::Less => Side::Front,
+        _ => Side::Back,
+    }
 }
