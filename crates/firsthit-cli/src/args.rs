@@ -9,9 +9,13 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firsthit::camera::{Focus, PixelMatrix, StandardView};
-use firsthit::{Background, Color, DVec3, RayStart, Side};
+use firsthit::edge::{Dash, EdgeKinds};
+use firsthit::geometry::ColorMap;
+use firsthit::scene::ColorBy;
+use firsthit::{Background, Color, DVec3, RayStart, Side, ToneMap};
 
 use crate::completion::ChannelNames;
+use crate::environment::{self, EnvironmentArg};
 use crate::help;
 use crate::output::Source;
 use crate::values::{self, LightArg, Parameters, Sky, Target};
@@ -89,6 +93,10 @@ pub(crate) struct RenderArgs {
     pub(crate) picture: PictureArgs,
     #[command(flatten)]
     pub(crate) light: LightingArgs,
+    #[command(flatten)]
+    pub(crate) colors: ColorsArgs,
+    #[command(flatten)]
+    pub(crate) edges: EdgeArgs,
     /// The side of surfaces that the camera's rays pass through: with back, into a room through its walls. The front is where the
     /// normal points. Shadows are cast all the same
     #[arg(long, value_name = "SIDE")]
@@ -218,7 +226,7 @@ pub(crate) struct PictureArgs {
     pub(crate) output: Vec<PathBuf>,
     /// The channels to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
     /// node, mesh, material, normal, incidence, position, barycentric, uv, base_color, front, valid (whether the lens sees
-    /// anything), crypto_object, crypto_material, and attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position, normal, color, object]
+    /// anything), edge, crypto_object, crypto_material, and attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position, normal, color, object]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(Source::Camera), hide_possible_values = true)]
     pub(crate) channels: Vec<String>,
     /// Write a table that explains a picture of the channel object: the number of each object, its name, its colour in the
@@ -230,22 +238,66 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) png_scale: Option<f64>,
     /// Antialiasing: the colour is the mean of this many points of a pixel. They are the first ones of a fixed
-    /// low-discrepancy sequence; 1 is the pixel's centre [default: 4]
+    /// low-discrepancy sequence; 1 is the pixel's centre [default: 16 with soft shadows, else 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
+    /// Take no more samples where the noise of a pixel's brightness is below this, 1 being white; 0.005 is about a level of 255
+    /// [default: all samples everywhere]
+    #[arg(long, value_name = "LEVEL", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) noise: Option<f64>,
+    /// Keep the state of the colours in this file (.npz), and go on from there if it exists: so many samples in several runs give
+    /// the bytes of as many in one
+    #[arg(long, value_name = "FILE")]
+    pub(crate) resume: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
+}
+
+/// How PNGs show colours.
+#[derive(Debug, Args)]
+pub(crate) struct DisplayArgs {
+    /// Make the colours of a .png brighter by so many stops: each is twice as bright; negative ones are darker. All other files
+    /// keep the colours as they are [default: 0, or the file's]
+    #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
+    pub(crate) exposure: Option<f64>,
+    /// Bring bright colours into a .png, after --exposure: none shows what is above 1 as 1, neutral is Khronos PBR Neutral
+    /// [default: none, or the file's]
+    #[arg(long, value_name = "NAME", value_parser = values::tone_map())]
+    pub(crate) tone_map: Option<ToneMap>,
 }
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Colour and light (COLOR: see below)")]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option")]
 pub(crate) struct LightingArgs {
-    /// How hits get their colour [default: lambert]
+    /// How hits get their colour [default: direct]
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Shader::NAMES))]
     pub(crate) shader: Option<String>,
-    /// A light: directional:X,Y,Z (the direction in which it shines) or point:X,Y,Z (its position); may be given
-    /// several times [default: the file's, else one over the camera's shoulder]
-    #[arg(long, value_name = "KIND:X,Y,Z", value_parser = values::light, allow_hyphen_values = true)]
+    /// A setting of the shader, such as reach=2 or shadows=false; may be given several times. docs/shading.md lists them
+    #[arg(long, value_name = "NAME=VALUE", value_parser = values::setting, allow_hyphen_values = true)]
+    pub(crate) set: Vec<(String, String)>,
+    /// Lights that go with the camera: auto, studio, overcast, sun, headlight, shoulder; or a light:
+    /// directional:X,Y,Z@DEGREES (where it goes, and how large the sun is), point:X,Y,Z, sphere:CENTER:RADIUS,
+    /// disc:CENTER:NORMAL:RADIUS, rectangle:CENTER:EDGE:EDGE, which may be given several times [default: the file's, else auto]
+    #[arg(long, value_name = "NAME|KIND:X,Y,Z", value_parser = values::light, allow_hyphen_values = true)]
     pub(crate) light: Vec<LightArg>,
-    /// Ambient light, which is the same from all directions [default: 0.25,0.25,0.25]
+    /// Light from all around, in place of the file's: a picture of all directions (.hdr or .exr), turned by degrees about up; or the
+    /// sky and the sun of a clear day, by the degrees at which the sun stands above the horizon, and around from +x
+    #[arg(long, value_name = "FILE[@DEGREES]|daylight:ELEVATION[,AZIMUTH]", value_parser = environment::parse, allow_hyphen_values = true)]
+    pub(crate) environment: Option<EnvironmentArg>,
+    /// What the --environment is multiplied by [default: 1]
+    #[arg(long, value_name = "NUMBER", value_parser = values::tolerance, requires = "environment", allow_hyphen_values = true)]
+    pub(crate) environment_strength: Option<f64>,
+    /// The --environment lights, and pictures show the background instead
+    #[arg(long, requires = "environment")]
+    pub(crate) environment_hidden: bool,
+    /// A ground under everything, of which only shadows are seen [default: with automatic light, and a camera above it]
+    #[arg(long, overrides_with = "no_ground")]
+    pub(crate) ground: bool,
+    /// No ground
+    #[arg(long)]
+    pub(crate) no_ground: bool,
+    /// Ambient light of the shader lambert, which is the same from all directions [default: 0.25,0.25,0.25]
     #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) ambient: Option<Color>,
     /// Light surfaces as if nothing cast a shadow
@@ -260,6 +312,76 @@ pub(crate) struct LightingArgs {
     /// A sky where nothing is hit: the colours of the horizon and of the zenith
     #[arg(long, value_name = "COLOR:COLOR", value_parser = values::sky, allow_hyphen_values = true)]
     pub(crate) sky: Option<Sky>,
+}
+
+/// Lines along edges.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Edges")]
+pub(crate) struct EdgeArgs {
+    /// Draw lines along edges over the colours, so many pixels wide; below 1 they are fainter. The channel edge has their
+    /// coverage [default: no lines, or the file's; 1 with any of the options below]
+    #[arg(long, value_name = "WIDTH", value_parser = values::line_width, allow_hyphen_values = true)]
+    pub(crate) edges: Option<f64>,
+    /// Which edges: silhouette (a surface turns away from the eye), crease (its triangles meet at an angle), boundary (it ends),
+    /// object (another object is behind, or nothing), material (between two materials), wireframe (between all polygons), with
+    /// commas between [default: silhouette,crease,boundary,material]
+    #[arg(long, value_name = "KINDS", value_parser = values::edge_kinds)]
+    pub(crate) edge_kinds: Option<EdgeKinds>,
+    /// Neighbours whose own normals are more than so many degrees apart meet in a crease [default: 30]
+    #[arg(long, value_name = "DEGREES", value_parser = values::edge_angle, allow_hyphen_values = true)]
+    pub(crate) edge_angle: Option<f64>,
+    /// The colour of the lines [default: black]
+    #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
+    pub(crate) edge_color: Option<Color>,
+    /// Draw dashed what something hides: the lengths of dashes and of gaps, in pixels, such as --hidden-edges=3,2
+    /// [default: not at all; 6,4 without lengths]
+    #[arg(long, value_name = "DASH,GAP", value_parser = values::dash, num_args = 0..=1, require_equals = true, default_missing_value = "6,4")]
+    pub(crate) hidden_edges: Option<Dash>,
+    /// Draw the edges of all polygons, beside the others
+    #[arg(long)]
+    pub(crate) wireframe: bool,
+}
+
+impl EdgeArgs {
+    /// The options, and whether each is given.
+    pub(crate) fn given(&self) -> [(&'static str, bool); 6] {
+        [
+            ("--edges", self.edges.is_some()),
+            ("--edge-kinds", self.edge_kinds.is_some()),
+            ("--edge-angle", self.edge_angle.is_some()),
+            ("--edge-color", self.edge_color.is_some()),
+            ("--hidden-edges", self.hidden_edges.is_some()),
+            ("--wireframe", self.wireframe),
+        ]
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Colours by numbers")]
+#[expect(clippy::struct_field_names, reason = "as the options are called")]
+pub(crate) struct ColorsArgs {
+    /// Colour surfaces by numbers: attribute:NAME for an attribute of the meshes, object, face, height, or incidence. The shader lights
+    /// these colours as others
+    #[arg(long, value_name = "WHAT", value_parser = values::color_by)]
+    pub(crate) color_by: Option<ColorBy>,
+    /// The colour map [default: viridis]
+    #[arg(long, value_name = "NAME", value_parser = values::color_map())]
+    pub(crate) color_map: Option<ColorMap>,
+    /// The numbers of the first and the last colour [default: the least and the largest that the scene has, seen or not]
+    #[arg(long, value_name = "MIN,MAX", value_parser = values::range, allow_hyphen_values = true)]
+    pub(crate) color_range: Option<[f64; 2]>,
+    /// The colour of numbers below the --color-range [default: the map's first]
+    #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
+    pub(crate) color_below: Option<Color>,
+    /// The colour of numbers above the --color-range [default: the map's last]
+    #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
+    pub(crate) color_above: Option<Color>,
+    /// The colour where there is no number [default: the surface's own]
+    #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
+    pub(crate) color_missing: Option<Color>,
+    /// Draw a bar of the colours with their numbers at the right edge. The metadata say them in any case
+    #[arg(long)]
+    pub(crate) color_bar: bool,
 }
 
 #[derive(Debug, Args)]
@@ -617,6 +739,8 @@ pub(crate) struct DemoArgs {
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }

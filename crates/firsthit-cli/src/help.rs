@@ -46,6 +46,7 @@ Examples:
   firsthit render part.stl --channels z,object -o 'part-{channel}.png'
   firsthit render part.stl --channels color,z,object,normal -o part.exr
   firsthit render part.stl --channels z -o depth.png --png-scale 0.001
+  firsthit render part.stl --edges 1.5 --hidden-edges --shader unlit
   firsthit render part.stl --projection equirectangular -o room.ply
 
 Vectors are X,Y,Z in scene units; negative numbers need no quotes: --position -1,2,3

@@ -6,6 +6,7 @@ mod camera;
 mod commands;
 mod completion;
 mod console;
+mod environment;
 mod exhaustion;
 mod failure;
 mod help;

@@ -39,7 +39,8 @@ impl Source {
     }
 
     fn has(self, kind: &Kind) -> bool {
-        self == Self::Camera || !(kind.needs_sensor() || kind.needs_samples())
+        let takes_sensor = kind.needs_sensor() || kind.needs_samples() || kind.is_edge();
+        self == Self::Camera || !takes_sensor
     }
 
     /// The kinds of files there are, `None` being CSV, which is for lists alone.
@@ -407,11 +408,21 @@ fn place(path: &Path) -> Result<PathBuf, Failure> {
 
 /// Whether some of the files can hold distances in steps of a scale.
 pub(crate) fn takes_scale(Order { kinds, targets }: &Order) -> bool {
-    let is_distance = |name: &str| {
+    has_png_of(Display::Distance, kinds, targets)
+}
+
+/// Whether some of the files show colours.
+pub(crate) fn shows_colors(Order { kinds, targets }: &Order) -> bool {
+    has_png_of(Display::Color, kinds, targets)
+}
+
+/// Whether one of the files is a PNG of a channel that is shown so.
+fn has_png_of(display: Display, kinds: &[&Kind], targets: &[Target]) -> bool {
+    let is_shown_so = |name: &str| {
         let kind = kinds.iter().find(|kind| kind.name == name);
-        kind.is_some_and(|kind| kind.display == Display::Distance)
+        kind.is_some_and(|kind| kind.display == display)
     };
-    (targets.iter()).any(|target| is_png(target) && target.channel.is_some_and(is_distance))
+    (targets.iter()).any(|target| is_png(target) && target.channel.is_some_and(is_shown_so))
 }
 
 fn is_png(target: &Target) -> bool {

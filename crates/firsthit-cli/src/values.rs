@@ -2,10 +2,13 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use firsthit::camera::{Focus, PixelMatrix, StandardView};
-use firsthit::geometry::{COLOR_NAMES, color_of};
+use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
+use firsthit::geometry::{COLOR_NAMES, ColorMap, Domain, Setting, Value, color_of};
 use firsthit::lint::KINDS;
+use firsthit::scene::ColorBy;
 use firsthit::scene_file::nearest_word;
-use firsthit::{Background, Color, DVec3};
+use firsthit::shade::LightRig;
+use firsthit::{Background, Color, DVec3, Light, ToneMap};
 
 /// A camera's target: a point, or the middle of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,10 +20,10 @@ pub(crate) enum Target {
 /// A light as the command line has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum LightArg {
-    /// Where the light goes.
-    Directional(DVec3),
-    /// Where the light is.
-    Point(DVec3),
+    /// Lights that go with the camera.
+    LightRig(LightRig),
+    /// One light, whose brightness follows from the scene.
+    Light(Light),
 }
 
 /// A sky from the horizon to the zenith.
@@ -43,9 +46,39 @@ pub(crate) fn view() -> impl TypedValueParser<Value = StandardView> {
     PossibleValuesParser::new(StandardView::NAMES).try_map(|name| name.parse())
 }
 
+/// The name of a tone map.
+pub(crate) fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
+    PossibleValuesParser::new(ToneMap::NAMES).try_map(|name| name.parse())
+}
+
 /// The name of a kind of finding.
 pub(crate) fn lint_kind() -> PossibleValuesParser {
     PossibleValuesParser::new(KINDS.iter().map(|kind| kind.name))
+}
+
+/// What surfaces are coloured by.
+pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
+    let expected = format!(
+        "expected attribute:NAME for an attribute of the meshes, or {}",
+        ColorBy::NAMES.join(", ")
+    );
+    text.parse().map_err(|_| expected)
+}
+
+/// The name of a colour map.
+pub(crate) fn color_map() -> impl TypedValueParser<Value = ColorMap> {
+    PossibleValuesParser::new(ColorMap::NAMES).try_map(|name| name.parse())
+}
+
+/// Two numbers that rise.
+pub(crate) fn range(text: &str) -> Result<[f64; 2], String> {
+    let form = "two finite numbers that rise, such as 0,100";
+    let [low, high] = numbers::<2>(text, ',', form)?;
+    if low < high {
+        Ok([low, high])
+    } else {
+        Err(format!("expected {form}"))
+    }
 }
 
 /// A number of bytes, such as `500M`.
@@ -167,23 +200,60 @@ pub(crate) fn focus(text: &str) -> Result<Focus, String> {
     point.map_err(|_| format!("expected {form}"))
 }
 
+/// `NAME=VALUE`.
+pub(crate) fn setting(text: &str) -> Result<(String, String), String> {
+    let parts = text.split_once('=');
+    let (name, value) = parts.ok_or("expected a name and a value, such as reach=2")?;
+    Ok((name.trim().to_owned(), value.trim().to_owned()))
+}
+
+/// The name of a rig, or a light: its kind, and after a colon each its settings, but for its colour.
 pub(crate) fn light(text: &str) -> Result<LightArg, String> {
-    match text.split_once(':') {
-        Some(("directional", direction)) => match vector(direction)? {
-            DVec3::ZERO => Err("expected a direction that is not zero".into()),
-            direction => Ok(LightArg::Directional(direction)),
-        },
-        Some(("point", position)) => match vector(position)? {
-            // Its intensity goes with the square of its distance, which must be a number.
-            position if position.abs().max_element() > 1e150 => {
-                Err("expected a point no farther away than 1e150".into())
-            }
-            position => Ok(LightArg::Point(position)),
-        },
-        _ => Err(
-            "expected directional:X,Y,Z (where the light goes) or point:X,Y,Z (where it is)".into(),
-        ),
+    if let Ok(rig) = text.parse() {
+        return Ok(LightArg::LightRig(rig));
     }
+    let (kind, values) = text.split_once(':').unwrap_or((text, ""));
+    let Some((_, list)) = Light::KINDS.iter().find(|(name, _)| *name == kind) else {
+        let rigs = LightRig::NAMES.join(", ");
+        let kinds: Vec<&str> = Light::KINDS.iter().map(|&(name, _)| name).collect();
+        return Err(format!(
+            "expected one of {rigs}; or a light, such as point:1,2,3, that is one of {}",
+            kinds.join(", ")
+        ));
+    };
+    let list = list
+        .iter()
+        .filter(|setting| setting.domain != Domain::Light);
+    let list: Vec<&Setting> = list.collect();
+    let form = || {
+        let of = |setting: &&Setting| match setting.domain {
+            Domain::Position | Domain::Direction => ":X,Y,Z",
+            _ => ":NUMBER",
+        };
+        let forms: String = list.iter().map(of).collect();
+        let names: Vec<&str> = list.iter().map(|setting| setting.name).collect();
+        format!("expected {kind}{forms}, these being {}", names.join(", "))
+    };
+    let mut light = Light::named(kind).map_err(|error| error.to_string())?;
+    let given: Vec<&str> = values.split([':', '@']).collect();
+    let needed = list.iter().filter(|setting| setting.is_required).count();
+    if given.len() < needed || given.len() > list.len() {
+        return Err(form());
+    }
+    for (setting, text) in list.iter().zip(given) {
+        let value = setting.domain.parsed(text).ok_or_else(form)?;
+        // The square of its distance must be a number.
+        if let Value::Vector(vector) = value
+            && vector.abs().max_element() > 1e150
+        {
+            return Err("expected a point no farther away than 1e150".into());
+        }
+        light
+            .set(setting.name, value)
+            .map_err(|error| error.to_string())?;
+    }
+    light.check().map_err(|error| error.to_string())?;
+    Ok(LightArg::Light(light))
 }
 
 /// `WxH`: columns and rows.
@@ -206,6 +276,10 @@ pub(crate) fn lengths(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    numbers::<1>(text, ',', "a finite number").map(|[number]| number)
+}
+
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let [number] = numbers::<1>(text, ',', "a positive number")?;
     if number > 0.0 {
@@ -213,6 +287,40 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     } else {
         Err("expected a positive number".into())
     }
+}
+
+/// The width of lines in pixels.
+pub(crate) fn line_width(text: &str) -> Result<f64, String> {
+    let form = "a number of pixels above 0, up to 1000";
+    let [width] = numbers::<1>(text, ',', form)?;
+    let fine = width > 0.0 && width <= Edges::WIDEST;
+    fine.then_some(width)
+        .ok_or_else(|| format!("expected {form}"))
+}
+
+/// An angle between two normals.
+pub(crate) fn edge_angle(text: &str) -> Result<f64, String> {
+    let form = "a number of degrees from 0 to 180";
+    let [angle] = numbers::<1>(text, ',', form)?;
+    let fine = (0.0..=180.0).contains(&angle);
+    fine.then_some(angle)
+        .ok_or_else(|| format!("expected {form}"))
+}
+
+/// Names of kinds of edges.
+pub(crate) fn edge_kinds(text: &str) -> Result<EdgeKinds, String> {
+    let known = || EdgeKind::NAMES.join(", ");
+    text.parse()
+        .map_err(|_| format!("expected some of {}, with commas between", known()))
+}
+
+/// The lengths of dashes and gaps.
+pub(crate) fn dash(text: &str) -> Result<Dash, String> {
+    let form = "two positive numbers of pixels, such as 6,4";
+    let [on, off] = numbers::<2>(text, ',', form)?;
+    let fine = on > 0.0 && off > 0.0;
+    fine.then_some(Dash { on, off })
+        .ok_or_else(|| format!("expected {form}"))
 }
 
 /// Zero or a positive number.
@@ -290,6 +398,8 @@ pub(crate) fn fov(text: &str) -> Result<f64, String> {
 
 #[cfg(test)]
 mod tests {
+    use firsthit::scene::{DirectionalLight, PointLight};
+
     use super::*;
 
     #[test]
@@ -354,15 +464,34 @@ mod tests {
 
     #[test]
     fn lights_name_their_kind() {
+        let point = PointLight {
+            position: DVec3::new(1.0, 2.0, -3.0),
+            ..PointLight::default()
+        };
+        assert_eq!(light("point:1,2,-3"), Ok(LightArg::Light(point.into())));
+        let sun = DirectionalLight {
+            direction: DVec3::NEG_Z,
+            angle_degrees: 0.5,
+            ..DirectionalLight::default()
+        };
         assert_eq!(
-            light("point:1,2,-3"),
-            Ok(LightArg::Point(DVec3::new(1.0, 2.0, -3.0)))
+            light("directional:0,0,-1@0.5"),
+            Ok(LightArg::Light(sun.into()))
         );
         assert_eq!(
-            light("directional:0,0,-1"),
-            Ok(LightArg::Directional(DVec3::NEG_Z))
+            light("overcast"),
+            Ok(LightArg::LightRig(LightRig::Overcast))
         );
-        assert!(light("directional:0,0,0").is_err());
+        assert!(light("sphere:0,0,5:2").is_ok());
+        for wrong in [
+            "directional:0,0,0",
+            "sphere:1,2,3:-1",
+            "point:1,2",
+            "point",
+            "lamp:1,2,3",
+        ] {
+            assert!(light(wrong).is_err(), "{wrong}");
+        }
         assert!(light("1,2,3").is_err());
     }
 }

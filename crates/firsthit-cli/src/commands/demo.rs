@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-use firsthit::{Shader, Shading, example};
+use firsthit::shade::Lambert;
+use firsthit::{DisplayTransform, Shader, Shading, example};
 
 use super::render::{Job, WITHOUT_COLOR, needs_samples, picture, settings};
 use crate::args::DemoArgs;
@@ -29,24 +30,28 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     if args.samples.is_some() && !orders.iter().any(needs_samples) {
         warn(&[format!("--samples does nothing {WITHOUT_COLOR}")]);
     }
-    let settings = settings(args.png_scale, &orders);
+    let usual = DisplayTransform::default();
+    let settings = settings(args.png_scale, &args.display, usual, &orders);
     with_threads(&args.run, || {
         let scene = example::scene()?;
         let (columns, rows) = args.size;
         let camera = example::camera(rows, columns)?;
         let shade = Shading {
             background: example::background(),
-            ..Shader::default().on(&scene)
+            ..Shader::Lambert(Lambert::default()).on(&scene)
         };
         let job = Job {
             scene: &scene,
             camera: &camera,
             shade: &shade,
             samples: args.samples.unwrap_or(DEFAULT_SAMPLES),
+            noise: None,
+            resume: None,
             settings,
             guessed: &[],
             legend: None,
             cull: None,
+            edges: None,
         };
         picture(&job, &orders, &args.run, interrupted)
     })

@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
+use firsthit::geometry::Value as Setting;
 use firsthit::scene::MapRole;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{AlphaMode, Lens, Light, Material, Scene, Texture};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::listing::listed;
 use crate::camera::labelled;
@@ -55,34 +56,13 @@ impl<'a> Looks<'a> {
 
     /// The first `most` lights.
     pub(super) fn lights_as_json(&self, most: usize) -> Vec<Value> {
-        let light = |light: &Light| match *light {
-            Light::Directional { direction, color } => json!({
-                "kind": "directional",
-                "direction": direction.to_array(),
-                "color": color.to_array(),
-            }),
-            Light::Point {
-                position,
-                intensity,
-            } => json!({
-                "kind": "point",
-                "position": position.to_array(),
-                "intensity": intensity.to_array(),
-            }),
-            Light::Spot {
-                position,
-                direction,
-                intensity,
-                inner_angle,
-                outer_angle,
-            } => json!({
-                "kind": "spot",
-                "position": position.to_array(),
-                "direction": direction.to_array(),
-                "intensity": intensity.to_array(),
-                "inner_angle": inner_angle,
-                "outer_angle": outer_angle,
-            }),
+        let light = |light: &Light| {
+            let mut entries = Map::new();
+            entries.insert("kind".into(), json!(light.kind()));
+            for (name, value) in light.settings() {
+                entries.insert(name.into(), value_json(value));
+            }
+            Value::Object(entries)
         };
         self.lights.iter().take(most).map(light).collect()
     }
@@ -186,23 +166,30 @@ fn camera_line(place: usize, camera: &NamedCamera) -> String {
     format!("{label}  ({kind}, {sees}, at {position}, aim {aim})")
 }
 
+/// The kind of a light, where it is, and where it goes.
 fn light_line(number: usize, light: &Light) -> String {
-    match light {
-        Light::Directional { direction, .. } => {
-            format!("{number}  directional along {}", triple(*direction))
+    let mut line = format!("{number}  {}", light.kind());
+    for (name, value) in light.settings() {
+        let word = match name {
+            "position" | "center" => "at",
+            "direction" | "normal" => "along",
+            _ => continue,
+        };
+        if let Setting::Vector(vector) = value {
+            line += " ";
+            line += word;
+            line += " ";
+            line += &triple(vector);
         }
-        Light::Point { position, .. } => format!("{number}  point at {}", triple(*position)),
-        Light::Spot {
-            position,
-            direction,
-            ..
-        } => {
-            format!(
-                "{number}  spot at {} along {}",
-                triple(*position),
-                triple(*direction)
-            )
-        }
+    }
+    line
+}
+
+fn value_json(value: Setting) -> Value {
+    match value {
+        Setting::Flag(flag) => json!(flag),
+        Setting::Number(number) => json!(number),
+        Setting::Vector(vector) => json!(vector.to_array()),
     }
 }
 

@@ -242,15 +242,19 @@ fn stored(stored: &Stored) -> String {
         miss,
         scale,
         legend,
+        exposure,
+        tone_map,
     } = stored;
     let names = names.join(" ");
     let meaning = match scale {
         Some(scale) => format!("steps of {scale}"),
         None => encoding.name().to_owned(),
     };
+    let exposure = exposure.map_or_else(String::new, |stops| format!(", exposure {stops}"));
+    let tone_map = (tone_map.as_ref()).map_or_else(String::new, |map| format!(", tone map {map}"));
     let legend = legend
         .as_ref()
         .map(|legend| format!(": {legend}"))
         .unwrap_or_default();
-    format!("stored as {names} ({dtype}, {meaning}, a miss is {miss}){legend}")
+    format!("stored as {names} ({dtype}, {meaning}{exposure}{tone_map}, a miss is {miss}){legend}")
 }

@@ -1,20 +1,26 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use firsthit::channel::Kind;
-use firsthit::geometry::meant_as_levels;
-use firsthit::image::WriteSettings;
-use firsthit::image::{Data, Frame};
-use firsthit::render::{BACKGROUND, Picture, SAMPLES, has_shoulder_shadows, shoulder_light, work};
+use firsthit::edge::{EdgeKind, Edges};
+use firsthit::geometry::{Setting, Value as SettingValue, meant_as_levels};
+use firsthit::image::{Data, Frame, Origin, WriteSettings};
+use firsthit::render::{Appearance, BACKGROUND, Picture, Resolved, work, world_up};
+use firsthit::shade::LightRig;
+use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
-use firsthit::{Background, Camera, Color, Light, Scene, Shader, Shading, Side};
+use firsthit::{
+    Background, Camera, Color, DVec2, DisplayTransform, Light, Scene, Shader, Shading, Side,
+};
 use serde_json::{Value, json};
 
-use crate::args::{LightingArgs, RenderArgs, RunArgs};
+use super::coloring;
+use crate::args::{ColorsArgs, DisplayArgs, EdgeArgs, LightingArgs, RenderArgs, RunArgs};
 use crate::asked;
 use crate::camera::{Chosen, camera, check, of_file};
 use crate::console::{counted, end_report, say, warn};
+use crate::environment;
 use crate::failure::Failure;
 use crate::legend;
 use crate::loading::{self, Loaded, with_threads};
@@ -22,8 +28,12 @@ use crate::output::{self, Order, Source};
 use crate::progress::Progress;
 use crate::values::LightArg;
 
-/// The only one that looks at lights.
-const DEFAULT_SHADER: &str = "lambert";
+const DEFAULT_SHADER: &str = "direct";
+const LAMBERT: &str = "lambert";
+
+// Settings that have options of their own.
+const AMBIENT: &str = "ambient";
+const SHADOWS: &str = "shadows";
 
 pub(super) const WITHOUT_COLOR: &str = "without color among the --channels";
 
@@ -45,10 +55,17 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             files,
             ..
         } = loading::read(&args.file, &args.load, args.light.color)?.picked(&args.pick)?;
+        let files = files.into_iter().chain(environment::file(&args.light));
+        let files: Vec<PathBuf> = files.collect();
         let orders = all_orders(args, asked, &model.outputs, &files)?;
-        let mut shader = shader(&args.light, model.shader.as_ref())?;
-        warn(&idle_options(args, &orders, &shader));
-        warn(&doubtful_colors(&args.light));
+        let shader = shader(&args.light, model.shader.as_ref())?;
+        let edges = edges(&args.edges, model.edges);
+        warn(&idle_edges(&args.edges, edges.as_ref(), &orders));
+        warn(&doubtful_colors(
+            &args.light,
+            &args.colors,
+            args.edges.edge_color,
+        ));
         warn(&warnings);
         let base = of_file(&args.camera, &model)?;
         let chosen = camera(&args.camera, (&args.file, &base), &scene, &model)?;
@@ -56,33 +73,64 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
             camera,
             mut guessed,
         } = chosen;
-        let (scene, is_light_guessed) = lit(scene, &args.light, &model, &camera);
-        if is_light_guessed
-            && let Shader::Lambert(lambert) = &mut shader
-            && orders.iter().any(needs_shade)
-        {
-            guessed.push("light over the shoulder (--light)".into());
-            if lambert.shadows && !has_shoulder_shadows(&camera) {
-                lambert.shadows = false;
-                guessed.push("no shadows of it (--light)".into());
-            }
+        let seen = seen(args, &model, scene, &camera, shader)?;
+        warn(&idle_options(args, &orders, &seen.shader));
+        if orders.iter().any(needs_shade) {
+            guessed.extend(seen.guessed.iter().map(|&what| what.to_owned()));
         }
-        let shade = Shading {
-            background: background(&args.light, &model, &camera),
-            ..shader.on(&scene)
-        };
         let job = Job {
-            scene: &scene,
+            scene: &seen.scene,
             camera: &camera,
-            shade: &shade,
-            samples: args.picture.samples.or(model.samples).unwrap_or(SAMPLES),
-            settings: settings(args.picture.png_scale, &orders),
+            shade: &seen.shading(Cpu::shared()),
+            samples: seen.samples,
+            noise: args.picture.noise,
+            resume: args.picture.resume.as_deref(),
+            settings: settings(
+                args.picture.png_scale,
+                &args.picture.display,
+                model.display,
+                &orders,
+            ),
             guessed: &guessed,
             legend: args.picture.legend.as_deref(),
             cull: args.cull.map(From::from),
+            edges,
         };
         picture(&job, &orders, &args.run, interrupted)
     })
+}
+
+/// The scene with its light, and all else that a picture of it looks like.
+fn seen(
+    args: &RenderArgs,
+    model: &World,
+    scene: Scene,
+    camera: &Camera,
+    shader: Option<Shader>,
+) -> Result<Resolved, Failure> {
+    let scene = match lights(&args.light, &scene, camera) {
+        Some(lights) => scene.with_lights(lights),
+        None => scene.with_lights(model.lights.clone()),
+    };
+    // Of a standard view, up is the world's; of a camera that is aimed, it may be the picture's alone.
+    let is_view = args.camera.aim.is_none() && args.camera.look_at.is_none();
+    let scene_up = (args.camera.up.filter(|_| is_view)).unwrap_or_else(|| model.up_in(&scene));
+    let scene = scene
+        .with_environment(model.environment.clone())
+        .with_up(scene_up);
+    let up = world_up(&scene, Some(camera));
+    let scene = environment::lit(scene, &args.light, &args.load, up)?;
+    // What the file says of sets of lights is about its own light.
+    let rig = rig(&args.light).or(model.rig.filter(|_| args.light.environment.is_none()));
+    let appearance = Appearance {
+        shader,
+        rig,
+        background: Some(background(&args.light, model, camera)),
+        ground: ground(&args.light).or(model.ground),
+        coloring: coloring::coloring(&args.colors, model.coloring.as_ref())?,
+        samples: args.picture.samples.or(model.samples),
+    };
+    Ok(appearance.resolve(&scene, Some(camera))?)
 }
 
 /// What goes where, none of it over an input. `asked` is what the command line says already.
@@ -159,6 +207,10 @@ pub(crate) struct Job<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) shade: &'a Shading<'a>,
     pub(crate) samples: u32,
+    /// The noise at which no more samples are taken.
+    pub(crate) noise: Option<f64>,
+    /// The file of the state, to go on with.
+    pub(crate) resume: Option<&'a Path>,
     pub(crate) settings: WriteSettings,
     /// What was guessed, in words, each with the option that says otherwise.
     pub(crate) guessed: &'a [String],
@@ -166,14 +218,41 @@ pub(crate) struct Job<'a> {
     pub(crate) legend: Option<&'a Path>,
     /// The side of surfaces that the camera's rays pass through.
     pub(crate) cull: Option<Side>,
+    /// Lines along edges.
+    pub(crate) edges: Option<Edges>,
 }
 
-/// How files are written; says so where the scale does nothing.
-pub(super) fn settings(png_scale: Option<f64>, orders: &[Order]) -> WriteSettings {
+/// How files are written; says so where the scale, the exposure or the tone map does nothing. `of_file` is how the input wants
+/// its colours shown.
+pub(super) fn settings(
+    png_scale: Option<f64>,
+    args: &DisplayArgs,
+    of_file: DisplayTransform,
+    orders: &[Order],
+) -> WriteSettings {
     if png_scale.is_some() && !orders.iter().any(output::takes_scale) {
         warn(&["--png-scale does nothing without t, range or z in a .png"]);
     }
-    WriteSettings { png_scale }
+    let for_color = [
+        ("--exposure", args.exposure.is_some()),
+        ("--tone-map", args.tone_map.is_some()),
+    ];
+    if !orders.iter().any(output::shows_colors) {
+        warn(&do_nothing(&for_color, "without color in a .png"));
+    }
+    let display = DisplayTransform {
+        exposure: args.exposure.unwrap_or(of_file.exposure),
+        tone_map: args.tone_map.unwrap_or(of_file.tone_map),
+    };
+    WriteSettings { png_scale, display }
+}
+
+/// Says of those options that are given that they do nothing.
+fn do_nothing(options: &[(&str, bool)], why: &str) -> Vec<String> {
+    let given = options.iter().filter(|(_, is_given)| *is_given);
+    given
+        .map(|(name, _)| format!("{name} does nothing {why}"))
+        .collect()
 }
 
 /// Makes a picture, writes it, and says so in one line.
@@ -189,21 +268,28 @@ pub(crate) fn picture(
         camera,
         shade,
         samples,
+        noise,
+        resume,
         settings,
-        guessed,
         legend,
         cull,
+        edges,
+        ..
     } = job;
-    let pixels = camera.pixels() as u64;
     let kinds = all_kinds(orders)?;
     let total = work(camera.pixels(), &kinds, samples);
     let progress = Progress::new(total, args.quiet || args.json, interrupted);
     let picture = Picture {
         samples,
+        noise,
         cull,
+        edges,
         ..Picture::new(scene, camera, shade, &kinds)
     };
-    let mut whole = picture.render(&progress)?;
+    let mut whole = match resume {
+        Some(path) => resumed(&picture, path, &progress)?,
+        None => picture.render(&progress)?,
+    };
     let objects = match whole.channel("object").map(|channel| &channel.data) {
         Some(Data::Int32(objects)) => objects.as_slice(),
         _ => &[],
@@ -217,8 +303,25 @@ pub(crate) fn picture(
     drop(progress);
     warn(&crate::hints::hints(scene, camera, hit));
     let seconds = started.elapsed().as_secs_f64();
+    tell(job, (orders, &legends), args, (hit, seconds))
+}
+
+/// Says that a picture is made.
+fn tell(
+    job: &Job<'_>,
+    (orders, legends): (&[Order], &[Vec<Option<String>>]),
+    args: &RunArgs,
+    (hit, seconds): (usize, f64),
+) -> Result<(), Failure> {
+    let &Job {
+        scene,
+        camera,
+        guessed,
+        ..
+    } = job;
+    let pixels = camera.pixels() as u64;
     if args.json {
-        let done = done(job, orders, &legends, (hit, seconds));
+        let done = done(job, orders, legends, (hit, seconds));
         end_report(done).map_err(|error| Failure::stdout(&error))?;
     } else if !args.quiet {
         let guessed = if guessed.is_empty() {
@@ -236,12 +339,59 @@ pub(crate) fn picture(
             counted(scene.triangles(), "triangle"),
             seconds,
         ));
-        for (order, legends) in orders.iter().zip(&legends) {
+        for (order, legends) in orders.iter().zip(legends) {
             output::say_legends(&order.targets, legends);
         }
     }
     Ok(())
 }
+
+/// Makes a picture from where a file says it was left, if it is there, and keeps its state in that file.
+fn resumed(picture: &Picture<'_>, path: &Path, progress: &Progress) -> Result<Frame, Failure> {
+    let (shaded, plain): (Vec<&Kind>, Vec<&Kind>) =
+        picture.channels.iter().partition(|kind| kind.needs_shade());
+    let shaded = Picture {
+        channels: &shaded,
+        ..picture.clone()
+    };
+    let plain = Picture {
+        channels: &plain,
+        noise: None,
+        ..picture.clone()
+    };
+    let mut going_on = if path.exists() {
+        shaded.resume_from(path)?
+    } else {
+        shaded.start()?
+    };
+    let mut kept = Instant::now();
+    while going_on.samples() < picture.samples && going_on.add_sample(progress)? {
+        // What is done is not lost, whatever happens.
+        if kept.elapsed() > KEPT_EVERY {
+            going_on.state()?.save(path)?;
+            kept = Instant::now();
+        }
+    }
+    going_on.state()?.save(path)?;
+    let (colors, others) = (going_on.frame()?, plain.render(progress)?);
+    let origin = colors.origin().clone();
+    let mut whole = Frame::new(colors.shape().to_vec()).from_origin(Origin {
+        names: others.origin().names.clone(),
+        cryptomatte: others.origin().cryptomatte.clone(),
+        ..origin
+    });
+    let mut made = [colors.into_channels(), others.into_channels()].concat();
+    // In the order that was asked for.
+    let place = |name: &str| picture.channels.iter().position(|kind| kind.name == name);
+    made.sort_by_key(|channel| place(&channel.name));
+    for channel in made {
+        whole.push(channel)?;
+    }
+    Ok(whole)
+}
+
+/// How often the state of a picture is kept.
+const KEPT_EVERY: Duration = Duration::from_secs(20);
 
 /// Writes each output its channels of the picture, which are taken out where no later one has them; returns their legends.
 fn write_all(
@@ -303,10 +453,19 @@ fn idle_options(args: &RenderArgs, orders: &[Order], shader: &Shader) -> Vec<Str
     let light = &args.light;
     // Mattes take samples and a lens, but no light.
     let has_samples = orders.iter().any(needs_samples);
-    let for_lambert = [
+    let for_lights = [
         ("--light", !light.light.is_empty()),
-        ("--ambient", light.ambient.is_some()),
-        ("--no-shadows", light.no_shadows),
+        ("--environment", light.environment.is_some()),
+    ];
+    let for_shader = [
+        (
+            "--ambient",
+            light.ambient.is_some() && !has_setting(shader, AMBIENT),
+        ),
+        (
+            "--no-shadows",
+            light.no_shadows && !has_setting(shader, SHADOWS),
+        ),
     ];
     let for_color = [
         ("--samples", args.picture.samples.is_some() && !has_samples),
@@ -317,44 +476,92 @@ fn idle_options(args: &RenderArgs, orders: &[Order], shader: &Shader) -> Vec<Str
         ("--background", light.background.is_some()),
         ("--sky", light.sky.is_some()),
     ];
-    let given = |options: &[(&'static str, bool)], why: &str| -> Vec<String> {
-        let given = options.iter().filter(|(_, is_given)| *is_given);
-        given
-            .map(|(name, _)| format!("{name} does nothing {why}"))
-            .collect()
-    };
     if !orders.iter().any(needs_shade) {
-        return given(
-            &[for_color.as_slice(), &for_lambert].concat(),
-            WITHOUT_COLOR,
-        );
+        let for_shader = [
+            ("--ambient", light.ambient.is_some()),
+            ("--no-shadows", light.no_shadows),
+            ("--set", !light.set.is_empty()),
+            ("--ground", light.ground),
+            ("--no-ground", light.no_ground),
+        ];
+        let all = [for_color.as_slice(), &for_lights, &for_shader].concat();
+        let mut idle = do_nothing(&all, WITHOUT_COLOR);
+        idle.extend(coloring::idle(&args.colors, shader, Some(WITHOUT_COLOR)));
+        return idle;
     }
-    let mut idle = Vec::new();
-    if shader.name() != DEFAULT_SHADER {
-        let why = format!(
-            "with --shader {}, only with {DEFAULT_SHADER}",
-            shader.name()
-        );
-        idle = given(&for_lambert, &why);
+    let with_shader = format!("with --shader {}", shader.name());
+    let mut idle = do_nothing(&for_shader, &with_shader);
+    if !shader.is_lit() {
+        idle.extend(do_nothing(&for_lights, &with_shader));
     }
+    idle.extend(coloring::idle(&args.colors, shader, None));
     if shader.name() == "normal" && light.color.is_some() {
         idle.push("--color does nothing with --shader normal, which shows directions".into());
     }
     idle
 }
 
+/// The lines along edges: as the command line says, the rest as the file says; `None` where neither asks for any.
+fn edges(args: &EdgeArgs, of_file: Option<Edges>) -> Option<Edges> {
+    let is_asked = args.given().iter().any(|(_, is_given)| *is_given);
+    let usual = of_file.unwrap_or_default();
+    let mut kinds = args.edge_kinds.unwrap_or(usual.kinds);
+    if args.wireframe {
+        kinds = kinds.with(EdgeKind::Wireframe);
+    }
+    let asked = Edges {
+        width: args.edges.unwrap_or(usual.width),
+        angle: args.edge_angle.unwrap_or(usual.angle),
+        kinds,
+        hidden: args.hidden_edges.or(usual.hidden),
+        color: args.edge_color.unwrap_or(usual.color),
+    };
+    if is_asked { Some(asked) } else { of_file }
+}
+
+/// Says the same of options for edges.
+fn idle_edges(args: &EdgeArgs, edges: Option<&Edges>, orders: &[Order]) -> Vec<String> {
+    let has_color = orders.iter().any(needs_shade);
+    let has_edge = (orders.iter()).any(|order| order.kinds.iter().any(|kind| kind.is_edge()));
+    let has_creases = edges.is_none_or(|edges| edges.kinds.has(EdgeKind::Crease));
+    let why = |name: &str| {
+        if !has_color && !has_edge {
+            Some("without color or edge among the --channels")
+        } else if name == "--edge-color" && !has_color {
+            Some(WITHOUT_COLOR)
+        } else if name == "--edge-angle" && !has_creases {
+            Some("without crease among the --edge-kinds")
+        } else {
+            None
+        }
+    };
+    let given = args.given().into_iter();
+    let given = given.filter(|(_, is_given)| *is_given);
+    given
+        .filter_map(|(name, _)| Some(format!("{name} does nothing {}", why(name)?)))
+        .collect()
+}
+
 /// Warns of linear colours that look like levels of sRGB.
-fn doubtful_colors(light: &LightingArgs) -> Vec<String> {
+fn doubtful_colors(
+    light: &LightingArgs,
+    numbers: &ColorsArgs,
+    of_edges: Option<Color>,
+) -> Vec<String> {
     let of_background = match light.background {
         Some(Background::Uniform(color)) => Some(color),
         _ => None,
     };
     let colors = [
+        ("--color-below", numbers.color_below),
+        ("--color-above", numbers.color_above),
+        ("--color-missing", numbers.color_missing),
         ("--ambient", light.ambient),
         ("--color", light.color),
         ("--background", of_background),
         ("--sky", light.sky.map(|sky| sky.horizon)),
         ("--sky", light.sky.map(|sky| sky.zenith)),
+        ("--edge-color", of_edges),
     ];
     let doubt = |(name, color): (&str, Option<Color>)| {
         let color = color?;
@@ -375,19 +582,71 @@ pub(super) fn needs_shade(order: &Order) -> bool {
     order.kinds.iter().any(|kind| kind.needs_shade())
 }
 
-fn shader(args: &LightingArgs, of_file: Option<&Shader>) -> Result<Shader, Failure> {
-    let mut shader = match (args.shader.as_deref(), of_file) {
+/// The shader that the command line and the file ask for; `None` where they do not.
+fn shader(args: &LightingArgs, of_file: Option<&Shader>) -> Result<Option<Shader>, Failure> {
+    let named = args.shader.as_deref();
+    // Ambient light is that of one shader.
+    let named = named.or_else(|| args.ambient.map(|_| LAMBERT));
+    let mut shader = match (named, of_file) {
         // The file's settings go with the file's shader.
         (Some(name), Some(shader)) if shader.name() == name => shader.clone(),
         (Some(name), _) => Shader::named(name)?,
         (None, Some(shader)) => shader.clone(),
+        (None, None) if args.set.is_empty() && !args.no_shadows => return Ok(None),
         (None, None) => Shader::named(DEFAULT_SHADER)?,
     };
-    if let Shader::Lambert(lambert) = &mut shader {
-        lambert.ambient = args.ambient.unwrap_or(lambert.ambient);
-        lambert.shadows &= !args.no_shadows;
+    for (name, text) in &args.set {
+        set(&mut shader, name, text)?;
     }
-    Ok(shader)
+    if let Some(ambient) = args.ambient.filter(|_| has_setting(&shader, AMBIENT)) {
+        shader.set(AMBIENT, SettingValue::Vector(ambient))?;
+    }
+    if args.no_shadows && has_setting(&shader, SHADOWS) {
+        shader.set(SHADOWS, SettingValue::Flag(false))?;
+    }
+    Ok(Some(shader))
+}
+
+/// Sets what `--set` says.
+fn set(shader: &mut Shader, name: &str, text: &str) -> Result<(), Failure> {
+    let domain = settings_of(shader.name()).find(|setting| setting.name == name);
+    let Some(setting) = domain else {
+        let known: Vec<&str> = settings_of(shader.name()).map(|known| known.name).collect();
+        let known = if known.is_empty() {
+            "none".to_owned()
+        } else {
+            known.join(", ")
+        };
+        return Err(Failure::usage(format!(
+            "--set {name}: the shader {} has the settings {known}",
+            shader.name()
+        )));
+    };
+    let value = setting.domain.parsed(text).ok_or_else(|| {
+        let expected = setting.domain.expected();
+        Failure::usage(format!("--set {name} must be {expected}, got {text}"))
+    })?;
+    Ok(shader.set(name, value)?)
+}
+
+fn settings_of(shader: &str) -> impl Iterator<Item = &'static Setting> + use<> {
+    let kind = Shader::KINDS.iter().find(|(name, ..)| *name == shader);
+    kind.map_or(&[][..], |(.., list)| list).iter()
+}
+
+fn has_setting(shader: &Shader, name: &str) -> bool {
+    settings_of(shader.name()).any(|setting| setting.name == name)
+}
+
+fn rig(args: &LightingArgs) -> Option<LightRig> {
+    args.light.iter().find_map(|light| match light {
+        LightArg::LightRig(rig) => Some(*rig),
+        LightArg::Light(_) => None,
+    })
+}
+
+fn ground(args: &LightingArgs) -> Option<bool> {
+    (args.ground || args.no_ground).then_some(args.ground)
 }
 
 fn background(args: &LightingArgs, model: &World, camera: &Camera) -> Background {
@@ -402,41 +661,24 @@ fn background(args: &LightingArgs, model: &World, camera: &Camera) -> Background
     }
 }
 
-/// The scene with its lights, and whether they are guessed.
-fn lit(scene: Scene, args: &LightingArgs, model: &World, camera: &Camera) -> (Scene, bool) {
-    let lights = lights(args, model, &scene, camera);
-    if args.light.is_empty() && model.lights.is_empty() {
-        (scene.with_borrowed_lights(lights), true)
-    } else {
-        (scene.with_lights(lights), false)
-    }
-}
+/// What a white surface takes in the middle of the scene that faces a light of the command line.
+const BRIGHTNESS: f64 = 0.95;
 
-fn lights(args: &LightingArgs, model: &World, scene: &Scene, camera: &Camera) -> Vec<Light> {
-    if args.light.is_empty() && model.lights.is_empty() {
-        return vec![shoulder_light(camera)];
-    }
-    if args.light.is_empty() {
-        return model.lights.clone();
-    }
+/// The lights that the command line gives, if any, each as bright in the middle of the scene.
+fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Option<Vec<Light>> {
     let centre = if scene.bounds().is_empty() {
         camera.position()
     } else {
         scene.bounds().centre()
     };
-    let light = |light: &LightArg| match *light {
-        LightArg::Directional(direction) => Light::Directional {
-            direction,
-            color: Color::splat(0.95),
-        },
-        // As bright in the middle of the scene as a directional light.
-        LightArg::Point(position) => {
-            let intensity = Color::splat(0.95 * (centre - position).length_squared());
-            Light::Point {
-                position,
-                intensity,
-            }
+    let scaled = |light: &LightArg| match light {
+        LightArg::LightRig(_) => None,
+        LightArg::Light(light) => {
+            let arriving = light.arriving(centre, DVec2::splat(0.5));
+            let taken = arriving.map_or(1.0, |arriving| arriving.light.max_element());
+            Some(light.scaled(BRIGHTNESS / taken))
         }
     };
-    args.light.iter().map(light).collect()
+    let lights: Vec<Light> = args.light.iter().filter_map(scaled).collect();
+    (!args.light.is_empty()).then_some(lights)
 }

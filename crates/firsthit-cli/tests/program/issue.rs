@@ -17,7 +17,7 @@ fn a_model_is_framed_and_its_picture_is_in_the_current_folder() {
     let lab = Lab::with("cube_quads_ascii.ply", "bunny.ply");
     std::fs::create_dir(lab.path("models")).unwrap();
     std::fs::rename(lab.path("bunny.ply"), lab.path("models/bunny.ply")).unwrap();
-    one_line(&lab, "render models/bunny.ply --size 64x48");
+    one_line(&lab, "render models/bunny.ply --size 64x48 --no-ground");
     assert_eq!(lab.names(), ["bunny.png", "models"]);
     let (width, height, bytes) = lab.png("bunny.png");
     assert_eq!((width, height), (64, 48));
@@ -31,7 +31,7 @@ fn a_model_is_framed_and_its_picture_is_in_the_current_folder() {
 fn a_viewplane_is_rendered_with_parallel_rays_and_from_the_eye_too() {
     let lab = Lab::with("cube_binary.stl", "part.stl");
     let line = "render part.stl --position 200,300,100 --aim -2,-3,-1 --up 0,0,1 \
-        --focal-length 35 --viewplane 36x24 --size 720x480";
+        --focal-length 35 --viewplane 36x24 --size 720x480 --samples 1";
     for more in ["", " --orthographic", " --orthographic --ray-start eye"] {
         one_line(&lab, &format!("{line}{more}"));
         let (width, height, _) = lab.png("part.png");

@@ -314,3 +314,72 @@ fn an_old_sidecar_never_stays_beside_a_new_array() {
     );
     assert_eq!(lab.read("z.npy"), z);
 }
+
+/// A square so bright that a PNG shows it white.
+const BRIGHT: &str = "--shader unlit --color 3,1.5,0.25 --samples 1";
+
+#[test]
+fn exposure_and_tone_map_are_for_pngs_of_colours() {
+    let lab = Lab::with_square();
+    let made = |options: &str| {
+        let outcome = lab.ok(&format!(
+            "render square.ply {ABOVE} {BRIGHT} -q -o a.png -o a.exr -o a.npz {options}"
+        ));
+        assert_eq!(outcome.stderr, "", "{options}");
+        (lab.png("a.png"), lab.read("a.exr"), lab.read("a.npz"))
+    };
+    let usual = made("");
+    let mapped = made("--exposure -1 --tone-map neutral");
+    assert!(usual.0 != mapped.0);
+    assert!((&usual.1, &usual.2) == (&mapped.1, &mapped.2));
+    let stored = &info(&lab, "a.png")["metadata"]["channels"][0]["stored"];
+    assert_eq!(
+        (&stored["exposure"], &stored["tone_map"]),
+        (&json!(-1.0), &json!("neutral"))
+    );
+    let outcome = lab.ok("info a.png");
+    let text = outcome.text();
+    assert!(
+        text.contains("(uint8, to look at, exposure -1, tone map neutral, a miss is"),
+        "{text}"
+    );
+    // The colour of half of it, without a tone map, is that of half the light.
+    let dimmed = made("--exposure -1");
+    let half = BRIGHT.replace("3,1.5,0.25", "1.5,0.75,0.125 --background 0.06,0.085,0.12");
+    let half = lab.ok(&format!("render square.ply {ABOVE} {half} -q -o half.png"));
+    assert_eq!(half.stderr, "");
+    assert!(dimmed.0 == lab.png("half.png"));
+}
+
+#[test]
+fn exposure_and_tone_map_say_where_they_do_nothing() {
+    let lab = Lab::with_square();
+    let both = "--exposure 1 --tone-map agx";
+    for outputs in [
+        "-o a.exr",
+        "--channels z -o z.png",
+        "--channels color,z -o a.npz",
+    ] {
+        let outcome = lab.ok(&format!("render square.ply {ABOVE} {outputs} {both}"));
+        for option in ["--exposure", "--tone-map"] {
+            let said = format!("{option} does nothing without color in a .png");
+            assert!(
+                outcome.stderr.contains(&said),
+                "{outputs}: {}",
+                outcome.stderr
+            );
+        }
+    }
+    let demo = lab.ok(&format!("demo --size 8x6 --samples 1 -o d.npz {both}"));
+    assert!(
+        demo.stderr.contains("--tone-map does nothing"),
+        "{}",
+        demo.stderr
+    );
+    let demo = lab.ok(&format!(
+        "demo --size 8x6 --samples 1 -q -o d.png -o d.npz {both}"
+    ));
+    assert_eq!(demo.stderr, "");
+    lab.fails("demo -o d.png --exposure inf", 2, "a finite number");
+    lab.fails("demo -o d.png --tone-map filmic", 2, "neutral, agx, aces");
+}

@@ -298,3 +298,24 @@ fn schema_prints_what_is_in_the_documentation() {
     let printed = lab.ok("schema").stdout;
     assert!(printed == fs::read(docs().join("scene.schema.json")).unwrap());
 }
+
+#[test]
+fn the_command_line_overrides_how_a_scene_file_shows_colours_key_by_key() {
+    let lab = with_scene();
+    let shown = |of_file: &str, options: &str| {
+        lab.write("shown.toml", format!("{SCENE}{of_file}"));
+        lab.ok(&format!("render shown.toml -q -o shown.png {options}"));
+        lab.read("shown.png")
+    };
+    let of_file = "[display]\nexposure = -1.5\ntone_map = 'agx'\n";
+    let both = shown(of_file, "");
+    assert!(both == shown("", "--exposure -1.5 --tone-map agx"));
+    assert!(shown(of_file, "--exposure 2") == shown("", "--exposure 2 --tone-map agx"));
+    assert!(shown(of_file, "--tone-map none") == shown("", "--exposure -1.5"));
+    assert!(shown(of_file, "--tone-map none --exposure 0") == shown("", ""));
+    // A built scene says so too.
+    lab.write("shown.toml", format!("{SCENE}{of_file}"));
+    lab.ok("build shown.toml -q");
+    lab.ok("render shown.fhs -q -o built.png");
+    assert!(lab.read("built.png") == both);
+}

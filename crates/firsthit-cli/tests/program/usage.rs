@@ -72,7 +72,7 @@ fn the_examples_of_the_help_work() {
         lab.ok(&format!("{arguments} --size 48x32"));
         count += 1;
     }
-    assert_eq!(count, 9);
+    assert_eq!(count, 10);
 }
 
 #[test]

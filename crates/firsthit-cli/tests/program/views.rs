@@ -48,25 +48,42 @@ fn every_view_of_a_model_fills_the_picture() {
 #[test]
 fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
     let lab = Lab::with_square();
-    let shoulder = "light over the shoulder (--light)";
-    let around = "light over the shoulder (--light), no shadows of it (--light)";
+    let light = "automatic light (--light)";
+    let ground = "automatic light (--light), a ground for shadows (--ground)";
+    let around = "automatic light (--light), no shadows of it (--light)";
     for (options, guessed) in [
         (
             "",
-            Some(format!("up +z (--up), view iso (--view), {shoulder}")),
+            Some(format!("up +z (--up), view iso (--view), {ground}")),
         ),
-        ("--view top", Some(format!("up +z (--up), {shoulder}"))),
-        ("--up 0,1,0 --view top", Some(shoulder.into())),
-        ("--up 0,1,0 --view top --light point:0,0,9", None),
+        ("--view top", Some(format!("up +z (--up), {ground}"))),
+        (
+            "--view top --no-ground",
+            Some(format!("up +z (--up), {light}")),
+        ),
+        ("--up 0,1,0 --view top", Some(ground.into())),
+        (
+            "--up 0,1,0 --view top --light point:0,0,9",
+            Some("some light from all around (--shader)".into()),
+        ),
+        (
+            "--up 0,1,0 --view top --light point:0,0,9 --shader direct",
+            None,
+        ),
+        ("--up 0,1,0 --view top --light studio", None),
+        (
+            "--up 0,1,0 --view top --shader lambert",
+            Some("light over the shoulder (--light)".into()),
+        ),
         ("--up 0,1,0 --view top --shader unlit", None),
         ("--up 0,1,0 --view top --channels z", None),
         (
             "--position 0,-1,5 --up 0,1,0",
-            Some(format!("aim at the middle (--look-at), {shoulder}")),
+            Some(format!("aim at the middle (--look-at), {light}")),
         ),
         (
             "--aim 0,1,-5 --up 0,1,0",
-            Some(format!("all in the picture (--position), {shoulder}")),
+            Some(format!("all in the picture (--position), {ground}")),
         ),
         (
             "--projection equirectangular --up 0,1,0",
@@ -78,7 +95,7 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
             "--projection equirectangular --up 0,1,0 --aim 0,0,-1",
             Some(format!("from the middle (--position), {around}")),
         ),
-        (ABOVE, Some(shoulder.into())),
+        (ABOVE, Some(ground.into())),
     ] {
         let said = lab
             .ok(&format!("render square.ply --samples 1 -o x.npy {options}"))
@@ -121,13 +138,19 @@ fn a_view_takes_the_place_of_the_cameras_of_the_file() {
 }
 
 #[test]
-fn colours_are_the_mean_of_four_points_unless_anybody_says_otherwise() {
+fn colours_are_the_mean_of_four_points_and_of_sixteen_in_soft_light() {
     let lab = Lab::with_square();
-    lab.ok("render square.ply -o default.npy --size 64x48 --quiet");
-    lab.ok("render square.ply -o four.npy --size 64x48 --samples 4 --quiet");
-    lab.ok("render square.ply -o one.npy --size 64x48 --samples 1 --quiet");
-    assert_eq!(lab.read("default.npy"), lab.read("four.npy"));
-    assert_ne!(lab.read("default.npy"), lab.read("one.npy"));
+    let made = |options: &str| {
+        lab.ok(&format!(
+            "render square.ply -o made.npy --size 64x48 --quiet {options}"
+        ));
+        lab.read("made.npy")
+    };
+    assert_eq!(made(""), made("--samples 16"));
+    assert_ne!(made(""), made("--samples 4"));
+    let hard = "--shader lambert";
+    assert_eq!(made(hard), made(&format!("{hard} --samples 4")));
+    assert_ne!(made(hard), made(&format!("{hard} --samples 1")));
 }
 
 /// The part of a picture's pixels whose brightness differs from the background's by less than a tenth.
