@@ -17,6 +17,11 @@ from . import _firsthit, annotations, datasets, many
 from ._all_hits import AllHits
 from ._camera import Camera
 from ._cameras import NamedCamera
+from ._colors import Colors
+from ._display import Display
+from ._draws import Draws
+from ._edges import Edges
+from ._environment import Environment
 from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
 from ._explain import Candidate, Crossing, Explanation
 from ._flow import Disparity, Flow, disparity, optical_flow
@@ -26,7 +31,15 @@ from ._info import info
 from ._leaving import LeavingRays
 from ._lidar import Lidar
 from ._lidar_scan import LidarScan
-from ._lights import DirectionalLight, PointLight, Sky, SpotLight
+from ._lights import (
+    DirectionalLight,
+    DiscLight,
+    PointLight,
+    RectangleLight,
+    Sky,
+    SphereLight,
+    SpotLight,
+)
 from ._lint import Finding, LintReport, Place
 from ._load import lint, load
 from ._load import open as open  # noqa: A004 - fh.open
@@ -40,7 +53,7 @@ from ._rig import Rig
 from ._scene import Scene
 from ._section import Polyline, Section
 from ._sensor import Sensor
-from ._shading import Shading
+from ._shading import Shader, Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 from ._trajectory import Trajectory
 from .annotations import annotate
@@ -57,12 +70,18 @@ __all__ = [
     "Camera",
     "Candidate",
     "ClosestPoints",
+    "Colors",
     "Cone",
     "Crossing",
     "Cylinder",
     "DirectionalLight",
     "Disc",
+    "DiscLight",
     "Disparity",
+    "Display",
+    "Draws",
+    "Edges",
+    "Environment",
     "Explanation",
     "FileError",
     "FileFormatError",
@@ -88,14 +107,17 @@ __all__ = [
     "Polyline",
     "Pushbroom",
     "RaySensor",
+    "RectangleLight",
     "Rig",
     "RollingShutter",
     "Scene",
     "Section",
     "Sensor",
+    "Shader",
     "Shading",
     "Sky",
     "Sphere",
+    "SphereLight",
     "SpotLight",
     "Texture",
     "Trajectory",

@@ -5,10 +5,25 @@ from typing import Any, TypedDict, final
 import numpy as np
 import numpy.typing as npt
 
-from ._types import AlphaMode, Extrapolation, Interpolation, Projection, RayStart, ShaderName, Side
+from ._types import (
+    AlphaMode,
+    ColorMapName,
+    EdgeKind,
+    EdgesTuple,
+    Extrapolation,
+    Interpolation,
+    LightName,
+    MaterialKind,
+    Projection,
+    RayStart,
+    ShaderName,
+    Side,
+    ToneMapName,
+)
 
 __all__ = [
     "Camera",
+    "EnvironmentMap",
     "Lint",
     "Mesh",
     "Pattern",
@@ -24,12 +39,19 @@ __all__ = [
     "axes_from",
     "channel",
     "channel_names",
+    "check_edges",
+    "check_environment",
     "check_material",
     "check_samples",
+    "check_shader",
     "check_transform",
     "closest_points",
+    "color_names",
     "count",
     "defaults",
+    "draws",
+    "edge_defaults",
+    "environment_radiance",
     "explain",
     "inside",
     "instruction_set",
@@ -48,15 +70,18 @@ __all__ = [
     "read",
     "render",
     "render_work",
+    "resolve",
     "rotation",
     "rules",
     "run_program",
     "save",
+    "shader_settings",
     "shoot",
     "shoot_all",
     "shoot_camera",
     "signed_distances",
     "srgb_levels",
+    "sun_of",
     "version",
     "visible",
     "write",
@@ -90,12 +115,68 @@ _Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, _See
 #: What has it, name, components, whether it is a label, numbers.
 _Property = tuple[str, str, int, bool, npt.NDArray[Any]]
 _Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
-_Light = tuple[str, _Vector, _Vector, tuple[_Vector, tuple[float, float]] | None]
-_Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector]]
-_Material = tuple[_Vector, float, _Map | None, _Map | None, str, float, bool, bool, str]
-_MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector]]
+_Value = bool | float | _Vector
+_Light = tuple[str, list[tuple[str, _Value]]]
+_Environment = tuple[
+    str,
+    Sequence[_Vector],
+    Sequence[float],
+    EnvironmentMap | None,
+    float,
+    bool,
+    _Vector | None,
+]
+_Colors = tuple[
+    str | None,
+    list[float],
+    ColorMapName,
+    tuple[float, float] | None,
+    tuple[_Vector | None, _Vector | None, _Vector | None],
+    bool,
+]
+_Shading = tuple[
+    str | None, list[tuple[str, _Value]], str | None, bool | None, int | None, _Colors | None
+]
+_ShadingOut = tuple[
+    ShaderName | None,
+    list[tuple[str, _Value]],
+    LightName | None,
+    bool | None,
+    int | None,
+    _Colors | None,
+]
+_Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector], bool]
+_MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector], bool]
+_Settings = list[tuple[str, _Value]]
+# What it gives off, how steep its normal map is, how much its occlusion map counts.
+_Strengths = tuple[_Vector, float, float]
+_Material = tuple[
+    _Vector,
+    float,
+    _Map | None,
+    _Map | None,
+    str,
+    float,
+    bool,
+    bool,
+    str,
+    tuple[str, _Settings],
+    _Strengths,
+    list[tuple[str, _Map]],
+]
 _MaterialOut = tuple[
-    _Vector, float, _MapOut | None, _MapOut | None, AlphaMode, float, bool, bool, str
+    _Vector,
+    float,
+    _MapOut | None,
+    _MapOut | None,
+    AlphaMode,
+    float,
+    bool,
+    bool,
+    str,
+    tuple[MaterialKind, _Settings],
+    _Strengths,
+    list[tuple[str, _MapOut]],
 ]
 # Position, aim and up; rows and columns; projection and where rays start; the lens' parameters.
 _View = tuple[
@@ -133,8 +214,11 @@ class _Model(TypedDict):
     ]
     cameras: list[_CameraOut]
     lights: list[_Light]
+    environment: _Environment | None
     background: list[_Vector] | None
-    shading: tuple[ShaderName, _Vector | None, bool, int] | None
+    shading: _ShadingOut | None
+    display: tuple[float, ToneMapName]
+    edges: tuple[float, float, list[EdgeKind], tuple[float, float] | None, _Vector] | None
     has_view: bool
     up: _Vector
     up_is_guessed: bool
@@ -359,6 +443,13 @@ class Mesh:
     def triangles(self) -> npt.NDArray[np.uint32]: ...
 
 @final
+class EnvironmentMap:
+    def __new__(cls, texels: npt.NDArray[np.float32]) -> EnvironmentMap: ...
+    @staticmethod
+    def read(path: Path, max_memory: int, max_texture: int) -> tuple[EnvironmentMap, list[str]]: ...
+    def array(self) -> npt.NDArray[np.float32]: ...
+
+@final
 class Texels:
     def __new__(cls, texels: npt.NDArray[np.uint8]) -> Texels: ...
     def array(self) -> npt.NDArray[np.uint8]: ...
@@ -386,6 +477,8 @@ class Scene:
         cls,
         objects: Sequence[_Object],
         lights: Sequence[_Light],
+        environment: _Environment | None,
+        up: tuple[_Vector, bool],
         previous: Scene | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
@@ -423,7 +516,12 @@ def lidar_models() -> list[str]: ...
 def axes_from(wanted: str, given: str) -> _Matrix4: ...
 def lint_kinds() -> list[tuple[str, str]]: ...
 def check_transform(rows: list[list[float]]) -> None: ...
-def check_material(candidate: _Material) -> None: ...
+def check_environment(candidate: _Environment) -> None: ...
+def sun_of(environment: _Environment, up: _Vector) -> _Light | None: ...
+def environment_radiance(
+    environment: _Environment, up: _Vector, directions: list[list[float]]
+) -> npt.NDArray[np.float64]: ...
+def check_material(candidate: _Material) -> _Settings: ...
 def srgb_levels() -> list[float]: ...
 def rotation(vector: _Vector) -> _Matrix3: ...
 def named_color(text: str, others: Sequence[str]) -> tuple[list[float] | None, str | None]: ...
@@ -435,7 +533,9 @@ def save(
     scene: Scene,
     cameras: Sequence[tuple[str, Camera, bool]],
     background: Sequence[_Vector] | None,
-    shading: tuple[str, _Vector | None, bool, int] | None,
+    shading: _Shading,
+    display: tuple[float, str],
+    edges: EdgesTuple | None,
     has_view: bool,
     up: _Vector,
     up_is_guessed: bool,
@@ -538,13 +638,32 @@ def render(
     scene: Scene,
     camera: Camera | Sensor,
     channels: Sequence[str],
-    shading: tuple[str, list[_Vector] | None, _Vector | None, bool],
+    shading: _Shading,
+    background: list[_Vector] | None,
+    up: _Vector,
     samples: int,
     region: tuple[int, int, int, int],
     cull: Side | None,
+    edges: EdgesTuple | None,
     threads: int,
     report: _Report | None,
 ) -> tuple[list[npt.NDArray[Any]], str]: ...
+def resolve(
+    scene: Scene, camera: Camera | Sensor, shading: _Shading, up: _Vector
+) -> tuple[int, list[str]]: ...
+def draws(
+    pixels: npt.NDArray[np.int64], sample: int, number: int, count: int
+) -> npt.NDArray[np.float64]: ...
+def color_names() -> tuple[list[str], list[str]]: ...
+def shader_settings(name: str) -> list[tuple[str, str]]: ...
+def check_shader(
+    name: str, settings: Sequence[tuple[str, _Value]]
+) -> list[tuple[str, bool | float | tuple[float, float, float]]]: ...
+def edge_defaults() -> tuple[
+    list[EdgeKind],
+    tuple[float, float, list[EdgeKind], tuple[float, float] | None, _Vector],
+]: ...
+def check_edges(edges: EdgesTuple) -> None: ...
 def defaults() -> tuple[int, list[_Vector]]: ...
 def render_work(pixels: int, channels: Sequence[str], samples: int) -> int: ...
 def metadata(
@@ -559,9 +678,12 @@ def write(
     channels: Sequence[tuple[str, npt.NDArray[Any]]],
     origin: str,
     png_scale: float | None,
+    display: tuple[float, str] | None,
 ) -> None: ...
 def read(
     path: Path,
 ) -> tuple[list[tuple[str | None, list[int], npt.NDArray[Any], str]], str | None, list[str]]: ...
-def png(shape: Sequence[int], name: str, values: npt.NDArray[Any]) -> bytes: ...
+def png(
+    shape: Sequence[int], name: str, values: npt.NDArray[Any], display: tuple[float, str]
+) -> bytes: ...
 def write_bytes(path: Path, content: bytes) -> None: ...

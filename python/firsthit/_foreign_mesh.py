@@ -86,6 +86,15 @@ def _material(look: Any, *, has_uvs: bool) -> Material:
     texture = None if picture is None else Texture(np.asarray(picture.convert("RGBA")))
     mode = str(getattr(look, "alphaMode", None) or "opaque").lower()
     cutoff = getattr(look, "alphaCutoff", None)
+    # As glTF has it: a metal, where a look of metal and roughness does not say otherwise.
+    surface: dict[str, Any] = {}
+    if hasattr(look, "metallicFactor"):
+        metallic, roughness = look.metallicFactor, look.roughnessFactor
+        surface = {
+            "kind": "metal-rough",
+            "metallic": 1.0 if metallic is None else float(metallic),
+            "roughness": 1.0 if roughness is None else float(roughness),
+        }
     return Material(
         levels[:3],
         float(levels[3]) if len(levels) > 3 else 1.0,
@@ -93,6 +102,7 @@ def _material(look: Any, *, has_uvs: bool) -> Material:
         alpha_mode="mask" if mode == "mask" else "blend" if mode == "blend" else "opaque",
         cutoff=0.5 if cutoff is None else float(cutoff),
         double_sided=bool(getattr(look, "doubleSided", True)),
+        **surface,
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from . import _firsthit
 from ._arrays import count, number, text
 from ._channel_hints import hint
+from ._display import Display, as_display
 from ._errors import FileFormatError, warn
 from ._files import files, is_cloud, is_of_several, matte_of
 
@@ -22,7 +23,14 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray
 
-    from ._types import AngleName, DistanceName, IdentifierName, MatteName, VectorName
+    from ._types import (
+        AngleName,
+        DistanceName,
+        IdentifierName,
+        MatteName,
+        ToneMapName,
+        VectorName,
+    )
 
 #: The types of channels, as metadata name them, and those that an EXR holds as uint32.
 _DTYPES = ("float64", "float32", "int32", "bool")
@@ -70,6 +78,7 @@ class Frame:
     _origin: str
     #: Where the frame is from a file.
     _metadata: dict[str, Any] | None
+    _display: Display
 
     def __init__(self, shape: tuple[int, int], channels: Mapping[str, npt.ArrayLike]) -> None:
         if not isinstance(shape, tuple | list) or len(shape) != 2:
@@ -82,7 +91,7 @@ class Frame:
             text("a name of channels", name): _checked(name, array, self._shape)
             for name, array in channels.items()
         }
-        self._origin, self._metadata = "{}", None
+        self._origin, self._metadata, self._display = "{}", None, Display()
 
     @classmethod
     def _of(
@@ -91,11 +100,13 @@ class Frame:
         channels: dict[str, npt.NDArray[Any]],
         origin: str = "{}",
         metadata: dict[str, Any] | None = None,
+        display: Display | None = None,
     ) -> Frame:
         """Return a frame of arrays that are as they should be."""
         frame = cls.__new__(cls)
         frame._shape, frame._channels = shape, channels
         frame._origin, frame._metadata = origin, metadata
+        frame._display = Display() if display is None else display
         return frame
 
     @classmethod
@@ -175,6 +186,19 @@ class Frame:
         return made
 
     @property
+    def display(self) -> Display:
+        """How PNGs, and notebooks, show ``color`` where `save` is not told otherwise.
+
+        Of a frame that `render` made it is `Scene.display`, of others it changes nothing. It is set
+        to another `Display`; anything else is a ``TypeError``. The arrays stay as they are.
+        """
+        return self._display
+
+    @display.setter
+    def display(self, display: Display) -> None:
+        self._display = as_display(display)
+
+    @property
     def shape(self) -> tuple[int, int]:
         """(rows, columns)."""
         return self._shape
@@ -233,7 +257,14 @@ class Frame:
         rows, columns = self._shape
         return f"Frame({columns} x {rows} pixels: {', '.join(self._channels)})"
 
-    def save(self, path: str | os.PathLike[str], *, png_scale: float | None = None) -> None:
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        png_scale: float | None = None,
+        exposure: float | None = None,
+        tone_map: ToneMapName | None = None,
+    ) -> None:
         """Write the frame to a file, whole or not at all.
 
         Parameters
@@ -249,16 +280,23 @@ class Frame:
             Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers, which count
             steps of this length in scene units; 0 is a miss. A distance beyond 65535 steps, or
             below half a step, is an error.
+        exposure : float, optional
+            Show ``color`` in a ``.png`` so many stops brighter: times 2 to this power. If left out,
+            that of `display`. All other files keep linear colours.
+        tone_map : {"none", "neutral", "agx", "aces"}, optional
+            How a ``.png`` shows colours of any brightness, after the exposure. If left out, that of
+            `display`.
 
         Raises
         ------
         ValueError
-            For an unknown extension, several channels for a file that takes one, ``{channel}`` in
-            the name of a point cloud, or numbers that the format cannot hold.
+            For an unknown extension or tone map, several channels for a file that takes one,
+            ``{channel}`` in the name of a point cloud, an exposure that is not finite, or numbers
+            that the format cannot hold.
         FileWriteError
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
         """
-        names = list(self._channels)
+        names, shown = list(self._channels), self._display._but(exposure, tone_map)
         if len(names) != 1 and not is_of_several(path):
             if "color" not in names:
                 raise ValueError(
@@ -267,7 +305,7 @@ class Frame:
                 )
             names = ["color"]
         for file, held in files(path, names):
-            self._write(file, held, png_scale)
+            self._write(file, held, png_scale, shown)
 
     def matte(
         self, names: str | Sequence[str], channel: MatteName = "crypto_object"
@@ -388,17 +426,21 @@ class Frame:
         places = {"row": np.arange(rows) + y, "column": np.arange(columns) + x}
         return xarray.Dataset(variables, places, about)
 
-    def _write(self, path: Path, names: list[str], png_scale: float | None) -> None:
+    def _write(
+        self, path: Path, names: list[str], png_scale: float | None, shown: Display | None = None
+    ) -> None:
         channels = [(name, _in_file(name, self._channels[name])) for name in names]
         scale = None if png_scale is None else number("png_scale", png_scale)
-        _firsthit.write(path, list(self._shape), channels, self._origin, scale)
+        display = (self._display if shown is None else shown)._native
+        _firsthit.write(path, list(self._shape), channels, self._origin, scale, display)
 
     def _repr_png_(self) -> bytes | None:
         pictures = [name for name in self._channels if matte_of(name) is None]
         if not pictures:
             return None
         name = "color" if "color" in pictures else pictures[0]
-        return _firsthit.png(list(self._shape), name, _in_file(name, self._channels[name]))
+        values = _in_file(name, self._channels[name])
+        return _firsthit.png(list(self._shape), name, values, self._display._native)
 
 
 def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:

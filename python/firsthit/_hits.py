@@ -47,9 +47,12 @@ _COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2, "base_colo
 #: What the columns of a table end in, where that is not x, y, z.
 _LETTERS = {"barycentric": "012", "uv": "uv", "base_color": "rgb"}
 
+#: Channels that only pictures have.
+_OF_PICTURES = ("color", "valid", "edge", "alpha", "ao", "samples")
+
 #: What can be asked about a camera's hits, and about those of other rays.
 _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
-    name for name in get_args(ChannelName) if name not in ("color", "valid", *get_args(MatteName))
+    name for name in get_args(ChannelName) if name not in (*_OF_PICTURES, *get_args(MatteName))
 )
 _OF_RAYS = tuple(name for name in _OF_A_CAMERA if name not in ("range", "z"))
 
@@ -558,7 +561,7 @@ class Hits(Attributed):
         for file, held in wanted:
             made = ((name, others[name] if name in others else self._named(name)) for name in held)
             arrays = [(name, np.ascontiguousarray(array).ravel()) for name, array in made]
-            _firsthit.write(file, list(self._shape), arrays, origin, None)
+            _firsthit.write(file, list(self._shape), arrays, origin, None, None)
 
     # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a
     # checker would no longer know what comes out. `attribute` and `channel` have types.

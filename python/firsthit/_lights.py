@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ._arrays import color_of, number, settle, vector
 
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
 
     from ._types import Vector
 
-    LightTuple = tuple[str, Vector, Vector, tuple[Vector, tuple[float, float]] | None]
+    LightTuple = tuple[str, list[tuple[str, float | Vector]]]
 
 
 @dataclass(frozen=True, init=False)
@@ -27,6 +29,9 @@ class DirectionalLight:
     color : (3,) array_like or str
         The linear colour of a white surface that faces the light; any finite numbers, or sRGB as
         ``"#rrggbb"`` or a CSS name.
+    angle_degrees : float
+        The diameter of a round sun, in degrees, from 0 to 180; above 0 its shadows are soft. That
+        of Earth's sun is 0.53.
 
     Raises
     ------
@@ -36,16 +41,22 @@ class DirectionalLight:
 
     direction: Vector
     color: Vector
+    angle_degrees: float
 
-    def __init__(self, direction: npt.ArrayLike, color: npt.ArrayLike = (1.0, 1.0, 1.0)) -> None:
+    def __init__(
+        self,
+        direction: npt.ArrayLike,
+        color: npt.ArrayLike = (1.0, 1.0, 1.0),
+        angle_degrees: float = 0.0,
+    ) -> None:
         settle(
             self,
             direction=_direction("direction", direction),
             color=color_of("color", color, is_light=True),
+            angle_degrees=number("angle_degrees", angle_degrees),
         )
-
-    def _native(self) -> LightTuple:
-        return "directional", self.direction, self.color, None
+        if not 0 <= self.angle_degrees <= 180:
+            raise ValueError(f"angle_degrees must be from 0 to 180, got {self.angle_degrees}")
 
 
 @dataclass(frozen=True, init=False)
@@ -72,9 +83,6 @@ class PointLight:
     def __init__(self, position: npt.ArrayLike, intensity: npt.ArrayLike = (1.0, 1.0, 1.0)) -> None:
         settle(self, position=vector("position", position))
         settle(self, intensity=color_of("intensity", intensity, is_light=True))
-
-    def _native(self) -> LightTuple:
-        return "point", self.position, self.intensity, None
 
 
 @dataclass(frozen=True, init=False)
@@ -125,9 +133,116 @@ class SpotLight:
                 f"got {self.inner_angle} and {self.outer_angle}"
             )
 
-    def _native(self) -> LightTuple:
-        cone = (self.direction, (self.inner_angle, self.outer_angle))
-        return "spot", self.position, self.intensity, cone
+
+@dataclass(frozen=True, init=False)
+class SphereLight:
+    """A sphere that shines, outwards and evenly; its shadows are soft.
+
+    Parameters
+    ----------
+    center : (3,) array_like
+        Its middle, in world space.
+    radius : float
+        Its radius, in scene units.
+    emission : (3,) array_like or str
+        Its linear radiance, the colour that it has itself; any finite numbers, or sRGB as
+        ``"#rrggbb"`` or a CSS name. No picture shows it, but surfaces reflect it.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
+    """
+
+    center: Vector
+    radius: float
+    emission: Vector
+
+    def __init__(
+        self,
+        center: npt.ArrayLike,
+        radius: float = 1.0,
+        emission: npt.ArrayLike = (1.0, 1.0, 1.0),
+    ) -> None:
+        settle(self, center=vector("center", center), radius=_positive("radius", radius))
+        settle(self, emission=color_of("emission", emission, is_light=True))
+
+
+@dataclass(frozen=True, init=False)
+class DiscLight:
+    """A disc that shines on one side, evenly; its shadows are soft.
+
+    Parameters
+    ----------
+    center : (3,) array_like
+        Its middle, in world space.
+    normal : (3,) array_like
+        The side that shines, in world space, of any length but zero.
+    radius : float
+        Its radius, in scene units.
+    emission : (3,) array_like or str
+        As that of a `SphereLight`.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name.
+    """
+
+    center: Vector
+    normal: Vector
+    radius: float
+    emission: Vector
+
+    def __init__(
+        self,
+        center: npt.ArrayLike,
+        normal: npt.ArrayLike,
+        radius: float = 1.0,
+        emission: npt.ArrayLike = (1.0, 1.0, 1.0),
+    ) -> None:
+        settle(self, center=vector("center", center), normal=_direction("normal", normal))
+        settle(self, radius=_positive("radius", radius))
+        settle(self, emission=color_of("emission", emission, is_light=True))
+
+
+@dataclass(frozen=True, init=False)
+class RectangleLight:
+    """A rectangle, or another parallelogram, that shines on one side; its shadows are soft.
+
+    Parameters
+    ----------
+    center : (3,) array_like
+        Its middle, in world space.
+    edge_u, edge_v : (3,) array_like
+        From one edge to the opposite one, in world space. The side shines from which the turn from
+        ``edge_u`` to ``edge_v`` is counter-clockwise.
+    emission : (3,) array_like or str
+        As that of a `SphereLight`.
+
+    Raises
+    ------
+    ValueError
+        For values that make no sense, with their name, and for parallel edges.
+    """
+
+    center: Vector
+    edge_u: Vector
+    edge_v: Vector
+    emission: Vector
+
+    def __init__(
+        self,
+        center: npt.ArrayLike,
+        edge_u: npt.ArrayLike,
+        edge_v: npt.ArrayLike,
+        emission: npt.ArrayLike = (1.0, 1.0, 1.0),
+    ) -> None:
+        settle(self, center=vector("center", center), edge_u=_direction("edge_u", edge_u))
+        settle(self, edge_v=_direction("edge_v", edge_v))
+        settle(self, emission=color_of("emission", emission, is_light=True))
+        if not np.any(np.cross(self.edge_u, self.edge_v)):
+            raise ValueError(f"edge_v must not be parallel to edge_u, got {self.edge_v}")
 
 
 @dataclass(frozen=True, init=False)
@@ -169,7 +284,36 @@ def _direction(name: str, value: npt.ArrayLike) -> Vector:
     return direction
 
 
-Light = DirectionalLight | PointLight | SpotLight
+def _positive(name: str, value: float) -> float:
+    positive = number(name, value)
+    if not 0 < positive < math.inf:
+        raise ValueError(f"{name} must be a positive, finite number, got {positive}")
+    return positive
+
+
+Light = DirectionalLight | PointLight | SpotLight | SphereLight | DiscLight | RectangleLight
+
+_KINDS: dict[str, type[Light]] = {
+    "directional": DirectionalLight,
+    "point": PointLight,
+    "spot": SpotLight,
+    "sphere": SphereLight,
+    "disc": DiscLight,
+    "rectangle": RectangleLight,
+}
+
+
+def light_native(light: Light) -> LightTuple:
+    """Return the kind of a light, and its settings."""
+    kind = next(name for name, made in _KINDS.items() if isinstance(light, made))
+    return kind, [(field.name, getattr(light, field.name)) for field in fields(light)]
+
+
+def light_of(kind: str, settings: list[tuple[str, float | Vector]]) -> Light:
+    """Return the light of a file, whose colours are its own affair, however bright."""
+    light = object.__new__(_KINDS[kind])
+    settle(light, **dict(settings))
+    return light
 
 
 #: The background of pictures with alpha.

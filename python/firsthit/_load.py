@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from . import _cameras, _firsthit
+from . import _cameras, _colors, _firsthit
 from ._arrays import count, flag, settle
 from ._arrays import vector as as_vector
+from ._display import Display
+from ._edges import Edges
+from ._environment import environment_of
 from ._errors import warn
-from ._lights import DirectionalLight, Light, PointLight, Sky, SpotLight
+from ._lights import Sky, light_of
 from ._material import Material, Texture
 from ._scene import Scene
-from ._shading import Shading
+from ._shading import Shader, Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Shape, Sphere
 
 if TYPE_CHECKING:
@@ -20,7 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from ._lint import LintReport
-    from ._types import Vector
 
 
 def load(
@@ -51,8 +53,8 @@ def load(
     Returns
     -------
     Scene
-        The file's objects with their names, transforms and materials, and its lights, cameras,
-        background, shading and up. Lengths are in the file's unit.
+        The file's objects with their names, transforms and materials, and its lights, environment,
+        cameras, background, shading, display, edges and up. Lengths are in the file's unit.
 
     Raises
     ------
@@ -141,7 +143,9 @@ def _scene_of(model: _firsthit._Model) -> Scene:
         seen = {"_is_hidden": is_hidden, "_is_removed": is_removed}
         scene._objects[identifier] = scene._objects[identifier]._but(_labels=labels, **seen)
     for light in model["lights"]:
-        scene.add_light(_light(*light))
+        scene.add_light(light_of(*light))
+    if model["environment"] is not None:
+        scene.environment = environment_of(model["environment"])
     scene._has_view = model["has_view"]
     # Those of scene files were cameras already.
     scene._cameras = tuple(
@@ -154,7 +158,14 @@ def _scene_of(model: _firsthit._Model) -> Scene:
         else:
             scene.background = Sky(*background) if len(background) == 3 else background[0]
     if model["shading"] is not None:
-        scene.shading = Shading(*model["shading"])
+        shade, settings, rig, ground, samples, colors = model["shading"]
+        shader = None if shade is None else Shader(shade, **dict(settings))
+        by_numbers = None if colors is None else _colors.from_native(colors)
+        look: dict[str, Any] = {"light": rig, "ground": ground, "samples": samples}
+        scene.shading = Shading(shader, colors=by_numbers, **look)
+    scene.display = Display(*model["display"])
+    if model["edges"] is not None:
+        scene.edges = Edges(*model["edges"])
     if model["scene"] is not None:
         scene._take_built(model["scene"])
     return scene
@@ -216,46 +227,46 @@ def _analytic(kind: str, numbers: Sequence[float]) -> Shape:
     return make(*(numbers[3 * k : 3 * k + 3] for k in range(vectors)), *numbers[3 * vectors :])
 
 
-def _light(
-    kind: str,
-    vector: Vector,
-    color: Vector,
-    cone: tuple[Vector, tuple[float, float]] | None,
-) -> Light:
-    # Colours are set afterwards: those of a file are its own affair, however bright.
-    if kind == "directional":
-        parallel = DirectionalLight(vector)
-        settle(parallel, color=as_vector("color", color))
-        return parallel
-    light: PointLight | SpotLight = PointLight(vector)
-    if cone is not None:
-        direction, (inner, outer) = cone
-        light = SpotLight(vector, direction, inner_angle=inner, outer_angle=outer)
-    settle(light, intensity=as_vector("intensity", color))
-    return light
-
-
 class _Materials:
     """Materials that are made once, however many objects have them."""
 
     def __init__(self, textures: Sequence[_firsthit.Texels]) -> None:
         self._texels = textures
         self._textures: dict[_firsthit._MapOut, Texture] = {}
-        self._made: dict[_firsthit._MaterialOut, Material] = {}
+        self._made: dict[tuple[object, ...], Material] = {}
 
     def made(self, look: _firsthit._MaterialOut) -> Material:
-        if look not in self._made:
-            color, alpha, texture, alpha_texture, mode, cutoff, unlit, both, name = look
-            maps = self._texture(texture), self._texture(alpha_texture)
-            made = Material((1, 1, 1), alpha, *maps, mode, cutoff, unlit, both, name)
+        *first, (kind, settings), strengths, textures = look
+        key = (*first, kind, tuple(settings), strengths, tuple(textures))
+        if key not in self._made:
+            color, alpha, texture, alpha_texture, mode, cutoff, unlit, both, name = look[:9]
+            emission, normal_scale, occlusion_strength = strengths
+            others = {f"{role}_texture": self._texture(map_) for role, map_ in textures}
+            made = Material(
+                (1, 1, 1),
+                alpha,
+                self._texture(texture),
+                self._texture(alpha_texture),
+                mode,
+                cutoff,
+                unlit,
+                both,
+                name,
+                kind=kind,
+                emission=emission,
+                normal_scale=normal_scale,
+                occlusion_strength=occlusion_strength,
+                **dict[str, Any](settings),
+                **dict[str, Any](others),
+            )
             settle(made, color=as_vector("color", color))
-            self._made[look] = made
-        return self._made[look]
+            self._made[key] = made
+        return self._made[key]
 
     def _texture(self, made: _firsthit._MapOut | None) -> Texture | None:
         if made is None:
             return None
         if made not in self._textures:
-            number, wrap, between, rows = made
-            self._textures[made] = Texture._wrapped(self._texels[number], wrap, between, rows)
+            texels = self._texels[made[0]]
+            self._textures[made] = Texture._wrapped(texels, made[1], made[2], made[3], made[4])
         return self._textures[made]

@@ -9,6 +9,10 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import threads_or_all
+from ._camera import Camera
+from ._colors import Colors, colors_of
+from ._draws import Draws, takes_draws
+from ._edges import Edges
 from ._files import distinct, matte_of
 from ._filters import Filters
 from ._frame import Frame
@@ -18,11 +22,11 @@ from ._queries import shoot_camera, shoot_rays
 from ._rays import Rays
 from ._scene import Scene
 from ._sensor import Sensor
-from ._shading import Shading
+from ._shading import SAMPLES, Shader, Shading, shader_of
 from ._source import Source
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     import numpy.typing as npt
 
@@ -30,7 +34,7 @@ if TYPE_CHECKING:
     from ._progress import Report
     from ._traceable import Built
     from ._types import Asked, Selection, Side
-    from .typing import OwnShade, Progress, ShaderName
+    from .typing import ColorMapName, LightName, OwnShade, Progress, ShaderName
 
 #: About how many rays an own shader sees at a time when there are several samples.
 _BATCH = 1 << 18
@@ -45,10 +49,17 @@ def render(
     samples: int | None = None,
     region: tuple[slice, slice] | None = None,
     cull: Side | None = None,
+    edges: Edges | float | None = None,
     objects: Selection | None = None,
-    shade: ShaderName | OwnShade | None = None,
+    shade: ShaderName | Shader | OwnShade | None = None,
+    light: LightName | None = None,
+    ground: bool | None = None,
     ambient: npt.ArrayLike | None = None,
     shadows: bool | None = None,
+    color_by: str | npt.ArrayLike | Colors | None = None,
+    color_map: ColorMapName | None = None,
+    color_range: tuple[float, float] | None = None,
+    color_bar: bool | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Frame:
@@ -78,8 +89,10 @@ def render(
         The number of points of a pixel whose mean is its colour. They are the first ``samples``
         points of a fixed low-discrepancy sequence, the same in every pixel; the first is the
         centre. With a camera that has an aperture, each is a point of the lens too, and it takes at
-        least 2. Cryptomattes count the same samples. All other channels are those of the centre. If
-        left out, this, ``shade``, ``ambient`` and ``shadows`` are those of `Scene.shading`.
+        least 2. ``alpha``, ``ao`` and Cryptomattes are of the same samples. All other channels are
+        those of the centre. If left out, this, ``shade``, ``light`` and ``ground`` are those of
+        `Scene.shading`; where that does not say either, it is 16 with shaders that draw numbers,
+        and 4 with others.
     region : tuple of two slices, optional
         The part of the picture to make: its rows and its columns, without steps, such as
         ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for
@@ -87,19 +100,38 @@ def render(
     cull : {"front", "back"}, optional
         The side of surfaces that the camera's rays pass through: with ``"back"``, into a room
         through its walls. Rays of the shader, such as those to lights, meet both.
+    edges : Edges or float, optional
+        Lines along edges over the colours, also those of a function: an `Edges`, or the width of
+        the usual ones in pixels. The channel ``edge`` has their coverage. Only a camera has them;
+        one with an aperture is taken for a pinhole. If left out, `Scene.edges`, and where that is
+        ``None`` there are none over the colours.
     objects : int, str, or sequence of them, optional
         What is there, by identifiers or names. The others are not in the picture, and cast no
         shadows.
-    shade : {"lambert", "unlit", "normal"} or callable, optional
-        How hits get their colour. A function ``shade(hits)`` gets `Hits`, misses included, and
-        returns their linear colours, of shape (..., 3). With one sample it is called once; with
+    shade : str, Shader or callable, optional
+        How hits get their colour: a shader's name, a `Shader` with settings, or a function. A
+        function ``shade(hits)`` gets `Hits`, misses included, and returns their linear colours, of
+        shape (..., 3); ``shade(hits, draws)`` gets numbers to draw too, see `Draws`. It may shoot
+        rays of its own at the scene, all together. With one sample it is called once; with
         several it is called for each sample, and for parts of large pictures. It only sees the
-        pixels of the region. ``background``, ``ambient`` and
-        ``shadows`` cannot be given with it.
+        pixels of the region. ``background``, ``light``, ``ground``, ``ambient`` and ``shadows``
+        cannot be given with it. If left out, it is ``"direct"``; see docs/shading.md for all.
+    light : {"auto", "studio", "overcast", "sun", "headlight", "shoulder"}, optional
+        Lights that go with the camera, in place of the scene's. If left out, ``"auto"`` where
+        nothing shines.
+    ground : bool, optional
+        Whether there is a ground that only shadows are seen of, under everything. If left out, it
+        is there with automatic light and a camera above it that is outside of the scene.
     ambient : (3,) array_like or str, optional
-        Ambient light of the shader ``lambert``, linear.
+        Ambient light, linear, of a shader that has that setting; without a ``shade``, of
+        ``lambert``.
     shadows : bool, optional
-        Whether objects cast shadows with the shader ``lambert``.
+        Whether objects cast shadows, of a shader that has that setting.
+    color_by : str, (n,) array_like of float or Colors, optional
+        Colour surfaces by numbers, in place of their own colours: see `Colors`, which it may be as
+        a whole. If left out, ``colors`` of `Scene.shading`.
+    color_map, color_range, color_bar : optional
+        Its ``map``, ``range`` and ``bar``.
     threads : int, optional
         The number of threads; all cores if left out. The result is the same for any number.
     progress : bool or callable, optional
@@ -109,6 +141,8 @@ def render(
     -------
     Frame
         With the channels asked for, of the shape (rows, columns) of the region, or of the camera.
+        Colours are linear and of any brightness; `Frame.display`, by which PNGs show them, is
+        `Scene.display`.
 
     Raises
     ------
@@ -142,6 +176,10 @@ def render(
     ``attribute:NAME``               any float64        the attribute's        nan
     ``front``                        bool               the front was met      False
     ``valid``                        bool               the pixel has a ray    either
+    ``edge``                         float32            coverage, 0 to 1       either
+    ``alpha``                        float32            coverage               0, or shadow
+    ``ao``                           float32            share of the sky       1
+    ``samples``                      int32              number of samples      as others
     ``crypto_object``                12 float32         Cryptomatte            0
     ``crypto_material``              12 float32         Cryptomatte            0
     ===============================  =================  =====================  ================
@@ -175,51 +213,73 @@ def render(
     if not isinstance(scene, Scene) or not isinstance(camera, Sensor | None):
         raise TypeError("render takes a Scene and a Camera or another sensor")
     names, said = _names(channels), scene.shading
-    own = None if shade is None or isinstance(shade, str) else shade
+    own = None if shade is None or isinstance(shade, str | Shader) else shade
     if own is not None and not callable(own):
         raise TypeError(f"shade must be the name of a shader or a function, got {own!r}")
-    given = {"background": background, "ambient": ambient, "shadows": shadows}
+    given: dict[str, Any] = {"background": background, "light": light, "ground": ground}
+    given |= {"ambient": ambient, "shadows": shadows, "color_by": color_by}
+    given |= {"color_map": color_map, "color_range": color_range, "color_bar": color_bar}
     if own is not None:
         for name, value in given.items():
             if value is not None:
                 raise ValueError(f"{name} does nothing with a shade of one's own; leave it out")
-    look = Shading(
-        shade if isinstance(shade, str) else said.shade,
-        said.ambient if ambient is None else ambient,
-        said.shadows if shadows is None else shadows,
-        said.samples if samples is None else samples,
-    )
+    shader = shade if isinstance(shade, str | Shader) else said.shade
+    if ambient is not None and said.shade is None and shade is None:
+        shader = "lambert"
+    shader = shader_of(shader, {"ambient": ambient, "shadows": shadows})
+    numbers = {"map": color_map, "range": color_range, "bar": color_bar}
+    colors = colors_of(said.colors, color_by, **numbers)
+    look = said._but(shade=shader, samples=samples, light=light, ground=ground, colors=colors)
     use = threads_or_all(threads)
     background = scene.background if background is None else background
     back = None if background is None else background_native(background)
-    shader = "unlit" if own is not None else look.shade
-    shading = (shader, back, look.ambient, look.shadows)
+    if own is not None:
+        samples = SAMPLES if look.samples is None else look.samples
+        look = Shading("unlit", samples=samples, ground=False)
+    usual = scene.edges if camera is None or isinstance(camera, Camera) else None
+    lines = Edges._of(usual if edges is None else edges)
     asked = [name for name in names if own is None or name != "color"]
+    # The library draws over its own colours alone.
+    if own is not None and lines is not None and "color" in names and "edge" not in asked:
+        asked.append("edge")
     camera = scene._view() if camera is None else camera
+    built, filters = scene._seen(scene._ready(), None, objects), Filters.of(None, cull, None)
+    how = look._native(), scene.up
+    samples, _guessed = _firsthit.resolve(built.native, camera._native, *how)
     if own is not None and "color" in names:
-        _firsthit.check_samples(camera._native, look.samples)
+        _firsthit.check_samples(camera._native, samples)
     part = _Region.of(region, (camera.rows, camera.columns))
     pixels = math.prod(part.shape)
-    work = _firsthit.render_work(pixels, asked, look.samples)
-    owned = pixels * look.samples if own is not None and "color" in names else 0
-    built, filters = scene._seen(scene._ready(), None, objects), Filters.of(None, cull, None)
+    work = _firsthit.render_work(pixels, asked, samples)
+    owned = pixels * samples if own is not None and "color" in names else 0
     side = None if filters is None else filters.cull
     with following(progress, work + owned) as report:
-        how = shading, look.samples, part, side, use
-        arrays, origin = _firsthit.render(built.native, camera._native, asked, *how, report)
+        drawn = None if lines is None else lines._native()
+        settings = look._native(), back, scene.up, samples, part, side, drawn, use
+        arrays, origin = _firsthit.render(built.native, camera._native, asked, *settings, report)
         made = {name: _shaped(array, part) for name, array in zip(asked, arrays, strict=True)}
         if own is not None and "color" in names:
             job = _OwnShading(built, filters, camera, part, own, use)
             told = later(report, work)
-            made["color"] = (
-                job.centres(told) if look.samples == 1 else job.means(look.samples, told)
-            )
-    return Frame._of(part.shape, {matte_of(name) or name: made[name] for name in names}, origin)
+            made["color"] = job.centres(told) if samples == 1 else job.means(samples, told)
+            if lines is not None:
+                made["color"] = _under(made["edge"], lines, made["color"])
+    held = {matte_of(name) or name: made[name] for name in names}
+    return Frame._of(part.shape, held, origin, display=scene.display)
 
 
 def _names(channels: str | Sequence[str]) -> list[str]:
     known: list[str] = [name for name, _ in _firsthit.channel_names()]
     return distinct(channels, known)
+
+
+def _under(
+    covered: npt.NDArray[np.float32], lines: Edges, color: npt.NDArray[np.float32]
+) -> npt.NDArray[np.float32]:
+    """Return colours with lines over them."""
+    share = covered[..., np.newaxis].astype(np.float64)
+    mixed: npt.NDArray[np.float64] = (1 - share) * color + share * np.asarray(lines.color)
+    return mixed.astype(np.float32)
 
 
 def _shaped(array: npt.NDArray[Any], part: _Region) -> npt.NDArray[Any]:
@@ -279,7 +339,8 @@ class _OwnShading(NamedTuple):
             grids = (array.reshape(*self.region.shape, 3) for array in source.both())
             rays = Rays.of(*grids, filters=self.filters)
             hits = shoot_rays(self.built, rays, self.threads, report, source)
-        return np.ascontiguousarray(self._colors(hits), np.float32)
+        pixels = self._pixels(self.region.top, self.region.bottom)
+        return np.ascontiguousarray(self._colors(hits, pixels, 0), np.float32)
 
     def means(self, samples: int, report: Report | None) -> npt.NDArray[np.float32]:
         """Return the means of the colours at so many points of each pixel."""
@@ -300,7 +361,7 @@ class _OwnShading(NamedTuple):
                 source = Source(camera, pixels.reshape(-1), rays)
                 told = later(report, done)
                 hits = shoot_rays(self.built, rays, self.threads, told, source)
-                total += self._colors(hits)
+                total += self._colors(hits, pixels, sample)
                 done += rays.length
             colors[row - top : last - top] = total / samples
         return colors
@@ -310,8 +371,12 @@ class _OwnShading(NamedTuple):
         columns = np.arange(self.region.left, self.region.right)
         return np.arange(row, last)[:, None] * self.camera.columns + columns
 
-    def _colors(self, hits: Hits) -> npt.NDArray[np.float64]:
-        colors = np.asarray(self.shade(hits))
+    def _colors(
+        self, hits: Hits, pixels: npt.NDArray[np.int64], sample: int
+    ) -> npt.NDArray[np.float64]:
+        shade: Callable[..., npt.ArrayLike] = self.shade
+        given = shade(hits, Draws(pixels, sample)) if takes_draws(shade) else shade(hits)
+        colors = np.asarray(given)
         wanted = (*hits.shape, 3)
         if colors.dtype.kind not in "fiub":
             raise ValueError(f"shade must return real numbers, got dtype {colors.dtype}")

@@ -13,6 +13,9 @@ from ._arrays import color_of, text, vector
 from ._camera import Camera
 from ._cameras import NamedCamera, find
 from ._changes import Changes
+from ._display import Display, as_display
+from ._edges import Edges
+from ._environment import Environment
 from ._explain import Explainable
 from ._filters import ALL, one_mask
 from ._foreign_mesh import is_mesh
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._material import Material
+    from ._traceable import Around
     from ._types import MeshLike, SceneLike, Vector
 
 
@@ -74,9 +78,12 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
         #: See `Changes`.
         self._moves: list[int] = []
         self._lights: list[Light] = []
+        self._environment: Environment | None = None
         self._cameras: tuple[NamedCamera, ...] = ()
         self._background: Sky | Vector | str | None = None
         self._shading = Shading()
+        self._display = Display()
+        self._edges: Edges | None = None
         self._up: Vector = (0.0, 0.0, 1.0)
         #: Whether that is only the convention of the file's format.
         self._up_is_guessed = False
@@ -189,11 +196,11 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
         return next(k for k in places if self._objects[k]._mark is made._mark)
 
     def add_light(self, light: Light) -> None:
-        """Add a light. A scene without lights is lit from behind the camera's left shoulder.
+        """Add a light. Pictures of a scene without lights have automatic light, see `render`.
 
         Parameters
         ----------
-        light : DirectionalLight, PointLight or SpotLight
+        light : DirectionalLight, PointLight, SpotLight, SphereLight, DiscLight or RectangleLight
             The light, in world space.
 
         Raises
@@ -236,9 +243,9 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
             built.native,
             [(made.name, made.camera._native, made.has_size) for made in self._cameras],
             None if background is None else background_native(background),
-            None
-            if shading == Shading()
-            else (shading.shade, shading.ambient, shading.shadows, shading.samples),
+            shading._native(),
+            self._display._native,
+            None if self._edges is None else self._edges._native(),
             self._has_view,
             self._up,
             self._up_is_guessed,
@@ -246,7 +253,7 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
 
     def _take_built(self, native: _firsthit.Scene) -> None:
         """Take what is built from the objects and lights there are, lest it be built again."""
-        built = Built(self._objects[:], self._lights[:], native)
+        built = Built(self._objects[:], self._lights[:], self._around(), native)
         self._last = _Last(built, self._moves, len(self._moves))
 
     @property
@@ -258,6 +265,17 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
     def lights(self) -> tuple[Light, ...]:
         """The lights, in the order in which they were added."""
         return tuple(self._lights)
+
+    @property
+    def environment(self) -> Environment | None:
+        """The light from all around, or None; a ``TypeError`` for what is no `Environment`."""
+        return self._environment
+
+    @environment.setter
+    def environment(self, environment: Environment | None) -> None:
+        if not (environment is None or isinstance(environment, Environment)):
+            raise TypeError(f"environment must be an Environment or None, got {environment!r}")
+        self._environment = environment
 
     @property
     def cameras(self) -> tuple[NamedCamera, ...]:
@@ -338,6 +356,29 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
         self._shading = shading
 
     @property
+    def display(self) -> Display:
+        """How PNGs of pictures of the scene show colours where nobody says, see `Frame.display`.
+
+        A ``TypeError`` for what is no `Display`.
+        """
+        return self._display
+
+    @display.setter
+    def display(self, display: Display) -> None:
+        self._display = as_display(display)
+
+    @property
+    def edges(self) -> Edges | None:
+        """The default lines along edges of `render`; a ``TypeError`` for what is no `Edges`."""
+        return self._edges
+
+    @edges.setter
+    def edges(self, edges: Edges | None) -> None:
+        if not isinstance(edges, Edges | None):
+            raise TypeError(f"edges must be an Edges or None, got {edges!r}")
+        self._edges = edges
+
+    @property
     def bounds(self) -> npt.NDArray[np.float64]:
         """The box around all finite objects in world space: its low and its high corner.
 
@@ -365,7 +406,14 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
     def _is_all_in(self, built: Built) -> bool:
         """Tell whether nothing was added since something was built."""
         counts = len(built.objects), len(built.lights)
-        return counts == (len(self._objects), len(self._lights))
+        is_all = counts == (len(self._objects), len(self._lights))
+        return is_all and built.around == self._around()
+
+    def _around(self) -> Around:
+        """Return what is around; which way is up counts only for an environment."""
+        if self._environment is None:
+            return None, (0.0, 0.0, 1.0), False
+        return self._environment, self._up, self._up_is_guessed
 
     def _build(self) -> Built:
         """Build what there is now, and remember it.
@@ -388,11 +436,12 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
         # The list is replaced before the objects are copied: a later move is then in the new list.
         moves: list[int] = []
         self._moves = moves
+        around = self._around()
         lights, objects = self._lights[:], self._objects[:]
         while len(lights) < len(self._lights):
             lights, objects = self._lights[:], self._objects[:]
         previous = None if last is None else last.built.native
-        built = Built(objects, lights, previous=previous)
+        built = Built(objects, lights, around, previous=previous)
         self._last = _Last(built, moves, 0)
         return built
 
@@ -430,10 +479,13 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
 _KEPT = (
     "_objects",
     "_lights",
+    "_environment",
     "_cameras",
     "_has_view",
     "_background",
     "_shading",
+    "_display",
+    "_edges",
     "_up",
     "_up_is_guessed",
 )

@@ -255,6 +255,11 @@ class Mesh(Shape):
         The same for the polygons that ``faces`` counts.
     corner_properties : dict of str to (m, 3) or (m, 3, k) array_like, optional
         The same for the corners of the triangles.
+    second_uvs : (n, 2) or (m, 3, 2) array_like, optional
+        Texture coordinates for textures that take the second ones.
+    tangents : (n, 4) or (m, 3, 4) array_like, optional
+        For normal maps: the direction in which the map's columns run, and 1, or -1 where the map is
+        mirrored. Without them the texture coordinates tell.
 
     Raises
     ------
@@ -289,6 +294,9 @@ class Mesh(Shape):
         vertex_properties: Mapping[str, npt.ArrayLike] | None = None,
         face_properties: Mapping[str, npt.ArrayLike] | None = None,
         corner_properties: Mapping[str, npt.ArrayLike] | None = None,
+        *,
+        second_uvs: npt.ArrayLike | None = None,
+        tangents: npt.ArrayLike | None = None,
     ) -> None:
         if triangles is None:
             other: Any = vertices
@@ -304,9 +312,14 @@ class Mesh(Shape):
         points = table("vertices", vertices, 3, np.float64)
         corners = _indices(triangles, len(points))
         optional = [("normals", normals, 3), ("uvs", uvs, 2), ("colors", colors, 3)]
+        optional += [
+            ("alphas", alphas, 1),
+            ("second_uvs", second_uvs, 2),
+            ("tangents", tangents, 4),
+        ]
         attributes = tuple(
             None if value is None else _attribute(name, value, columns)
-            for name, value, columns in [*optional, ("alphas", alphas, 1)]
+            for name, value, columns in optional
         )
         labels = [
             None if value is None else _labels(name, value, len(corners))
@@ -365,6 +378,16 @@ class Mesh(Shape):
     def alphas(self) -> npt.NDArray[np.float32] | None:
         """The alphas, (n, 1) or (m, 3, 1) float32: a copy."""
         return self._mesh.attributes()[3]
+
+    @property
+    def second_uvs(self) -> npt.NDArray[np.float32] | None:
+        """The second texture coordinates, (n, 2) or (m, 3, 2) float32: a copy."""
+        return self._mesh.attributes()[4]
+
+    @property
+    def tangents(self) -> npt.NDArray[np.float32] | None:
+        """The tangents in object space, (n, 4) or (m, 3, 4) float32: a copy."""
+        return self._mesh.attributes()[5]
 
     @property
     def faces(self) -> npt.NDArray[np.uint32] | None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from . import _firsthit
 from ._filters import ALL, one_mask
+from ._lights import light_native
 from ._object import chosen
 
 if TYPE_CHECKING:
@@ -15,9 +16,13 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from ._environment import Environment
     from ._lights import Light
     from ._object import Object
     from ._types import Selection, Vector
+
+#: What is around a scene, which way is up, and whether that is guessed.
+Around: TypeAlias = "tuple[Environment | None, Vector, bool]"
 
 
 class Built:
@@ -30,15 +35,21 @@ class Built:
         self,
         objects: Sequence[Object],
         lights: Sequence[Light],
+        around: Around,
         native: _firsthit.Scene | None = None,
         previous: _firsthit.Scene | None = None,
     ) -> None:
         """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
-        self.objects, self.lights = objects, lights
+        self.objects, self.lights, self.around = objects, lights, around
         #: What rays of one mask, or of some objects, were last shot at.
         self._seen: _Seen | None = None
+        environment, up, is_guessed = around
         self.native = native or _firsthit.Scene(
-            [made._native() for made in objects], [light._native() for light in lights], previous
+            [made._native() for made in objects],
+            [light_native(light) for light in lights],
+            None if environment is None else environment._native(),
+            (up, is_guessed),
+            previous,
         )
 
     def changed(self, changed: Mapping[int, Object]) -> Built:
@@ -57,7 +68,8 @@ class Built:
                 places.append((identifier, made.transform.tolist()))
             if made._is_hidden != old._is_hidden:
                 hidden.append((identifier, made._is_hidden))
-        return Built(objects, self.lights, self.native.changed(replaced, places, hidden))
+        native = self.native.changed(replaced, places, hidden)
+        return Built(objects, self.lights, self.around, native)
 
     def seen(self, mask: int, only: Sequence[int] | None) -> Built:
         """Return what rays with a mask meet, or only some of it, by identifiers.
@@ -68,13 +80,13 @@ class Built:
         last = self._seen
         if last is None or last.key != key:
             native = self.native.seen_by(mask, None if only is None else list(only))
-            last = _Seen(self.objects, self.lights, native, key)
+            last = _Seen(self.objects, self.lights, self.around, native, key)
             # The last one alone is kept: it is asked for again and again, or never.
             self._seen = last
         return last
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Built, (self.objects, self.lights)
+        return Built, (self.objects, self.lights, self.around)
 
 
 class _Seen(Built):
@@ -84,20 +96,24 @@ class _Seen(Built):
         self,
         objects: Sequence[Object],
         lights: Sequence[Light],
+        around: Around,
         native: _firsthit.Scene,
         key: tuple[int, tuple[int, ...] | None],
     ) -> None:
-        super().__init__(objects, lights, native)
+        super().__init__(objects, lights, around, native)
         self.key = key
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _seen_again, (self.objects, self.lights, self.key)
+        return _seen_again, (self.objects, self.lights, self.around, self.key)
 
 
 def _seen_again(
-    objects: Sequence[Object], lights: Sequence[Light], key: tuple[int, tuple[int, ...] | None]
+    objects: Sequence[Object],
+    lights: Sequence[Light],
+    around: Around,
+    key: tuple[int, tuple[int, ...] | None],
 ) -> Built:
-    return Built(objects, lights).seen(*key)
+    return Built(objects, lights, around).seen(*key)
 
 
 class Traceable:

@@ -41,6 +41,10 @@ ChannelName = Literal[
     "base_color",
     "front",
     "valid",
+    "edge",
+    "alpha",
+    "ao",
+    "samples",
     "crypto_object",
     "crypto_material",
 ]
@@ -51,14 +55,52 @@ MatteName = Literal["crypto_object", "crypto_material"]
 #: time it is the text itself, which will do.
 AttributeChannel = NewType("AttributeChannel", str)
 #: The channel of a Cryptomatte with another number of pairs than six, for type checkers:
-#: ``MatteChannel("crypto_object:8")``. At run time it is the text itself, which will do.
+#: ``MatteChannel("crypto_object:8")``. At run time it is the text itself, which will do. It serves
+#: for ambient occlusion up to a distance too: ``MatteChannel("ao:0.5")``.
 MatteChannel = NewType("MatteChannel", str)
 #: What pictures and files of hits can be asked for.
 Asked = ChannelName | AttributeChannel | MatteChannel
 
 #: What of a mesh has an attribute.
 AttributeOf = Literal["vertices", "corners", "faces"]
-ShaderName = Literal["lambert", "unlit", "normal"]
+#: What surfaces are made of.
+MaterialKind = Literal["matte", "metal-rough", "glass"]
+ShaderName = Literal[
+    "direct",
+    "path",
+    "whitted",
+    "lambert",
+    "phong",
+    "blinn-phong",
+    "hemisphere",
+    "matcap",
+    "ao",
+    "xray",
+    "ghost",
+    "unlit",
+    "normal",
+]
+#: Colour maps.
+ColorMapName = Literal[
+    "viridis",
+    "cividis",
+    "plasma",
+    "inferno",
+    "magma",
+    "turbo",
+    "coolwarm",
+    "spectral",
+    "blues",
+    "grey",
+]
+#: Lights that go with the camera.
+LightName = Literal["auto", "studio", "overcast", "sun", "headlight", "shoulder"]
+#: How PNGs show colours of any brightness, see `Display`.
+ToneMapName = Literal["none", "neutral", "agx", "aces"]
+#: What makes a line of an edge, see `Edges`.
+EdgeKind = Literal["silhouette", "crease", "boundary", "object", "material", "wireframe"]
+#: Width, angle, kinds, dash and gap of what is hidden, and colour.
+EdgesTuple = tuple[float, float, Sequence[EdgeKind], tuple[float, float] | None, Vector]
 #: What `Camera` takes; its docstring says what each is.
 Projection = Literal[
     "perspective",

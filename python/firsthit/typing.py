@@ -16,11 +16,14 @@ from ._types import (
     AttributeOf,
     BodyName,
     ChannelName,
+    ColorMapName,
     DistanceName,
+    EdgeKind,
     Extrapolation,
     Filter,
     IdentifierName,
     Interpolation,
+    LightName,
     MatteChannel,
     MatteName,
     MeshLike,
@@ -36,6 +39,7 @@ from ._types import (
     Selection,
     ShaderName,
     Side,
+    ToneMapName,
     TrajectoryFormat,
     Turn,
     Vector,
@@ -47,6 +51,7 @@ from ._types import (
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ._draws import Draws
     from ._hits import Hits
 
 __all__ = [
@@ -57,11 +62,14 @@ __all__ = [
     "AttributeOf",
     "BodyName",
     "ChannelName",
+    "ColorMapName",
     "DistanceName",
+    "EdgeKind",
     "Extrapolation",
     "Filter",
     "IdentifierName",
     "Interpolation",
+    "LightName",
     "MatteChannel",
     "MatteName",
     "MeshLike",
@@ -78,6 +86,7 @@ __all__ = [
     "Selection",
     "ShaderName",
     "Side",
+    "ToneMapName",
     "TrajectoryFormat",
     "Turn",
     "Vector",
@@ -87,4 +96,4 @@ __all__ = [
 ]
 
 #: A shader of one's own: from hits, misses included, to linear colours of shape (..., 3).
-OwnShade = Callable[["Hits"], "npt.ArrayLike"]
+OwnShade = Callable[["Hits"], "npt.ArrayLike"] | Callable[["Hits", "Draws"], "npt.ArrayLike"]

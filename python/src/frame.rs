@@ -5,28 +5,37 @@ use std::path::PathBuf;
 
 use firsthit::channel::{self, Kind, RAY};
 use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
-use firsthit::render::{
-    BACKGROUND, Picture, Region, SAMPLES, has_shoulder_shadows, shoulder_light, work,
-};
+use firsthit::render::{BACKGROUND, Picture, Region, SAMPLES, work};
 use firsthit::sensor::Sensor;
-use firsthit::shade::Lambert;
-use firsthit::{Background, Color, Shader, Shading, Side};
+use firsthit::shoot::Cpu;
+use firsthit::{Background, Color, DisplayTransform, Side};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{copied, not_contiguous};
+use crate::edges::EdgesIn;
 use crate::errors::raise;
 use crate::load::background_out;
 use crate::run::{run, run_reported};
 use crate::scene::Scene;
 use crate::sensor::SensorIn;
+use crate::shading::ShadingIn;
 
-/// How to shade: the shader's name, the background (nothing: transparent; a colour; or horizon, zenith and up) and the ambient
-/// light if not the usual ones, shadows.
+/// How PNGs show colours: the exposure in stops, and the tone map's name.
 #[derive(FromPyObject)]
-pub(crate) struct ShadingIn(String, Option<Vec<[f64; 3]>>, Option<[f64; 3]>, bool);
+pub(crate) struct DisplayIn(f64, String);
+
+impl DisplayIn {
+    pub(crate) fn transform(&self) -> firsthit::Result<DisplayTransform> {
+        let Self(exposure, tone_map) = self;
+        Ok(DisplayTransform {
+            exposure: *exposure,
+            tone_map: tone_map.parse()?,
+        })
+    }
+}
 
 /// The kinds of some channels.
 fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<Cow<'static, Kind>>> {
@@ -70,45 +79,37 @@ pub(crate) fn render<'py>(
     camera: SensorIn<'py>,
     channels: Vec<String>,
     shading: ShadingIn,
+    background: Option<Vec<[f64; 3]>>,
+    up: [f64; 3],
     samples: u32,
     region: [usize; 4],
     cull: Option<String>,
+    edges: Option<EdgesIn>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
     let kinds = kinds(py, &channels)?;
     let kinds = references(&kinds);
-    let ShadingIn(name, background, ambient, shadows) = shading;
-    let shader = shader_in(&name, ambient, shadows);
-    let mut shader = shader.map_err(|error| raise(py, &error))?;
     // Kept by the scene, of which the next picture may be.
-    run(py, threads, |_| Ok(scene.0.fingerprint().len()))?;
-    let sensor = camera.sensor();
-    // Without lights of its own a scene is lit over the shoulder of the camera; of other sensors there is ambient light alone.
-    let scene = match sensor.camera() {
-        Some(camera) if scene.0.lights().is_empty() => {
-            if let Shader::Lambert(lambert) = &mut shader {
-                lambert.shadows &= has_shoulder_shadows(camera);
-            }
-            (scene.0.clone()).with_borrowed_lights(vec![shoulder_light(camera)])
-        }
-        _ => scene.0.clone(),
-    };
-    let background = background.as_deref().map_or(BACKGROUND, background_in);
-    let shade = Shading {
-        background,
-        ..shader.on(&scene)
-    };
+    let (built, sensor) = (&scene.0, camera.sensor());
+    let resolved = run(py, threads, |_| {
+        built.fingerprint();
+        shading.resolve(built, sensor.camera(), background.as_deref(), up)
+    })?;
+    let shade = resolved.shading(Cpu::shared());
     let [top, bottom, left, right] = region;
     let cull = cull.as_deref().and_then(Side::from_name);
+    let edges = edges.as_ref().map(EdgesIn::edges).transpose();
+    let edges = edges.map_err(|error| raise(py, &error))?;
     let picture = Picture {
         samples,
         cull,
+        edges,
         region: Some(Region {
             rows: top..bottom,
             columns: left..right,
         }),
-        ..Picture::new(&scene, sensor, &shade, &kinds)
+        ..Picture::new(&resolved.scene, sensor, &shade, &kinds)
     };
     let frame = run_reported(py, threads, report.as_ref(), |stop| picture.render(stop))?;
     let origin = serde_json::to_string(frame.origin());
@@ -116,20 +117,6 @@ pub(crate) fn render<'py>(
     let channels = frame.into_channels().into_iter();
     let arrays = channels.map(|channel| array(py, channel.data)).collect();
     Ok((arrays, origin))
-}
-
-/// A shader by its name, and the ambient light, if not the usual one, and the shadows of Lambert's.
-pub(crate) fn shader_in(
-    name: &str,
-    ambient: Option<[f64; 3]>,
-    shadows: bool,
-) -> firsthit::Result<Shader> {
-    let mut shader = Shader::named(name)?;
-    if let Shader::Lambert(lambert) = &mut shader {
-        let ambient = ambient.map_or(lambert.ambient, Color::from);
-        *lambert = Lambert { ambient, shadows };
-    }
-    Ok(shader)
 }
 
 /// A background: nothing if transparent; a colour; or horizon, zenith and up.
@@ -268,9 +255,16 @@ pub(crate) fn write(
     channels: Vec<(String, Bound<'_, PyAny>)>,
     origin: &str,
     png_scale: Option<f64>,
+    display: Option<DisplayIn>,
 ) -> PyResult<()> {
     let frame = frame(py, shape, channels, origin)?;
-    let settings = WriteSettings { png_scale };
+    let display = display.as_ref().map(DisplayIn::transform).transpose();
+    let settings = WriteSettings {
+        png_scale,
+        display: display
+            .map_err(|error| raise(py, &error))?
+            .unwrap_or_default(),
+    };
     run(py, 0, |stop| {
         image::format_of(&path)?.write(&frame, None, settings, &path, stop)
     })
@@ -314,9 +308,14 @@ pub(crate) fn png<'py>(
     shape: Vec<usize>,
     name: String,
     values: Bound<'py, PyAny>,
+    display: DisplayIn,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let frame = frame(py, shape, vec![(name, values)], "{}")?;
-    let (settings, memory) = (WriteSettings::default(), "memory".as_ref());
+    let settings = WriteSettings {
+        display: display.transform().map_err(|error| raise(py, &error))?,
+        ..WriteSettings::default()
+    };
+    let memory = "memory".as_ref();
     let mut bytes = Vec::new();
     let encoded = image::format_named("png")
         .and_then(|format| format.encode(&frame, None, settings, &mut bytes, memory));

@@ -9,6 +9,9 @@
 mod arrays;
 mod attributes;
 mod camera;
+mod colors;
+mod edges;
+mod environment;
 mod errors;
 mod explain;
 mod filters;
@@ -22,6 +25,7 @@ mod run;
 mod scene;
 mod section;
 mod sensor;
+mod shading;
 mod shape;
 mod shoot;
 
@@ -36,6 +40,12 @@ mod _firsthit {
     use crate::attributes::{attribute, attribute_names};
     #[pymodule_export]
     use crate::camera::{Camera, rotation};
+    #[pymodule_export]
+    use crate::colors::color_names;
+    #[pymodule_export]
+    use crate::edges::{check_edges, edge_defaults};
+    #[pymodule_export]
+    use crate::environment::{EnvironmentMap, check_environment, environment_radiance, sun_of};
     #[pymodule_export]
     use crate::explain::explain;
     #[pymodule_export]
@@ -63,6 +73,8 @@ mod _firsthit {
     use crate::section::Section;
     #[pymodule_export]
     use crate::sensor::{Pattern, Sensor, Trajectory, axes_from, lidar_models};
+    #[pymodule_export]
+    use crate::shading::{check_shader, draws, resolve, shader_settings};
     #[pymodule_export]
     use crate::shape::{Mesh, Shape};
     #[pymodule_export]

@@ -5,18 +5,20 @@ use std::sync::Arc;
 
 use firsthit::fhs;
 use firsthit::load::{LoadSettings, Loaded};
-use firsthit::render::SAMPLES;
 use firsthit::scene::Label;
 use firsthit::world::{NamedCamera, World};
-use firsthit::{Background, DAffine3, Light, Object, Shader, Shape};
+use firsthit::{Background, DAffine3, Object, Shape};
 use pyo3::prelude::*;
 
 use crate::camera::{Camera, ViewOut, view_out};
+use crate::edges::{EdgesIn, EdgesOut, edges_out};
+use crate::environment::{EnvironmentOut, environment_out};
 use crate::errors::raise;
-use crate::frame::{background_in, shader_in};
+use crate::frame::DisplayIn;
 use crate::material::{MaterialOut, Texels, material_out};
 use crate::run::run;
 use crate::scene::{LabelTuple, Scene};
+use crate::shading::{LightOut, ShadingIn, ShadingOut, light_out, shading_out};
 use crate::shape::Mesh;
 
 /// A shape: the number of a mesh, or a kind and its numbers in the order of Python's arguments.
@@ -40,17 +42,6 @@ type ObjectOut = (
 /// Name; what it is made from; whether rows, columns and width are the file's own.
 type CameraOut = (String, ViewOut, bool);
 
-/// Kind, direction or position, colour or intensity; of a spot light its direction and its inner and outer angle.
-type LightOut = (
-    &'static str,
-    [f64; 3],
-    [f64; 3],
-    Option<([f64; 3], [f64; 2])>,
-);
-
-/// The shader's name, Lambert's ambient light, its shadows, samples.
-type ShadingOut = (&'static str, Option<[f64; 3]>, bool, u32);
-
 /// All that a file holds.
 #[derive(IntoPyObject)]
 pub(crate) struct ModelOut {
@@ -59,9 +50,13 @@ pub(crate) struct ModelOut {
     objects: Vec<ObjectOut>,
     cameras: Vec<CameraOut>,
     lights: Vec<LightOut>,
+    environment: Option<EnvironmentOut>,
     /// One colour, or horizon, zenith and up.
     background: Option<Vec<[f64; 3]>>,
     shading: Option<ShadingOut>,
+    /// The exposure in stops, and the tone map.
+    display: (f64, &'static str),
+    edges: Option<EdgesOut>,
     /// Whether the first camera is the one to look through.
     has_view: bool,
     up: [f64; 3],
@@ -97,17 +92,18 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf, verify: bool) -> PyResult<Mode
     run(py, 0, |_| open().and_then(with_lit_scene)).map(taken_apart)
 }
 
-/// Makes the scene of a file that holds one built that of all its objects and lights.
+/// Makes the scene of a file that holds one built that of all its objects, lights and its environment.
 fn with_lit_scene(mut loaded: Loaded) -> firsthit::Result<Loaded> {
     if let Some(built) = &loaded.scene {
         let scene = built.with_objects(loaded.world.objects.clone())?;
-        loaded.scene = Some(scene.with_lights(loaded.world.lights.clone()));
+        let lit = scene.with_lights(loaded.world.lights.clone());
+        loaded.scene = Some(lit.with_environment(loaded.world.environment.clone()));
     }
     Ok(loaded)
 }
 
-/// Saves a built scene with the cameras, the background (see `background_in`) and the shading of a scene in Python, whether the
-/// first camera is the one to look through, which way is up, and whether that is guessed.
+/// Saves a built scene with the cameras, the background (see `background_in`), the shading, the display and the lines of edges of a scene in Python,
+/// whether the first camera is the one to look through, which way is up, and whether that is guessed.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -119,22 +115,30 @@ pub(crate) fn save(
     scene: &Scene,
     cameras: Vec<CameraIn<'_>>,
     background: Option<Vec<[f64; 3]>>,
-    shading: Option<ShadingIn>,
+    shading: ShadingIn,
+    display: DisplayIn,
+    edges: Option<EdgesIn>,
     has_view: bool,
     up: [f64; 3],
     up_is_guessed: bool,
 ) -> PyResult<()> {
-    let shader = |shading: &ShadingIn| {
-        let ShadingIn(name, ambient, shadows, _) = shading;
-        shader_in(name, *ambient, *shadows).map_err(|error| raise(py, &error))
-    };
+    let appearance = shading.appearance(background.as_deref());
+    let appearance = appearance.map_err(|error| raise(py, &error))?;
+    let lines = edges.as_ref().map(EdgesIn::edges).transpose();
+    let lines = lines.map_err(|error| raise(py, &error))?;
     let world = World {
         cameras: cameras.iter().map(CameraIn::named).collect(),
         lights: scene.0.lights().to_vec(),
         has_view,
-        background: background.as_deref().map(background_in),
-        shader: shading.as_ref().map(shader).transpose()?,
-        samples: shading.map(|ShadingIn(.., samples)| samples),
+        background: appearance.background,
+        shader: appearance.shader,
+        samples: appearance.samples,
+        rig: appearance.rig,
+        ground: appearance.ground,
+        coloring: appearance.coloring,
+        environment: scene.0.environment().cloned().map(Arc::new),
+        display: display.transform().map_err(|error| raise(py, &error))?,
+        edges: lines,
         up: up.into(),
         up_is_guessed,
         ..World::default()
@@ -158,10 +162,6 @@ impl CameraIn<'_> {
         }
     }
 }
-
-/// The shader's name, Lambert's ambient light if not the usual one, its shadows, samples.
-#[derive(FromPyObject)]
-pub(crate) struct ShadingIn(String, Option<[f64; 3]>, bool, u32);
 
 fn taken_apart(loaded: Loaded) -> ModelOut {
     let Loaded {
@@ -198,8 +198,11 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
         textures: textures.list.into_iter().map(Texels).collect(),
         cameras: model.cameras.iter().map(camera_out).collect(),
         lights: model.lights.iter().map(light_out).collect(),
+        environment: model.environment.as_deref().map(environment_out),
         background: model.background.map(background_out),
-        shading: shading_out(model),
+        shading: shading_of(model),
+        display: (model.display.exposure, model.display.tone_map.name()),
+        edges: model.edges.as_ref().map(edges_out),
         has_view: model.has_view,
         up: model.up.to_array(),
         up_is_guessed: model.up_is_guessed,
@@ -284,40 +287,18 @@ fn camera_out(camera: &NamedCamera) -> CameraOut {
     (camera.name.clone(), view_out(&camera.view), camera.has_size)
 }
 
-fn light_out(light: &Light) -> LightOut {
-    match *light {
-        Light::Directional { direction, color } => {
-            ("directional", direction.to_array(), color.to_array(), None)
-        }
-        Light::Point {
-            position,
-            intensity,
-        } => ("point", position.to_array(), intensity.to_array(), None),
-        Light::Spot {
-            position,
-            direction,
-            intensity,
-            inner_angle,
-            outer_angle,
-        } => {
-            let cone = (direction.to_array(), [inner_angle, outer_angle]);
-            let (position, intensity) = (position.to_array(), intensity.to_array());
-            ("spot", position, intensity, Some(cone))
-        }
-    }
-}
-
-fn shading_out(model: &World) -> Option<ShadingOut> {
-    if model.shader.is_none() && model.samples.is_none() {
-        return None;
-    }
-    let shader = model.shader.clone().unwrap_or_default();
-    let (ambient, shadows) = match &shader {
-        Shader::Lambert(lambert) => (Some(lambert.ambient.to_array()), lambert.shadows),
-        _ => (None, true),
-    };
-    let samples = model.samples.unwrap_or(SAMPLES);
-    Some((shader.name(), ambient, shadows, samples))
+fn shading_of(model: &World) -> Option<ShadingOut> {
+    let world = model;
+    let says_something = world.shader.is_some()
+        || world.samples.is_some()
+        || world.rig.is_some()
+        || world.ground.is_some()
+        || world.coloring.is_some();
+    says_something.then(|| {
+        let shader = world.shader.as_ref();
+        let coloring = world.coloring.as_ref();
+        shading_out(shader, world.rig, world.ground, world.samples, coloring)
+    })
 }
 
 pub(crate) fn background_out(background: Background) -> Vec<[f64; 3]> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use firsthit::geometry::{self, COLOR_NAMES, color_of};
-use firsthit::scene::{AlphaMode, Filter, MapRole, Maps, Wrap};
+use firsthit::scene::{AlphaMode, Filter, MapRole, Maps, Model, UvSet, Wrap};
 use firsthit::scene_file::nearest_word;
 use firsthit::{Color, Material, Texture, TextureMap};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{copied, not_contiguous};
 use crate::errors::raise;
+use crate::shading::{SettingsOut, ValueIn, settings_out};
 
 /// The texels of a texture, which materials can share.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -39,11 +40,20 @@ impl Texels {
     }
 }
 
-/// A texture on a surface: texels, the names of its wraps and its filter, its coordinates' map.
+/// A texture on a surface: texels, the names of its wraps and its filter, its coordinates' map, whether those are the second.
 #[derive(FromPyObject)]
-pub(crate) struct MapIn<'py>(PyRef<'py, Texels>, [String; 2], String, [[f64; 3]; 2]);
+pub(crate) struct MapIn<'py>(PyRef<'py, Texels>, [String; 2], String, [[f64; 3]; 2], bool);
 
-/// A material: colour, alpha, texture, texture for alpha, how alpha counts, its cutoff, unlit, double-sided, its name.
+/// What a material is made of: the model's name, and its settings.
+#[derive(FromPyObject)]
+struct ModelIn(String, Vec<(String, ValueIn)>);
+
+/// What it gives off, how steep its normal map is, how much its occlusion map counts.
+#[derive(FromPyObject)]
+struct StrengthsIn([f64; 3], f64, f64);
+
+/// A material: colour, alpha, texture, texture for alpha, how alpha counts, its cutoff, unlit, double-sided, its name; what
+/// it is made of, its strengths, its other textures by role.
 #[derive(FromPyObject)]
 pub(crate) struct MaterialIn<'py>(
     [f64; 3],
@@ -55,6 +65,9 @@ pub(crate) struct MaterialIn<'py>(
     bool,
     bool,
     String,
+    ModelIn,
+    StrengthsIn,
+    Vec<(String, MapIn<'py>)>,
 );
 
 /// What a name stands for.
@@ -67,7 +80,7 @@ fn named<T: Copy>(what: &str, name: &str, known: &[(&'static str, T)]) -> PyResu
     })
 }
 
-fn map(MapIn(texels, wraps, filter, rows): &MapIn<'_>) -> PyResult<TextureMap> {
+fn map(MapIn(texels, wraps, filter, rows, is_second): &MapIn<'_>) -> PyResult<TextureMap> {
     let [across, down] = wraps;
     Ok(TextureMap {
         texture: Arc::clone(&texels.0),
@@ -76,35 +89,72 @@ fn map(MapIn(texels, wraps, filter, rows): &MapIn<'_>) -> PyResult<TextureMap> {
             named("wrap", down, &Wrap::NAMES)?,
         ],
         filter: named("filter", filter, &Filter::NAMES)?,
+        uv_set: if *is_second {
+            UvSet::Second
+        } else {
+            UvSet::First
+        },
         picture_from_uv: *rows,
     })
 }
 
 pub(crate) fn material(material: &MaterialIn<'_>) -> PyResult<Material> {
-    let MaterialIn(color, alpha, texture, alpha_texture, mode, cutoff, unlit, double_sided, name) =
-        material;
+    let MaterialIn(
+        color,
+        alpha,
+        texture,
+        alpha_texture,
+        mode,
+        cutoff,
+        unlit,
+        double_sided,
+        name,
+        ModelIn(kind, settings),
+        StrengthsIn(emission, normal_scale, occlusion_strength),
+        textures,
+    ) = material;
+    let mut model = Model::named(kind).map_err(refused)?;
+    for (name, value) in settings {
+        model.set(name, (*value).into()).map_err(refused)?;
+    }
+    let mut maps = (Maps::default())
+        .with(MapRole::Color, texture.as_ref().map(map).transpose()?)
+        .with(MapRole::Alpha, alpha_texture.as_ref().map(map).transpose()?);
+    for (role, texture) in textures {
+        let role = MapRole::named(role);
+        let role = role.ok_or_else(|| PyValueError::new_err("there is no such texture"))?;
+        maps = maps.with(role, map(texture)?);
+    }
     let modes = [
         ("opaque", AlphaMode::Opaque),
         ("mask", AlphaMode::Mask { cutoff: *cutoff }),
         ("blend", AlphaMode::Blend),
     ];
-    Ok(Material {
+    let material = Material {
         name: name.as_str().into(),
         color: Color::from(*color),
         alpha: *alpha,
-        maps: (Maps::default())
-            .with(MapRole::Color, texture.as_ref().map(map).transpose()?)
-            .with(MapRole::Alpha, alpha_texture.as_ref().map(map).transpose()?),
+        model,
+        emission: Color::from(*emission),
+        maps,
+        normal_scale: *normal_scale,
+        occlusion_strength: *occlusion_strength,
         alpha_mode: named("alpha_mode", mode, &modes)?,
         unlit: *unlit,
         double_sided: *double_sided,
-    })
+    };
+    material.check_numbers().map_err(refused)?;
+    Ok(material)
 }
 
-/// Refuses a material of words that are not known.
+fn refused(error: firsthit::Error) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Refuses a material of words that are not known and of numbers that make no sense; all settings of what it is made of.
 #[pyfunction]
-pub(crate) fn check_material(candidate: MaterialIn<'_>) -> PyResult<()> {
-    material(&candidate).map(drop)
+pub(crate) fn check_material(candidate: MaterialIn<'_>) -> PyResult<SettingsOut> {
+    Ok(settings_out(material(&candidate)?.model.settings()))
 }
 
 type Triple = (f64, f64, f64);
@@ -115,6 +165,7 @@ type MapOut = (
     (&'static str, &'static str),
     &'static str,
     (Triple, Triple),
+    bool,
 );
 
 /// A [`MaterialIn`] on its way out.
@@ -128,6 +179,9 @@ pub(crate) type MaterialOut = (
     bool,
     bool,
     String,
+    (&'static str, SettingsOut),
+    (Triple, f64, f64),
+    Vec<(&'static str, MapOut)>,
 );
 
 /// What Python makes a material from; `number` gives textures their numbers.
@@ -135,13 +189,19 @@ pub(crate) fn material_out(
     material: &Material,
     mut number: impl FnMut(&Arc<Texture>) -> usize,
 ) -> MaterialOut {
-    let mut map_out = |role| {
-        let map = material.maps.get(role)?;
+    let mut out = |map: &TextureMap| {
         let wrap = map.wrap.map(|wrap| name_of(wrap, &Wrap::NAMES));
         let filter = name_of(map.filter, &Filter::NAMES);
         let rows = map.picture_from_uv.map(Triple::from);
-        Some((number(&map.texture), wrap.into(), filter, rows.into()))
+        let is_second = map.uv_set == UvSet::Second;
+        let texels = number(&map.texture);
+        (texels, wrap.into(), filter, rows.into(), is_second)
     };
+    let [texture, alpha_texture] =
+        [MapRole::Color, MapRole::Alpha].map(|role| material.maps.get(role).map(&mut out));
+    let others = material.maps.roles();
+    let others = others.filter(|(role, _)| !matches!(role, MapRole::Color | MapRole::Alpha));
+    let others = others.map(|(role, map)| (role.name(), out(map))).collect();
     let (mode, cutoff) = match material.alpha_mode {
         AlphaMode::Opaque => ("opaque", 0.5),
         AlphaMode::Mask { cutoff } => ("mask", cutoff),
@@ -150,13 +210,23 @@ pub(crate) fn material_out(
     (
         material.color.into(),
         material.alpha,
-        map_out(MapRole::Color),
-        map_out(MapRole::Alpha),
+        texture,
+        alpha_texture,
         mode,
         cutoff,
         material.unlit,
         material.double_sided,
         material.name.to_string(),
+        (
+            material.model.name(),
+            settings_out(material.model.settings()),
+        ),
+        (
+            material.emission.into(),
+            material.normal_scale,
+            material.occlusion_strength,
+        ),
+        others,
     )
 }
 

@@ -1,12 +1,16 @@
 //! Scenes.
 
+use std::sync::Arc;
+
 use firsthit::scene::Label;
-use firsthit::{Color, DAffine3, DMat3, DVec3, Light, Material, Object, Transform};
+use firsthit::{DAffine3, DMat3, DVec3, Material, Object, Transform};
 use pyo3::prelude::*;
 
+use crate::environment::{EnvironmentIn, environment_in};
 use crate::errors::raise;
 use crate::material::{MaterialIn, material};
 use crate::run::{guarded, run};
+use crate::shading::{LightIn, light_in};
 use crate::shape::Shape;
 
 /// With fewer objects than this, the tree over them is built by the calling thread alone. A pool's threads must be the call's own,
@@ -43,30 +47,40 @@ fn label(label: Option<&LabelTuple>) -> Option<Label> {
 /// An object's number, and the rows of its transform.
 type Place = (usize, [[f64; 4]; 4]);
 
-/// A light: its kind, a direction or position, its colour; of a spot light its direction and both angles.
-#[derive(FromPyObject)]
-struct LightIn(String, [f64; 3], [f64; 3], Option<([f64; 3], [f64; 2])>);
-
 #[pymethods]
 impl Scene {
-    /// Builds a scene, sharing with `previous` what did not change.
+    /// Builds a scene, sharing with `previous` what did not change. Which way is up, and whether that is guessed, is asked for the
+    /// environment.
     #[new]
     fn new(
         py: Python<'_>,
         objects: Vec<ObjectIn<'_>>,
         lights: Vec<LightIn>,
+        environment: Option<EnvironmentIn<'_>>,
+        up: ([f64; 3], bool),
         previous: Option<&Self>,
     ) -> PyResult<Self> {
         let objects: Vec<Object> = objects
             .iter()
             .map(|object| build(py, object))
             .collect::<PyResult<_>>()?;
-        let lights = lights.iter().map(light).collect();
+        let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
+        let lights = lights.map_err(|error| raise(py, &error))?;
         let scene = run(py, 0, |_| match previous {
             Some(Self(previous)) => previous.with_objects(objects),
             None => firsthit::Scene::new(objects),
         })?;
-        Ok(Self(scene.with_lights(lights)))
+        let (up, up_is_guessed) = up;
+        let up = if up_is_guessed && environment.is_some() {
+            run(py, 0, |_| Ok(scene.likely_up(up.into())))?
+        } else {
+            up.into()
+        };
+        let environment = environment.map(|environment| environment_in(py, &environment, up));
+        let environment = environment.transpose()?.map(Arc::new);
+        Ok(Self(
+            scene.with_lights(lights).with_environment(environment),
+        ))
     }
 
     /// The same scene with other objects in the place of some, with objects moved, and some hidden (`true`) or shown.
@@ -197,25 +211,4 @@ fn build(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
     let object = object.from_node(label(node.as_ref()));
     let object = object.from_mesh(label(mesh.as_ref()));
     Ok(object.with_materials(materials))
-}
-
-fn light(LightIn(kind, vector, color, cone): &LightIn) -> Light {
-    let (vector, color) = (DVec3::from(*vector), Color::from(*color));
-    match cone {
-        Some((direction, [inner_angle, outer_angle])) => Light::Spot {
-            position: vector,
-            direction: DVec3::from(*direction),
-            intensity: color,
-            inner_angle: *inner_angle,
-            outer_angle: *outer_angle,
-        },
-        None if kind == "point" => Light::Point {
-            position: vector,
-            intensity: color,
-        },
-        None => Light::Directional {
-            direction: vector,
-            color,
-        },
-    }
 }

@@ -21,7 +21,7 @@ pub(crate) struct Mesh(pub(crate) Arc<firsthit::Mesh>);
 
 #[pymethods]
 impl Mesh {
-    /// From float64 vertices (n, 3) and uint32 triangles (m, 3); float32 normals, uvs, colours and alphas for
+    /// From float64 vertices (n, 3) and uint32 triangles (m, 3); float32 normals, uvs, colours, alphas, second uvs and tangents for
     /// each vertex (n, k) or for each corner (m, 3, k); and the triangles' faces and slots.
     #[new]
     fn new(
@@ -36,11 +36,13 @@ impl Mesh {
         let points = copied(vertices.as_chunks::<3>().0)?;
         let triangles = triangles.as_slice().map_err(not_contiguous)?;
         let corners = copied(triangles.as_chunks::<3>().0)?;
-        let AttributesIn(normals, uvs, colors, alphas) = attributes;
+        let AttributesIn(normals, uvs, colors, alphas, second_uvs, tangents) = attributes;
         let normals = normals.map(|array| attribute(&array)).transpose()?;
         let uvs = uvs.map(|array| attribute(&array)).transpose()?;
         let colors = colors.map(|array| attribute(&array)).transpose()?;
         let alphas = alphas.map(|array| attribute(&array)).transpose()?;
+        let second_uvs = second_uvs.map(|array| attribute(&array)).transpose()?;
+        let tangents = tangents.map(|array| attribute(&array)).transpose()?;
         let label =
             |array: PyReadonlyArray1<'_, u32>| copied(array.as_slice().map_err(not_contiguous)?);
         let [faces, slots] = labels.map(|array| array.map(label).transpose());
@@ -60,6 +62,12 @@ impl Mesh {
             }
             if let Some(alphas) = alphas {
                 mesh = mesh.with_alphas(alphas)?;
+            }
+            if let Some(uvs) = second_uvs {
+                mesh = mesh.with_second_uvs(uvs)?;
+            }
+            if let Some(tangents) = tangents {
+                mesh = mesh.with_tangents(tangents)?;
             }
             if let Some(faces) = faces {
                 mesh = mesh.with_faces(faces)?;
@@ -87,13 +95,15 @@ impl Mesh {
             .map_err(|error| raise(py, &error))
     }
 
-    /// Normals, uvs, colours and alphas, as they go in: a copy.
-    fn attributes<'py>(&self, py: Python<'py>) -> PyResult<[Option<ArrayOut<'py>>; 4]> {
+    /// Normals, uvs, colours, alphas, second uvs and tangents, as they go in: a copy.
+    fn attributes<'py>(&self, py: Python<'py>) -> PyResult<[Option<ArrayOut<'py>>; 6]> {
         Ok([
             self.0.normals().map(|a| array_of(py, a)).transpose()?,
             self.0.uvs().map(|a| array_of(py, a)).transpose()?,
             self.0.colors().map(|a| array_of(py, a)).transpose()?,
             self.0.alphas().map(|a| array_of(py, a)).transpose()?,
+            self.0.second_uvs().map(|a| array_of(py, a)).transpose()?,
+            self.0.tangents().map(|a| array_of(py, a)).transpose()?,
         ])
     }
 
@@ -140,9 +150,11 @@ impl Mesh {
     }
 }
 
-/// Normals, uvs, colours and alphas.
+/// Normals, uvs, colours, alphas, second uvs and tangents.
 #[derive(FromPyObject)]
 struct AttributesIn<'py>(
+    Option<PyReadonlyArrayDyn<'py, f32>>,
+    Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,

@@ -204,7 +204,7 @@ pub(crate) fn channel<'py>(
         (None, Some(sensor)) => sensor,
         (None, None) => return Err(PyValueError::new_err("expected rays or a camera")),
     };
-    if rays.len() != hits.len() || kind.needs_samples() {
+    if rays.len() != hits.len() || kind.needs_samples() || kind.is_edge() {
         return Err(PyValueError::new_err(
             "expected as many hits as rays, and no colours",
         ));

@@ -68,6 +68,7 @@ def rich_scene() -> fh.Scene:
     scene.add_light(fh.SpotLight((0, 0, 9), (0, 0.1, -1), inner_angle=0.2, outer_angle=0.4))
     scene.background = "transparent"
     scene.shading = fh.Shading(ambient=(0.1, 0.2, 0.3), shadows=False, samples=3)
+    scene.display = fh.Display(1 / 3, "aces")
     scene.up = (0, 1, 0.5)
     return scene
 
@@ -104,6 +105,7 @@ def assert_same(one: fh.Scene, other: fh.Scene) -> None:
     assert one.lights == other.lights
     assert one.cameras == other.cameras
     assert (one.background, one.shading, one.up) == (other.background, other.shading, other.up)
+    assert one.display == other.display
     assert one.bounds.tobytes() == other.bounds.tobytes()
     rays = random_rays(5000)
     hits, expected = one.shoot(*rays), other.shoot(*rays)

@@ -184,7 +184,7 @@ CAMERA = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 40, rows=120, column
             lambda told: ball().shoot(*CAMERA.rays()).channel("position", progress=told),
             19200,
         ),
-        (lambda told: fh.render(ball(), CAMERA, progress=told), 19200 * 8),
+        (lambda told: fh.render(ball(), CAMERA, progress=told), 19200 * 2 * 16),
         (lambda told: fh.render(ball(), CAMERA, channels=("z", "t"), progress=told), 19200 * 2),
         (
             lambda told: fh.render(

@@ -150,12 +150,13 @@ def test_up_is_the_file_s_until_it_is_set_and_comes_along(tmp_path):
 
 def test_samples_and_background_are_the_program_s_where_nobody_says():
     scene, camera = ball(), fh.Camera.framing(ball(), 30, 40)
-    assert fh.Shading().samples == 4
+    assert fh.Shading().samples is None
+    assert fh.render(scene, camera, shade="unlit").metadata["samples"] == 4
     frame = fh.render(scene, camera)
-    assert frame.metadata["samples"] == 4
-    np.testing.assert_array_equal(
-        frame["color"], fh.render(scene, camera, samples=4, shade="lambert")["color"]
-    )
+    assert frame.metadata["samples"] == 16
+    assert frame.metadata["shading"]["shader"] == "direct"
+    given = {"samples": 16, "shade": "direct", "light": "auto", "ground": True}
+    np.testing.assert_array_equal(frame["color"], fh.render(scene, camera, **given)["color"])
     assert 0 < frame["color"][0, 0].min() < frame["color"][0, 0].max() < 1
     calls = []
     fh.render(scene, camera, shade=lambda hits: (calls.append(1), np.zeros((*hits.shape, 3)))[1])

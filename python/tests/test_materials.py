@@ -174,7 +174,7 @@ def test_colours_are_css_names_and_srgb_too(text, linear):
         scene.background,
         fh.Material(text).color,
         fh.Sky(text, "white").horizon,
-        fh.Shading(ambient=text).ambient,
+        fh.Shading(ambient=text).shade["ambient"],
         fh.DirectionalLight((0, 0, -1), text).color,
         fh.PointLight((0, 0, 9), text).intensity,
     ):
@@ -207,3 +207,58 @@ def test_levels_up_to_255_are_a_warning_but_for_lights():
         fh.Material((255, 128, 0))
     assert fh.PointLight((0, 0, 9), (255, 128, 0)).intensity == (255, 128, 0)
     assert fh.DirectionalLight((0, 0, 1), (-1, 0, 0)).color == (-1, 0, 0)
+
+
+def test_a_material_is_matte_unless_it_says_more():
+    assert fh.Material("red").kind == "matte"
+    assert fh.Material("red").metallic is None
+    gold = fh.Material("gold", metallic=1, roughness=0.3)
+    assert (gold.kind, gold.metallic, gold.roughness, gold.ior) == ("metal-rough", 1.0, 0.3, 1.5)
+    glass = fh.Material(kind="glass", absorption=(0.1, 0.2, 0.3))
+    assert (glass.ior, glass.absorption, glass.metallic) == (1.5, (0.1, 0.2, 0.3), None)
+    assert gold == fh.Material("gold", metallic=1, roughness=0.3) != fh.Material("gold", metallic=1)
+    assert "roughness=0.3" in repr(gold)
+    assert repr(fh.Material((1, 0, 0))) == "Material(color=(1.0, 0.0, 0.0))"
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: fh.Material(roughness=2), "roughness must be"),
+        (lambda: fh.Material(kind="matte", roughness=0.5), "setting must be"),
+        (lambda: fh.Material(kind="wood"), "material must be one of matte"),
+        (lambda: fh.Material(emission=(-1, 0, 0)), "emission must be"),
+        (lambda: fh.Material(occlusion_strength=2), "occlusion_strength must be"),
+        (lambda: fh.Material(normal_scale=np.nan), "normal_scale must be"),
+    ],
+)
+def test_numbers_of_a_material_that_make_no_sense_are_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_what_surfaces_are_made_of_survives_files_and_pickling(tmp_path):
+    bumps = fh.Texture(np.full((2, 2, 3), 128, np.uint8), second_uvs=True)
+    look = fh.Material(
+        (0.5, 0.25, 1),
+        metallic=0.5,
+        solid=True,
+        attenuation_distance=2,
+        emission=(3, 2, 1),
+        normal_texture=bumps,
+        normal_scale=0.5,
+    )
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    uvs, tangents = np.float32([[0, 0], [1, 0], [0, 1]]), np.float32([[1, 0, 0, -1]] * 3)
+    mesh = fh.Mesh(corners, [[0, 1, 2]], second_uvs=uvs, tangents=tangents)
+    again = pickle.loads(pickle.dumps(mesh))
+    assert np.array_equal(again.tangents, tangents)
+    assert np.array_equal(again.second_uvs, uvs)
+    scene = fh.Scene()
+    scene.add(mesh, material=look)
+    scene.save(tmp_path / "scene.fhs")
+    (read,) = fh.open(tmp_path / "scene.fhs").objects[0].materials
+    assert (read.metallic, read.solid, read.emission) == (0.5, True, (3.0, 2.0, 1.0))
+    assert read.normal_texture.second_uvs
+    assert (read.normal_scale, read.attenuation_distance) == (0.5, 2.0)
+    assert pickle.loads(pickle.dumps(look)).metallic == 0.5

@@ -67,7 +67,8 @@ CAMERA = {
         ("unlit", lambda value: fh.Material(unlit=value)),
         ("double_sided", lambda value: fh.Material(double_sided=value)),
         ("shade", lambda value: fh.Shading(shade=value)),
-        ("shadows", lambda value: fh.Shading(shadows=value)),
+        ("shadows", lambda value: fh.Shading("direct", shadows=value)),
+        ("tone_map", lambda value: fh.Display(tone_map=value)),
         ("projection", lambda value: fh.Camera(**CAMERA, projection=value)),
         ("ray_start", lambda value: fh.Camera(**CAMERA, ray_start=value)),
         ("view", lambda value: fh.Camera.framing(ball(), view=value)),
@@ -77,7 +78,7 @@ CAMERA = {
     ids=str,
 )
 def test_words_flags_and_dicts_are_refused_by_name(name, make, value):
-    if name == "face_properties" and value is None:
+    if name in ("face_properties", "shade", "shadows") and value is None:
         return
     is_key = "properties" in name and isinstance(value, list | dict | np.ndarray)
     words = "unhashable|must " if is_key else f"{name} must be "
@@ -114,7 +115,7 @@ def test_what_is_no_material_is_refused_by_name(material):
 def test_truth_values_of_numpy_are_truth_values():
     yes, no = np.arange(2) == 0
     assert fh.Material(unlit=yes).unlit is True
-    assert fh.Shading(shadows=no).shadows is False
+    assert fh.Shading(shadows=no).shade["shadows"] is False
 
 
 #: Float32 NaNs that make the processor say so when they are converted.

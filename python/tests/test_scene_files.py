@@ -61,7 +61,7 @@ def test_a_scene_file_gives_all_that_it_says(path):
     np.testing.assert_array_equal(scene.objects[1].transform[:3, 3], [0, 0, 0.25])
     assert scene.lights == (fh.PointLight((0, -3, 4), (9, 9, 9)),)
     assert scene.background == fh.Sky((1, 1, 1), (0, 0, 1), (0, 0, 1))
-    assert scene.shading == fh.Shading("lambert", (0.125,) * 3, shadows=False, samples=2)
+    assert scene.shading == fh.Shading("lambert", ambient=(0.125,) * 3, shadows=False, samples=2)
     assert [camera.name for camera in scene.cameras] == ["camera", "top"]
     camera = fh.Camera.look_at((0, -6, 3), (0, 0, 0.5), (0, 0, 1), 30, rows=24, columns=32)
     np.testing.assert_allclose(scene.camera().rays(), camera.rays(), rtol=0, atol=1e-15)
@@ -94,7 +94,13 @@ def test_mistakes_name_file_line_column_and_the_right_word(path):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: fh.Shading("phong"), "shade must be one of lambert, unlit, normal, got 'phong'"),
+        (lambda: fh.Shading("toon"), "shade must be one of direct, .*, normal, got 'toon'"),
+        (lambda: fh.Shading("ao", gloss=1), "gloss is no setting of the shader; there are reach"),
+        (
+            lambda: fh.Shading("ao", reach=-1),
+            "reach must be a positive number, or infinity, got -1",
+        ),
+        (lambda: fh.Shading(light="lamp"), "light must be one of auto, .*, got 'lamp'"),
         (lambda: fh.Shading(samples=0), "samples must be from 1 to 4294967295, got 0"),
         (lambda: fh.Shading(ambient=(1, 2)), "ambient must be three numbers"),
     ],

@@ -164,7 +164,7 @@ def test_a_moving_camera_is_lit_over_its_shoulder_and_a_table_by_ambient_light_a
     lit = fh.render(scene(), camera())["color"]
     np.testing.assert_array_equal(fh.render(scene(), moving)["color"], lit)
     table = fh.RaySensor(*camera().rays())
-    dark = fh.render(scene(), table, samples=1, background=(0, 0, 0))["color"]
+    dark = fh.render(scene(), table, samples=1, background=(0, 0, 0), shade="lambert")["color"]
     white = fh.render(scene(), table, samples=1, background=(0, 0, 0), shade="unlit")["color"]
     np.testing.assert_allclose(dark, 0.25 * white, rtol=1e-6)
 

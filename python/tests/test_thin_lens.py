@@ -50,7 +50,7 @@ def test_colours_of_ones_own_come_through_the_lens():
         return np.repeat(np.isfinite(hits.t)[..., None], 3, axis=-1)
 
     own = fh.render(dots(), lens, shade=shade, samples=16)["color"]
-    ours = fh.render(dots(), lens, background="transparent", samples=16)["color"]
+    ours = fh.render(dots(), lens, background="transparent", samples=16, ground=False)["color"]
     np.testing.assert_allclose(own[..., 0], ours[..., 3], atol=1e-6)
     with pytest.raises(ValueError, match="samples must be at least 2"):
         fh.render(dots(), lens, shade=shade, samples=1)
@@ -61,7 +61,7 @@ def test_a_ball_out_of_focus_is_as_wide_as_its_circle_of_confusion():
     lens = camera(rows, columns).thin_lens(0.6, 5.0)
     scene = fh.Scene()
     scene.add(fh.Sphere(center=(0, 0, -5), radius=0.05))
-    covered = fh.render(scene, lens, background="transparent", samples=1024)["color"][..., 3]
+    covered = fh.render(scene, lens, channels="alpha", samples=1024, ground=False)["alpha"]
     pixels = rows / 2 / np.tan(np.radians(22.5))
     blur = 0.6 * abs(10 - 5) / (10 * 5) / 2 * pixels
     own = 0.05 / 10 * pixels

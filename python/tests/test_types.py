@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import get_args
 
 import firsthit as fh
+import numpy as np
 import pytest
 from firsthit import _firsthit, typing
 from support import ball
@@ -58,9 +59,11 @@ def test_words_that_are_typed_are_those_that_there_are():
         typing.MatteName,
     )
     words = [word for part in parts for word in get_args(part)]
-    assert {"color", "front", "valid", *words} == set(channels)
+    of_pictures = {"color", "edge", "alpha", "ao", "samples"}
+    assert {"front", "valid", *of_pictures, *words} == set(channels)
     told = [
         (typing.ShaderName, natively_shaded),
+        (typing.ToneMapName, natively_shown),
         (typing.ViewName, lambda word: fh.Camera.framing(ball(), 2, 2, view=word)),
         (typing.Projection, projected),
         (typing.RayStart, lambda word: small(ray_start=word)),
@@ -78,8 +81,13 @@ def test_words_that_are_typed_are_those_that_there_are():
 
 def natively_shaded(shader):
     # Of the native half, which knows all shaders.
-    how = (shader, None, None, True), 1, (0, 2, 0, 2), None, 0
-    _firsthit.render(ball()._native(), small()._native, ["color"], *how, None)
+    shading = shader, [], None, None, 1, None
+    how = shading, None, (0, 0, 1), 1, (0, 2, 0, 2), None, None, 0, None
+    _firsthit.render(ball()._native(), small()._native, ["color"], *how)
+
+
+def natively_shown(tone_map):
+    _firsthit.png([1, 1], "color", np.zeros(3, np.float32), (0.0, tone_map))
 
 
 def projected(word):
@@ -103,7 +111,9 @@ def test_arguments_are_taken_as_the_types_say_and_shown_as_tuples():
     sphere = fh.Sphere(center=[0, 1, 2], radius=1)
     assert repr(sphere) == "Sphere(center=(0.0, 1.0, 2.0), radius=1.0)"
     assert sphere == fh.Sphere((0, 1, 2), 1)
-    assert repr(fh.Shading()) == "Shading(shade='lambert', ambient=None, shadows=True, samples=4)"
+    assert repr(fh.Shading()) == (
+        "Shading(shade=None, samples=None, light=None, ground=None, colors=None)"
+    )
     assert repr(fh.PointLight([0, 0, 1])) == (
         "PointLight(position=(0.0, 0.0, 1.0), intensity=(1.0, 1.0, 1.0))"
     )

@@ -23,7 +23,8 @@ class Mark(NamedTuple):
     fingerprint : str
         Of its objects and lights, as the metadata of pictures have it.
     setting : str
-        The sha256 of what that leaves out, and frames depend on: names, up, background, shading.
+        The sha256 of what that leaves out, and frames depend on: names, up, background, shading,
+        display.
     """
 
     fingerprint: str
@@ -35,8 +36,7 @@ def mark_of(scene: Scene) -> Mark:
     native = scene._ready().native
     camera = Camera((0, 0, 0), (1, 0, 0), (0, 0, 1), 1, 1, 1, 1, 1)
     fingerprint = json.loads(_firsthit.origin(native, camera._native, ["object"]))["scene"]
-    shading, background = scene.shading, scene.background
-    look = shading.shade, shading.ambient, shading.shadows, shading.samples
+    look, background = scene.shading._native(), scene.background
     back = None if background is None else background_native(background)
     names = [(made.name, made.node, made.mesh_name) for made in scene.objects]
-    return Mark(fingerprint, of_json([list(scene.up), back, look, names]))
+    return Mark(fingerprint, of_json([list(scene.up), back, look, scene.display._native, names]))

@@ -17,6 +17,7 @@ _BYTES = {
     **dict.fromkeys(("normal", "position", "barycentric", "base_color"), 24),
     **dict.fromkeys(("crypto_object", "crypto_material"), 48),
     "color": 12,
+    **dict.fromkeys(("edge", "alpha", "ao", "samples"), 4),
     "uv": 16,
 }
 

@@ -10,7 +10,7 @@ from firsthit._files import attribute_of, in_path
 from firsthit._lidar_scan import LidarScan
 from firsthit._lights import background_native
 from firsthit._project import plane
-from firsthit._shading import Shading
+from firsthit._shading import Shader
 from firsthit._types import ShaderName
 
 from ._lidars import LidarSensor
@@ -194,7 +194,7 @@ def _look(table: Table, channels: list[str]) -> dict[str, Any]:
         if made["background"] is not None:
             background_native(made["background"])
         if made["ambient"] is not None:
-            Shading(ambient=made["ambient"])
+            Shader("lambert", ambient=made["ambient"])
     return {name: value for name, value in made.items() if value is not None}
 
 

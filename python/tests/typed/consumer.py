@@ -120,6 +120,8 @@ def frames(scene: fh.Scene, camera: fh.Camera) -> None:
     for name, array in frame.items():
         assert_type(name, str)
         assert_type(array, npt.NDArray[Any])
+    frame.display = fh.Display(-1, tone_map="agx")
+    assert_type(frame.display, fh.Display)
     fh.render(scene, camera, channels="t", background=[0, 0, 0], ambient=np.zeros(3))
 
     def own(hits: fh.Hits) -> Doubles:
@@ -160,6 +162,7 @@ if TYPE_CHECKING:
         fh.Camera.framing(scene, view="side")  # type: ignore[arg-type]
         fh.Camera([0, 0, 0], [0, 0, 1], [0, 1, 0], 1, 1, 1, 2, 2, projection="fisheye")  # type: ignore[arg-type]
         fh.Shading(shade="toon")  # type: ignore[arg-type]
+        fh.Display(tone_map="toon")  # type: ignore[arg-type]
         scene.shoot(camera).channel("color2")  # type: ignore[call-overload]
         fh.Sphere(center=[0, 0, 0], radius="1")  # type: ignore[arg-type]
         scene.add("ball")  # type: ignore[call-overload]
