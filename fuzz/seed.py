@@ -27,6 +27,7 @@ TARGETS = {
     "stl": {"stl"},
     "obj": {"obj"},
     "texture": {"png", "jpg", "jpeg", "webp", "bmp", "tga"},
+    "environment": {"hdr", "exr"},
     "gzip": {"stl"},
     "gltf": {"gltf", "glb"},
     "scene_file": {"toml"},
@@ -75,11 +76,26 @@ def outputs(folder: Path) -> None:
     subprocess.run([*depth, folder / "z.npy"], check=True)
 
 
+def environments(folder: Path) -> None:
+    """Write small environment maps: packed in the new way, in the old one, and not at all."""
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n"
+    new = bytes([2, 2, 0, 9, 137, 7, 9, *range(9), 137, 0, 137, 129])
+    old = bytes([7, 7, 7, 129, 1, 1, 1, 2, 1, 1, 1, 1])
+    plain = bytes(range(60, 84))
+    for name, size, content in (
+        ("new.hdr", b"-Y 2 +X 9\n", 2 * new),
+        ("old.hdr", b"-Y 1 +X 259\n", old),
+        ("plain.hdr", b"+X 3 -Y 2\n", plain),
+    ):
+        (folder / name).write_bytes(head + size + content)
+
+
 def main() -> None:
     """Write the seeds of all targets, or of those that are named."""
     with tempfile.TemporaryDirectory() as made:
         outputs(Path(made))
         built(Path(made))
+        environments(Path(made))
         seed([*FOLDERS, Path(made)])
 
 
