@@ -217,13 +217,16 @@ mod tests {
                 let left = &pixels[row * columns..][..columns * 3 / 5];
                 assert!(!left.iter().any(ink), "{size:?}");
             }
-            for number in [0.002, 0.25, 0.5, 0.75, 0.998] {
+            for number in [0.011, 0.25, 0.5, 0.75, 0.989] {
                 let color = ColorMap::Viridis.color(number);
                 let near = |pixel: &&[f32; 3]| {
                     let pixel = Color::from(pixel.map(f64::from));
                     (pixel - color).length() < 0.03
                 };
-                assert!(pixels.iter().any(|pixel| near(&pixel)), "{number}");
+                assert!(
+                    pixels.iter().any(|pixel| near(&pixel)),
+                    "{size:?}: {number}"
+                );
             }
             assert!(pixels.contains(&[1.0, 0.0, 0.0]) && pixels.contains(&[1.0; 3]));
         }

@@ -275,7 +275,7 @@ mod tests {
             let mut texels = vec![[0.0; 3]; columns * rows];
             texels[(rows / 3) * columns + columns - 1] = [0.0, 9.0, 0.0];
             let map = EnvironmentMap::new(columns, rows, texels).unwrap();
-            let table = map.tabulated(most).unwrap();
+            let table = map.tabulated(most).unwrap().unwrap();
             let (width, height) = (columns as f64, rows as f64);
             let mut seen = 0;
             for k in 0..400 {
@@ -285,15 +285,10 @@ mod tests {
                 let direction = towards(across, down);
                 if map.radiance(direction).y > 1e-6 {
                     seen += 1;
-                    let density = table.as_ref().map(|table| table.density(direction));
-                    // Where all is one cell there is nothing to choose.
-                    assert!(
-                        density.is_none_or(|density| density > 0.0),
-                        "{across} {down}"
-                    );
+                    assert!(table.density(direction) > 0.0, "{across} {down}");
                 }
             }
-            assert!(seen > 100 && table.is_some() == (most > 1));
+            assert!(seen > 100, "{seen}");
         }
     }
 

@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn coordinates_without_an_area_give_no_tangent_and_no_nan() {
         let none = triangle([[0.3; 2]; 3]);
-        assert_eq!(none.values[..], [[0.0, 0.0, 0.0, 1.0]]);
+        assert_eq!(none.at_corners(0, [0, 1, 2]), [[0.0, 0.0, 0.0, 1.0]; 3]);
         for uvs in [
             [[f32::MAX, 0.0], [-f32::MAX, 1.0], [0.0, f32::MAX]],
             [[f32::NAN; 2]; 3],
