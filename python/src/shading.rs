@@ -76,7 +76,7 @@ pub(crate) fn light_in(LightIn(kind, settings): &LightIn) -> firsthit::Result<Li
 }
 
 pub(crate) fn light_out(light: &Light) -> LightOut {
-    (light.kind(), settings_out(light.settings()))
+    (light.name(), settings_out(light.settings()))
 }
 
 /// The shader's name and its settings, the name of lights that go with the camera, whether there is a ground, samples; each if
@@ -159,14 +159,14 @@ pub(crate) fn shading_out(
 /// Every setting of a shader with what is to be given for it: `flag`, `number`, `color` or `vector`.
 #[pyfunction]
 pub(crate) fn shader_settings(name: &str) -> Vec<(&'static str, &'static str)> {
-    let kind = Shader::KINDS.iter().find(|(known, ..)| *known == name);
     let form = |setting: &Setting| match setting.domain {
         Domain::Flag => "flag",
         Domain::Color | Domain::Light => "color",
         Domain::Position | Domain::Direction => "vector",
         _ => "number",
     };
-    let list = kind.map_or(&[][..], |(.., list)| list).iter();
+    let kind = Shader::KINDS.iter().find(|kind| kind.name == name);
+    let list = kind.map_or(&[][..], |kind| kind.settings).iter();
     list.map(|setting| (setting.name, form(setting))).collect()
 }
 

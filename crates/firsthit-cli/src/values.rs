@@ -213,18 +213,15 @@ pub(crate) fn light(text: &str) -> Result<LightArg, String> {
         return Ok(LightArg::LightRig(rig));
     }
     let (kind, values) = text.split_once(':').unwrap_or((text, ""));
-    let Some((_, list)) = Light::KINDS.iter().find(|(name, _)| *name == kind) else {
+    let Ok(mut light) = Light::named(kind) else {
         let rigs = LightRig::NAMES.join(", ");
-        let kinds: Vec<&str> = Light::KINDS.iter().map(|&(name, _)| name).collect();
         return Err(format!(
             "expected one of {rigs}; or a light, such as point:1,2,3, that is one of {}",
-            kinds.join(", ")
+            Light::NAMES.join(", ")
         ));
     };
-    let list = list
-        .iter()
-        .filter(|setting| setting.domain != Domain::Light);
-    let list: Vec<&Setting> = list.collect();
+    let list = light.list().iter();
+    let list: Vec<&Setting> = list.filter(|known| known.domain != Domain::Light).collect();
     let form = || {
         let of = |setting: &&Setting| match setting.domain {
             Domain::Position | Domain::Direction => ":X,Y,Z",
@@ -234,7 +231,6 @@ pub(crate) fn light(text: &str) -> Result<LightArg, String> {
         let names: Vec<&str> = list.iter().map(|setting| setting.name).collect();
         format!("expected {kind}{forms}, these being {}", names.join(", "))
     };
-    let mut light = Light::named(kind).map_err(|error| error.to_string())?;
     let given: Vec<&str> = values.split([':', '@']).collect();
     let needed = list.iter().filter(|setting| setting.is_required).count();
     if given.len() < needed || given.len() > list.len() {

@@ -58,7 +58,7 @@ impl<'a> Looks<'a> {
     pub(super) fn lights_as_json(&self, most: usize) -> Vec<Value> {
         let light = |light: &Light| {
             let mut entries = Map::new();
-            entries.insert("kind".into(), json!(light.kind()));
+            entries.insert("kind".into(), json!(light.name()));
             for (name, value) in light.settings() {
                 entries.insert(name.into(), value_json(value));
             }
@@ -168,7 +168,7 @@ fn camera_line(place: usize, camera: &NamedCamera) -> String {
 
 /// The kind of a light, where it is, and where it goes.
 fn light_line(number: usize, light: &Light) -> String {
-    let mut line = format!("{number}  {}", light.kind());
+    let mut line = format!("{number}  {}", light.name());
     for (name, value) in light.settings() {
         let word = match name {
             "position" | "center" => "at",

@@ -460,11 +460,11 @@ fn idle_options(args: &RenderArgs, orders: &[Order], shader: &Shader) -> Vec<Str
     let for_shader = [
         (
             "--ambient",
-            light.ambient.is_some() && !has_setting(shader, AMBIENT),
+            light.ambient.is_some() && setting(shader, AMBIENT).is_none(),
         ),
         (
             "--no-shadows",
-            light.no_shadows && !has_setting(shader, SHADOWS),
+            light.no_shadows && setting(shader, SHADOWS).is_none(),
         ),
     ];
     let for_color = [
@@ -598,10 +598,10 @@ fn shader(args: &LightingArgs, of_file: Option<&Shader>) -> Result<Option<Shader
     for (name, text) in &args.set {
         set(&mut shader, name, text)?;
     }
-    if let Some(ambient) = args.ambient.filter(|_| has_setting(&shader, AMBIENT)) {
+    if let Some(ambient) = args.ambient.filter(|_| setting(&shader, AMBIENT).is_some()) {
         shader.set(AMBIENT, SettingValue::Vector(ambient))?;
     }
-    if args.no_shadows && has_setting(&shader, SHADOWS) {
+    if args.no_shadows && setting(&shader, SHADOWS).is_some() {
         shader.set(SHADOWS, SettingValue::Flag(false))?;
     }
     Ok(Some(shader))
@@ -609,9 +609,8 @@ fn shader(args: &LightingArgs, of_file: Option<&Shader>) -> Result<Option<Shader
 
 /// Sets what `--set` says.
 fn set(shader: &mut Shader, name: &str, text: &str) -> Result<(), Failure> {
-    let domain = settings_of(shader.name()).find(|setting| setting.name == name);
-    let Some(setting) = domain else {
-        let known: Vec<&str> = settings_of(shader.name()).map(|known| known.name).collect();
+    let Some(setting) = setting(shader, name) else {
+        let known: Vec<&str> = shader.list().iter().map(|known| known.name).collect();
         let known = if known.is_empty() {
             "none".to_owned()
         } else {
@@ -629,13 +628,8 @@ fn set(shader: &mut Shader, name: &str, text: &str) -> Result<(), Failure> {
     Ok(shader.set(name, value)?)
 }
 
-fn settings_of(shader: &str) -> impl Iterator<Item = &'static Setting> + use<> {
-    let kind = Shader::KINDS.iter().find(|(name, ..)| *name == shader);
-    kind.map_or(&[][..], |(.., list)| list).iter()
-}
-
-fn has_setting(shader: &Shader, name: &str) -> bool {
-    settings_of(shader.name()).any(|setting| setting.name == name)
+fn setting(shader: &Shader, name: &str) -> Option<&'static Setting> {
+    shader.list().iter().find(|known| known.name == name)
 }
 
 fn rig(args: &LightingArgs) -> Option<LightRig> {

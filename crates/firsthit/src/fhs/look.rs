@@ -276,7 +276,7 @@ impl MapRecord {
 
 impl KindRecord {
     pub(super) fn of_light(light: &Light) -> Self {
-        Self::new(light.kind(), light.settings())
+        Self::new(light.name(), light.settings())
     }
 
     fn new(kind: &str, settings: Vec<(&'static str, Value)>) -> Self {

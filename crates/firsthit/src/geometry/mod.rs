@@ -38,8 +38,8 @@ pub use ray::{Filtered, Ray, Rays};
 pub use ray_filter::{Departure, RayFilter, Side, SurfaceId};
 pub(crate) use require::{require, require_direction, require_finite, require_positive};
 pub use rotation::rotation;
-pub(crate) use settings::settings;
-pub use settings::{Domain, Field, Setting, Settings, Value};
+pub use settings::{Domain, Field, Kind, Setting, Settings, Value};
+pub(crate) use settings::{kinds, settings};
 pub use tone_map::ToneMap;
 pub use transform::Transform;
 

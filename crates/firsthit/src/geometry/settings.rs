@@ -52,6 +52,17 @@ pub struct Setting {
     pub is_required: bool,
 }
 
+/// A kind of light, shader or material.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    /// Its name in Python, in files and in metadata.
+    pub name: &'static str,
+    /// What it means, in a sentence or two.
+    pub about: &'static str,
+    /// Its settings.
+    pub settings: &'static [Setting],
+}
+
 /// What has settings.
 pub trait Settings: Clone {
     /// Every setting, in the order in which they are listed.
@@ -304,6 +315,72 @@ macro_rules! settings {
     };
 }
 pub(crate) use settings;
+
+/// Gives an enum of kinds its list of kinds, and settings that are read and set by name.
+macro_rules! kinds {
+    ($what:literal, $enum:ident { $($(#[doc = $about:literal])* $name:literal => $kind:ident($settings:ty);)* }) => {
+        impl $enum {
+            /// Every kind, with its settings.
+            pub const KINDS: &[$crate::geometry::Kind] = &[$($crate::geometry::Kind {
+                name: $name,
+                about: concat!($($about),*).trim_ascii(),
+                settings: <$settings as $crate::geometry::Settings>::LIST,
+            }),*];
+
+            /// Every kind's name.
+            pub const NAMES: &[&'static str] = &[$($name),*];
+
+            /// One of this name, with its usual settings. Those that have to be given are there only to be replaced.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`](crate::Error::Argument) for a name that is not in the list.
+            pub fn named(name: &str) -> $crate::error::Result<Self> {
+                match name {
+                    $($name => Ok(Self::$kind(<$settings>::default())),)*
+                    _ => {
+                        let expected = concat!("one of" $(, " ", $name)*);
+                        Err($crate::error::Error::argument($what, expected, name))
+                    }
+                }
+            }
+
+            /// What there is to be set.
+            pub fn list(&self) -> &'static [$crate::geometry::Setting] {
+                match self { $(Self::$kind(_) => <$settings as $crate::geometry::Settings>::LIST,)* }
+            }
+
+            /// The name of its kind.
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$kind(_) => $name,)* }
+            }
+
+            /// Its settings, by their names.
+            pub fn settings(&self) -> Vec<(&'static str, $crate::geometry::Value)> {
+                match self { $(Self::$kind(one) => $crate::geometry::Settings::named_values(one),)* }
+            }
+
+            /// Sets one of its settings.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`](crate::Error::Argument) for a name that it does not have, and for a value that makes no sense.
+            pub fn set(&mut self, name: &str, value: $crate::geometry::Value) -> $crate::error::Result<()> {
+                match self { $(Self::$kind(one) => $crate::geometry::Settings::set(one, name, value),)* }
+            }
+
+            /// Fails where a setting makes no sense.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`](crate::Error::Argument), with the setting's name.
+            pub fn check(&self) -> $crate::error::Result<()> {
+                match self { $(Self::$kind(one) => $crate::geometry::Settings::check(one),)* }
+            }
+        }
+    };
+}
+pub(crate) use kinds;
 
 #[cfg(test)]
 mod tests {

@@ -189,7 +189,7 @@ fn digest_map(map: &TextureMap, known: &mut Known, digest: &mut Digest) {
 }
 
 fn digest_light(light: &Light, digest: &mut Digest) {
-    digest.word(light.kind());
+    digest.word(light.name());
     let mut settings = light.settings();
     // For suns only, so that scenes without any keep the fingerprints they had.
     settings.retain(|setting| *setting != ("angle_degrees", Value::Number(0.0)));

@@ -6,7 +6,7 @@
 )]
 
 use super::section::Section;
-use super::settings::{self, MOST};
+use super::settings;
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional};
 use crate::geometry::Color;
 use crate::io::fault::Checked;
@@ -17,38 +17,7 @@ const COMMON: &[Key] = keys! {
     emission: optional(Form::Color),
 };
 
-const COUNT: usize = Model::KINDS.len();
-
-static KEYS: [[Key; MOST]; COUNT] = {
-    let mut keys = [settings::keys(&[]); COUNT];
-    let mut kind = 0;
-    while kind < COUNT {
-        keys[kind] = settings::keys(Model::KINDS[kind].2);
-        kind += 1;
-    }
-    keys
-};
-
-static GROUPS: [[&[Key]; 2]; COUNT] = {
-    let mut groups: [[&[Key]; 2]; COUNT] = [[&[], COMMON]; COUNT];
-    let mut kind = 0;
-    while kind < COUNT {
-        groups[kind][0] = KEYS[kind].split_at(Model::KINDS[kind].2.len()).0;
-        kind += 1;
-    }
-    groups
-};
-
-static VARIANTS: [Variant; COUNT] = {
-    let mut variants = [settings::variant(Pick::Always, &[]); COUNT];
-    let mut kind = 0;
-    while kind < COUNT {
-        let pick = Pick::Tag("kind", Model::KINDS[kind].0);
-        variants[kind] = settings::variant(pick, &GROUPS[kind]);
-        kind += 1;
-    }
-    variants
-};
+settings::variants!(Model::KINDS, |name| Pick::Tag("kind", name), COMMON);
 
 pub(super) static MATERIAL: Record = Record {
     name: "material",
@@ -60,8 +29,7 @@ pub(super) static MATERIAL: Record = Record {
 pub(super) fn read(section: &Section<'_, '_>, color: Option<Color>) -> Checked<Material> {
     let kind = section.tag().unwrap_or("matte");
     let mut model = section.checked(Model::named(kind))?;
-    let known = Model::KINDS.iter().find(|(name, ..)| *name == kind);
-    for (name, value) in settings::given(section, known.map_or(&[], |(.., list)| list)) {
+    for (name, value) in settings::given(section, model.list()) {
         section.checked(model.set(name, value))?;
     }
     let usual = match model {

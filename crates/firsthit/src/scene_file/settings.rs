@@ -9,6 +9,46 @@ use super::section::Section;
 use super::table::{Form, Key, Pick, Variant, optional};
 use crate::geometry::{Domain, Setting, Value};
 
+/// Makes `VARIANTS`: a table's variants, one for each of these kinds, with its settings and the keys that all of them have. What
+/// picks a variant is made of the kind's name.
+macro_rules! variants {
+    ($kinds:expr, |$name:ident| $pick:expr, $common:expr) => {
+        const COUNT: usize = $kinds.len();
+
+        static KEYS: [[Key; settings::MOST]; COUNT] = {
+            let mut keys = [settings::keys(&[]); COUNT];
+            let mut kind = 0;
+            while kind < COUNT {
+                keys[kind] = settings::keys($kinds[kind].settings);
+                kind += 1;
+            }
+            keys
+        };
+
+        static GROUPS: [[&[Key]; 2]; COUNT] = {
+            let mut groups: [[&[Key]; 2]; COUNT] = [[&[], $common]; COUNT];
+            let mut kind = 0;
+            while kind < COUNT {
+                groups[kind][0] = KEYS[kind].split_at($kinds[kind].settings.len()).0;
+                kind += 1;
+            }
+            groups
+        };
+
+        static VARIANTS: [Variant; COUNT] = {
+            let mut variants = [settings::variant(Pick::Always, &[]); COUNT];
+            let mut kind = 0;
+            while kind < COUNT {
+                let $name = $kinds[kind].name;
+                variants[kind] = settings::variant($pick, &GROUPS[kind]);
+                kind += 1;
+            }
+            variants
+        };
+    };
+}
+pub(super) use variants;
+
 /// As many settings as a kind has at most.
 pub(super) const MOST: usize = 16;
 

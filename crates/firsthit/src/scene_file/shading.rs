@@ -6,7 +6,7 @@
 )]
 
 use super::section::Section;
-use super::settings::{self, MOST};
+use super::settings;
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional};
 use crate::io::fault::Checked;
 use crate::shade::LightRig;
@@ -27,43 +27,15 @@ const SHADER: &str = "shader";
 /// The one whose settings may be given without its name.
 const UNNAMED: &str = "lambert";
 
-const COUNT: usize = Shader::KINDS.len();
+settings::variants!(Shader::KINDS, |name| pick(name), COMMON);
 
-static KEYS: [[Key; MOST]; COUNT] = {
-    let mut keys = [settings::keys(&[]); COUNT];
-    let mut kind = 0;
-    while kind < COUNT {
-        keys[kind] = settings::keys(Shader::KINDS[kind].2);
-        kind += 1;
+const fn pick(name: &'static str) -> Pick {
+    if same(name, UNNAMED) {
+        Pick::Default(SHADER, name)
+    } else {
+        Pick::Tag(SHADER, name)
     }
-    keys
-};
-
-static GROUPS: [[&[Key]; 2]; COUNT] = {
-    let mut groups: [[&[Key]; 2]; COUNT] = [[&[], COMMON]; COUNT];
-    let mut kind = 0;
-    while kind < COUNT {
-        groups[kind][0] = KEYS[kind].split_at(Shader::KINDS[kind].2.len()).0;
-        kind += 1;
-    }
-    groups
-};
-
-static VARIANTS: [Variant; COUNT] = {
-    let mut variants = [settings::variant(Pick::Always, &[]); COUNT];
-    let mut kind = 0;
-    while kind < COUNT {
-        let name = Shader::KINDS[kind].0;
-        let pick = if same(name, UNNAMED) {
-            Pick::Default(SHADER, name)
-        } else {
-            Pick::Tag(SHADER, name)
-        };
-        variants[kind] = settings::variant(pick, &GROUPS[kind]);
-        kind += 1;
-    }
-    variants
-};
+}
 
 const fn same(a: &str, b: &str) -> bool {
     let (a, b) = (a.as_bytes(), b.as_bytes());
@@ -92,8 +64,7 @@ pub(super) struct Settings {
 pub(super) fn read(section: &Section<'_, '_>) -> Checked<Settings> {
     let name = section.text(SHADER);
     let mut shader = section.checked(Shader::named(name.unwrap_or(UNNAMED)))?;
-    let known = (Shader::KINDS.iter()).find(|(known, ..)| *known == shader.name());
-    let given = settings::given(section, known.map_or(&[], |(.., list)| list));
+    let given = settings::given(section, shader.list());
     for &(name, value) in &given {
         section.checked(shader.set(name, value))?;
     }

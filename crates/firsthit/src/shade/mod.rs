@@ -33,10 +33,9 @@ pub use phong::Phong;
 pub use whitted::Whitted;
 pub use xray::Xray;
 
-use crate::error::{Error, Result};
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Value};
+use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Value, kinds};
 use crate::sampling::Draws;
 use crate::scene::{Background, Scene, SurfaceInteraction};
 use crate::shoot::{Cpu, Engine};
@@ -149,45 +148,9 @@ macro_rules! shaders {
             $($(#[doc = $about])* $kind($settings),)*
         }
 
+        kinds!("shader", Shader { $($(#[doc = $about])* $name => $kind($settings);)* });
+
         impl Shader {
-            /// Every shader's name.
-            pub const NAMES: &[&'static str] = &[$($name),*];
-
-            /// Every shader's name, what it shows, and its settings.
-            pub const KINDS: &[(&'static str, &'static str, &'static [Setting])] =
-                &[$(($name, concat!($($about),*), <$settings>::LIST)),*];
-
-            /// The shader of that name, with its usual settings.
-            ///
-            /// # Errors
-            ///
-            /// [`Error::Argument`] for a name that is not in [`Shader::NAMES`].
-            pub fn named(name: &str) -> Result<Self> {
-                match name {
-                    $($name => Ok(Self::$kind(<$settings>::default())),)*
-                    _ => Err(Error::argument("shader", concat!("one of" $(, " ", $name)*), name)),
-                }
-            }
-
-            /// Its name.
-            pub fn name(&self) -> &'static str {
-                match self { $(Self::$kind(_) => $name,)* }
-            }
-
-            /// Its settings, by their names.
-            pub fn settings(&self) -> Vec<(&'static str, Value)> {
-                match self { $(Self::$kind(settings) => settings.named_values(),)* }
-            }
-
-            /// Sets one of its settings.
-            ///
-            /// # Errors
-            ///
-            /// [`Error::Argument`] for a name that it does not have, and for a value that makes no sense.
-            pub fn set(&mut self, name: &str, value: Value) -> Result<()> {
-                match self { $(Self::$kind(settings) => settings.set(name, value),)* }
-            }
-
             /// Whether it draws numbers: a pixel's samples then differ even where they see the same.
             pub fn is_random(&self) -> bool {
                 match self { $(Self::$kind(_) => $is_random,)* }

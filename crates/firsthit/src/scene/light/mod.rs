@@ -14,8 +14,7 @@ pub use rectangle::RectangleLight;
 pub use sphere::SphereLight;
 pub use spot::SpotLight;
 
-use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec2, DVec3, Domain, Setting, Settings, Value};
+use crate::geometry::{Color, DVec2, DVec3, Domain, Settings, Value, kinds};
 use crate::sampling::key;
 
 /// Light that arrives at a point from one direction.
@@ -87,7 +86,7 @@ trait Shine {
 }
 
 macro_rules! lights {
-    ($($(#[$doc:meta])* $name:literal => $kind:ident($light:ty);)*) => {
+    ($($(#[doc = $about:literal])* $name:literal => $kind:ident($light:ty);)*) => {
         /// A light.
         ///
         /// What its numbers say is what a matte white surface takes, so its colour in the picture: for light of irradiance `E` that is
@@ -108,7 +107,7 @@ macro_rules! lights {
         /// ```
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub enum Light {
-            $($(#[$doc])* $kind($light),)*
+            $($(#[doc = $about])* $kind($light),)*
         }
 
         $(impl From<$light> for Light {
@@ -117,50 +116,9 @@ macro_rules! lights {
             }
         })*
 
+        kinds!("light", Light { $($(#[doc = $about])* $name => $kind($light);)* });
+
         impl Light {
-            /// Every kind's name, and its settings.
-            pub const KINDS: &[(&'static str, &'static [Setting])] = &[$(($name, <$light>::LIST)),*];
-
-            /// A light of a kind, with its usual settings. Those that have to be given are there only to be replaced.
-            ///
-            /// # Errors
-            ///
-            /// [`Error::Argument`] for a name that is not in [`Light::KINDS`].
-            pub fn named(kind: &str) -> Result<Self> {
-                match kind {
-                    $($name => Ok(Self::$kind(<$light>::default())),)*
-                    _ => Err(Error::argument("light", concat!("one of" $(, " ", $name)*), kind)),
-                }
-            }
-
-            /// The name of its kind.
-            pub fn kind(&self) -> &'static str {
-                match self { $(Self::$kind(_) => $name,)* }
-            }
-
-            /// Its settings, by their names.
-            pub fn settings(&self) -> Vec<(&'static str, Value)> {
-                match self { $(Self::$kind(light) => light.named_values(),)* }
-            }
-
-            /// Sets one of its settings.
-            ///
-            /// # Errors
-            ///
-            /// [`Error::Argument`] for a name that it does not have, and for a value that makes no sense.
-            pub fn set(&mut self, name: &str, value: Value) -> Result<()> {
-                match self { $(Self::$kind(light) => light.set(name, value),)* }
-            }
-
-            /// Fails for numbers that make no sense.
-            ///
-            /// # Errors
-            ///
-            /// [`Error::Argument`].
-            pub fn check(&self) -> Result<()> {
-                match self { $(Self::$kind(light) => light.check(),)* }
-            }
-
             /// Light that arrives at a point from a direction that `u`, a point of the unit square, stands for: the mean over the
             /// square is all its light. `None` where none arrives.
             pub fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
@@ -269,7 +227,7 @@ mod tests {
     #[test]
     fn what_is_drawn_is_what_rays_meet() {
         let mut lights = Vec::new();
-        for (kind, _) in Light::KINDS {
+        for kind in Light::NAMES {
             let mut light = Light::named(kind).unwrap();
             if *kind == "directional" {
                 light.set("angle_degrees", Value::Number(20.0)).unwrap();
@@ -309,7 +267,7 @@ mod tests {
     fn solid_angles_are_those_of_random_directions() {
         use crate::sampling::warp;
         const COUNT: u32 = 1 << 14;
-        for (kind, _) in Light::KINDS {
+        for kind in Light::NAMES {
             let mut light = Light::named(kind).unwrap();
             if *kind == "directional" {
                 light.set("angle_degrees", Value::Number(60.0)).unwrap();
