@@ -300,6 +300,9 @@ fn all_of_a_scene_is_in_its_file() {
     assert_eq!((read.has_view, read.background), (true, written.background));
     assert_eq!((&read.shader, read.samples), (&written.shader, Some(7)));
     assert_eq!(read.display, written.display);
+    assert_eq!(read.edges, written.edges);
+    assert_eq!(read.rig, written.rig);
+    assert_eq!(read.ground, written.ground);
     assert_eq!((read.up, read.up_is_guessed), (written.up, true));
     let lit = scene.clone().with_lights(world.lights.clone());
     let again = loaded.clone().into_scene().unwrap();
