@@ -19,7 +19,7 @@ use firsthit::measure::{By, inside, thickness};
 use firsthit::nearest::{Wanted, closest_points, signed_distances};
 use firsthit::scene::{DirectionalLight, PointLight, SpotLight};
 use firsthit::scene::{Filter, MapRole, Maps, Wrap};
-use firsthit::shade::Lambert;
+use firsthit::shade::{Lambert, LightRig};
 use firsthit::shape::{Attribute, Between, Property, PropertyOf, PropertyValues};
 use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, trace_with};
 use firsthit::world::{NamedCamera, World};
@@ -254,6 +254,8 @@ fn world() -> World {
             ..Lambert::default()
         })),
         samples: Some(7),
+        rig: Some(LightRig::Studio),
+        ground: Some(false),
         display: DisplayTransform {
             exposure: -1.0 / 3.0,
             tone_map: ToneMap::Agx,

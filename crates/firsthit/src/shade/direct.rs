@@ -12,7 +12,7 @@
 use super::blend::Found;
 use super::found::{first_hits, light_found};
 use super::shadow::ShadowRays;
-use super::vertex::{Vertex, add_direct_light, power_share};
+use super::vertex::{Vertex, add_direct_light, first_vertices, power_share};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, Hit, settings};
 use crate::scene::Scattered;
@@ -34,15 +34,7 @@ pub(super) fn shade(
     colors: &mut [Color],
 ) {
     let has_others = shading.scene.emitters().has_others();
-    let mut vertices = Vec::with_capacity(colors.len());
-    for (k, (surface, draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
-        colors[k] = if surface.is_unlit() {
-            surface.color()
-        } else {
-            vertices.extend(Vertex::new(surface, k, *draws));
-            surface.emitted()
-        };
-    }
+    let mut vertices = first_vertices(points, colors);
     for vertex in &mut vertices {
         vertex.finds_lights = has_others || !vertex.scattering.is_diffuse();
     }

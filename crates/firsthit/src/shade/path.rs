@@ -10,7 +10,7 @@
 
 use super::blend::{Found, found};
 use super::found::light_found;
-use super::vertex::{Vertex, add_direct_light};
+use super::vertex::{Vertex, add_direct_light, first_vertices};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, Ray, RayFilter, settings};
 use crate::sampling::Draws;
@@ -32,15 +32,7 @@ pub(super) fn shade(
     points: &Points<'_>,
     colors: &mut [Color],
 ) {
-    let mut vertices = Vec::with_capacity(colors.len());
-    for (k, (surface, draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
-        colors[k] = if surface.is_unlit() {
-            surface.color()
-        } else {
-            vertices.extend(Vertex::new(surface, k, *draws));
-            surface.emitted()
-        };
-    }
+    let mut vertices = first_vertices(points, colors);
     for depth in 1..=settings.depth {
         for vertex in &mut vertices {
             vertex.finds_lights = true;

@@ -1,7 +1,7 @@
 //! Where light is scattered on its way to the camera, and what arrives there straight from lights.
 
-use super::Shading;
 use super::shadow::ShadowRays;
+use super::{Points, Shading};
 use crate::geometry::{Color, DVec3, Ray, RayFilter, unit};
 use crate::sampling::Draws;
 use crate::scene::{Arriving, Scattering, SurfaceInteraction};
@@ -21,6 +21,20 @@ pub(super) struct Vertex {
     pub(super) finds_lights: bool,
     /// Whether it is seen by mirrors and through clear matter alone: then so is the background.
     pub(super) is_straight: bool,
+}
+
+/// The vertices that the camera sees; each sum begins with what its surface gives off.
+pub(super) fn first_vertices(points: &Points<'_>, sums: &mut [Color]) -> Vec<Vertex> {
+    let mut vertices = Vec::with_capacity(sums.len());
+    for (k, (surface, draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
+        sums[k] = if surface.is_unlit() {
+            surface.color()
+        } else {
+            vertices.extend(Vertex::new(surface, k, *draws));
+            surface.emitted()
+        };
+    }
+    vertices
 }
 
 impl Vertex {
