@@ -1,24 +1,29 @@
-//! How much of each pixel lines cover.
+//! The coverage of pixels by lines.
 //!
-//! A line of width w covers, of a pixel whose centre is at a distance d from its middle, what a box of one pixel has in common with a
-//! box of width w: `(w + 1) / 2 - d`, from 0 to the smaller of 1 and w. Across a line that comes to w, whatever the width. It falls with
-//! the distance, so the largest coverage is that of the nearest piece: into how many pieces a line is cut does not matter, nor
-//! how often it is drawn, and ends and corners are round.
+//! Of a pixel whose centre is at a distance d from the middle of a line of width w, the line covers the overlap of a box of one pixel
+//! with a box of width w: `(w + 1) / 2 - d`, from 0 to the smaller of 1 and w. Its integral across the line is w, whatever the width.
+//! A pixel has the largest coverage of all pieces, which is that of the nearest: so it does not matter into how many pieces a line is
+//! cut, nor how often it is drawn, and ends and corners are round.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{DVec2, single};
 use crate::memory::zeroed;
+use crate::watch::Watch;
 
-/// Pieces of lines, from the top to the bottom.
+/// So many pieces are drawn in a row of pixels before the watch is asked again. With the widest lines that takes a few milliseconds.
+const AT_ONCE: usize = 1 << 8;
+
+/// Pieces of lines, sorted from the top to the bottom.
 #[derive(Debug, Clone)]
 pub(super) struct Drawing {
     pieces: Vec<[DVec2; 2]>,
     width: f64,
-    /// No piece is higher.
+    /// The height of the highest piece.
     highest: f64,
 }
 
@@ -26,9 +31,17 @@ fn top([a, b]: &[DVec2; 2]) -> f64 {
     a.y.min(b.y)
 }
 
+/// By all coordinates, so that the order depends on the pieces alone, and not on where the meshes are in memory.
+fn order(one: &[DVec2; 2], other: &[DVec2; 2]) -> Ordering {
+    let key = |piece: &[DVec2; 2]| [top(piece), piece[0].y, piece[0].x, piece[1].y, piece[1].x];
+    let [one, other] = [one, other].map(key);
+    let each = one.iter().zip(&other).map(|(a, b)| a.total_cmp(b));
+    each.fold(Ordering::Equal, Ordering::then)
+}
+
 impl Drawing {
     pub(super) fn new(mut pieces: Vec<[DVec2; 2]>, width: f64) -> Self {
-        pieces.par_sort_unstable_by(|a, b| top(a).total_cmp(&top(b)));
+        pieces.par_sort_unstable_by(order);
         let heights = pieces.iter().map(|[a, b]| (a.y - b.y).abs());
         Self {
             highest: heights.fold(0.0, f64::max),
@@ -41,28 +54,44 @@ impl Drawing {
         &self.pieces
     }
 
-    /// No pixel whose centre is farther away from a line is covered.
+    /// Pixels whose centres are farther away from a line are not covered.
     fn reach(&self) -> f64 {
         0.5 * (self.width + 1.0)
     }
 
     /// The coverage of the pixels of some rows and columns, row by row.
-    pub(super) fn coverage(&self, rows: Range<usize>, columns: Range<usize>) -> Result<Vec<f32>> {
+    pub(super) fn coverage(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        watch: &dyn Watch,
+    ) -> Result<Vec<f32>> {
         let mut covered = zeroed(rows.len().saturating_mul(columns.len()))?;
         let lines = covered.par_chunks_mut(columns.len().max(1));
-        lines.zip(rows).for_each(|(line, row)| {
+        lines.zip(rows).try_for_each(|(line, row)| {
             let y = row as f64 + 0.5;
-            let first = y - self.reach() - self.highest;
-            let first = self.pieces.partition_point(|piece| top(piece) < first);
-            let near = self.pieces[first..].iter();
-            for piece in near.take_while(|piece| top(piece) <= y + self.reach()) {
-                self.cover(piece, y, columns.start, line);
+            for pieces in self.near(y).chunks(AT_ONCE) {
+                if watch.is_stopped() {
+                    return Err(Error::Interrupted);
+                }
+                for piece in pieces {
+                    self.cover(piece, y, columns.start, line);
+                }
             }
-        });
+            Ok(())
+        })?;
         Ok(covered)
     }
 
-    /// Adds a piece to a row of pixels from a column on, whose centres are at `y`.
+    /// All pieces that may cover pixels whose centres are at `y`.
+    fn near(&self, y: f64) -> &[[DVec2; 2]] {
+        let first = y - self.reach() - self.highest;
+        let first = self.pieces.partition_point(|piece| top(piece) < first);
+        let rest = &self.pieces[first..];
+        &rest[..rest.partition_point(|piece| top(piece) <= y + self.reach())]
+    }
+
+    /// Draws a piece into a row of pixels, which begins at a column and whose centres are at `y`.
     fn cover(&self, piece: &[DVec2; 2], y: f64, column: usize, line: &mut [f32]) {
         let reach = self.reach();
         let [low, high] = [piece[0].x.min(piece[1].x), piece[0].x.max(piece[1].x)];
@@ -78,7 +107,7 @@ impl Drawing {
     }
 }
 
-/// The whole number below, 0 for negative ones.
+/// Rounded down; 0 for negative numbers.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -88,22 +117,24 @@ fn whole(x: f64) -> usize {
     x.floor() as usize
 }
 
-/// How far a point is from a stretch of a line.
+/// The distance from a point to a line segment.
 fn distance(point: DVec2, &[a, b]: &[DVec2; 2]) -> f64 {
     let along = b - a;
     let share = (point - a).dot(along) / along.length_squared();
-    // Of a point, which has no length, the share is NaN.
+    // The share is NaN for a segment without length.
     let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
     (point - (a + share * along)).length()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
     use super::*;
 
     fn sum(pieces: Vec<[DVec2; 2]>, width: f64) -> f64 {
         let drawing = Drawing::new(pieces, width);
-        let covered = drawing.coverage(0..60, 0..60).unwrap();
+        let covered = drawing.coverage(0..60, 0..60, &()).unwrap();
         covered.iter().map(|&x| f64::from(x)).sum()
     }
 
@@ -138,11 +169,13 @@ mod tests {
     fn lines_that_are_drawn_twice_or_in_pieces_are_the_same() {
         let [a, b] = [DVec2::new(10.0, 12.5), DVec2::new(42.0, 44.5)];
         let whole = Drawing::new(vec![[a, b]], 2.5)
-            .coverage(0..60, 0..60)
+            .coverage(0..60, 0..60, &())
             .unwrap();
         let at = |k: u32| a + f64::from(k) / 64.0 * (b - a);
         let pieces = (0..64).flat_map(|k| [[at(k), at(k + 1)]; 2]).collect();
-        let pieces = Drawing::new(pieces, 2.5).coverage(0..60, 0..60).unwrap();
+        let pieces = Drawing::new(pieces, 2.5)
+            .coverage(0..60, 0..60, &())
+            .unwrap();
         for (one, other) in whole.iter().zip(&pieces) {
             assert!((one - other).abs() < 1e-6);
         }
@@ -152,11 +185,49 @@ mod tests {
     fn a_part_is_that_part_of_the_whole() {
         let [a, b] = [DVec2::new(-5.0, 3.5), DVec2::new(70.0, 44.5)];
         let drawing = Drawing::new(vec![[a, b]], 1.5);
-        let whole = drawing.coverage(0..60, 0..60).unwrap();
-        let part = drawing.coverage(7..31, 13..60).unwrap();
+        let whole = drawing.coverage(0..60, 0..60, &()).unwrap();
+        let part = drawing.coverage(7..31, 13..60, &()).unwrap();
         assert!(part.iter().any(|&covered| covered > 0.9));
         for (k, covered) in part.iter().enumerate() {
             assert_eq!(*covered, whole[(7 + k / 47) * 60 + 13 + k % 47]);
+        }
+    }
+
+    /// Ties in height, and ties in all but one coordinate.
+    #[test]
+    fn pieces_have_one_order_however_they_were_found() {
+        let ends = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(DVec2::from);
+        let pieces = ends.iter().flat_map(|&a| ends.map(|b| [a, b]));
+        let mut pieces: Vec<[DVec2; 2]> = pieces.collect();
+        let one = Drawing::new(pieces.clone(), 1.0);
+        pieces.reverse();
+        let other = Drawing::new(pieces, 1.0);
+        assert_eq!(one.pieces(), other.pieces());
+    }
+
+    /// Stops after a number of questions.
+    struct StopsAfter(AtomicUsize);
+
+    impl Watch for StopsAfter {
+        fn is_stopped(&self) -> bool {
+            let stop = |left: usize| left.checked_sub(1);
+            self.0.fetch_update(Relaxed, Relaxed, stop).is_err()
+        }
+    }
+
+    #[test]
+    fn wide_lines_are_interrupted_within_a_row() {
+        let line = |k: i32| {
+            let x = f64::from(k) / 64.0;
+            [DVec2::new(x, 0.5), DVec2::new(x + 0.4, 0.5)]
+        };
+        let pieces: Vec<_> = (0..2000).map(line).collect();
+        let drawing = Drawing::new(pieces, 1000.0);
+        // A row asks once for every 256 pieces.
+        for (asked, is_interrupted) in [(0, true), (7, true), (8, false)] {
+            let watch = StopsAfter(AtomicUsize::new(asked));
+            let made = drawing.coverage(0..1, 0..40, &watch);
+            assert_eq!(matches!(made, Err(Error::Interrupted)), is_interrupted);
         }
     }
 
@@ -164,7 +235,7 @@ mod tests {
     fn a_point_is_round() {
         let point = DVec2::splat(20.5);
         let drawing = Drawing::new(vec![[point, point]], 3.0);
-        let covered = drawing.coverage(18..23, 18..23).unwrap();
+        let covered = drawing.coverage(18..23, 18..23, &()).unwrap();
         let row = |k: usize| &covered[5 * k..5 * k + 5];
         let slant = 2.0 - 2.0_f32.sqrt();
         assert_eq!(row(2), [0.0, 1.0, 1.0, 1.0, 0.0]);

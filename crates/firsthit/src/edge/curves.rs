@@ -1,4 +1,4 @@
-//! The lines of shapes that are no meshes, in their own space: rims, and contours in closed form.
+//! The lines of shapes other than meshes, in object space, in closed form: rims and contours.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -11,11 +11,11 @@ use crate::shape::{Cone, Disc, Shape, Sphere, Surface};
 pub(super) struct Curve {
     pub(super) path: Path,
     pub(super) kind: CurveKind,
-    /// Whether it does not go on where the one before it ends.
+    /// Whether it begins a line: it does not continue the curve before it.
     pub(super) is_first: bool,
 }
 
-/// What a line on a shape is.
+/// The kinds of lines on a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CurveKind {
     /// Where a primitive turns away from the eye.
@@ -27,7 +27,7 @@ pub(super) enum CurveKind {
 }
 
 impl CurveKind {
-    /// The primitives there.
+    /// The primitives that have the line.
     pub(super) fn primitives(&self) -> &[i32] {
         match self {
             Self::Rim(primitives) => primitives,
@@ -36,12 +36,12 @@ impl CurveKind {
     }
 }
 
-/// Where a line goes.
+/// The points of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Path {
     /// From a point to another.
     Straight([DVec3; 2]),
-    /// The eighth of an ellipse with that number: around a middle, from the first axis towards the second.
+    /// An eighth of an ellipse around a middle, the eighths numbered from the first axis towards the second.
     Eighth {
         middle: DVec3,
         axes: [DVec3; 2],
@@ -50,7 +50,7 @@ pub(super) enum Path {
 }
 
 impl Path {
-    /// The point at a share of the way.
+    /// The point at a share of its parameter, from 0 to 1.
     pub(super) fn at(&self, share: f64) -> DVec3 {
         match *self {
             Self::Straight([from, to]) => from + share * (to - from),
@@ -65,13 +65,13 @@ impl Path {
         }
     }
 
-    /// Whether it is straight.
+    /// Whether it is a straight line.
     pub(super) fn is_straight(&self) -> bool {
         matches!(self, Self::Straight(_))
     }
 }
 
-/// All lines of a shape for an eye in its space. Meshes have none here, and planes have none at all.
+/// All lines of a shape, for an eye in object space. Meshes have theirs elsewhere, and planes have none.
 pub(super) fn curves(shape: &Shape, eye: Eye) -> Vec<Curve> {
     match shape {
         Shape::Mesh(_) | Shape::Plane(_) => Vec::new(),
@@ -103,8 +103,8 @@ fn circle(
     })
 }
 
-/// The points whose tangent planes go through the eye: with the eye at a distance d from the middle they are on a circle at r^2 / d
-/// towards it.
+/// The points whose tangent planes contain the eye: with the eye at a distance d from the center they are a circle, r^2 / d nearer to
+/// the eye than the center.
 fn of_sphere(sphere: &Sphere, eye: Eye) -> Vec<Curve> {
     let (center, radius) = (sphere.center(), sphere.radius());
     let toward = eye.from(center);
@@ -112,7 +112,7 @@ fn of_sphere(sphere: &Sphere, eye: Eye) -> Vec<Curve> {
         Eye::At(_) => radius / toward.length(),
         Eye::Toward(_) => 0.0,
     };
-    // From inside there are none, and for a NaN.
+    // None from inside, nor for a NaN.
     if nearer.is_nan() || nearer >= 1.0 {
         return Vec::new();
     }
@@ -150,7 +150,7 @@ fn of_box(bounds: &Bounds) -> Vec<Curve> {
     curves
 }
 
-/// The rims of both lids, and where the eye is in a tangent plane of the side.
+/// The rims of both lids, and the lines of the side whose tangent planes contain the eye.
 ///
 /// With `e` from the bottom to the eye, of height z and length h across the axis, `r` the radius at the bottom and `s` its slope, the
 /// outward direction at an angle from that to the eye is that of such a line where h * cosine = r + s z. For an eye infinitely far away

@@ -1,22 +1,22 @@
-//! Where a picture is seen from.
+//! The eye: the point or direction that a picture is seen from.
 
 use std::cmp::Ordering;
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Lens};
 use crate::geometry::orientation::{along_normal, orient_3d};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Transform};
 
 /// An eye, in the world or in the space of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Eye {
-    /// In a point.
+    /// At a point.
     At(DVec3),
     /// Infinitely far away in a direction.
     Toward(DVec3),
 }
 
 impl Eye {
-    /// The same in an object's space.
+    /// The eye in an object's space.
     pub(super) fn in_object(self, transform: &Transform) -> Self {
         let ray = match self {
             Self::At(point) => Ray::new(point, DVec3::ZERO),
@@ -29,7 +29,7 @@ impl Eye {
         }
     }
 
-    /// The way from a point to the eye, of any length.
+    /// The direction from a point to the eye, of any length: to a point, the whole way.
     pub(super) fn from(self, point: DVec3) -> DVec3 {
         match self {
             Self::At(eye) => eye - point,
@@ -37,7 +37,7 @@ impl Eye {
         }
     }
 
-    /// Whether a triangle shows it its front, exactly. Seen edge-on, it does not.
+    /// Whether it sees the front of a triangle, decided exactly. Edge-on it does not.
     pub(super) fn sees_front(self, [a, b, c]: [DVec3; 3]) -> bool {
         let side = match self {
             Self::At(eye) => orient_3d([a, b, c, eye]),
@@ -47,12 +47,12 @@ impl Eye {
     }
 }
 
-/// A camera, asked the other way round: from points to the eye.
+/// A camera the other way round: from points to the eye.
 #[derive(Debug)]
 pub(super) struct View<'a> {
     camera: &'a Camera,
     pub(super) eye: Eye,
-    /// What rays have in common that go through a flat viewplane.
+    /// The pixels of a flat viewplane.
     grid: Option<PixelGrid>,
 }
 
@@ -70,12 +70,22 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Whether straight lines are straight in the picture.
+    /// Whether the picture of a straight line is straight.
     pub(super) fn is_flat(&self) -> bool {
         self.grid.is_some()
     }
 
-    /// How far away a point is, in units of the viewplane's distance, and from where on rays see.
+    /// The width of the picture where its left and right edges are the same directions, as in a panorama all around.
+    pub(super) fn period(&self) -> Option<f64> {
+        let fov = match self.camera.lens() {
+            Lens::Equirectangular(lens) => lens.horizontal_fov,
+            Lens::Cylindrical(lens) => lens.horizontal_fov,
+            _ => return None,
+        };
+        (fov == 360.0).then_some(self.camera.columns() as f64)
+    }
+
+    /// The depth of a point and that at which rays start, in units of the viewplane's distance.
     fn depth(&self, point: DVec3) -> Option<[f64; 2]> {
         let grid = self.grid.as_ref()?;
         let normal = grid.right.cross(grid.upwards);
@@ -83,7 +93,7 @@ impl<'a> View<'a> {
         Some([depth, f64::from(u8::from(grid.starts_on_viewplane))])
     }
 
-    /// Where in the picture a point is, unless it is behind the start of the camera's rays, or the lens does not see it.
+    /// The position of a point in the picture; `None` where it is behind the start of the camera's rays or the lens does not see it.
     pub(super) fn pixel(&self, point: DVec3) -> Option<DVec2> {
         let is_ahead = |[depth, start]: [f64; 2]| depth > start;
         let is_seen = self.depth(point).is_none_or(is_ahead);

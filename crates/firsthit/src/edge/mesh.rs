@@ -16,18 +16,18 @@ pub(super) struct Instance<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) table: &'a EdgeTable,
     pub(super) catalog: &'a Catalog,
-    /// In the object's space.
+    /// The eye, in object space.
     pub(super) eye: Eye,
-    /// The side of surfaces that the camera's rays pass through.
+    /// The side of surfaces that is culled.
     pub(super) cull: Option<Side>,
 }
 
 /// An edge that is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chosen {
-    /// Which one of the table.
+    /// Its index in the table.
     pub(super) edge: u32,
-    /// Whether it is drawn only where another object is behind it, or nothing.
+    /// Whether it is drawn only where another object or nothing is behind it.
     pub(super) is_outline: bool,
 }
 
@@ -50,7 +50,7 @@ impl Instance<'_> {
         chosen.collect()
     }
 
-    /// What an edge is, as far as somebody asks; nothing where the camera's rays pass through all that meets there.
+    /// The kinds of an edge, as far as they matter; `None` where all its faces are culled.
     fn kinds(&self, edge: &MeshEdge, edges: &Edges) -> Option<EdgeKinds> {
         let front = |of: Neighbour| self.eye.sees_front(self.mesh.corners(of.triangle as usize));
         let fronts = edge.neighbours.map(|of| of.map(front));
@@ -97,7 +97,7 @@ impl Instance<'_> {
         self.catalog.material_of(self.number, self.object, triangle)
     }
 
-    /// Whether the material of all that has an edge as its side is cut out at a share of the way along it.
+    /// Whether all triangles at an edge are cut out by their materials at a share of the way along it.
     pub(super) fn is_cut_out(&self, edge: &MeshEdge, share: f64) -> bool {
         let mut sides = edge.sides.iter().flatten();
         self.object.has_cutouts()

@@ -1,15 +1,15 @@
-//! Lines over pictures, along edges of what is there: from surfaces, not from pixels.
+//! Lines along edges, drawn over pictures. They are found on surfaces, not in pixels.
 //!
-//! 1. Find the edges of every object that have lines: of a mesh from its triangles (`table.rs`, `mesh.rs`), of other shapes in closed
+//! 1. Find the edges of every object that are drawn: of a mesh from its triangles (`table.rs`, `mesh.rs`), of other shapes in closed
 //!    form (`curves.rs`).
-//! 2. Cut their lines into pieces of half a pixel (`pieces.rs`).
-//! 3. Ask an engine for each piece whether something is between it and the eye (`sight.rs`).
-//! 4. Add up how much of each pixel the lines cover (`coverage.rs`).
+//! 2. Cut them into pieces of half a pixel (`pieces.rs`).
+//! 3. Trace a ray from each piece to the eye to find out whether it is occluded (`sight.rs`).
+//! 4. Compute how much of each pixel the lines cover (`coverage.rs`).
 //!
-//! Step 1 is as Markosian and others have it, "Real-time nonphotorealistic rendering", SIGGRAPH 1997, but for looking at all edges; rays
-//! for step 3 are from Appel, "The notion of quantitative invisibility and the machine rendering of solids", ACM 1967.
+//! Step 1 is that of Markosian and others, "Real-time nonphotorealistic rendering", SIGGRAPH 1997, but deterministic: it looks at all
+//! edges. Step 3 is from Appel, "The notion of quantitative invisibility and the machine rendering of solids", ACM 1967.
 //!
-//! Where two objects intersect there is no line, for neither has an edge there.
+//! Where two objects intersect there is no line: neither has an edge there.
 
 mod chain;
 mod coverage;
@@ -41,16 +41,16 @@ use sight::Sight;
 use strokes::Strokes;
 use table::EdgeTable;
 
-/// What lines are drawn of.
+/// The scene whose edges are drawn, and the camera that sees it.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
-    /// What is seen.
+    /// The scene.
     pub scene: &'a Scene,
-    /// Who sees it. One with an aperture is taken for a pinhole.
+    /// The camera. One with an aperture counts as a pinhole.
     pub camera: &'a Camera,
-    /// What finds out what is hidden.
+    /// The engine that traces rays for occlusion.
     pub engine: &'a dyn Engine,
-    /// The side of surfaces that the camera's rays pass through.
+    /// The side of surfaces that is culled.
     pub cull: Option<Side>,
 }
 
@@ -75,7 +75,7 @@ impl Debug for Subject<'_> {
 /// let camera = Camera::look_at(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, 45.0, 100, 100)?;
 /// let subject = Subject { scene: &scene, camera: &camera, engine: Cpu::shared(), cull: None };
 /// let lines = Lines::new(&subject, &Edges::default(), [0..100, 0..100], &())?;
-/// let covered: f32 = lines.coverage(0..100, 0..100)?.iter().sum();
+/// let covered: f32 = lines.coverage(0..100, 0..100, &())?.iter().sum();
 /// // The sphere is seen as a circle.
 /// let radius = 50.0 / 22.5_f32.to_radians().tan() / 24_f32.sqrt();
 /// assert!((covered / (std::f32::consts::TAU * radius) - 1.0).abs() < 0.01);
@@ -94,7 +94,8 @@ impl Debug for Lines {
 }
 
 impl Lines {
-    /// Those that some rows and columns of the picture need. What they cover there does not depend on which rows and columns.
+    /// The lines for some rows and columns of the picture. Their coverage of a pixel does not depend on which rows and columns these
+    /// are.
     ///
     /// # Errors
     ///
@@ -144,32 +145,43 @@ impl Lines {
             strokes.of_mesh(number, mesh, &known.1, &mut sight, watch)?;
             table = Some(known);
         }
-        Ok(Self(Drawing::new(sight.finish(watch)?, edges.width)))
+        let mut pieces = sight.finish(watch)?;
+        let across: Vec<_> = (pieces.iter())
+            .flat_map(|&ends| strokes.across_seam(ends))
+            .collect();
+        pieces.extend(across);
+        Ok(Self(Drawing::new(pieces, edges.width)))
     }
 
-    /// The pieces of the lines: columns from the picture's left edge, rows from its upper edge, as [`Camera::project`] has them.
+    /// The pieces of the lines, from the top to the bottom, in pixels from the picture's left and upper edges, as
+    /// [`Camera::project`] has them.
     pub fn pieces(&self) -> &[[DVec2; 2]] {
         self.0.pieces()
     }
 
-    /// How much of each pixel of some rows and columns is covered, from 0 to 1, row by row. They must be among those that the lines
-    /// were made for.
+    /// The coverage of the pixels of some rows and columns, from 0 to 1, row by row. They must be among those that the lines were made
+    /// for.
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] when there is not enough memory.
-    pub fn coverage(&self, rows: Range<usize>, columns: Range<usize>) -> Result<Vec<f32>> {
-        self.0.coverage(rows, columns)
+    /// [`Error::Limit`] when there is not enough memory, and [`Error::Interrupted`] when `watch` stops it.
+    pub fn coverage(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        watch: &dyn Watch,
+    ) -> Result<Vec<f32>> {
+        self.0.coverage(rows, columns, watch)
     }
 }
 
-/// The numbers of the objects that are there, those that share a mesh one after the other.
+/// The numbers of the objects that may be seen, those that share a mesh one after the other.
 fn by_mesh(objects: &[Object]) -> Vec<usize> {
-    let is_there = |object: &Object| !object.is_hidden() && !object.is_out_of_range();
+    let may_be_seen = |object: &Object| !object.is_hidden() && !object.is_out_of_range();
     let mut numbers: Vec<usize> = (0..objects.len())
-        .filter(|&number| is_there(&objects[number]))
+        .filter(|&number| may_be_seen(&objects[number]))
         .collect();
-    // Where meshes are in memory changes the order, but no picture: of all that covers a pixel the most counts.
+    // This order depends on where meshes are in memory, but nothing that is made: pieces are sorted at the end.
     numbers.sort_by_key(|&number| objects[number].mesh().map(Arc::as_ptr));
     numbers
 }

@@ -3,25 +3,33 @@
 //! A line is halved until a piece is half a pixel long at most, or out of the picture. So pieces depend on the line and the camera
 //! alone, and their middles are at shares of the line that float64 holds exactly. Where the picture of a line is torn, as at the edge of
 //! a panorama, the pieces beside the tear end within 2^-40 of the line.
+//!
+//! Where straight lines are bent in the picture, or lines are bent themselves, a part may enter the picture though both its ends are
+//! outside, or not seen at all. So only parts that span a small angle at the eye are given up: halves alone would miss the middle of a
+//! line that is long compared with its distance.
 
-use super::eye::View;
-use crate::geometry::{DVec2, DVec3};
+use super::eye::{Eye, View};
+use crate::geometry::{DVec2, DVec3, unit};
 
-/// No piece is longer, in pixels.
+/// The greatest length of a piece, in pixels.
 const LONGEST: f64 = 0.5;
 
-/// No line is halved more often, one half after the other.
+/// How often a line is halved at most, one half after the other.
 const MOST_HALVES: u32 = 40;
 
-/// A line that is not straight in the picture may leave it and come back, or turn around: so often it is halved in any case.
+/// How often a line that is not straight in space is halved in any case: it may turn back.
 const BENT_HALVES: u32 = 5;
+
+/// The cosine of the angle at the eye above which a part is halved in any case: some 2.6 degrees. Over them an arc rises a seventieth of a
+/// degree above its chord.
+const NARROW: f64 = 0.999;
 
 /// A piece of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
-    /// Where it is in the picture.
+    /// Its ends in the picture.
     pub(super) ends: [DVec2; 2],
-    /// Its middle, as a share of the line.
+    /// The share of the line at which its middle is.
     pub(super) middle: f64,
 }
 
@@ -33,7 +41,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Whether the box around two points, wider by `margin`, has a part of it.
+    /// Whether it overlaps the box around two points, wider by `margin`.
     pub(super) fn holds(&self, [a, b]: [DVec2; 2], margin: f64) -> bool {
         let (low, high) = (a.min(b) - margin, a.max(b) + margin);
         high.cmpge(self.low).all() && low.cmple(self.high).all()
@@ -43,7 +51,7 @@ impl Window {
 /// Cuts a line.
 pub(super) struct Cutter<'a, F> {
     pub(super) view: &'a View<'a>,
-    /// Where pieces count.
+    /// The part of the picture that needs pieces.
     pub(super) window: Window,
     /// The point of the world at a share of the line.
     pub(super) at: F,
@@ -51,8 +59,15 @@ pub(super) struct Cutter<'a, F> {
     pub(super) is_straight: bool,
 }
 
-/// A place of a line: its share, and where it is seen.
-type Place = (f64, Option<DVec2>);
+/// A place of a line.
+#[derive(Clone, Copy)]
+struct Place {
+    share: f64,
+    /// In the world.
+    point: DVec3,
+    /// In the picture, where it is seen.
+    pixel: Option<DVec2>,
+}
 
 impl<F: Fn(f64) -> DVec3> Cutter<'_, F> {
     /// The pieces, in order.
@@ -63,14 +78,29 @@ impl<F: Fn(f64) -> DVec3> Cutter<'_, F> {
     }
 
     fn place(&self, share: f64) -> Place {
-        (share, self.view.pixel((self.at)(share)))
+        let point = (self.at)(share);
+        Place {
+            share,
+            point,
+            pixel: self.view.pixel(point),
+        }
+    }
+
+    /// Whether two places are far apart as seen from the eye.
+    fn is_wide(&self, [from, to]: [&Place; 2]) -> bool {
+        let Eye::At(eye) = self.view.eye else {
+            return false;
+        };
+        // A NaN, as at the eye itself, is not wide.
+        unit(from.point - eye).dot(unit(to.point - eye)) < NARROW
     }
 
     fn cut(&self, [from, to]: [Place; 2], halves: u32, pieces: &mut Vec<Piece>) {
         let is_flat = self.is_straight && self.view.is_flat();
-        let is_settled = is_flat || halves >= BENT_HALVES;
-        let middle = 0.5 * (from.0 + to.0);
-        match (from.1, to.1) {
+        let has_turned = self.is_straight || halves >= BENT_HALVES;
+        let is_settled = is_flat || has_turned && !self.is_wide([&from, &to]);
+        let middle = 0.5 * (from.share + to.share);
+        match (from.pixel, to.pixel) {
             (Some(a), Some(b)) => {
                 let length = a.distance(b);
                 // Two directions near each other have nothing but directions near them between them.

@@ -1,12 +1,12 @@
-//! What is drawn, and how.
+//! Which edges are drawn, and how.
 
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Color, named, require, require_positive};
+use crate::geometry::{Color, named, require};
 
 named! {
-    /// What makes a line of an edge.
+    /// The kinds of edges.
     ///
     /// ```
     /// use firsthit::edge::EdgeKind;
@@ -15,22 +15,22 @@ named! {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub enum EdgeKind, "edge kind":
-    /// Where a surface turns away from the eye: one of two neighbours faces it, the other does not.
+    /// Where a surface turns away from the eye: one of two adjacent faces is a front face, the other a back face.
     #[default]
     "silhouette" => Silhouette;
-    /// Where two neighbours meet at an angle of their own normals, whatever the shading normals say.
+    /// Where the angle between the geometric normals of two adjacent faces is large; shading normals do not matter.
     "crease" => Crease;
-    /// Where a surface ends: an edge with one triangle, or with more than two.
+    /// Where a surface ends: an edge of one triangle, or of more than two.
     "boundary" => Boundary;
     /// The part of silhouettes and boundaries behind which there is another object, or nothing.
     "object" => Object;
     /// Between two materials of one object.
     "material" => Material;
-    /// Between all polygons of the file.
+    /// Between the polygons of the file, all of them.
     "wireframe" => Wireframe;
 }
 
-/// A set of kinds.
+/// A set of kinds of edges.
 ///
 /// ```
 /// use firsthit::edge::{EdgeKind, EdgeKinds};
@@ -45,10 +45,10 @@ named! {
 pub struct EdgeKinds(u8);
 
 impl EdgeKinds {
-    /// None.
+    /// The empty set.
     pub const NONE: Self = Self(0);
 
-    /// Those of a list.
+    /// The set of the kinds in a list.
     pub const fn of(kinds: &[EdgeKind]) -> Self {
         let (mut bits, mut k) = (0, 0);
         while k < kinds.len() {
@@ -58,7 +58,7 @@ impl EdgeKinds {
         Self(bits)
     }
 
-    /// Those of the names in a list.
+    /// The set of the kinds with these names.
     ///
     /// # Errors
     ///
@@ -70,27 +70,27 @@ impl EdgeKinds {
         Ok(kinds)
     }
 
-    /// Whether one of them is this.
+    /// Whether the set has a kind.
     pub const fn has(self, kind: EdgeKind) -> bool {
         self.0 >> kind as u8 & 1 == 1
     }
 
-    /// The same, and one more.
+    /// The set with one more kind.
     pub const fn with(self, kind: EdgeKind) -> Self {
         Self(self.0 | 1 << kind as u8)
     }
 
-    /// Those that both sets have.
+    /// The intersection of two sets.
     pub const fn common(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 
-    /// Whether there are none.
+    /// Whether the set is empty.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// Their names.
+    /// The names of the kinds, in the order of [`EdgeKind`].
     pub fn names(self) -> Vec<&'static str> {
         let all = EdgeKind::ALL.iter().filter(|&&kind| self.has(kind));
         all.map(|kind| kind.name()).collect()
@@ -109,7 +109,7 @@ impl Default for EdgeKinds {
     }
 }
 
-/// The names, with commas between.
+/// Names, separated by commas.
 impl FromStr for EdgeKinds {
     type Err = Error;
 
@@ -118,23 +118,28 @@ impl FromStr for EdgeKinds {
     }
 }
 
-/// A pattern of dashes along a line, in pixels.
+/// A dash pattern along a line, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dash {
-    /// How long a dash is.
+    /// The length of a dash.
     pub on: f64,
-    /// How long the gap after it is.
+    /// The length of the gap after it.
     pub off: f64,
 }
 
+impl Dash {
+    /// The shortest dash or gap, in pixels. Shorter ones would look like a fainter line, and take longer to draw the shorter they are.
+    pub const SHORTEST: f64 = 0.1;
+}
+
 impl Default for Dash {
-    /// Six pixels, and a gap of four.
+    /// A dash of six pixels and a gap of four.
     fn default() -> Self {
         Self { on: 6.0, off: 4.0 }
     }
 }
 
-/// The lines of edges, as they are drawn over a picture.
+/// How edges are drawn as lines over a picture.
 ///
 /// ```
 /// use firsthit::edge::{Dash, Edges};
@@ -147,20 +152,20 @@ impl Default for Dash {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edges {
-    /// How wide a line is, in pixels. Below 1 lines are fainter, by the part of a pixel that they cover.
+    /// Line width in pixels. Lines narrower than a pixel are fainter, for they cover that much less of it.
     pub width: f64,
-    /// Neighbours whose normals are more than so many degrees apart meet in a crease.
+    /// The angle between the normals of two adjacent faces above which their edge is a crease, in degrees.
     pub angle: f64,
-    /// Which edges have lines.
+    /// The kinds of edges that are drawn.
     pub kinds: EdgeKinds,
-    /// How lines are drawn that something hides; not at all for `None`.
+    /// Dash pattern for occluded lines; `None` omits them.
     pub hidden: Option<Dash>,
-    /// Their linear colour.
+    /// Line colour, linear.
     pub color: Color,
 }
 
 impl Default for Edges {
-    /// One pixel wide and black; creases from 30 degrees on; nothing of what is hidden.
+    /// One pixel wide and black; creases above 30 degrees; no occluded lines.
     fn default() -> Self {
         Self {
             width: 1.0,
@@ -173,15 +178,15 @@ impl Default for Edges {
 }
 
 impl Edges {
-    /// The widest line.
+    /// The largest width, in pixels.
     pub const WIDEST: f64 = 1000.0;
 
-    /// Refuses what cannot be drawn.
+    /// Checks that the lines can be drawn.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for a width that is not above 0 and up to [`Edges::WIDEST`], an angle that is not from 0 to 180 degrees, no
-    /// kinds, dashes and gaps that are not positive, and a colour that is not finite.
+    /// kinds, a dash or gap that is shorter than [`Dash::SHORTEST`] or not finite, and a colour that is not finite.
     pub fn check(&self) -> Result<()> {
         let fine = self.width > 0.0 && self.width <= Self::WIDEST;
         require(
@@ -194,8 +199,11 @@ impl Edges {
         require("edge angle", "from 0 to 180 degrees", fine, self.angle)?;
         require("edge kinds", "at least one", !self.kinds.is_empty(), "none")?;
         if let Some(Dash { on, off }) = self.hidden {
-            require_positive("hidden edges", on)?;
-            require_positive("hidden edges", off)?;
+            for length in [on, off] {
+                let fine = length >= Dash::SHORTEST && length.is_finite();
+                let expected = "finite dashes and gaps of at least 0.1 pixels";
+                require("hidden edges", expected, fine, length)?;
+            }
         }
         let fine = self.color.is_finite();
         require("edge color", "finite", fine, self.color)

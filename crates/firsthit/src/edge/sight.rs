@@ -1,8 +1,8 @@
-//! Which pieces of lines the eye sees.
+//! Which pieces of lines are visible.
 //!
-//! The ray of a piece starts at its middle, a point of the surface, and goes to the eye ([`Departure`]). So what is between the two
-//! is decided without rounding, for all meshes in the space of the line's own: neither the triangles that have the edge, nor
-//! what touches it there, can hide it by an accident of rounding, and nothing in front of it, however near, can fail to.
+//! The ray of a piece goes from its middle, a point of the surface, to the eye ([`Departure`]). Whether something is between the two is
+//! decided without rounding for all meshes with the transform of the line's own: rounding makes neither the triangles at the edge nor
+//! what touches it there occlude it, nor does it lose anything in front of it, however near.
 
 use std::mem::take;
 
@@ -22,22 +22,22 @@ const AT_ONCE: usize = 1 << 16;
 pub(super) struct Candidate {
     /// Where it is in the picture.
     pub(super) ends: [DVec2; 2],
-    /// How it is looked at; `None` where nobody looks.
+    /// How its visibility is found; `None` where it is not drawn in any case.
     pub(super) look: Option<Look>,
 }
 
-/// How a piece is looked at.
+/// How the visibility of a piece is found.
 #[derive(Debug, Clone)]
 pub(super) struct Look {
     /// From its middle to the eye.
     pub(super) ray: Ray,
-    /// The direction of the ray that goes on past it.
+    /// The direction of the ray that continues behind it.
     pub(super) away: DVec3,
     /// The surface that it is a point of.
     pub(super) departure: Departure,
-    /// Other surfaces there.
+    /// Other surfaces at the edge.
     pub(super) skip: [Option<SurfaceId>; 2],
-    /// Whether it is drawn only where another object is behind it, or nothing.
+    /// Whether it is drawn only where another object or nothing is behind it.
     pub(super) is_outline: bool,
 }
 
@@ -49,11 +49,11 @@ struct Waiting {
     along: f64,
 }
 
-/// Sorts out what is seen.
+/// Finds the pieces that are drawn.
 pub(super) struct Sight<'a> {
     scene: &'a Scene,
     engine: &'a dyn Engine,
-    /// The side of surfaces that the camera's rays pass through.
+    /// The side of surfaces that is culled.
     cull: Option<Side>,
     hidden: Option<Dash>,
     waiting: Vec<Waiting>,
@@ -108,7 +108,7 @@ impl<'a> Sight<'a> {
     /// Traces the rays of all pieces that wait.
     fn look(&mut self, watch: &dyn Watch) -> Result<()> {
         let mut waiting = take(&mut self.waiting);
-        // A ray the other way meets the other side.
+        // A ray from the surface to the eye meets the other side.
         let cull = self.cull.map(|side| match side {
             Side::Front => Side::Back,
             Side::Back => Side::Front,
@@ -138,7 +138,7 @@ impl<'a> Sight<'a> {
         Ok(())
     }
 
-    /// Whether each piece has what it takes behind it: of those that must, another object or nothing.
+    /// Whether each piece is drawn for what is behind it: an outline needs another object or nothing.
     fn outlines(&self, waiting: &[Waiting], watch: &dyn Watch) -> Result<Vec<bool>> {
         let mut is_wanted = vec![true; waiting.len()];
         if !waiting.iter().any(|piece| piece.look.is_outline) {
@@ -166,7 +166,7 @@ fn filters(waiting: &[Waiting], cull: Option<Side>) -> Vec<RayFilter> {
     waiting.iter().map(filter).collect()
 }
 
-/// The parts of a piece that are within dashes; it begins `along` its line.
+/// The parts of a piece that are within dashes. It begins at a distance of `along` from the start of its line.
 fn dashes(
     [from, to]: [DVec2; 2],
     along: f64,

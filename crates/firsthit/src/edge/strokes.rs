@@ -16,10 +16,10 @@ use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Surface};
 use crate::watch::Watch;
 
-/// By so much of a ray's length rays from contours lean outwards.
+/// Rays from contours lean outwards by this share of their length.
 const TILT: f64 = 1e-9;
 
-/// So many edges are cut at once.
+/// The number of edges that are cut at once.
 const AT_ONCE: usize = 1 << 10;
 
 /// Makes the lines of objects.
@@ -27,11 +27,11 @@ pub(super) struct Strokes<'a> {
     pub(super) scene: &'a Scene,
     pub(super) view: View<'a>,
     pub(super) edges: &'a Edges,
-    /// The side of surfaces that the camera's rays pass through.
+    /// The side of surfaces that is culled.
     pub(super) cull: Option<Side>,
-    /// All of the picture, and as far around it as lines reach.
+    /// The whole picture, and around it as much as half a line's width reaches.
     pub(super) picture: Window,
-    /// The part of it that is made.
+    /// The same for the part of it that is rendered.
     pub(super) part: Window,
 }
 
@@ -42,14 +42,22 @@ impl Strokes<'_> {
         (&self.scene.objects()[number], identifier)
     }
 
-    /// A piece, looked at where that matters.
+    /// A piece, with its look where it is within the part.
     fn candidate(&self, piece: &Piece, look: impl FnOnce() -> Option<Look>) -> Candidate {
         let ends = piece.ends;
-        let matters = self.part.holds(ends, 0.0);
+        let matters = self.part.holds(ends, 0.0) || self.across_seam(ends).next().is_some();
         Candidate {
             ends,
             look: matters.then(look).flatten(),
         }
+    }
+
+    /// A piece as it is seen within the part from across the seam of a panorama: it may be wide enough to reach beyond.
+    pub(super) fn across_seam(&self, ends: [DVec2; 2]) -> impl Iterator<Item = [DVec2; 2]> {
+        let periods = self.view.period().into_iter();
+        let moves = periods.flat_map(|period| [-period, period]);
+        let moved = moves.map(move |by| ends.map(|end| end + DVec2::new(by, 0.0)));
+        moved.filter(|&ends| self.part.holds(ends, 0.0))
     }
 
     /// The lines of a mesh.
@@ -90,7 +98,7 @@ impl Strokes<'_> {
         Ok(())
     }
 
-    /// The order in which edges are drawn: along lines, if they may be dashed.
+    /// The order in which edges are drawn: along chains, if they may be dashed.
     fn links(&self, table: &EdgeTable, chosen: &[Chosen]) -> Vec<Link> {
         if self.edges.hidden.is_none() {
             let alone = |edge| Link {
@@ -133,7 +141,7 @@ impl Strokes<'_> {
         candidates
     }
 
-    /// How a point of an edge is looked at, `share` of the way along it. None of the triangles that have the edge hides it.
+    /// The look of a point of an edge, `share` of the way along it. The triangles at the edge do not occlude it.
     fn look_at_edge(
         &self,
         of: &Instance<'_>,
@@ -168,7 +176,7 @@ impl Strokes<'_> {
         })
     }
 
-    /// The lines of a shape that is no mesh.
+    /// The lines of a shape that is not a mesh.
     pub(super) fn of_shape(
         &self,
         number: usize,
@@ -197,7 +205,7 @@ impl Strokes<'_> {
         Ok(())
     }
 
-    /// How a point of a line on a shape is looked at. `toward` the eye is in the shape's space, as the point is.
+    /// The look of a point of a line on a shape. The point and the direction `toward` the eye are in object space.
     #[expect(clippy::too_many_lines, reason = "one decision after the other")]
     fn look_at_curve(
         &self,
@@ -241,7 +249,7 @@ impl Strokes<'_> {
         if !(is_drawn || ends_surface && kinds.has(EdgeKind::Object)) {
             return None;
         }
-        // A solid does not hide what one of its parts shows to the eye; what none shows, it hides.
+        // A solid does not occlude a point of it where one of its primitives faces the eye, and does where none does.
         let by_facing = |&&a: &&i32, &&b: &&i32| faces(a).total_cmp(&faces(b));
         let is_shown = primitives.iter().any(|&primitive| faces(primitive) > 0.0);
         let &primitive = if is_shown {

@@ -2,8 +2,8 @@
 //!
 //! 1. Vertices in one place are one. A triangle with two corners in one place, or with the corners of an earlier one, does not count.
 //! 2. Sort the sides of triangles by their ends: those of one edge are side by side.
-//! 3. A triangle that is thinner than its coordinates are exact has no normal to speak of. Meshes of CAD programs have them along
-//!    seams. What is across its longest side is the neighbour at its other two, and the longest side itself is no edge.
+//! 3. A triangle that is thinner than the rounding of its coordinates has no meaningful normal. Meshes of CAD programs have such slivers
+//!    along seams. The triangle across its longest side is the neighbour at its other two, and its longest side is not an edge.
 
 use rayon::prelude::*;
 
@@ -12,11 +12,11 @@ use crate::geometry::{DVec2, DVec3};
 use crate::memory;
 use crate::shape::{Mesh, Positions, Welded};
 
-/// What a triangle takes at most while the table is made, in bytes: its places, three sides and three edges.
+/// The memory that a triangle needs at most while the table is made, in bytes: its places, three sides and three edges.
 const TRIANGLE_BYTES: usize =
     3 * size_of::<[u32; 3]>() + 3 * size_of::<Side>() + 3 * size_of::<MeshEdge>();
 
-/// So many thin triangles are looked through, one behind the other.
+/// The number of thin triangles in a row that are looked through.
 const MOST_THIN: usize = 16;
 
 /// A side of a triangle.

@@ -11,19 +11,19 @@ pub(super) static EDGES: Record = Record {
     variants: &[Variant {
         pick: Pick::Always,
         keys: &[keys! {
-            /// How wide a line is, in pixels; below 1 it is fainter. Default: 1.
+            /// Line width in pixels; lines narrower than a pixel are fainter. Default: 1.
             width: optional(Form::UpTo(Edges::WIDEST)),
-            /// Neighbours whose normals are more than so many degrees apart meet in a crease. Default: 30.
+            /// The angle between the normals of two adjacent faces above which their edge is a crease, in degrees. Default: 30.
             angle: optional(Form::From(0.0, 180.0)),
-            /// Which edges have lines. Default: ["silhouette", "crease", "boundary", "material"].
+            /// The kinds of edges that are drawn. Default: ["silhouette", "crease", "boundary", "material"].
             kinds: optional(Form::SomeOf(|| EdgeKind::NAMES.to_vec(), None)),
-            /// Whether lines that something hides are drawn, dashed. Default: false.
+            /// Whether occluded lines are drawn, dashed. Default: false.
             hidden: optional(Form::Boolean),
-            /// How long a dash is, in pixels. Default: 6.
-            dash: optional(Form::UpTo(Edges::WIDEST)),
-            /// How long the gap after a dash is, in pixels. Default: 4.
-            gap: optional(Form::UpTo(Edges::WIDEST)),
-            /// Their colour. Default: black.
+            /// The length of a dash in pixels, at least 0.1. Default: 6.
+            dash: optional(Form::From(Dash::SHORTEST, Edges::WIDEST)),
+            /// The length of the gap after a dash in pixels, at least 0.1. Default: 4.
+            gap: optional(Form::From(Dash::SHORTEST, Edges::WIDEST)),
+            /// Line colour. Default: black.
             color: optional(Form::Color),
         }],
         rules: &[Rule::Needs("dash", "hidden"), Rule::Needs("gap", "hidden")],
