@@ -56,6 +56,22 @@ impl Bounds {
         self.low.is_finite() && self.high.is_finite()
     }
 
+    /// Whether a ray may meet the box, at any parameter from 0 on: false only where it does not, more than rounding away from it.
+    pub(crate) fn may_be_met(&self, origin: DVec3, direction: DVec3) -> bool {
+        let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let inverse = 1.0 / direction[axis];
+            let [a, b] =
+                [self.low, self.high].map(|corner| (corner[axis] - origin[axis]) * inverse);
+            // A ray along a face gives NaN: this axis says nothing then.
+            if !a.is_nan() && !b.is_nan() {
+                enters = enters.max(a.min(b));
+                leaves = leaves.min(a.max(b));
+            }
+        }
+        enters <= leaves * (1.0 + 1e-12)
+    }
+
     /// Whether `point` is inside or on the border.
     pub fn contains(&self, point: DVec3) -> bool {
         self.low.cmple(point).all() && point.cmple(self.high).all()
@@ -97,5 +113,30 @@ impl Bounds {
         } else {
             Self::EVERYTHING
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rays to points of the box may meet it, along its faces too; those that go by do not.
+    #[test]
+    fn no_ray_that_meets_a_box_is_left_out() {
+        let bounds = Bounds::of([DVec3::new(-1.0, 0.0, 2.0), DVec3::new(3.0, 0.5, 2.0)]);
+        let mut misses = 0;
+        for k in 0..1000_u32 {
+            // Steps by square roots of primes are spread evenly.
+            let step = |axis: usize| [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0][axis].sqrt();
+            let u = |axis: usize| (f64::from(k) * step(axis)).fract();
+            let target = bounds.low + DVec3::new(u(0), u(1), u(2)) * bounds.size();
+            let origin = 6.0 * DVec3::new(u(3), u(4), u(5)) - 2.0;
+            assert!(bounds.may_be_met(origin, target - origin));
+            let along = DVec3::new(bounds.low.x, origin.y, bounds.low.z);
+            assert!(bounds.may_be_met(along, DVec3::new(0.0, 0.25 - along.y, 0.0)));
+            misses += u32::from(!bounds.may_be_met(origin, origin - target));
+        }
+        assert!(misses > 900, "{misses}");
+        assert!(Bounds::EVERYTHING.may_be_met(DVec3::ONE, DVec3::X));
     }
 }

@@ -1,3 +1,5 @@
+use std::sync::LazyLock;
+
 use super::DVec3;
 
 /// A linear colour: red, green, blue with Rec. 709 primaries, 1 being a white surface in full light.
@@ -37,6 +39,15 @@ pub fn srgb_decode(encoded: f64) -> f64 {
     }
 }
 
+/// The linear value of an 8-bit level of sRGB.
+pub(crate) fn srgb_decode_level(level: u8) -> f64 {
+    static TABLE: LazyLock<[f64; 256]> = LazyLock::new(|| {
+        let mut levels = 0_u8..=255;
+        std::array::from_fn(|_| srgb_decode(f64::from(levels.next().unwrap_or(255)) / 255.0))
+    });
+    TABLE[usize::from(level)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,6 +64,14 @@ mod tests {
         }
         assert_eq!(srgb_encode(f64::NAN), 0.0);
         assert_eq!(srgb_encode(7.0), srgb_encode(1.0));
+    }
+
+    #[test]
+    fn levels_are_decoded_as_their_shares_of_255() {
+        for level in 0..=255 {
+            let share = f64::from(level) / 255.0;
+            assert_eq!(srgb_decode_level(level), srgb_decode(share), "{level}");
+        }
     }
 
     /// The middle grey that everybody knows: byte 188 is half the light.

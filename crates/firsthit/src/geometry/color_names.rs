@@ -1,6 +1,6 @@
 //! Colours by name.
 
-use super::color::{Color, srgb_decode};
+use super::color::{Color, srgb_decode_level};
 
 /// The linear colour that a text names: sRGB as `#rrggbb` or in short as `#rgb`, or one of the names of CSS (CSS
 /// Color Module Level 4), all in any case.
@@ -35,7 +35,7 @@ pub fn color_of(text: &str) -> Option<Color> {
 /// The linear colour of three sRGB levels, `0xrrggbb`.
 fn linear(levels: u32) -> Color {
     let [_, red, green, blue] = levels.to_be_bytes();
-    Color::from([red, green, blue].map(|level| srgb_decode(f64::from(level) / 255.0)))
+    Color::from([red, green, blue].map(srgb_decode_level))
 }
 
 /// The sRGB colour, as `#rrggbb`, that was probably meant by linear numbers which are whole and up to 255, and not

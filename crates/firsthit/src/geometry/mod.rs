@@ -25,8 +25,10 @@ mod tone_map;
 mod transform;
 
 pub use bounds::Bounds;
+pub(crate) use color::srgb_decode_level;
 pub use color::{Color, luminance, srgb_decode, srgb_encode};
 pub use color_map::ColorMap;
+pub(crate) use color_map::fraction;
 pub use color_names::{COLOR_NAMES, color_of, meant_as_levels};
 #[cfg(feature = "frame")]
 pub use digest::Digest;
@@ -38,6 +40,7 @@ pub use ray::{Filtered, Ray, Rays};
 pub use ray_filter::{Departure, RayFilter, Side, SurfaceId};
 pub(crate) use require::{require, require_direction, require_finite, require_positive};
 pub use rotation::rotation;
+pub(crate) use rotation::upright;
 pub use settings::{Domain, Field, Kind, Setting, Settings, Value};
 pub(crate) use settings::{kinds, settings};
 pub use tone_map::ToneMap;

@@ -13,13 +13,30 @@ pub fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
     // Rodrigues' formula.
     let axis = unit(axis);
     let (sin, cos) = sin_cos(degrees);
-    let across = DMat3::from_cols(
+    let across = crossed(axis);
+    let along = DMat3::from_cols(axis.x * axis, axis.y * axis, axis.z * axis);
+    DMat3::from_diagonal(DVec3::splat(cos)) + across * sin + along * (1.0 - cos)
+}
+
+/// The rotation that takes +y the shortest way to `up`, of any length but zero; straight down it is half a turn about +x.
+pub(crate) fn upright(up: DVec3) -> DMat3 {
+    let up = unit(up);
+    let nearness = 1.0 + up.y;
+    if nearness <= 0.0 {
+        return DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
+    }
+    // Rodrigues' formula, in which the sine is the axis' length: 1 - cos = sin^2 / (1 + cos).
+    let across = crossed(DVec3::Y.cross(up));
+    DMat3::IDENTITY + across + across * across * (1.0 / nearness)
+}
+
+/// The matrix whose product with a vector is `axis` crossed with it.
+fn crossed(axis: DVec3) -> DMat3 {
+    DMat3::from_cols(
         DVec3::new(0.0, axis.z, -axis.y),
         DVec3::new(-axis.z, 0.0, axis.x),
         DVec3::new(axis.y, -axis.x, 0.0),
-    );
-    let along = DMat3::from_cols(axis.x * axis, axis.y * axis, axis.z * axis);
-    DMat3::from_diagonal(DVec3::splat(cos)) + across * sin + along * (1.0 - cos)
+    )
 }
 
 /// Sine and cosine of degrees, exact for quarter turns: radians could not say those.
@@ -60,6 +77,25 @@ mod tests {
             (360e9, (0.0, 1.0)),
         ] {
             assert_eq!(sin_cos(degrees), expected, "{degrees}");
+        }
+    }
+
+    #[test]
+    fn what_is_up_becomes_up_the_shortest_way() {
+        assert_eq!(upright(DVec3::Y), DMat3::IDENTITY);
+        let of_z = upright(3.0 * DVec3::Z);
+        assert_eq!(of_z, DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+        for up in [
+            DVec3::NEG_Y,
+            DVec3::X,
+            DVec3::new(1.0, -2.0, 0.5),
+            DVec3::new(1e-9, -1.0, 0.0),
+        ] {
+            let turn = upright(up);
+            let axis = DVec3::Y.cross(unit(up));
+            assert!((turn * DVec3::Y - unit(up)).length() < 1e-6, "{up}");
+            assert!((turn * axis - axis).length() < 1e-6, "{up}");
+            assert!((turn.determinant() - 1.0).abs() < 1e-6, "{up}");
         }
     }
 

@@ -26,7 +26,7 @@ pub enum Domain {
     /// A number above zero.
     Positive,
     /// A number above zero, or infinity.
-    Reach,
+    PositiveOrInfinite,
     /// A whole number from the first to the last.
     Whole(u32, u32),
     /// A point in the world.
@@ -48,7 +48,7 @@ pub struct Setting {
     pub about: &'static str,
     /// Which values it may have.
     pub domain: Domain,
-    /// Whether it has to be given: there is no usual value.
+    /// Whether it has to be given: there is no default value.
     pub is_required: bool,
 }
 
@@ -117,7 +117,7 @@ impl Domain {
             Self::From(..) => "a number in its range",
             Self::NonNegative => "zero or a positive, finite number",
             Self::Positive => "a positive, finite number",
-            Self::Reach => "a positive number, or infinity",
+            Self::PositiveOrInfinite => "a positive number, or infinity",
             Self::Whole(..) => "a whole number in its range",
             Self::Position => "three finite numbers",
             Self::Direction => "three finite numbers that are not all zero",
@@ -146,7 +146,7 @@ impl Domain {
             (Self::From(least, most), Value::Number(x)) => (least..=most).contains(&x),
             (Self::NonNegative, Value::Number(x)) => (0.0..f64::INFINITY).contains(&x),
             (Self::Positive, Value::Number(x)) => x > 0.0 && x < f64::INFINITY,
-            (Self::Reach, Value::Number(x)) => x > 0.0,
+            (Self::PositiveOrInfinite, Value::Number(x)) => x > 0.0,
             (Self::Whole(least, most), Value::Number(x)) => {
                 (f64::from(least)..=f64::from(most)).contains(&x) && x.fract() == 0.0
             }
@@ -168,9 +168,11 @@ impl Domain {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         match self {
             Self::Flag => text.trim().parse().ok().map(Value::Flag),
-            Self::From(..) | Self::NonNegative | Self::Positive | Self::Reach | Self::Whole(..) => {
-                number(text).map(Value::Number)
-            }
+            Self::From(..)
+            | Self::NonNegative
+            | Self::Positive
+            | Self::PositiveOrInfinite
+            | Self::Whole(..) => number(text).map(Value::Number),
             Self::Color | Self::Light => {
                 let named = color_of(text).map(Value::Vector);
                 named
@@ -271,10 +273,10 @@ impl Field for Color {
     }
 }
 
-/// Makes a struct of settings, each with its domain and its usual value, or `required`.
+/// Makes a struct of settings, each with its domain and its default value, or `required`.
 macro_rules! settings {
     (@required required $_default:expr) => { true };
-    (@required usual $_default:expr) => { false };
+    (@required default $_default:expr) => { false };
     ($(#[$doc:meta])* pub struct $kind:ident {
         $($(#[doc = $about:literal])+ $field:ident: $type:ty, $domain:expr, $need:ident $default:expr;)*
     }) => {
@@ -285,7 +287,7 @@ macro_rules! settings {
         }
 
         impl Default for $kind {
-            /// The usual values; those that have to be given are there only to be replaced.
+            /// The default values; those that have to be given are there only to be replaced.
             fn default() -> Self {
                 Self { $($field: $default,)* }
             }
@@ -330,7 +332,7 @@ macro_rules! kinds {
             /// Every kind's name.
             pub const NAMES: &[&'static str] = &[$($name),*];
 
-            /// One of this name, with its usual settings. Those that have to be given are there only to be replaced.
+            /// One of this name, with its default settings. Those that have to be given are there only to be replaced.
             ///
             /// # Errors
             ///
@@ -343,6 +345,23 @@ macro_rules! kinds {
                         Err($crate::error::Error::argument($what, expected, name))
                     }
                 }
+            }
+
+            /// One of this name with these settings, by their names; the others have their defaults.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::Argument`](crate::Error::Argument) for a name that is not in the list, for a setting that it does not have, and
+            /// for a value that makes no sense.
+            pub fn from_settings<'a>(
+                name: &str,
+                settings: impl IntoIterator<Item = (&'a str, $crate::geometry::Value)>,
+            ) -> $crate::error::Result<Self> {
+                let mut made = Self::named(name)?;
+                for (name, value) in settings {
+                    made.set(name, value)?;
+                }
+                made.check().map(|()| made)
             }
 
             /// What there is to be set.
@@ -394,11 +413,11 @@ mod tests {
             /// Where it is.
             position: DVec3, Domain::Position, required DVec3::ZERO;
             /// How bright.
-            color: Color, Domain::Color, usual Color::ONE;
+            color: Color, Domain::Color, default Color::ONE;
             /// How often.
-            count: u32, Domain::Whole(1, 9), usual 2;
+            count: u32, Domain::Whole(1, 9), default 2;
             /// Whether.
-            is_on: bool, Domain::Flag, usual true;
+            is_on: bool, Domain::Flag, default true;
         }
     }
 

@@ -37,8 +37,8 @@ pub struct Metadata {
     /// What made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
-    /// The number of samples whose mean is a pixel's colour, and whose shares are those of its mattes; other channels are sampled at
-    /// the pixel's centre.
+    /// The number of samples whose mean is a pixel's colour, and whose shares are those of its mattes: where a noise ends
+    /// them earlier, the most that a pixel has. Other channels are sampled at the pixel's centre.
     pub samples: Option<u32>,
     /// How the colours were made, if there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -199,7 +199,7 @@ impl Metadata {
             pixels: (frame.shape.len() == 2).then(|| Pixels::from(first_pixel)),
             samples: samples.filter(|_| has_samples),
             shading: shading.filter(|_| has(COLOR) || has(STATE)),
-            colors: colors.filter(|_| has_colors),
+            colors: colors.filter(|_| has_colors || has(STATE)),
             channels: (channels.iter())
                 .map(|channel| ChannelRecord::of(channel, has_units, stored(channel)))
                 .collect(),

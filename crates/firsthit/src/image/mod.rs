@@ -7,9 +7,9 @@
 //! Colours are linear in a frame; PNG and point clouds apply the sRGB curve, and PNG a [`DisplayTransform`](crate::DisplayTransform) before it if asked
 //! to. Nothing is filtered or resized, and the same frame gives the same bytes on every machine.
 
-mod color_bar;
 #[cfg(feature = "png")]
-mod colormap;
+mod channel_colors;
+mod color_bar;
 mod compare;
 mod content;
 mod cryptomatte;
@@ -42,9 +42,9 @@ mod steps;
 #[cfg(feature = "png")]
 mod tones;
 
-pub use color_bar::{ColorBar, ColorsRecord};
 #[cfg(feature = "png")]
-pub use colormap::{color_of_identifier, legend, short_legend};
+pub use channel_colors::{color_of_identifier, legend, short_legend};
+pub use color_bar::{ColorBar, ColorsRecord};
 pub use compare::{Difference, compare};
 pub use content::WriteSettings;
 pub use cryptomatte::{Cryptomatte, matte_id};

@@ -19,7 +19,8 @@ pub struct Origin {
     /// What made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
-    /// The number of samples whose mean is a pixel's colour, if there are colours or mattes.
+    /// The number of samples whose mean is a pixel's colour, if there are colours or mattes; the most that a pixel has, where a noise
+    /// ends them earlier.
     pub samples: Option<u32>,
     /// How colours were made; a file says it of colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]

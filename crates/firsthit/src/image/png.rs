@@ -2,7 +2,7 @@ use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
-use super::colormap::{ColorMap, legend};
+use super::channel_colors::{ChannelColors, legend};
 use super::content::{Content, WriteSettings, picture_sides, refuse_mattes};
 use super::frame::{Channel, Display};
 use super::metadata::{Encoding, KEY, Stored};
@@ -105,7 +105,7 @@ fn encode_colors(
     row: usize,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let map = ColorMap::of(channel, display);
+    let map = ChannelColors::of(channel, display);
     let values_of_row = row / map.bytes() * channel.components;
     let mut values = Vec::with_capacity(values_of_row);
     let mut bytes = vec![0; row];

@@ -1,4 +1,7 @@
-//! Choices with given weights: tables of cumulative sums, searched by halving.
+//! Choices with given weights, by inversion of the cumulative distribution: the chosen one is that whose interval of the cumulative
+//! sums a number falls into, found by halving (Devroye, "Non-Uniform Random Variate Generation", 1986, chapter III.2). In a grid a row
+//! is chosen by the sums of rows, and then a cell by those within the row (Pharr, Jakob and Humphreys, "Physically Based Rendering",
+//! 4th edition, 2023, appendix A).
 
 use crate::geometry::DVec2;
 

@@ -11,6 +11,7 @@
 //! Of any 2^m samples from a multiple of 2^m on, each interval of 1 / 2^m has one, in each coordinate; and each rectangle of that area
 //! has one in the first two.
 
+use super::sobol;
 use crate::geometry::DVec2;
 
 /// The numbers of one sample of one pixel, for a shader to draw from.
@@ -138,42 +139,14 @@ fn reversed_sobol(index: u32, axis: usize) -> u32 {
 /// What each byte of an index adds to the coordinates 1, 2 and 3.
 static TABLES: [[[u32; 256]; 4]; 3] = [
     // x + 1.
-    table(&directions(1, 0, [1, 0, 0])),
+    table(&sobol::SECOND),
     // x^2 + x + 1.
-    table(&directions(2, 1, [1, 3, 0])),
+    table(&sobol::directions(2, 0b1, [1, 3, 0])),
     // x^3 + x + 1.
-    table(&directions(3, 1, [1, 3, 1])),
+    table(&sobol::directions(3, 0b01, [1, 3, 1])),
 ];
 
-/// The direction numbers of a primitive polynomial over two elements, their bits reversed, by the recurrence of Bratley and Fox
-/// ("Algorithm 659", ACM Transactions on Mathematical Software 14(1), 1988). `inner` has the coefficients between the first and the last.
-const fn directions(degree: usize, inner: u32, first: [u32; 3]) -> [u32; 32] {
-    let mut numbers = [0_u32; 32];
-    let mut k = 0;
-    while k < 32 {
-        numbers[k] = if k < degree {
-            first[k] << (31 - k)
-        } else {
-            let mut number = numbers[k - degree] ^ (numbers[k - degree] >> degree);
-            let mut j = 1;
-            while j < degree {
-                if inner >> (degree - 1 - j) & 1 == 1 {
-                    number ^= numbers[k - j];
-                }
-                j += 1;
-            }
-            number
-        };
-        k += 1;
-    }
-    k = 0;
-    while k < 32 {
-        numbers[k] = numbers[k].reverse_bits();
-        k += 1;
-    }
-    numbers
-}
-
+/// What each byte of an index adds to a coordinate, its bits reversed.
 const fn table(directions: &[u32; 32]) -> [[u32; 256]; 4] {
     let mut table = [[0; 256]; 4];
     let mut byte = 0;
@@ -183,7 +156,7 @@ const fn table(directions: &[u32; 32]) -> [[u32; 256]; 4] {
             let mut bit = 0;
             while bit < 8 {
                 if value >> bit & 1 == 1 {
-                    table[byte][value] ^= directions[8 * byte + bit];
+                    table[byte][value] ^= directions[8 * byte + bit].reverse_bits();
                 }
                 bit += 1;
             }

@@ -4,6 +4,7 @@ pub(crate) mod distribution;
 mod draws;
 #[cfg(feature = "frame")]
 mod pixel;
+mod sobol;
 pub(crate) mod warp;
 
 pub use draws::Draws;

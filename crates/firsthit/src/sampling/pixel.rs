@@ -1,6 +1,6 @@
 //! Points within a pixel, and on a lens.
 
-use super::warp;
+use super::{sobol, warp};
 use crate::geometry::{DVec2, PixelGrid};
 
 /// The point of every pixel that its ray `sample` goes through, each coordinate from 0 up to 1. The first is the centre.
@@ -14,7 +14,8 @@ pub(crate) fn offset(sample: u32) -> DVec2 {
     if sample == 0 {
         return PixelGrid::CENTRE;
     }
-    DVec2::new(scrambled(sample.reverse_bits()), scrambled(sobol(sample)))
+    let second = combined(sample, &sobol::SECOND);
+    DVec2::new(scrambled(sample.reverse_bits()), scrambled(second))
 }
 
 /// The point of the lens that the rays of a sample come from, in the disc of radius one. The first is the middle.
@@ -44,52 +45,16 @@ fn scrambled(bits: u32) -> f64 {
 /// The direction numbers of the lens' two dimensions.
 const DIRECTIONS: [[u32; 32]; 2] = [
     // x^3 + x + 1.
-    directions([false, true], [1, 1, 5]),
+    sobol::directions(3, 0b01, [1, 1, 5]),
     // x^3 + x^2 + 1.
-    directions([true, false], [1, 3, 1]),
+    sobol::directions(3, 0b10, [1, 3, 1]),
 ];
-
-/// The direction numbers of the primitive polynomial `x^3 + a x^2 + b x + 1` over two elements, in units of 2^-32, from the first
-/// three: the recurrence of Bratley and Fox, "Algorithm 659", ACM Transactions on Mathematical Software 14(1), 1988.
-const fn directions([a, b]: [bool; 2], first: [u32; 3]) -> [u32; 32] {
-    let mut numbers = [0; 32];
-    let mut k = 0;
-    while k < 32 {
-        numbers[k] = if k < 3 {
-            first[k] << (31 - k)
-        } else {
-            let mut number = numbers[k - 3] ^ (numbers[k - 3] >> 3);
-            if a {
-                number ^= numbers[k - 1];
-            }
-            if b {
-                number ^= numbers[k - 2];
-            }
-            number
-        };
-        k += 1;
-    }
-    numbers
-}
 
 /// The sum of the direction numbers of an index' bits.
 fn combined(index: u32, directions: &[u32; 32]) -> u32 {
     let bits = directions.iter().enumerate();
     let taken = bits.filter(|&(k, _)| index >> k & 1 == 1);
     taken.fold(0, |sum, (_, direction)| sum ^ direction)
-}
-
-/// The second dimension of Sobol's sequence, in units of 2^-32.
-fn sobol(mut index: u32) -> u32 {
-    let (mut direction, mut bits) = (1_u32 << 31, 0);
-    while index != 0 {
-        if index & 1 == 1 {
-            bits ^= direction;
-        }
-        index >>= 1;
-        direction ^= direction >> 1;
-    }
-    bits
 }
 
 #[cfg(test)]

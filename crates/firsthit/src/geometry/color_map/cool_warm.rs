@@ -36,6 +36,9 @@ pub(super) fn levels(number: f64) -> [u8; 3] {
 }
 
 /// CIELAB with the white D65 as levels of sRGB.
+///
+/// White and matrix are those of Lindbloom, rounded to fit each other, so that grey comes out grey. The daylight's matrix has more
+/// digits, and would move five of the 256 steps by one level.
 fn from_lab([lightness, a, b]: [f64; 3]) -> [u8; 3] {
     let cubed = |root: f64| {
         if root > 6.0 / 29.0 {

@@ -4,7 +4,7 @@ mod cool_warm;
 
 use std::sync::OnceLock;
 
-use super::{Color, named, srgb_decode};
+use super::{Color, named, srgb_decode_level};
 
 named! {
     /// A colour map, from the colour of 0 to that of 1 in 256 steps. But for `turbo` and `spectral`, equal differences of numbers look
@@ -53,9 +53,8 @@ impl ColorMap {
     /// ```
     pub fn color(self, number: f64) -> Color {
         let table = TABLES[self as usize].get_or_init(|| {
-            let linear = |level: u8| srgb_decode(f64::from(level) / 255.0);
             Box::new(std::array::from_fn(|step| {
-                Color::from(self.levels(step).map(linear))
+                Color::from(self.levels(step).map(srgb_decode_level))
             }))
         });
         #[expect(
@@ -67,8 +66,8 @@ impl ColorMap {
         table[step.min(STEPS - 1)]
     }
 
-    /// The levels of sRGB of a step.
-    fn levels(self, step: usize) -> [u8; 3] {
+    /// The levels of sRGB of a step, the first being 0 and the last 255.
+    pub(crate) fn levels(self, step: usize) -> [u8; 3] {
         let gradient = match self {
             Self::Viridis => colorous::VIRIDIS,
             Self::Cividis => colorous::CIVIDIS,
@@ -86,6 +85,15 @@ impl ColorMap {
     }
 }
 
+/// Where a number lies: 0 at the low end, 1 at the high end; 0 if both are the same.
+pub(crate) fn fraction(number: f64, [low, high]: [f64; 2]) -> f64 {
+    if low == high {
+        return 0.0;
+    }
+    // Halves, because the difference of two float64 may be infinite.
+    (number / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,6 +105,13 @@ mod tests {
         assert_eq!(ends(ColorMap::Grey), [[0; 3], [255; 3]]);
         assert_eq!(ends(ColorMap::Magma)[0], [0, 0, 4]);
         assert!(ends(ColorMap::Spectral)[0][0] > ends(ColorMap::Spectral)[0][2]);
+    }
+
+    #[test]
+    fn a_fraction_is_finite_for_all_finite_ends() {
+        assert_eq!(fraction(2.0, [-1.0, 3.0]), 0.75);
+        assert_eq!(fraction(f64::MAX, [-f64::MAX, f64::MAX]), 1.0);
+        assert_eq!(fraction(7.0, [7.0, 7.0]), 0.0);
     }
 
     #[test]

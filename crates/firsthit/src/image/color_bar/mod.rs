@@ -83,8 +83,8 @@ impl ColorBar {
         let outside = BOX * scale;
         let all = (NAME + GAP) * scale + height + 2 * outside;
         if is_small || all > rows {
-            let expected = "left out of so small a picture";
-            let got = format!("one for {columns} x {rows} pixels");
+            let expected = "left out of a picture that is too small for it";
+            let got = format!("{columns} x {rows} pixels");
             return Err(Error::argument("color_bar", expected, got));
         }
         let name = shortened(&record.by, widest);
@@ -250,7 +250,7 @@ mod tests {
     fn a_picture_too_small_for_it_is_refused() {
         for size in [[20, 400], [400, 60], [1, 1]] {
             let error = ColorBar::new(&record("height"), size).unwrap_err();
-            assert!(error.to_string().contains("so small a picture"), "{error}");
+            assert!(error.to_string().contains("too small for it"), "{error}");
         }
     }
 }

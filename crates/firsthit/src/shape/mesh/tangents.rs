@@ -21,8 +21,12 @@ struct Sum {
 }
 
 impl Mesh {
-    /// Tangents for normal maps by these texture coordinates, for [`with_tangents`](Self::with_tangents). Of texture coordinates
-    /// that run downwards, as in glTF.
+    /// Tangents for normal maps by these texture coordinates, for [`with_tangents`](Self::with_tangents), as `MikkTSpace` makes them
+    /// (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008). Of texture coordinates that run downwards, as in glTF.
+    ///
+    /// Each is x, y and z of the direction in which the map's columns run, across the vertex' normal (or without normals the face's own), in
+    /// object space and of length one, or zero where there is none; and 1 or -1, which the bitangent, normal cross tangent, is
+    /// to be multiplied by. Corners with the same place, normal and texture coordinates share one.
     ///
     /// # Errors
     ///
@@ -32,7 +36,16 @@ impl Mesh {
         let (mut known, mut sums) = (HashMap::<Key, u32>::new(), Vec::<Sum>::new());
         let corners = (0..self.triangles.len()).map(|triangle| {
             let corners = self.with_uvs_of(uvs, triangle);
-            let (along, is_mirrored) = along(&corners);
+            let (along, area) = self.along_columns(uvs, triangle);
+            let is_mirrored = area > 0.0;
+            // Written so that a NaN fails, as coordinates do that are all on a line.
+            let along = if is_mirrored {
+                along
+            } else if area < 0.0 {
+                -along
+            } else {
+                DVec3::ZERO
+            };
             [0, 1, 2].map(|corner| {
                 let here = &corners[corner];
                 let next = sums.len();
@@ -55,6 +68,16 @@ impl Mesh {
             values: sums.iter().map(Sum::value).collect(),
             corners: Some(corners.into()),
         })
+    }
+
+    /// The direction in which the columns of a map run on a triangle, or where the area is negative the opposite one, in object space; and
+    /// twice the triangle's signed area in texture coordinates, with which the direction's length grows.
+    pub(crate) fn along_columns(&self, uvs: &Attribute<2>, triangle: usize) -> (DVec3, f64) {
+        let [a, b, c] = self.corners(triangle);
+        let uvs = uvs.of_triangle(triangle, self);
+        let [uv_a, uv_b, uv_c] = uvs.map(|uv| DVec2::from(uv.map(f64::from)));
+        let (b, c, uv_b, uv_c) = (b - a, c - a, uv_b - uv_a, uv_c - uv_a);
+        (uv_c.y * b - uv_b.y * c, uv_b.perp_dot(uv_c))
     }
 
     fn with_uvs_of(&self, uvs: &Attribute<2>, triangle: usize) -> [Corner; 3] {
@@ -108,28 +131,6 @@ impl Corner {
         let angle = libm::acos(a?.dot(b?).clamp(-1.0, 1.0));
         Some(angle * across(along)?)
     }
-}
-
-/// The direction in which a map's columns run on a triangle, and whether the map is mirrored there.
-fn along([a, b, c]: &[Corner; 3]) -> (DVec3, bool) {
-    let uv = |corner: &Corner| DVec2::from(corner.uv.map(f64::from));
-    let (b, c, uv_b, uv_c) = (
-        b.position - a.position,
-        c.position - a.position,
-        uv(b) - uv(a),
-        uv(c) - uv(a),
-    );
-    let area = uv_b.perp_dot(uv_c);
-    let direction = uv_c.y * b - uv_b.y * c;
-    // Written so that a NaN fails, as coordinates do that are all on a line.
-    let along = if area > 0.0 {
-        direction
-    } else if area < 0.0 {
-        -direction
-    } else {
-        DVec3::ZERO
-    };
-    (along, area > 0.0)
 }
 
 #[cfg(test)]

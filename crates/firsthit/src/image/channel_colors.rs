@@ -3,7 +3,7 @@ use std::sync::LazyLock;
 use super::frame::{Channel, Display};
 use super::srgb::unit_byte;
 use super::tones::Tones;
-use crate::geometry::DisplayTransform;
+use crate::geometry::{ColorMap, DisplayTransform, fraction};
 
 type Rgb = [u8; 3];
 
@@ -11,7 +11,7 @@ type Rgb = [u8; 3];
 const BLACK: Rgb = [0; 3];
 
 /// How the values of one channel become bytes, with the ranges that depend on the whole channel.
-pub(super) enum ColorMap {
+pub(super) enum ChannelColors {
     Color(Tones),
     /// Colours with coverage (alpha): four bytes, not three.
     Transparent(Tones),
@@ -24,7 +24,7 @@ pub(super) enum ColorMap {
     Quantity(Vec<Range>),
 }
 
-impl ColorMap {
+impl ChannelColors {
     /// `display` is for colours alone.
     pub(super) fn of(channel: &Channel, display: DisplayTransform) -> Self {
         match channel.display {
@@ -119,25 +119,30 @@ fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> 
     if channel.display == Display::Matte {
         return None;
     }
-    match ColorMap::of(channel, DisplayTransform::default()) {
-        ColorMap::Color(_) | ColorMap::Transparent(_) | ColorMap::Fraction | ColorMap::Mask => None,
-        ColorMap::Distance(depths) if depths.range.is_empty() => {
+    match ChannelColors::of(channel, DisplayTransform::default()) {
+        ChannelColors::Color(_)
+        | ChannelColors::Transparent(_)
+        | ChannelColors::Fraction
+        | ChannelColors::Mask => None,
+        ChannelColors::Distance(depths) if depths.range.is_empty() => {
             Some(format!("{name}: nothing but misses"))
         }
-        ColorMap::Distance(Depths { range, middle }) => Some(format!(
+        ChannelColors::Distance(Depths { range, middle }) => Some(format!(
             "{name} from {} (yellow) to {} (violet), half of it nearer than {}; misses black",
             text(range.low),
             text(range.high),
             text(middle)
         )),
-        ColorMap::Identifier => Some(format!("{name}: a colour for each number; misses black")),
-        ColorMap::Direction => Some(format!(
+        ChannelColors::Identifier => {
+            Some(format!("{name}: a colour for each number; misses black"))
+        }
+        ChannelColors::Direction => Some(format!(
             "{name}: (x + 1) / 2, (y + 1) / 2, (z + 1) / 2 as red, green, blue; misses black"
         )),
-        ColorMap::Quantity(ranges) if ranges.iter().all(Range::is_empty) => {
+        ChannelColors::Quantity(ranges) if ranges.iter().all(Range::is_empty) => {
             Some(format!("{name}: nothing but misses"))
         }
-        ColorMap::Quantity(ranges) => {
+        ChannelColors::Quantity(ranges) => {
             if let [Range { low, high }] = &ranges[..] {
                 return Some(format!(
                     "{name} from {} (violet) to {} (yellow), linear; misses black",
@@ -155,10 +160,10 @@ fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> 
                 ranges.join(", ")
             ))
         }
-        ColorMap::Position(ranges) if ranges[0].is_empty() => {
+        ChannelColors::Position(ranges) if ranges[0].is_empty() => {
             Some(format!("{name}: nothing but misses"))
         }
-        ColorMap::Position(ranges) => {
+        ChannelColors::Position(ranges) => {
             let [x, y, z] =
                 ranges.map(|Range { low, high }| format!("{} to {}", text(low), text(high)));
             Some(format!(
@@ -196,11 +201,7 @@ impl Range {
 
     /// Where `value` lies: 0 at the low end, 1 at the high end; 0 if both are the same.
     fn fraction(&self, value: f64) -> f64 {
-        if self.low == self.high {
-            return 0.0;
-        }
-        // Halves, because the difference of two float64 may be infinite.
-        (value / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0)
+        fraction(value, [self.low, self.high])
     }
 }
 
@@ -240,9 +241,7 @@ impl Depths {
         if low == high {
             return 1.0;
         }
-        // Halves, because the difference of two float64 may be infinite.
-        let nearness =
-            |t: f64| 1.0 / (1.0 + (t / 2.0 - low / 2.0) / (self.middle / 2.0 - low / 2.0));
+        let nearness = |t: f64| 1.0 / (1.0 + fraction(t, [low, self.middle]));
         let farthest = nearness(high);
         (nearness(t) - farthest) / (1.0 - farthest)
     }
@@ -288,13 +287,9 @@ fn hsv(hue: f64, saturation: f64, value: f64) -> Rgb {
     })
 }
 
-/// 256 steps of viridis, from violet to yellow.
-static VIRIDIS: LazyLock<[Rgb; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|step| {
-        let color = colorous::VIRIDIS.eval_rational(step, 256);
-        [color.r, color.g, color.b]
-    })
-});
+/// The levels of viridis, from violet to yellow.
+static VIRIDIS: LazyLock<[Rgb; 256]> =
+    LazyLock::new(|| std::array::from_fn(|step| ColorMap::Viridis.levels(step)));
 
 #[cfg(test)]
 mod tests {
@@ -307,7 +302,7 @@ mod tests {
             .map(|index| channel.data.value(index))
             .collect();
         let mut bytes = vec![7; values.len() / components * 3];
-        let map = ColorMap::of(&channel, DisplayTransform::default());
+        let map = ChannelColors::of(&channel, DisplayTransform::default());
         map.apply(&values, components, &mut bytes);
         (bytes.as_chunks().0.to_vec(), legend(&channel))
     }
