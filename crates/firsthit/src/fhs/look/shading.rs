@@ -1,0 +1,132 @@
+//! What a file says of shading.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::super::colors::ColoringRecord;
+use super::super::number::Number;
+use super::super::record::Section;
+use super::background::BackgroundRecord;
+use super::edges::EdgesRecord;
+use super::environment::EnvironmentRecord;
+use super::kind::KindRecord;
+use crate::edge::Edges;
+use crate::error::{Error, Result};
+use crate::geometry::{DisplayTransform, ToneMap};
+use crate::io::fault::Checked;
+use crate::memory::Storage;
+use crate::scene::{Background, Coloring, Environment};
+use crate::shade::{LightRig, Shader};
+use crate::world::World;
+
+/// What a file says of shading, if anything.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::fhs) struct ShadingRecord {
+    shader: Option<KindRecord>,
+    samples: Option<u32>,
+    /// The name of the lights that go with the camera.
+    light: Option<String>,
+    ground: Option<bool>,
+    background: Option<BackgroundRecord>,
+    environment: Option<EnvironmentRecord>,
+    /// How PNGs show colours, unless unchanged: the exposure in stops, and the tone map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    exposure: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tone_map: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    colors: Option<ColoringRecord>,
+    /// Not in the files of worlds without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    edges: Option<EdgesRecord>,
+}
+
+/// As many as a picture has at most.
+const MOST_SAMPLES: u32 = 1 << 16;
+
+impl ShadingRecord {
+    /// `add` makes a section of the texels of the environment's map, if it has one.
+    pub(in crate::fhs) fn new<'a>(
+        world: &'a World,
+        add: impl FnOnce(&'a [[f32; 3]]) -> Section,
+    ) -> Self {
+        let environment = world.environment.as_deref();
+        let shader = world.shader.as_ref();
+        let DisplayTransform { exposure, tone_map } = world.display;
+        let is_mapped = tone_map != ToneMap::default();
+        Self {
+            shader: shader.map(|shader| KindRecord::new(shader.name(), shader.settings())),
+            samples: world.samples,
+            light: world.rig.map(|rig| rig.name().to_owned()),
+            ground: world.ground,
+            colors: world.coloring.as_ref().map(ColoringRecord::new),
+            background: world.background.map(BackgroundRecord::new),
+            environment: environment.map(|environment| EnvironmentRecord::new(environment, add)),
+            exposure: (exposure != 0.0).then_some(Number(exposure)),
+            tone_map: is_mapped.then(|| tone_map.name().to_owned()),
+            edges: world.edges.as_ref().map(EdgesRecord::new),
+        }
+    }
+
+    pub(in crate::fhs) fn edges(&self) -> Result<Option<Edges>> {
+        self.edges.as_ref().map(EdgesRecord::edges).transpose()
+    }
+
+    pub(in crate::fhs) fn shader(&self) -> Result<Option<Shader>> {
+        self.shader.as_ref().map(KindRecord::shader).transpose()
+    }
+
+    pub(in crate::fhs) fn rig(&self) -> Result<Option<LightRig>> {
+        self.light.as_deref().map(str::parse).transpose()
+    }
+
+    pub(in crate::fhs) fn coloring(&self) -> Result<Option<Coloring>> {
+        self.colors
+            .as_ref()
+            .map(ColoringRecord::coloring)
+            .transpose()
+    }
+
+    pub(in crate::fhs) fn ground(&self) -> Option<bool> {
+        self.ground
+    }
+
+    /// `take` gets the texels of a section.
+    pub(in crate::fhs) fn environment(
+        &self,
+        take: impl FnOnce(Section) -> Checked<Storage<[f32; 3]>>,
+    ) -> Checked<Option<Arc<Environment>>> {
+        let record = self.environment.as_ref();
+        let made = record.map(|record| record.environment(take));
+        Ok(made.transpose()?.map(Arc::new))
+    }
+
+    /// The number of samples, which is one that pictures can have.
+    pub(in crate::fhs) fn samples(&self) -> Result<Option<u32>> {
+        match self.samples {
+            Some(samples) if !(1..=MOST_SAMPLES).contains(&samples) => Err(Error::argument(
+                "samples",
+                "from 1 to 65536 in a file",
+                samples,
+            )),
+            samples => Ok(samples),
+        }
+    }
+
+    /// How PNGs show colours.
+    pub(in crate::fhs) fn display(&self) -> Result<DisplayTransform> {
+        let tone_map = self.tone_map.as_deref().map(str::parse).transpose()?;
+        let display = DisplayTransform {
+            exposure: self.exposure.map_or(0.0, |stops| stops.0),
+            tone_map: tone_map.unwrap_or_default(),
+        };
+        display.check().map(|()| display)
+    }
+
+    pub(in crate::fhs) fn background(&self) -> Result<Option<Background>> {
+        let background = self.background.as_ref();
+        background.map(BackgroundRecord::background).transpose()
+    }
+}
